@@ -1,0 +1,15 @@
+"""What is wrong, where, why and how to fix it: the vocabulary every level speaks.
+
+``model`` holds the frozen values, ``codes`` the one table of codes, ``suggest`` the near-name search.
+"""
+
+from plcgen.diagnostics.model import (
+    DiagnosticError,
+    Diagnostic,
+    Note,
+    Report,
+    Severity,
+    Span,
+)
+
+__all__ = ["Diagnostic", "DiagnosticError", "Note", "Report", "Severity", "Span"]

@@ -1,0 +1,109 @@
+"""Frozen diagnostics: span, severity, message, notes, and the report that collects them."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+
+class Severity(enum.IntEnum):
+    """How bad it is: an error stops the verb, a warning does not, a note only informs."""
+
+    NOTE = 1
+    WARNING = 2
+    ERROR = 3
+
+    @property
+    def label(self) -> str:
+        """Lower-case word used in every output format."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Span:
+    """A region of a text file; lines and columns count from 1, in characters; the end is exclusive.
+
+    ``line == 0`` means "the file as a whole".
+    """
+
+    file: str
+    line: int = 0
+    column: int = 0
+    end_line: int = 0
+    end_column: int = 0
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A second place that belongs to the same problem, for example the first use of a number."""
+
+    message: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One problem: stable code, what (message), where (span), how to fix (help), related places."""
+
+    code: str
+    message: str
+    span: Span
+    severity: Severity = Severity.ERROR
+    help: str = ""
+    notes: tuple[Note, ...] = ()
+
+    @property
+    def sort_key(self) -> tuple[str, int, int, str, str]:
+        """Reading order: by file, then position, then code."""
+        return (self.span.file, self.span.line, self.span.column, self.code, self.message)
+
+
+class DiagnosticError(Exception):
+    """Carries diagnostics out of a step that could not go on: a user's problem, never a bug."""
+
+    def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
+        self.diagnostics: tuple[Diagnostic, ...] = tuple(diagnostics)
+        super().__init__("; ".join(f"{d.code} {d.message}" for d in self.diagnostics))
+
+
+@dataclass(slots=True)
+class Report:
+    """Diagnostics in the order they were found; the only mutable value of this package."""
+
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+
+    def add(self, diagnostic: Diagnostic) -> None:
+        """Append one diagnostic."""
+        self.diagnostics.append(diagnostic)
+
+    def extend(self, diagnostics: Iterable[Diagnostic]) -> None:
+        """Append several diagnostics."""
+        self.diagnostics.extend(diagnostics)
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        return iter(self.sorted())
+
+    def __len__(self) -> int:
+        return len(self.diagnostics)
+
+    def sorted(self) -> list[Diagnostic]:
+        """Diagnostics in reading order, without exact repetitions."""
+        return sorted(dict.fromkeys(self.diagnostics), key=lambda d: d.sort_key)
+
+    def count(self, severity: Severity) -> int:
+        """How many diagnostics have exactly this severity."""
+        return sum(d.severity is severity for d in self.sorted())
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether at least one diagnostic is an error."""
+        return any(d.severity is Severity.ERROR for d in self.diagnostics)
+
+    def raise_on_errors(self) -> None:
+        """Raise :class:`DiagnosticError` with everything found so far if an error is among it."""
+        if self.has_errors:
+            raise DiagnosticError(self.sorted())
