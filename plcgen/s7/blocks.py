@@ -1,0 +1,74 @@
+"""The block model every reader produces and every check consumes: one block = its declaration sections."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, field
+
+from plcgen.diagnostics import Span
+from plcgen.s7.types import Member
+
+
+class BlockKind(enum.StrEnum):
+    """What kind of S7 block or type a source declares."""
+
+    UDT = "UDT"
+    DB = "DB"
+    FB = "FB"
+    FC = "FC"
+    OB = "OB"
+
+
+class SectionKind(enum.StrEnum):
+    """Declaration sections; a global DB or UDT has exactly one STATIC section."""
+
+    INPUT = "Input"
+    OUTPUT = "Output"
+    IN_OUT = "InOut"
+    STATIC = "Static"
+    TEMP = "Temp"
+    CONSTANT = "Constant"
+    RETURN = "Return"
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """The members of one declaration section, in source order."""
+
+    kind: SectionKind
+    members: tuple[Member, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Assignment:
+    """A line of a DB's BEGIN part: ``path := literal``; it overrides the declared start value."""
+
+    path: str
+    literal: str
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A block as declared.
+
+    ``instance_of`` names the FB, SFB or UDT a DB is made from. ``optimized`` is None when the source does
+    not say. ``attributes`` keeps every other header attribute as written.
+    """
+
+    kind: BlockKind
+    name: str
+    sections: tuple[Section, ...]
+    number: int | None = None
+    instance_of: str | None = None
+    optimized: bool | None = None
+    non_retain: bool = False
+    title: str = ""
+    comment: str = ""
+    attributes: dict[str, str] = field(default_factory=dict)
+    assignments: tuple[Assignment, ...] = ()
+    span: Span | None = None
+
+    def section(self, kind: SectionKind) -> tuple[Member, ...]:
+        """Members of one section; empty if the block has none of that kind."""
+        return tuple(m for s in self.sections if s.kind is kind for m in s.members)

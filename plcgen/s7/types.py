@@ -1,0 +1,90 @@
+"""S7 data types as frozen values; sizes and alignment live in ``layout``, literals in ``literals``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TypeAlias
+
+from plcgen.diagnostics import Span
+
+
+@dataclass(frozen=True, slots=True)
+class Elementary:
+    """An elementary type by its canonical upper-case name, for example ``BOOL``; ``bits`` is its width."""
+
+    name: str
+    bits: int
+
+
+@dataclass(frozen=True, slots=True)
+class StringType:
+    """``STRING[length]`` or ``WSTRING[length]``; ``length`` counts characters."""
+
+    name: str
+    length: int
+
+
+@dataclass(frozen=True, slots=True)
+class ArrayType:
+    """``ARRAY[low..high, ...] OF element``; ``bounds`` has one (low, high) pair per dimension."""
+
+    bounds: tuple[tuple[int, int], ...]
+    element: DataType
+
+
+@dataclass(frozen=True, slots=True)
+class StructType:
+    """An anonymous ``STRUCT``."""
+
+    members: tuple[Member, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class NamedType:
+    """A type known by name: a UDT, an FB or SFB (multi-instance), a system type such as ``TON_TIME``."""
+
+    name: str
+    quoted: bool = False
+
+
+DataType: TypeAlias = Elementary | StringType | ArrayType | StructType | NamedType
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """One declared variable: ``start`` is the literal text of its start value, exactly as written."""
+
+    name: str
+    type: DataType
+    start: str | None = None
+    comment: str = ""
+    at: str | None = None
+    span: Span | None = None
+
+
+_WIDTHS = {
+    "BOOL": 1,
+    "BYTE": 8, "CHAR": 8, "SINT": 8, "USINT": 8,
+    "WORD": 16, "INT": 16, "UINT": 16, "WCHAR": 16, "S5TIME": 16, "DATE": 16,
+    "TIMER": 16, "COUNTER": 16, "BLOCK_DB": 16, "BLOCK_FB": 16, "BLOCK_FC": 16, "BLOCK_SDB": 16,
+    "HW_IO": 16, "HW_ANY": 16, "HW_DEVICE": 16, "HW_SUBMODULE": 16, "HW_INTERFACE": 16, "PORT": 16, "DB_ANY": 16,
+    "DWORD": 32, "DINT": 32, "UDINT": 32, "REAL": 32, "TIME": 32, "TIME_OF_DAY": 32,
+    "LWORD": 64, "LINT": 64, "ULINT": 64, "LREAL": 64, "LTIME": 64, "LTIME_OF_DAY": 64, "LDT": 64,
+    "DATE_AND_TIME": 64,
+    "DTL": 96,
+    "ANY": 80,
+    "POINTER": 48,
+}  # fmt: skip
+
+ELEMENTARY = MappingProxyType({name: Elementary(name, bits) for name, bits in _WIDTHS.items()})
+"""Every elementary type by canonical name; widths from the S7 manuals, ANY/POINTER/DTL included."""
+
+ALIASES = MappingProxyType({"TOD": "TIME_OF_DAY", "DT": "DATE_AND_TIME", "LTOD": "LTIME_OF_DAY", "DATE_AND_LTIME": "LDT"})
+"""Short names that mean a canonical one."""
+
+
+def elementary(name: str) -> Elementary | None:
+    """Look an elementary type up by any spelling (case-insensitive, aliases allowed)."""
+    upper = name.upper()
+    return ELEMENTARY.get(ALIASES.get(upper, upper))
