@@ -1,1 +1,1 @@
-"""spec"""
+"""From YAML text to a validated spec: ``source`` (positions), ``schema`` (pydantic), ``catalog`` (devices)."""
