@@ -45,21 +45,26 @@ class Node:
         return pair[0].span if pair else self.span
 
     def find(self, path: Iterable[str | int]) -> Node:
-        """Follow keys and indexes as far as they exist; the last node found."""
+        """Follow keys and indexes as far as they exist; the last node found.
+
+        An index into a mapping means its n-th pair: short forms turn mappings into lists.
+        """
         node = self
         for step in path:
             if node.kind == "map" and str(step) in node.pairs:
                 node = node.pairs[str(step)][1]
+            elif node.kind == "map" and isinstance(step, int) and step < len(node.pairs):
+                node = list(node.pairs.values())[step][1]
             elif node.kind == "seq" and isinstance(step, int) and step < len(node.items):
                 node = node.items[step]
         return node
 
     def data(self) -> Any:
-        """Plain Python data: dict, list and scalars; the depth is bounded by ``MAX_DEPTH``."""
+        """Plain Python data: dict, tuple and scalars; the depth is bounded by ``MAX_DEPTH``."""
         if self.kind == "map":
             return {key: value.data() for key, (_, value) in self.pairs.items()}
         if self.kind == "seq":
-            return [item.data() for item in self.items]
+            return tuple(item.data() for item in self.items)
         return self.value
 
 
