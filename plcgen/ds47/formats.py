@@ -1,0 +1,268 @@
+"""Data formats of data set 47: code, standard name, size, and Python values <-> bytes (big-endian).
+
+Sources: the format column of the request and response tables in Siemens FAQ 109750712 (table 4-3), of the
+S7-300/MM4 guide part 3 (tables 2-2 and 2-4; "10" and "13" are decimal there) and the PROFIdrive profile's
+data types. Sizes of the date and time formats differ between documents; chosen here:
+
+* TimeDifference: 4 bytes, milliseconds (the MM4 guide says 32 bits);
+* TimeOfDay: 6 bytes, BinaryDate: 7 bytes (IEC 61158 encodings with date), exchanged as uninterpreted octets.
+
+VisibleString and OctetString count octets: one ``str`` or ``bytes`` value of ``count`` octets.
+The normalised formats (N2, C4, ...) are exchanged as raw integers, not scaled to percent or seconds.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+import struct
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+Value: TypeAlias = bool | int | float | str | bytes
+
+
+class FormatValueError(ValueError):
+    """A Python value does not fit a format; the message says the allowed range."""
+
+
+class Kind(enum.Enum):
+    """How the bytes of one value are read."""
+
+    BOOLEAN = "boolean"
+    SIGNED = "signed"
+    UNSIGNED = "unsigned"
+    FLOAT = "float"
+    TEXT = "text"
+    OCTETS = "octets"
+    OPAQUE = "opaque"
+    ZERO = "zero"
+    ERROR = "error"
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """One format: wire code, standard name, bytes per counted value, kind, where the code is documented."""
+
+    code: int
+    name: str
+    size: int
+    kind: Kind
+    source: str
+
+    @property
+    def generic(self) -> bool:
+        """Whether this is 41h, 42h or 43h, which name a size instead of a type."""
+        return BYTE <= self.code <= DOUBLE_WORD
+
+    @property
+    def writable(self) -> bool:
+        """Whether a change request may use the format; 40h and 44h occur in responses only."""
+        return self.kind not in {Kind.ZERO, Kind.ERROR}
+
+    @property
+    def is_string(self) -> bool:
+        """Whether ``count`` counts octets of one value instead of values."""
+        return self.kind in {Kind.TEXT, Kind.OCTETS}
+
+
+FLOATING_POINT, VISIBLE_STRING, OCTET_STRING = 0x08, 0x09, 0x0A
+ZERO, BYTE, WORD, DOUBLE_WORD, ERROR = 0x40, 0x41, 0x42, 0x43, 0x44
+
+_TABLE_4_3 = "FAQ 109750712 table 4-3"
+_MM4 = "MM4 guide part 3 table 2-2"
+_PROFILE = "PROFIdrive profile, data types"
+
+FORMATS: tuple[Format, ...] = (
+    Format(0x01, "Boolean", 1, Kind.BOOLEAN, _PROFILE),
+    Format(0x02, "Integer8", 1, Kind.SIGNED, _TABLE_4_3),
+    Format(0x03, "Integer16", 2, Kind.SIGNED, _TABLE_4_3),
+    Format(0x04, "Integer32", 4, Kind.SIGNED, _TABLE_4_3),
+    Format(0x05, "Unsigned8", 1, Kind.UNSIGNED, _TABLE_4_3),
+    Format(0x06, "Unsigned16", 2, Kind.UNSIGNED, _TABLE_4_3),
+    Format(0x07, "Unsigned32", 4, Kind.UNSIGNED, _TABLE_4_3),
+    Format(0x08, "FloatingPoint", 4, Kind.FLOAT, _TABLE_4_3),
+    Format(0x09, "VisibleString", 1, Kind.TEXT, _PROFILE),
+    Format(0x0A, "OctetString", 1, Kind.OCTETS, _MM4),
+    Format(0x0B, "BinaryDate", 7, Kind.OPAQUE, _PROFILE),
+    Format(0x0C, "TimeOfDay", 6, Kind.OPAQUE, _PROFILE),
+    Format(0x0D, "TimeDifference", 4, Kind.UNSIGNED, _MM4),
+    Format(0x0F, "Float64", 8, Kind.FLOAT, _PROFILE),
+    Format(0x37, "Integer64", 8, Kind.SIGNED, _PROFILE),
+    Format(0x38, "Unsigned64", 8, Kind.UNSIGNED, _PROFILE),
+    Format(0x71, "N2", 2, Kind.SIGNED, _PROFILE),
+    Format(0x72, "N4", 4, Kind.SIGNED, _PROFILE),
+    Format(0x73, "V2", 2, Kind.UNSIGNED, _PROFILE),
+    Format(0x74, "L2", 2, Kind.UNSIGNED, _PROFILE),
+    Format(0x75, "R2", 2, Kind.UNSIGNED, _PROFILE),
+    Format(0x76, "T2", 2, Kind.UNSIGNED, _PROFILE),
+    Format(0x77, "T4", 4, Kind.UNSIGNED, _PROFILE),
+    Format(0x78, "D2", 2, Kind.UNSIGNED, _PROFILE),
+    Format(0x79, "E2", 2, Kind.SIGNED, _PROFILE),
+    Format(0x7A, "C4", 4, Kind.SIGNED, _PROFILE),
+    Format(0x7B, "X2", 2, Kind.SIGNED, _PROFILE),
+    Format(0x7C, "X4", 4, Kind.SIGNED, _PROFILE),
+    Format(0x40, "Zero", 0, Kind.ZERO, _TABLE_4_3),
+    Format(0x41, "Byte", 1, Kind.UNSIGNED, _TABLE_4_3),
+    Format(0x42, "Word", 2, Kind.UNSIGNED, _TABLE_4_3),
+    Format(0x43, "DoubleWord", 4, Kind.UNSIGNED, _TABLE_4_3),
+    Format(0x44, "Error", 2, Kind.ERROR, _TABLE_4_3),
+)
+
+
+@cache
+def _codes() -> dict[int, Format]:
+    return {item.code: item for item in FORMATS}
+
+
+@cache
+def _names() -> dict[str, Format]:
+    return {item.name.lower(): item for item in FORMATS}
+
+
+def find(code: int) -> Format | None:
+    """Return the format with this wire code, or None if the code is reserved."""
+    return _codes().get(code)
+
+
+def by_code(code: int) -> Format:
+    """Return the format with this wire code; KeyError if the code is reserved."""
+    try:
+        return _codes()[code]
+    except KeyError:
+        raise KeyError(f"no DS47 format has the code {code:02X}h") from None
+
+
+def by_name(name: str) -> Format:
+    """Return the format with this standard name in any letter case; KeyError if there is none."""
+    try:
+        return _names()[name.lower()]
+    except KeyError:
+        raise KeyError(f"no DS47 format is called {name!r}") from None
+
+
+def generic_of(size: int) -> Format | None:
+    """Return Byte, Word or DoubleWord for a size of 1, 2 or 4 bytes, else None."""
+    return {1: by_code(BYTE), 2: by_code(WORD), 4: by_code(DOUBLE_WORD)}.get(size)
+
+
+def accepts(declared: Format, wire: int) -> bool:
+    """Whether ``wire`` may carry ``declared``: the exact code, or the generic format of the same size."""
+    generic = None if declared.is_string else generic_of(declared.size)
+    return wire == declared.code or (generic is not None and wire == generic.code)
+
+
+def padded(size: int) -> int:
+    """Length of ``size`` bytes of values on the wire: each value block ends on a word boundary."""
+    return size + size % 2
+
+
+def integer_range(fmt: Format) -> tuple[int, int] | None:
+    """Smallest and largest raw integer of an integer format, None for the others."""
+    bits = 8 * fmt.size
+    if fmt.kind is Kind.SIGNED:
+        return -(1 << bits - 1), (1 << bits - 1) - 1
+    if fmt.kind is Kind.UNSIGNED:
+        return 0, (1 << bits) - 1
+    return None
+
+
+def _pack_integer(fmt: Format, value: Value) -> bytes:
+    low, high = integer_range(fmt) or (0, 0)
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
+    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
+        raise FormatValueError(f"{fmt.name} takes an integer from {low} to {high}, not {value!r}")
+    return value.to_bytes(fmt.size, "big", signed=fmt.kind is Kind.SIGNED)
+
+
+def _pack_float(fmt: Format, value: Value) -> bytes:
+    limit = "3.4028235e+38" if fmt.size == 4 else "1.7976931348623157e+308"
+    problem = FormatValueError(f"{fmt.name} takes a finite number from -{limit} to {limit}, not {value!r}")
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        raise problem
+    try:
+        number = float(value)
+        if not math.isfinite(number):
+            raise problem
+        return struct.pack(">f" if fmt.size == 4 else ">d", number)
+    except OverflowError:
+        raise problem from None
+
+
+def _pack_boolean(fmt: Format, value: Value) -> bytes:
+    if value not in {0, 1} or not isinstance(value, int):
+        raise FormatValueError(f"{fmt.name} takes false or true, not {value!r}")
+    return b"\x01" if value else b"\x00"
+
+
+def _pack_text(fmt: Format, value: Value) -> bytes:
+    if not isinstance(value, str) or any(ord(character) > 0xFF for character in value):
+        raise FormatValueError(f"{fmt.name} takes text of characters 00h to FFh, not {value!r}")
+    return value.encode("latin-1")
+
+
+def _pack_octets(fmt: Format, value: Value) -> bytes:
+    if not isinstance(value, bytes):
+        raise FormatValueError(f"{fmt.name} takes bytes, not {value!r}")
+    if fmt.kind is Kind.OPAQUE and len(value) != fmt.size:
+        raise FormatValueError(f"{fmt.name} takes exactly {fmt.size} bytes, not {len(value)}")
+    return value
+
+
+def _pack_nothing(fmt: Format, value: Value) -> bytes:
+    raise FormatValueError(f"{fmt.name} carries no values, so {value!r} does not fit")
+
+
+_PACK = {
+    Kind.BOOLEAN: _pack_boolean,
+    Kind.SIGNED: _pack_integer,
+    Kind.UNSIGNED: _pack_integer,
+    Kind.FLOAT: _pack_float,
+    Kind.TEXT: _pack_text,
+    Kind.OCTETS: _pack_octets,
+    Kind.OPAQUE: _pack_octets,
+    Kind.ZERO: _pack_nothing,
+    Kind.ERROR: _pack_integer,
+}
+
+
+def pack_values(fmt: Format, values: Sequence[Value]) -> bytes:
+    """Return the values one after the other without a pad byte; FormatValueError if one does not fit.
+
+    Strings: a sequence of ``str`` (VisibleString) or ``bytes`` (OctetString), joined.
+    """
+    pack = _PACK[fmt.kind]
+    if fmt.kind is Kind.ERROR:
+        fmt = by_code(WORD)
+        pack = _pack_integer
+    return b"".join(pack(fmt, value) for value in values)
+
+
+def unpack_values(fmt: Format, count: int, data: bytes) -> list[Value]:
+    """Return the ``count`` values in ``data`` (no pad); one value for the string formats.
+
+    FormatValueError if ``data`` has not exactly ``count`` times the format's size.
+    """
+    if len(data) != count * fmt.size:
+        raise FormatValueError(f"{count} x {fmt.name} takes {count * fmt.size} bytes, not {len(data)}")
+    if fmt.kind is Kind.TEXT:
+        return [data.decode("latin-1")]
+    if fmt.kind is Kind.OCTETS:
+        return [data]
+    return [_unpack_one(fmt, data[at : at + fmt.size]) for at in range(0, len(data), fmt.size or 1)]
+
+
+def _unpack_one(fmt: Format, data: bytes) -> Value:
+    if fmt.kind is Kind.BOOLEAN:
+        return data != b"\x00"
+    if fmt.kind is Kind.OPAQUE:
+        return data
+    if fmt.kind is Kind.FLOAT:
+        (number,) = struct.unpack(">f" if fmt.size == 4 else ">d", data)
+        return float(number)
+    return int.from_bytes(data, "big", signed=fmt.kind is Kind.SIGNED)
