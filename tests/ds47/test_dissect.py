@@ -1,0 +1,128 @@
+"""Telegrams for people: every byte in one field, wrong ones marked."""
+
+import pytest
+from ds47.vectors import REQUESTS, RESPONSES, octets
+
+from plcgen.ds47.dissect import dissect_request, dissect_response, looks_like
+
+
+def _rows(fields):
+    return [(f.offset, f.length, f.name, f.value_text) for f in fields]
+
+
+def test_request_fields():
+    """The FAQ's read request has eight fields with their offsets, as its DB3 declares them."""
+    assert _rows(dissect_request(octets(REQUESTS["dcm-read-p50303"]))) == [
+        (0, 1, "request reference", "03h"),
+        (1, 1, "request id", "01h"),
+        (2, 1, "drive object", "2"),
+        (3, 1, "number of parameters", "1"),
+        (4, 1, "parameter 1 attribute", "10h"),
+        (5, 1, "parameter 1 number of elements", "1"),
+        (6, 2, "parameter 1 parameter number", "50303"),
+        (8, 2, "parameter 1 subindex", "0"),
+    ]
+
+
+def test_response_fields():
+    """The FAQ's answer has seven fields; the value is read as FloatingPoint."""
+    fields = dissect_response(octets(RESPONSES["dcm-read-p50303-answer"]))
+    assert _rows(fields)[4:] == [
+        (4, 1, "parameter 1 format", "08h"),
+        (5, 1, "parameter 1 number of values", "1"),
+        (6, 4, "parameter 1 value", "10.0"),
+    ]
+    assert not any(field.problem for field in fields)
+
+
+def test_pads_and_strings_are_fields():
+    """A pad is a field of its own; a string is one value of its octets."""
+    fields = dissect_request(octets(REQUESTS["change-of-a-string"]))
+    assert _rows(fields)[-2:] == [(12, 3, "parameter 1 value", "'abc'"), (15, 1, "parameter 1 pad", "00h")]
+
+
+def test_error_words_are_explained():
+    """Error number and information word are two fields, the number with its meaning."""
+    fields = dissect_response(octets(RESPONSES["read-failed-two-words"]))
+    assert _rows(fields)[-2:] == [
+        (6, 2, "parameter 1 error number", "0003h"),
+        (8, 2, "parameter 1 information word", "5"),
+    ]
+    assert "subindex" in fields[-2].note
+
+
+@pytest.mark.parametrize("row", [*REQUESTS.values(), *RESPONSES.values()], ids=lambda row: row["id"])
+def test_valid_telegrams_have_no_problems(row):
+    """No field of a valid telegram is marked, and the kind is told from the bytes alone."""
+    is_request = row["id"] in REQUESTS
+    fields = (dissect_request if is_request else dissect_response)(octets(row))
+    marked = [field for field in fields if field.problem]
+    assert marked == []
+    assert looks_like(octets(row)) == ("request" if is_request else "response")
+
+
+@pytest.mark.parametrize(
+    ("data", "name", "note"),
+    [
+        ("00 01 01 01 10 01 00 01 00 00", "request reference", "reserved"),
+        ("01 09 01 01 10 01 00 01 00 00", "request id", "reserved"),
+        ("01 40 01 01 10 01 00 01 00 00", "request id", "manufacturer-specific"),
+        ("01 01 01 28 10 01 00 01 00 00", "number of parameters", "outside 1 to 39"),
+        ("01 01 01 01 40 01 00 01 00 00", "parameter 1 attribute", "reserved"),
+        ("01 01 01 01 10 EB 00 01 00 00", "parameter 1 number of elements", "over 234"),
+        ("01 01 01 01 10 01 00 00 00 00", "parameter 1 parameter number", "reserved"),
+        ("01 01 01 01 10 01 00 01 FF FF", "parameter 1 subindex", "reserved"),
+        ("01 01 01 01 10 01 00 01 00", "parameter 1 subindex", "cut short: 1 of 2 bytes"),
+        ("01 01 01 02 10 01 00 01 00 00", "missing", "the address of parameter 2"),
+        ("01 02 01 01 10 01 00 01 00 00", "missing", "the value of parameter 1"),
+        ("01 01 01 01 10 01 00 01 00 00 AA", "undecoded bytes", "behind the end"),
+        ("01 02 01 01 10 01 00 01 00 00 0E 01 AA BB", "parameter 1 format", "unknown format"),
+        ("01 02 01 01 10 01 00 01 00 00 44 01 AA BB", "parameter 1 format", "in responses only"),
+        ("01 02 01 01 10 01 00 01 00 00 05 01 AA BB", "parameter 1 pad", "a pad is 00h"),
+        ("01 02 01 01 10 01 00 01 00 00 08 01 AA BB", "parameter 1 value", "cut short: 2 of 4 bytes"),
+    ],
+)
+def test_wrong_request_fields_are_marked(data, name, note):
+    """The wrong field is marked and says why."""
+    marked = [field for field in dissect_request(bytes.fromhex(data)) if field.problem]
+    assert name in [field.name for field in marked]
+    assert any(note in field.note for field in marked)
+
+
+@pytest.mark.parametrize(
+    ("data", "name"),
+    [
+        ("01 03 01 01 08 01 00 00 00 00", "response id"),
+        ("01 01 01 02 08 01 00 00 00 00", "missing"),
+        ("01 81 01 01 44 03 00 01 00 02 00 03", "parameter 1 error word 3"),
+        ("01 02 01 01 40 00", "undecoded bytes"),
+    ],
+)
+def test_wrong_response_fields_are_marked(data, name):
+    """The wrong field of a response is marked."""
+    assert name in [field.name for field in dissect_response(bytes.fromhex(data)) if field.problem]
+
+
+def test_error_table_is_the_callers_choice():
+    """6Bh is explained by the SINAMICS table only."""
+    data = bytes.fromhex("01 81 01 01 44 01 00 6B")
+    assert "controller" in dissect_response(data)[-1].note
+    assert dissect_response(data, "profidrive")[-1].note == "manufacturer-specific"
+
+
+@pytest.mark.parametrize(
+    ("data", "kind"),
+    [
+        ("", "unknown"),
+        ("01 01 01", "unknown"),
+        ("02 02 00 02", "response"),
+        ("02 01 00 02", "unknown"),
+        ("02 82 00 02", "response"),
+        ("01 45 01 01 10 01 00 01 00 00", "request"),
+        ("01 01 01 01 99 01 00 01 00 00", "unknown"),
+        ("01 02 01 01 08 01 00 01 00 00", "unknown"),
+    ],
+)
+def test_request_or_response(data, kind):
+    """Byte 1 and byte 4 tell the kinds apart; four bytes with 02h are a positive change response."""
+    assert looks_like(bytes.fromhex(data)) == kind
