@@ -1,1 +1,1 @@
-"""The S7 type system under standard access: types, blocks, layout, literals, addresses, names. Pure, no I/O."""
+"""The S7 type system under standard access: types, blocks, layout, literals, addresses, names. No I/O."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Span
-from plcgen.s7.types import Member
+if TYPE_CHECKING:
+    from plcgen.diagnostics import Span
+    from plcgen.s7.types import Member
 
 
 class BlockKind(enum.StrEnum):

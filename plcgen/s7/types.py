@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
-from plcgen.diagnostics import Span
+if TYPE_CHECKING:
+    from plcgen.diagnostics import Span
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +69,8 @@ _WIDTHS = {
     "BYTE": 8, "CHAR": 8, "SINT": 8, "USINT": 8,
     "WORD": 16, "INT": 16, "UINT": 16, "WCHAR": 16, "S5TIME": 16, "DATE": 16,
     "TIMER": 16, "COUNTER": 16, "BLOCK_DB": 16, "BLOCK_FB": 16, "BLOCK_FC": 16, "BLOCK_SDB": 16,
-    "HW_IO": 16, "HW_ANY": 16, "HW_DEVICE": 16, "HW_SUBMODULE": 16, "HW_INTERFACE": 16, "PORT": 16, "DB_ANY": 16,
+    "HW_IO": 16, "HW_ANY": 16, "HW_DEVICE": 16, "HW_SUBMODULE": 16, "HW_INTERFACE": 16,
+    "PORT": 16, "DB_ANY": 16,
     "DWORD": 32, "DINT": 32, "UDINT": 32, "REAL": 32, "TIME": 32, "TIME_OF_DAY": 32,
     "LWORD": 64, "LINT": 64, "ULINT": 64, "LREAL": 64, "LTIME": 64, "LTIME_OF_DAY": 64, "LDT": 64,
     "DATE_AND_TIME": 64,
@@ -80,7 +82,9 @@ _WIDTHS = {
 ELEMENTARY = MappingProxyType({name: Elementary(name, bits) for name, bits in _WIDTHS.items()})
 """Every elementary type by canonical name; widths from the S7 manuals, ANY/POINTER/DTL included."""
 
-ALIASES = MappingProxyType({"TOD": "TIME_OF_DAY", "DT": "DATE_AND_TIME", "LTOD": "LTIME_OF_DAY", "DATE_AND_LTIME": "LDT"})
+ALIASES = MappingProxyType(
+    {"TOD": "TIME_OF_DAY", "DT": "DATE_AND_TIME", "LTOD": "LTIME_OF_DAY", "DATE_AND_LTIME": "LDT"}
+)
 """Short names that mean a canonical one."""
 
 

@@ -1,0 +1,202 @@
+"""One job of the spec -> a planned job: uses, telegrams, buffers, blocks."""
+
+from __future__ import annotations
+
+from plcgen.diagnostics import Diagnostic, Report
+from plcgen.ds47.codec import encode_request
+from plcgen.ds47.model import ParameterAddress, Request, RequestId, ValueBlock
+from plcgen.plan import pack
+from plcgen.plan.fields import request_fields, response_fields
+from plcgen.plan.model import BlockRef, Part, PlannedDrive, PlannedJob, PlannedTrigger, Telegram, Use
+from plcgen.plan.numbering import Numbering
+from plcgen.plan.uses import UseResolver
+from plcgen.s7.address import Address, AddressError, parse_address
+from plcgen.s7.names import camel_case, pascal_case
+from plcgen.spec.load import LoadedSpec
+from plcgen.spec.schema import Buffer, Job
+
+
+def plan_job(
+    key: str,
+    loaded: LoadedSpec,
+    drive: PlannedDrive,
+    owner: int,
+    resolver: UseResolver,
+    numbering: Numbering,
+    report: Report,
+) -> PlannedJob | None:
+    """Plan one job; None if it has no usable parameter."""
+    job = loaded.spec.jobs[key]
+    path = ("jobs", key)
+    uses = _uses(job, key, loaded, resolver, report)
+    if not uses:
+        return None
+    write = job.write is not None
+    device = drive.device
+    packed = pack.pack(uses, device.record_limit, device.max_parameters, write=write)
+    if packed is None:
+        packed = [(Part(use, 0, use.count),) for use in uses]
+        long = max(uses, key=lambda use: use.count * use.format.size)
+        report.add(
+            Diagnostic(
+                "PG301",
+                f"{long.label} does not fit one record of {device.record_limit} bytes",
+                loaded.span(long.path),
+                help="shorten the string",
+            )
+        )
+    reference = job.reference if job.reference is not None else (owner - 1) % 255 + 1
+    name = pascal_case(key)
+    faq = (job.names or loaded.spec.plc.names) == "faq"
+    if len(packed) > 1 and job.split == "never":
+        _report_unsplittable(job, key, uses, drive, loaded, report)
+    telegrams = tuple(
+        _telegram(index, parts, job, name, _Context(key, drive, reference, numbering, write=write, faq=faq, many=len(packed) > 1))
+        for index, parts in enumerate(packed, 1)
+    )
+    block = numbering.block("FB", job.block.name or name, (*path, "block"), job.block.number, given=bool(job.block.name))
+    instance = numbering.block(
+        "DB", job.instance.name or f"{name}_DB", (*path, "instance"), job.instance.number, given=bool(job.instance.name)
+    )
+    records = (
+        (numbering.block("DB", f"{name}_WrRec", path), numbering.block("DB", f"{name}_RdRec", path))
+        if numbering.where.v5
+        else None
+    )
+    return PlannedJob(
+        key=key,
+        member=camel_case(key),
+        write=write,
+        drive=drive,
+        owner=owner,
+        uses=uses,
+        telegrams=telegrams,
+        block=block,
+        instance=instance,
+        record_instances=records,
+        trigger=_trigger(job, key, loaded, report),
+        reference=reference,
+        timeout=job.timeout,
+        retry_pause=job.retry_pause,
+        retries=job.retries,
+        faq_names=faq,
+        comment=job.comment or {},
+        path=path,
+    )
+
+
+def _uses(job: Job, key: str, loaded: LoadedSpec, resolver: UseResolver, report: Report) -> tuple[Use, ...]:
+    if (job.read is None) == (job.write is None):
+        what = "either read or write, not both" if job.read is not None else "what to read or what to write"
+        report.add(Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help="use two jobs"))
+        return ()
+    verb = "read" if job.read is not None else "write"
+    items = job.read if job.read is not None else job.write or ()
+    if not items:
+        report.add(Diagnostic("PG218", f'job "{key}" names no parameter', loaded.span(("jobs", key, verb))))
+    found = [
+        resolver.resolve(item, position, ("jobs", key, verb, position - 1), write=verb == "write")
+        for position, item in enumerate(items, 1)
+    ]
+    return tuple(use for use in found if use is not None)
+
+
+def _report_unsplittable(
+    job: Job, key: str, uses: tuple[Use, ...], drive: PlannedDrive, loaded: LoadedSpec, report: Report
+) -> None:
+    """Why a job that must not be split does not fit one telegram."""
+    device = drive.device
+    parts = [Part(use, 0, use.count) for use in uses]
+    write = job.write is not None
+    place = loaded.span(("jobs", key, "write" if write else "read"))
+    help_ = "allow several telegrams (split: auto) or make two jobs of it"
+    if len(parts) > device.max_parameters:
+        message = f"{len(parts)} parameters in one telegram; {device.key} takes {device.max_parameters}"
+        report.add(Diagnostic("PG302", message, place, help=help_))
+    else:
+        request, response = pack.request_length(parts, write=write), pack.longest_response(parts, write=write)
+        message = f"request {request} bytes, response up to {response}: the record holds {device.record_limit}"
+        report.add(Diagnostic("PG301", message, place, help=help_))
+
+
+class _Context:
+    """What all telegrams of a job share."""
+
+    def __init__(
+        self, key: str, drive: PlannedDrive, reference: int, numbering: Numbering, *, write: bool, faq: bool, many: bool
+    ) -> None:
+        self.key, self.drive, self.reference, self.numbering = key, drive, reference, numbering
+        self.write, self.faq, self.many = write, faq, many
+
+    def reference_of(self, index: int) -> int:
+        return (self.reference - 1 + index - 1) % 255 + 1
+
+    def name(self, base: str, index: int) -> str:
+        return f"{base}{index}" if self.many else base
+
+
+def _telegram(index: int, parts: tuple[Part, ...], job: Job, name: str, context: _Context) -> Telegram:
+    numbering, where, write = context.numbering, context.numbering.where, context.write
+    request_id = RequestId.CHANGE if write else RequestId.READ
+    header = (context.reference_of(index) & 0xFF, int(request_id), context.drive.drive_object)
+    longest = pack.longest_response(parts, write=write)
+    pinned = job.response.size
+    request_db = _buffer(job.request, "request", f"{name}_Request", index, context)
+    response_db = _buffer(job.response, "response", f"{name}_Response", index, context)
+    return Telegram(
+        index=index,
+        parts=parts,
+        request=_request_bytes(parts, header, write=write),
+        request_db=request_db,
+        request_type=numbering.block("UDT", f"type{_upper(request_db.name)}", request_db.path),
+        request_fields=request_fields(parts, header, where, job.request.members, write=write, faq=context.faq),
+        positive_length=pack.positive_length(parts, write=write),
+        negative_length=pack.negative_length(parts),
+        response_size=longest if pinned is None else pinned,
+        response_db=response_db,
+        response_type=numbering.block("UDT", f"type{_upper(response_db.name)}", response_db.path),
+        response_fields=response_fields(
+            parts, longest if pinned is None else pinned, where, job.response.members, write=write, faq=context.faq
+        ),
+        pinned_response=pinned,
+    )
+
+
+def _upper(name: str) -> str:
+    return name[:1].upper() + name[1:]
+
+
+def _buffer(given: Buffer, which: str, default: str, index: int, context: _Context) -> BlockRef:
+    path = ("jobs", context.key, which)
+    name = context.name(given.name or default, index)
+    number = given.db if index == 1 else None
+    return context.numbering.block("DB", name, path, number, given=bool(given.name))
+
+
+def _request_bytes(parts: tuple[Part, ...], header: tuple[int, int, int], *, write: bool) -> bytes:
+    addresses = tuple(ParameterAddress(part.use.parameter.pnu, part.subindex, part.elements) for part in parts)
+    values = tuple(ValueBlock(part.use.format.code, part.count, part.data) for part in parts) if write else ()
+    return encode_request(Request(*header, addresses, values))
+
+
+def _trigger(job: Job, key: str, loaded: LoadedSpec, report: Report) -> PlannedTrigger:
+    if job.trigger is None:
+        return PlannedTrigger()
+    found: dict[str, Address] = {}
+    for signal in ("execute", "busy", "done", "error", "status"):
+        text = getattr(job.trigger, signal)
+        if text is None:
+            continue
+        place = loaded.span(("jobs", key, "trigger", signal))
+        width = 16 if signal == "status" else 1
+        wanted = "a word such as MW52" if width > 1 else "a bit such as M50.0"
+        try:
+            address = parse_address(text)
+        except AddressError as problem:
+            report.add(Diagnostic("PG404", f'"{text}": {problem}', place, help=f"{signal} is {wanted}"))
+            continue
+        if address.area != "M" or address.width_bits != width:
+            report.add(Diagnostic("PG404", f'"{text}" cannot be the {signal} flag', place, help=f"{signal} is {wanted}"))
+            continue
+        found[signal] = address
+    return PlannedTrigger(**found)

@@ -1,0 +1,46 @@
+"""How a parameter is written in a spec: ``P50303``, ``p2155[1..2]``, ``r0945[0]`` or a catalogue name."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+_NUMBER = re.compile(r"[PpRr]?0*([0-9]{1,9})\Z")
+_REFERENCE = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*|[0-9]+)\s*(?:\[\s*([0-9]{1,6})\s*(?:\.\.\s*([0-9]{1,6})\s*)?\])?\s*\Z")
+_TYPE = re.compile(r"\s*([A-Za-z][A-Za-z0-9]*)\s*(?:\[\s*([0-9]{1,4})\s*\])?\s*\Z")
+_BICO = re.compile(r"[PpRr]0*([0-9]{1,5})(?:\.([0-9]{1,2})|\[([0-9]{1,3})\])?\Z")
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """A parameter as written: number or name, and the first and last index if there is one."""
+
+    pnu: int | None
+    name: str
+    first: int | None
+    last: int | None
+
+
+def parse_reference(text: str) -> Reference | None:
+    """Read a parameter reference; None if the text is none."""
+    match = _REFERENCE.match(text)
+    if not match:
+        return None
+    number = _NUMBER.match(match[1])
+    first = int(match[2]) if match[2] else None
+    last = int(match[3]) if match[3] else first
+    return Reference(int(number[1]) if number else None, "" if number else match[1], first, last)
+
+
+def parse_type(text: str) -> tuple[str, int | None] | None:
+    """Split ``OctetString[4]`` into name and length; None if the text has another shape."""
+    match = _TYPE.match(text)
+    return (match[1], int(match[2]) if match[2] else None) if match else None
+
+
+def parse_bico(text: str) -> int | None:
+    """Value of a BICO source: ``r0722.0`` -> 02D2 0000h (parameter number, then bit or index)."""
+    match = _BICO.match(text)
+    if not match or not 1 <= int(match[1]) <= 0xFFFF:  # noqa: PLR2004
+        return None
+    return int(match[1]) << 16 | int(match[2] or match[3] or 0)

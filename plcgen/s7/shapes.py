@@ -1,0 +1,325 @@
+"""How one type lies in standard-access memory: size, alignment, fields; the rules behind ``layout``.
+
+A rule is *compiled* when STEP 7 V5 compiled blocks that need it, *literature* otherwise. A literature rule
+only makes an offset doubtful where it changes the outcome.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from plcgen.diagnostics import Diagnostic, Note, Span
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.s7.blocks import Block, BlockKind, SectionKind
+from plcgen.s7.system import is_literature, system_block
+from plcgen.s7.types import (
+    ELEMENTARY,
+    ArrayType,
+    DataType,
+    Elementary,
+    Member,
+    NamedType,
+    StringType,
+    StructType,
+    elementary,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+MAX_BYTES = 16 * 1024 * 1024
+MAX_ENTRIES = 1_000_000
+MAX_DEPTH = 64
+MAX_STRING = {"STRING": 254, "WSTRING": 16382}
+
+LITERATURE = frozenset(
+    {"DTL", "LREAL", "LINT", "ULINT", "LWORD", "LTIME", "LTIME_OF_DAY", "LDT", "WCHAR", "POINTER", "COUNTER"}
+    | {"BLOCK_DB", "BLOCK_FB", "BLOCK_FC", "BLOCK_SDB", "DB_ANY", "PORT"}
+    | {"HW_IO", "HW_ANY", "HW_DEVICE", "HW_SUBMODULE", "HW_INTERFACE"}
+)
+"""Elementary types whose size no compiled block confirms."""
+
+INSTANCE_SECTIONS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT, SectionKind.STATIC)
+BY_POINTER = frozenset({"DATE_AND_TIME", "DTL"})
+NO_MEMORY = frozenset({"VARIANT", "VOID"})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Field:
+    """A member inside its parent: ``offset`` in bits from the parent's start."""
+
+    member: Member
+    offset: int
+    shape: Shape
+    confirmed: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shape:
+    """One type in memory; every measure in bits.
+
+    ``bits`` is the room taken including padding, ``used`` without padding that only literature asks for;
+    ``align`` and ``first_align`` are the alignment with and without literature rules; ``count`` is how many
+    entries a member of this type adds to a layout.
+    """
+
+    type: DataType
+    bits: int
+    align: int
+    used: int
+    first_align: int
+    size_confirmed: bool = True
+    count: int = 1
+    depth: int = 0
+    fields: tuple[Field, ...] = ()
+    index: Mapping[str, Field] = field(default_factory=dict)
+    element: Shape | None = None
+    strides: tuple[int, ...] = ()
+    stride_confirmed: bool = True
+
+
+@dataclass(slots=True)
+class _Cursor:
+    """The next free bit: ``bits`` by all rules, ``low`` without the literature padding of the last member."""
+
+    bits: int = 0
+    low: int = 0
+    confirmed: bool = True
+
+    def place(self, shape: Shape) -> tuple[int, bool]:
+        offset = _up(self.bits, shape.align)
+        if _up(self.low, shape.first_align) != offset:
+            self.confirmed = False
+        confirmed = self.confirmed
+        self.bits, self.low = offset + shape.bits, offset + shape.used
+        self.confirmed = confirmed and shape.size_confirmed
+        return offset, confirmed
+
+    def even(self) -> None:
+        self.bits = self.low = _up(self.bits, 16)
+
+
+class ShapeBuilder:
+    """Turns declared types into shapes; collects every problem instead of stopping at the first."""
+
+    def __init__(self, types: Mapping[str, Block], owner: Span) -> None:
+        self._types = {name.upper().strip('"'): block for name, block in types.items()}
+        self._owner = owner
+        self._named: dict[str, Shape] = {}
+        self._open: list[str] = []
+        self._depth = 0
+        self.diagnostics: list[Diagnostic] = []
+
+    def report(
+        self, code: str, message: str, span: Span | None, help_text: str = "", note: Note | None = None
+    ) -> None:
+        """Add one problem; without a span it is put at the block."""
+        notes = (note,) if note else ()
+        self.diagnostics.append(Diagnostic(code, message, span or self._owner, help=help_text, notes=notes))
+
+    def find(self, name: str) -> Block | None:
+        """Find the block or type called ``name`` in any letter case; user blocks go before system types."""
+        return self._types.get(name.upper()) or system_block(name)
+
+    def block(self, block: Block) -> Shape:
+        """Shape of a block's memory: an FB's instance data, a DB, a UDT; FC and OB take none."""
+        self.check_names([m for s in block.sections for m in s.members])
+        if block.kind in (BlockKind.FC, BlockKind.OB):
+            return self.struct(StructType(()), ())
+        self._open.append(block.name.upper())
+        source = self._source(block)
+        groups = [(kind, source.section(kind)) for kind in INSTANCE_SECTIONS]
+        shape = self.struct(StructType(()), groups, confirmed=not is_literature(source))
+        self._open.pop()
+        return shape
+
+    def _source(self, block: Block) -> Block:
+        """Choose the declaration that counts: an instance DB without members has those of its type."""
+        if block.instance_of is None or any(s.members for s in block.sections):
+            return block
+        source = self.find(block.instance_of)
+        if source is not None and source.instance_of is None and source.kind in (BlockKind.FB, BlockKind.UDT):
+            if source.name.upper() not in self._open:
+                self.check_names([m for s in source.sections for m in s.members])
+                self._open[-1] = source.name.upper()
+            return source
+        self.unknown(block.instance_of, block.span, source)
+        return block
+
+    def struct(
+        self,
+        type_: DataType,
+        groups: Iterable[tuple[SectionKind, Sequence[Member]]],
+        *,
+        confirmed: bool = True,
+    ) -> Shape:
+        """Lay members out in section order; every section starts and the whole ends at an even byte."""
+        cursor = _Cursor(confirmed=confirmed)
+        fields: list[Field] = []
+        index: dict[str, Field] = {}
+        for kind, members in groups:
+            cursor.even()
+            for member in members:
+                placed = self._field(member, kind, cursor, index)
+                fields.append(placed)
+                index.setdefault(member.name.upper(), placed)
+        cursor.even()
+        shapes = [f.shape for f in fields]
+        return Shape(
+            type_,
+            cursor.bits,
+            16,
+            cursor.bits,
+            shapes[0].first_align if shapes else 1,
+            size_confirmed=cursor.confirmed,
+            count=1 + sum(s.count for s in shapes),
+            depth=1 + max((s.depth for s in shapes), default=0),
+            fields=tuple(fields),
+            index=index,
+        )
+
+    def _field(self, member: Member, kind: SectionKind, cursor: _Cursor, index: Mapping[str, Field]) -> Field:
+        if kind is SectionKind.IN_OUT and self._by_pointer(member.type):
+            self.shape(member.type, member)
+            shape = Shape(ELEMENTARY["POINTER"], 48, 16, 48, 16)
+        else:
+            shape = self.shape(member.type, member)
+        if member.at is None:
+            offset, confirmed = cursor.place(shape)
+            return Field(member, offset, shape, confirmed)
+        target = index.get(member.at.strip('"#').upper())
+        if target is None:
+            help_text = did_you_mean(member.at, (f.member.name for f in index.values()))
+            message = f"{member.name} AT {member.at}: no such variable is declared above"
+            self.report("PG806", message, member.span, help_text)
+            return Field(member, cursor.bits, shape, confirmed=False)
+        return Field(member, target.offset, shape, target.confirmed)
+
+    def _by_pointer(self, type_: DataType) -> bool:
+        """Whether an IN_OUT of this type is kept as a 6-byte pointer to the caller's data."""
+        plain = elementary(type_.name) if isinstance(type_, NamedType) and not type_.quoted else type_
+        if isinstance(plain, Elementary):
+            return plain.name in BY_POINTER
+        return not (isinstance(type_, NamedType) and type_.name.upper() in NO_MEMORY)
+
+    def shape(self, type_: DataType, member: Member) -> Shape:
+        """Shape of any type; ``member`` is where it is declared, for messages."""
+        if self._depth >= MAX_DEPTH:
+            self.report("PG808", f"{member.name}: nested more than {MAX_DEPTH} levels deep", member.span)
+            return _NOTHING
+        self._depth += 1
+        try:
+            if isinstance(type_, Elementary):
+                return _ELEMENTARY[type_.name]
+            if isinstance(type_, StringType):
+                return self._string(type_, member)
+            if isinstance(type_, ArrayType):
+                return self._array(type_, member)
+            if isinstance(type_, StructType):
+                self.check_names(type_.members)
+                return self.struct(type_, ((SectionKind.STATIC, type_.members),))
+            return self._name(type_, member)
+        finally:
+            self._depth -= 1
+
+    def _string(self, type_: StringType, member: Member) -> Shape:
+        limit = MAX_STRING.get(type_.name.upper(), 0)
+        if not 0 <= type_.length <= limit:
+            message = f"{type_.name}[{type_.length}]: the length must be 0 to {limit}"
+            self.report("PG806", message, member.span)
+            return _NOTHING
+        wide = type_.name.upper() == "WSTRING"
+        bits = 8 * (2 * type_.length + 4 if wide else type_.length + 2)
+        return Shape(type_, bits, 16, bits, 16, size_confirmed=not wide)
+
+    def _array(self, type_: ArrayType, member: Member) -> Shape:
+        lengths = [high - low + 1 for low, high in type_.bounds]
+        if not lengths or min(lengths) < 1:
+            shown = ", ".join(f"{low}..{high}" for low, high in type_.bounds)
+            self.report("PG806", f"{member.name}: ARRAY[{shown}] has no element", member.span)
+            return _NOTHING
+        element = self.shape(type_.element, member)
+        if element.bits == 1:
+            stride, inner = 1, lengths[-1] if len(lengths) == 1 else _up(lengths[-1], 8)
+        else:
+            stride = _up(element.bits, 8 if element.bits == 8 else 16)
+            inner = stride * lengths[-1]
+        strides = [stride]
+        row = inner
+        for length in reversed(lengths[:-1]):
+            strides.insert(0, row)
+            row *= length
+        padded = stride != element.bits or (len(lengths) > 1 and inner != stride * lengths[-1])
+        confirmed = element.size_confirmed and not (padded and math.prod(lengths) > 1)
+        return Shape(
+            type_,
+            _up(row, 16),
+            16,
+            row,
+            element.first_align,
+            size_confirmed=confirmed,
+            depth=element.depth + 1,
+            element=element,
+            strides=tuple(strides),
+            stride_confirmed=confirmed,
+        )
+
+    def _name(self, type_: NamedType, member: Member) -> Shape:
+        key = type_.name.upper()
+        if key in self._named:
+            return self._named[key]
+        if key in self._open:
+            chain = " > ".join([*self._open[self._open.index(key) :], key])
+            self.report("PG807", f"{type_.name} contains itself: {chain}", member.span)
+            return _NOTHING
+        if not type_.quoted and key not in self._types:
+            plain = elementary(type_.name)
+            if plain is not None:
+                return _ELEMENTARY[plain.name]
+            if key in NO_MEMORY:
+                return Shape(type_, 0, 1, 0, 1, size_confirmed=False)
+        block = self.find(type_.name)
+        if block is None or block.kind not in (BlockKind.UDT, BlockKind.FB):
+            self.unknown(type_.name, member.span, block)
+            return _NOTHING
+        self._open.append(key)
+        self.check_names([m for s in block.sections for m in s.members])
+        groups = [(kind, block.section(kind)) for kind in INSTANCE_SECTIONS]
+        shape = self.struct(type_, groups, confirmed=True)
+        if is_literature(block):
+            shape = self.struct(type_, groups, confirmed=False)
+        self._open.pop()
+        self._named[key] = shape
+        return shape
+
+    def unknown(self, name: str, span: Span | None, block: Block | None = None) -> None:
+        """Report a name that is no type."""
+        if block is not None:
+            self.report("PG806", f"{name} is {block.kind.value}, not a data type", span)
+            return
+        help_text = did_you_mean(name, [*self._types, *ELEMENTARY])
+        self.report("PG806", f"unknown data type {name}", span, help_text)
+
+    def check_names(self, members: Sequence[Member]) -> None:
+        """Report members that share a name in one scope; letter case does not tell names apart."""
+        seen: dict[str, Member] = {}
+        for member in members:
+            first = seen.setdefault(member.name.upper(), member)
+            if first is not member:
+                note = Note("first declared here", first.span) if first.span else None
+                self.report("PG805", f"{member.name} is declared twice", member.span, note=note)
+
+
+def _up(value: int, step: int) -> int:
+    return -(-value // step) * step
+
+
+def _elementary_shape(type_: Elementary) -> Shape:
+    align = 1 if type_.bits == 1 else 8 if type_.bits == 8 else 16
+    return Shape(type_, type_.bits, align, type_.bits, align, size_confirmed=type_.name not in LITERATURE)
+
+
+_ELEMENTARY = {name: _elementary_shape(type_) for name, type_ in ELEMENTARY.items()}
+_NOTHING = Shape(StructType(()), 0, 1, 0, 1)

@@ -1,0 +1,396 @@
+"""The syntax tree: frozen nodes with character offsets; ``Tokens.span(node.start, node.end)`` gives the span.
+
+Offsets take no part in comparisons: two trees are equal if they say the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields
+from typing import TypeAlias
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """Anything with a place: ``start`` and ``end`` are character offsets, the end exclusive."""
+
+    start: int = field(compare=False)
+    end: int = field(compare=False)
+
+
+# --- expressions -----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Name(Node):
+    """``x`` (scope bare), ``#x`` (local) or ``"x"`` (quoted); ``name`` has neither ``#`` nor quotes."""
+
+    name: str
+    scope: str
+
+
+@dataclass(frozen=True, slots=True)
+class Address(Node):
+    """An absolute operand as written: ``%DB3.DBW6``, ``M50.0``, ``DB3.DBX0.0``, ``PIW256``."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Literal(Node):
+    """A constant as written; ``kind`` is int, real, string, typed, pointer or bool."""
+
+    text: str
+    kind: str
+
+
+@dataclass(frozen=True, slots=True)
+class Member(Node):
+    """``base.name``; ``name`` has no quotes."""
+
+    base: Expression
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Slice(Node):
+    """``base.%X0``, ``.%B1``, ``.%W0``, ``.%D0``: ``width`` is the letter in upper case."""
+
+    base: Expression
+    width: str
+    index: int
+
+
+@dataclass(frozen=True, slots=True)
+class Index(Node):
+    """``base[i, j]``."""
+
+    base: Expression
+    indices: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Dereference(Node):
+    """``base^``."""
+
+    base: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Peripheral(Node):
+    """``"tag":P``: the process image is passed by."""
+
+    base: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Unary(Node):
+    """``-``, ``+`` or ``NOT`` before an operand."""
+
+    operator: str
+    operand: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Binary(Node):
+    """Two operands; keywords are in upper case, ``&`` stays ``&``."""
+
+    operator: str
+    left: Expression
+    right: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Argument(Node):
+    """One argument of a call or one field of a structure value; ``operator`` is ``:=``, ``=>`` or empty."""
+
+    name: str | None
+    operator: str
+    value: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Call(Node):
+    """``target(arguments)``: function, instance, ``"FB"."DB"``, ``SFB53.DB53`` or ``%DB1.DW(..)``."""
+
+    target: Expression
+    arguments: tuple[Argument, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Aggregate(Node):
+    """An initial value in brackets ``[``, parentheses ``(`` or without (a list of STEP 7 V5)."""
+
+    bracket: str
+    items: tuple[Argument, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Repetition(Node):
+    """``count(items)`` in an initial value."""
+
+    count: Expression
+    items: tuple[Argument, ...]
+
+
+Expression: TypeAlias = (
+    Name | Address | Literal | Member | Slice | Index | Dereference | Peripheral | Unary | Binary | Call
+    | Aggregate | Repetition
+)  # fmt: skip
+
+
+# --- statements ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Assign(Node):
+    """``target := value``; ``operator`` may be ``+=`` and so on; ``also`` holds b, c of ``a := b := c := value``."""
+
+    target: Expression
+    operator: str
+    value: Expression
+    also: tuple[Expression, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class CallStatement(Node):
+    """A call that stands alone."""
+
+    call: Call
+
+
+@dataclass(frozen=True, slots=True)
+class IfBranch(Node):
+    """IF or ELSIF with its statements."""
+
+    condition: Expression
+    body: Body
+
+
+@dataclass(frozen=True, slots=True)
+class If(Node):
+    """``otherwise`` is None if there is no ELSE."""
+
+    branches: tuple[IfBranch, ...]
+    otherwise: Body | None
+
+
+@dataclass(frozen=True, slots=True)
+class CaseRange(Node):
+    """A label of CASE; ``high`` is None for a single value."""
+
+    low: Expression
+    high: Expression | None
+
+
+@dataclass(frozen=True, slots=True)
+class CaseBranch(Node):
+    """Labels and statements; ``regions`` are titles of REGIONs opened just before the labels."""
+
+    labels: tuple[CaseRange, ...]
+    body: Body
+    regions: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Case(Node):
+    """``otherwise`` is None if there is no ELSE."""
+
+    selector: Expression
+    branches: tuple[CaseBranch, ...]
+    otherwise: Body | None
+
+
+@dataclass(frozen=True, slots=True)
+class For(Node):
+    """``step`` is None if there is no BY."""
+
+    variable: Expression
+    first: Expression
+    last: Expression
+    step: Expression | None
+    body: Body
+
+
+@dataclass(frozen=True, slots=True)
+class While(Node):
+    """WHILE condition DO body."""
+
+    condition: Expression
+    body: Body
+
+
+@dataclass(frozen=True, slots=True)
+class Repeat(Node):
+    """REPEAT body UNTIL condition."""
+
+    body: Body
+    condition: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Jump(Node):
+    """EXIT, CONTINUE or RETURN."""
+
+    keyword: str
+
+
+@dataclass(frozen=True, slots=True)
+class Goto(Node):
+    """GOTO label."""
+
+    label: str
+
+
+@dataclass(frozen=True, slots=True)
+class Label(Node):
+    """``label:`` in front of a statement; a statement of its own here."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Region(Node):
+    """REGION title .. END_REGION around statements."""
+
+    title: str
+    body: Body
+
+
+Statement: TypeAlias = (
+    Assign | CallStatement | If | Case | For | While | Repeat | Jump | Goto | Label | Region
+)  # fmt: skip
+Body: TypeAlias = tuple[Statement, ...]
+
+
+# --- declarations ----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Attribute(Node):
+    """``name := 'value'`` in braces; ``value`` has no quotes."""
+
+    name: str
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
+class TypeName(Node):
+    """An elementary, system or user type by name; ``attributes`` are the braces before the name."""
+
+    name: str
+    quoted: bool
+    attributes: tuple[Attribute, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class StringSpec(Node):
+    """``STRING[length]`` or ``WSTRING[length]``; ``length`` is None if not given."""
+
+    name: str
+    length: Expression | None
+
+
+@dataclass(frozen=True, slots=True)
+class ArraySpec(Node):
+    """``ARRAY[low..high, ...] OF element``; no bounds at all means ``ARRAY[*]``."""
+
+    bounds: tuple[tuple[Expression, Expression], ...]
+    element: TypeSpec
+
+
+@dataclass(frozen=True, slots=True)
+class StructSpec(Node):
+    """``STRUCT .. END_STRUCT``."""
+
+    members: tuple[Declaration, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ReferenceSpec(Node):
+    """``REF_TO target``."""
+
+    target: TypeSpec
+
+
+TypeSpec: TypeAlias = TypeName | StringSpec | ArraySpec | StructSpec | ReferenceSpec
+
+
+@dataclass(frozen=True, slots=True)
+class DeclaredName(Node):
+    """One name of a declaration with the attributes behind it."""
+
+    name: str
+    quoted: bool
+    attributes: tuple[Attribute, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Declaration(Node):
+    """``a, b {..} AT x : type := initial; // comment``; a CONST of STEP 7 V5 has no type."""
+
+    names: tuple[DeclaredName, ...]
+    at: str | None
+    type: TypeSpec | None
+    initial: Expression | None
+    comment: str
+
+
+@dataclass(frozen=True, slots=True)
+class Section(Node):
+    """``VAR_INPUT .. END_VAR``, ``CONST``, ``LABEL``; modifiers such as CONSTANT, RETAIN in upper case."""
+
+    keyword: str
+    modifiers: tuple[str, ...]
+    declarations: tuple[Declaration, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Unit(Node):
+    """A block or type. ``body_type`` is a DB's or UDT's structure, or the type an instance DB is made from.
+
+    ``properties`` are TITLE, AUTHOR, NAME, FAMILY, VERSION as text; ``flags`` NON_RETAIN and the like.
+    ``statements`` are the code, or the assignments behind BEGIN of a DB.
+    """
+
+    keyword: str
+    name: str
+    quoted: bool
+    return_type: TypeSpec | None
+    attributes: tuple[Attribute, ...]
+    properties: tuple[tuple[str, str], ...]
+    flags: tuple[str, ...]
+    comment: str
+    sections: tuple[Section, ...]
+    body_type: TypeSpec | None
+    statements: Body
+
+
+def walk(root: Node) -> Iterator[Node]:
+    """Every node below ``root``, itself included, in source order; no recursion, whatever the depth."""
+    stack: list[Node] = [root]
+    while stack:
+        node = stack.pop()
+        yield node
+        children: list[Node] = []
+        for name in _field_names(type(node)):
+            _collect(getattr(node, name), children)
+        stack.extend(reversed(children))
+
+
+def _collect(value: object, into: list[Node]) -> None:
+    if isinstance(value, Node):
+        into.append(value)
+    elif isinstance(value, tuple):
+        for item in value:
+            _collect(item, into)
+
+
+_FIELDS: dict[type, tuple[str, ...]] = {}
+
+
+def _field_names(cls: type[Node]) -> tuple[str, ...]:
+    names = _FIELDS.get(cls)
+    if names is None:
+        names = _FIELDS[cls] = tuple(f.name for f in fields(cls) if f.name not in {"start", "end"})
+    return names

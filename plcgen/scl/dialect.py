@@ -1,0 +1,30 @@
+"""The three dialects of Siemens SCL that one grammar serves."""
+
+from __future__ import annotations
+
+import enum
+
+
+class Dialect(enum.StrEnum):
+    """Who is going to compile the source: the parser accepts all three, ``dialects.check`` tells them apart."""
+
+    STEP7_V5 = "STEP7_V5"
+    TIA_300_400 = "TIA_300_400"
+    TIA_1200_1500 = "TIA_1200_1500"
+
+    @property
+    def is_tia(self) -> bool:
+        """Whether the TIA Portal compiles it."""
+        return self is not Dialect.STEP7_V5
+
+    @property
+    def label(self) -> str:
+        """How messages name the target."""
+        return _LABELS[self]
+
+
+_LABELS = {
+    Dialect.STEP7_V5: "STEP 7 V5",
+    Dialect.TIA_300_400: "TIA Portal, S7-300/400",
+    Dialect.TIA_1200_1500: "TIA Portal, S7-1200/1500",
+}

@@ -1,0 +1,213 @@
+"""Declaration sections, declarations and types."""
+
+from __future__ import annotations
+
+from plcgen.scl import ast
+from plcgen.scl.cursor import Fault, unquote
+from plcgen.scl.lexer import EOF, INT, NAME, QUOTED, WORDS
+from plcgen.scl.parser_expressions import ExpressionParser
+
+SECTIONS = frozenset({"VAR", "VAR_INPUT", "VAR_OUTPUT", "VAR_IN_OUT", "VAR_TEMP", "CONST", "LABEL"})
+UNIT_KEYWORDS = frozenset({"FUNCTION_BLOCK", "FUNCTION", "ORGANIZATION_BLOCK", "DATA_BLOCK", "TYPE"})
+UNIT_ENDS = frozenset("END_" + keyword for keyword in UNIT_KEYWORDS)
+_SECTION_ENDS = frozenset({"END_VAR", "END_CONST", "END_LABEL", "END_STRUCT", "BEGIN", EOF}) | UNIT_ENDS | (
+    UNIT_KEYWORDS - {"TYPE"}
+) | (SECTIONS - {"LABEL"})  # fmt: skip
+_MODIFIERS = frozenset({"CONSTANT", "RETAIN", "NON_RETAIN", "DB_SPECIFIC"})
+_NUMBERED = frozenset({"UDT", "FB", "SFB", "FC", "SFC", "DB", "OB"})
+
+
+class DeclarationParser(ExpressionParser):
+    """Everything between the header and BEGIN."""
+
+    def section(self) -> ast.Section:
+        """One section with its END; faults inside cost one declaration each."""
+        start = self.start
+        keyword = self.kinds[self.pos]
+        self.pos += 1
+        if keyword == "LABEL":
+            return self.label_section(start)
+        modifiers: list[str] = []
+        while self.upper() in _MODIFIERS and self.kind(1) not in {":", ",", "{"}:
+            modifiers.append(self.upper())
+            self.pos += 1
+        declarations = self.declarations(constants=keyword == "CONST")
+        closing = "END_CONST" if keyword == "CONST" else "END_VAR"
+        if not self.accept(closing):
+            self.report(self.expected(closing).diagnostic)
+            if self.kinds[self.pos] in {"END_VAR", "END_CONST", "END_STRUCT", "END_LABEL"}:
+                self.pos += 1
+        self.accept(";")
+        return ast.Section(start, self.last_end, keyword, tuple(modifiers), declarations)
+
+    def label_section(self, start: int) -> ast.Section:
+        """``LABEL a, b; END_LABEL``: the labels become declarations without a type."""
+        found: list[ast.Declaration] = []
+        while self.kinds[self.pos] in {NAME, QUOTED, ",", ";"}:
+            if not (self.accept(",") or self.accept(";")):
+                name = self.declared_name()
+                found.append(ast.Declaration(name.start, name.end, (name,), None, None, None, ""))
+        if not self.accept("END_LABEL"):
+            self.report(self.expected("END_LABEL").diagnostic)
+        self.accept(";")
+        return ast.Section(start, self.last_end, "LABEL", (), tuple(found))
+
+    def declarations(self, *, constants: bool = False) -> tuple[ast.Declaration, ...]:
+        """Declarations up to a closing or opening keyword of a section."""
+        found: list[ast.Declaration] = []
+        while self.kinds[self.pos] not in _SECTION_ENDS or self.kind(1) == ":":
+            depth = self.depth
+            try:
+                found.append(self.constant() if constants else self.declaration())
+            except Fault as fault:
+                if type(fault) is not Fault:
+                    raise
+                self.depth = depth
+                self.report(fault.diagnostic)
+                self.skip_declaration()
+        return tuple(found)
+
+    def skip_declaration(self) -> None:
+        """Go behind the next semicolon, or to the keyword that ends the section; structures as a whole."""
+        inside = 0
+        while (kind := self.kinds[self.pos]) not in _SECTION_ENDS or (inside and kind == "END_STRUCT"):
+            self.pos += 1
+            if kind == "STRUCT":
+                inside += 1
+            elif kind == "END_STRUCT":
+                inside -= 1
+            elif kind == ";" and not inside:
+                break
+
+    def constant(self) -> ast.Declaration:
+        """``N := 10;`` of CONST; a type is accepted too."""
+        if self.kind(1) in {":", "{"}:
+            return self.declaration()
+        start = self.start
+        name = self.declared_name()
+        self.expect(":=")
+        value = self.expression()
+        self.end_of_declaration()
+        return ast.Declaration(start, value.end, (name,), None, None, value, self.trailing_comment())
+
+    def declared_name(self) -> ast.DeclaredName:
+        """A name with its attributes."""
+        pos = self.pos
+        name = self.word("a declaration")
+        attributes = self.attributes() if self.kinds[self.pos] == "{" else ()
+        return ast.DeclaredName(
+            self.starts[pos], self.tokens.end(pos), name, self.kinds[pos] == QUOTED, attributes
+        )
+
+    def declaration(self) -> ast.Declaration:
+        """``a, b AT x : type := value; // comment``."""
+        start = self.start
+        names = [self.declared_name()]
+        while self.accept(","):
+            names.append(self.declared_name())
+        at = None
+        if self.upper() == "AT":
+            self.pos += 1
+            at = self.word("the variable that AT overlays")
+        self.expect(":")
+        spec = self.type_spec()
+        initial = self.initial_value() if self.accept(":=") else None
+        end = self.last_end
+        self.end_of_declaration()
+        return ast.Declaration(start, end, tuple(names), at, spec, initial, self.comment_of(spec))
+
+    def end_of_declaration(self) -> None:
+        """The semicolon; a missing one at the end of a line costs only its own message."""
+        if self.accept(";"):
+            return
+        end = self.last_end
+        if self.kinds[self.pos] in _SECTION_ENDS or "\n" in self.tokens.source[end : self.start]:
+            self.report(self.diagnostic("expected ';' at the end of the declaration", end, end + 1))
+            return
+        raise self.expected("';'")
+
+    def comment_of(self, spec: ast.TypeSpec) -> str:
+        """Behind the semicolon; for a structure behind STRUCT if there is none."""
+        comment = self.trailing_comment()
+        if comment or not isinstance(spec, ast.StructSpec):
+            return comment
+        saved, self.pos = self.pos, self.index_at(spec.start) + 1
+        comment = self.trailing_comment()
+        self.pos = saved
+        return comment
+
+    def index_at(self, offset: int) -> int:
+        """Index of the token that starts at ``offset``."""
+        from bisect import bisect_left
+
+        return bisect_left(self.starts, offset)
+
+    # --- types ----------------------------------------------------------------------------------------
+
+    def type_spec(self) -> ast.TypeSpec:
+        """A type with the attributes in front of it."""
+        start = self.start
+        attributes = self.attributes() if self.kinds[self.pos] == "{" else ()
+        kind = self.kinds[self.pos]
+        if kind == "ARRAY":
+            return self.array(start)
+        if kind == "STRUCT":
+            return self.structure(self.start)
+        if kind == QUOTED:
+            self.pos += 1
+            return ast.TypeName(start, self.last_end, unquote(self.texts[self.pos - 1]), True, attributes)
+        if kind not in WORDS:
+            raise self.expected("a data type")
+        name = self.texts[self.pos]
+        self.pos += 1
+        upper = name.upper()
+        if upper in {"STRING", "WSTRING"}:
+            return self.string(start, name)
+        if upper == "REF_TO":
+            self.enter()
+            target = self.type_spec()
+            self.depth -= 1
+            return ast.ReferenceSpec(start, target.end, target)
+        if upper in _NUMBERED and self.kinds[self.pos] == INT:
+            name += self.texts[self.pos]
+            self.pos += 1
+        return ast.TypeName(start, self.last_end, name, False, attributes)
+
+    def string(self, start: int, name: str) -> ast.StringSpec:
+        """``STRING`` with or without a length."""
+        length = None
+        if self.accept("["):
+            length = self.expression()
+            self.expect("]")
+        return ast.StringSpec(start, self.last_end, name, length)
+
+    def array(self, start: int) -> ast.ArraySpec:
+        """``ARRAY [low..high, ...] OF type``."""
+        self.enter()
+        self.pos += 1
+        self.expect("[")
+        bounds: list[tuple[ast.Expression, ast.Expression]] = []
+        if not self.accept("*"):
+            bounds.append(self.bound())
+            while self.accept(","):
+                bounds.append(self.bound())
+        self.expect("]")
+        self.expect("OF")
+        element = self.type_spec()
+        self.depth -= 1
+        return ast.ArraySpec(start, element.end, tuple(bounds), element)
+
+    def bound(self) -> tuple[ast.Expression, ast.Expression]:
+        """``low..high``."""
+        low = self.expression()
+        self.expect("..")
+        return low, self.expression()
+
+    def structure(self, start: int) -> ast.StructSpec:
+        """``STRUCT .. END_STRUCT``."""
+        self.enter()
+        self.pos += 1
+        members = self.declarations()
+        self.expect("END_STRUCT")
+        self.depth -= 1
+        return ast.StructSpec(start, self.last_end, members)

@@ -1,0 +1,342 @@
+"""Statements with recovery: a fault costs one statement, a wrong END costs one message."""
+
+from __future__ import annotations
+
+from plcgen.diagnostics import Note
+from plcgen.scl import ast
+from plcgen.scl.cursor import Fault
+from plcgen.scl.lexer import ADDRESS, EOF, INT, LOCAL, NAME, QUOTED, REAL, STRING, TYPED
+from plcgen.scl.parser_declarations import UNIT_ENDS, UNIT_KEYWORDS
+from plcgen.scl.parser_expressions import ExpressionParser
+
+_CLOSERS = frozenset({"END_IF", "END_CASE", "END_FOR", "END_WHILE", "END_REPEAT", "END_REGION", "UNTIL"})
+_STOPS = _CLOSERS | {"ELSIF", "ELSE", EOF} | UNIT_ENDS | UNIT_KEYWORDS
+_STARTS = frozenset(
+    {"IF", "CASE", "FOR", "WHILE", "REPEAT", "EXIT", "CONTINUE", "RETURN", "GOTO", "REGION"}
+)
+_VARIABLES = frozenset({LOCAL, NAME, QUOTED, ADDRESS})
+_LITERAL_LABELS = frozenset({INT, REAL, STRING, TYPED, "-", "+", "TRUE", "FALSE"})
+_ASSIGNMENTS = frozenset({":=", "+=", "-=", "*=", "/=", "&=", "**=", "?="})
+_NOT_A_REGION = _ASSIGNMENTS | {".", "[", "(", ":", ";", ",", ")"}
+
+
+class StatementParser(ExpressionParser):
+    """The code behind BEGIN."""
+
+    jump_labels: frozenset[str] = frozenset()
+
+    def __init_subclass__(cls) -> None:
+        cls.compound = {
+            "IF": cls.if_statement, "CASE": cls.case_statement, "FOR": cls.for_statement,
+            "WHILE": cls.while_statement, "REPEAT": cls.repeat_statement, "EXIT": cls.jump,
+            "CONTINUE": cls.jump, "RETURN": cls.jump, "GOTO": cls.goto, "REGION": cls.region,
+        }  # fmt: skip
+
+    def body(self, *, in_case: bool = False) -> ast.Body:
+        """Statements up to a keyword that closes something, or up to the next label of a CASE."""
+        found: list[ast.Statement] = []
+        kinds = self.kinds
+        self.enter()
+        depth = self.depth
+        while True:
+            pos = self.pos
+            kind = kinds[pos]
+            if kind in _STOPS:
+                break
+            if in_case and self.at_case_label():
+                break
+            try:
+                if kind == LOCAL or (kind in _VARIABLES and kinds[pos + 1] != ":"):
+                    found.append(self.simple())
+                elif kind == ";":
+                    self.pos = pos + 1
+                elif statement := self.other(kind):
+                    found.append(statement)
+            except Fault as fault:
+                if type(fault) is not Fault:
+                    raise
+                self.depth = depth
+                self.report(fault.diagnostic)
+                self.skip_statement(pos)
+        self.depth -= 1
+        return tuple(found)
+
+    def skip_statement(self, began: int) -> None:
+        """Go behind the next semicolon or to the next keyword of a statement; always at least one token on."""
+        if self.pos == began and self.kinds[began] not in _STOPS:
+            self.pos += 1
+        while (kind := self.kinds[self.pos]) not in _STOPS and kind not in _STARTS:
+            self.pos += 1
+            if kind == ";":
+                break
+
+    # --- simple statements ----------------------------------------------------------------------------
+
+    def simple(self) -> ast.Statement:
+        """An assignment or a call."""
+        start = self.starts[self.pos]
+        self.operators = 0
+        self.call_depth = self.depth + 1
+        target = self.variable()
+        kind = self.kinds[self.pos]
+        if kind == ":=" or kind in _ASSIGNMENTS:
+            self.pos += 1
+            value = self.expression()
+            if self.kinds[self.pos] == ":=":
+                return self.chained(start, target, kind, value)
+            self.semicolon()
+            return ast.Assign(start, value.end, target, kind, value)
+        if isinstance(target, ast.Call):
+            self.semicolon()
+            return ast.CallStatement(start, target.end, target)
+        if kind == "=":
+            raise self.fault("'=' compares, it does not assign", text="write ':='")
+        raise self.expected("':=' or '('")
+
+    def chained(self, start: int, first: ast.Expression, operator: str, value: ast.Expression) -> ast.Statement:
+        """``a := b := c := value;``."""
+        also: list[ast.Expression] = []
+        while self.accept(":="):
+            also.append(value)
+            value = self.expression()
+        self.semicolon()
+        return ast.Assign(start, value.end, first, operator, value, tuple(also))
+
+    def semicolon(self) -> None:
+        """The end of a simple statement; a missing one at the end of a line costs only its own message."""
+        if self.kinds[self.pos] == ";":
+            self.pos += 1
+            return
+        end = self.last_end
+        if "\n" in self.tokens.source[end : self.start] or self.kinds[self.pos] in _STOPS:
+            self.report(self.diagnostic("expected ';' at the end of the statement", end, end + 1))
+            return
+        raise self.expected("';'")
+
+    def other(self, kind: str) -> ast.Statement | None:
+        """Statements that begin with a keyword, labels and attributes."""
+        if kind == "REGION" and self.kind(1) in _NOT_A_REGION:
+            return self.region_as_name()
+        if handler := self.compound.get(kind):
+            return handler(self)
+        if kind in {NAME, QUOTED, INT} and self.kind(1) == ":":
+            start = self.start
+            name = self.texts[self.pos].strip('"')
+            self.pos += 2
+            return ast.Label(start, self.last_end, name)
+        if kind == "{":
+            self.attributes()
+            return None
+        raise self.expected("a statement")
+
+    def region_as_name(self) -> ast.Statement:
+        """STEP 7 V5 knows no REGION: there it may be a variable."""
+        self.kinds[self.pos] = NAME
+        return self.simple()
+
+    def jump(self) -> ast.Statement:
+        """EXIT, CONTINUE, RETURN."""
+        start, keyword = self.start, self.kinds[self.pos]
+        self.pos += 1
+        end = self.last_end
+        self.semicolon()
+        return ast.Jump(start, end, keyword)
+
+    def goto(self) -> ast.Statement:
+        """GOTO label."""
+        start = self.start
+        self.pos += 1
+        label = self.texts[self.pos] if self.kinds[self.pos] == INT else self.word("a label")
+        if self.kinds[self.pos] == INT:
+            self.pos += 1
+        end = self.last_end
+        self.semicolon()
+        return ast.Goto(start, end, label)
+
+    # --- compound statements --------------------------------------------------------------------------
+
+    def close(self, closer: str, opener: int) -> None:
+        """Step over the END of a statement; another one in its place is reported together with the opener."""
+        if self.accept(closer):
+            self.accept(";")
+            return
+        name = self.kinds[opener]
+        span = self.tokens.span(self.starts[opener], self.tokens.end(opener))
+        fault = self.expected(closer)
+        self.report(
+            self.diagnostic(
+                fault.diagnostic.message,
+                self.start,
+                self.tokens.end(self.pos),
+                text=fault.diagnostic.help,
+                notes=(Note(f"this {name} is open", span),),
+            )
+        )
+        if self.kinds[self.pos] in _CLOSERS and self.kinds[self.pos] not in self.open:
+            self.pos += 1
+            self.accept(";")
+
+    def nested(self, closer: str, *, in_case: bool = False) -> ast.Body:
+        """A body whose closing keyword is known."""
+        self.open.append(closer)
+        found = self.body(in_case=in_case)
+        self.open.pop()
+        return found
+
+    def if_statement(self) -> ast.Statement:
+        """IF .. THEN .. ELSIF .. ELSE .. END_IF."""
+        opener = self.pos
+        branches: list[ast.IfBranch] = []
+        while True:
+            start = self.start
+            self.pos += 1
+            condition = self.expression()
+            self.keyword("THEN")
+            body = self.nested("END_IF")
+            branches.append(ast.IfBranch(start, self.last_end, condition, body))
+            if self.kinds[self.pos] != "ELSIF":
+                break
+        otherwise = None
+        if self.accept("ELSE"):
+            otherwise = self.nested("END_IF")
+        self.close("END_IF", opener)
+        return ast.If(self.starts[opener], self.last_end, tuple(branches), otherwise)
+
+    def keyword(self, kind: str) -> None:
+        """THEN, DO, OF: if it is missing the body is read all the same."""
+        if self.accept(kind):
+            return
+        fault = self.expected(kind)
+        if self.kinds[self.pos] in {":=", ")", "]", "="}:
+            raise fault
+        self.report(fault.diagnostic)
+        self.accept(";")
+
+    def for_statement(self) -> ast.Statement:
+        """FOR i := a TO b BY c DO .. END_FOR."""
+        opener = self.pos
+        self.pos += 1
+        variable = self.variable()
+        self.expect(":=")
+        first = self.expression()
+        self.expect("TO")
+        last = self.expression()
+        step = self.expression() if self.accept("BY") else None
+        self.keyword("DO")
+        body = self.nested("END_FOR")
+        self.close("END_FOR", opener)
+        return ast.For(self.starts[opener], self.last_end, variable, first, last, step, body)
+
+    def while_statement(self) -> ast.Statement:
+        """WHILE .. DO .. END_WHILE."""
+        opener = self.pos
+        self.pos += 1
+        condition = self.expression()
+        self.keyword("DO")
+        body = self.nested("END_WHILE")
+        self.close("END_WHILE", opener)
+        return ast.While(self.starts[opener], self.last_end, condition, body)
+
+    def repeat_statement(self) -> ast.Statement:
+        """REPEAT .. UNTIL .. END_REPEAT."""
+        opener = self.pos
+        self.pos += 1
+        body = self.nested("UNTIL")
+        self.expect("UNTIL")
+        condition = self.expression()
+        self.accept(";")
+        self.close("END_REPEAT", opener)
+        return ast.Repeat(self.starts[opener], self.last_end, body, condition)
+
+    def region(self) -> ast.Statement:
+        """REGION title .. END_REGION."""
+        opener = self.pos
+        self.pos += 1
+        title = self.rest_of_line()
+        body = self.nested("END_REGION", in_case=self.case_depth == self.depth)
+        self.close("END_REGION", opener)
+        return ast.Region(self.starts[opener], self.last_end, title, body)
+
+    # --- CASE -----------------------------------------------------------------------------------------
+
+    def case_statement(self) -> ast.Statement:
+        """CASE .. OF labels: statements .. ELSE .. END_CASE."""
+        opener = self.pos
+        self.pos += 1
+        selector = self.expression()
+        self.keyword("OF")
+        branches: list[ast.CaseBranch] = []
+        regions: list[str] = []
+        open_regions = 0
+        outer, self.case_depth = self.case_depth, self.depth + 1
+        self.open.append("END_REGION")
+        while True:
+            kind = self.kinds[self.pos]
+            if kind == "REGION":
+                self.pos += 1
+                regions.append(self.rest_of_line())
+                open_regions += 1
+            elif kind == "END_REGION" and open_regions:
+                self.pos += 1
+                self.accept(";")
+                open_regions -= 1
+            elif self.at_case_label():
+                branches.append(self.case_branch(tuple(regions)))
+                regions.clear()
+            elif kind == ";":
+                self.pos += 1
+            else:
+                break
+        self.open.pop()
+        otherwise = None
+        if self.accept("ELSE"):
+            self.accept(":")
+            otherwise = self.nested("END_CASE")
+        elif self.kinds[self.pos] != "END_CASE":
+            raise self.expected("a CASE label, ELSE or END_CASE")
+        while open_regions and self.accept("END_REGION"):
+            open_regions -= 1
+        self.case_depth = outer
+        self.close("END_CASE", opener)
+        return ast.Case(self.starts[opener], self.last_end, selector, tuple(branches), otherwise)
+
+    def case_branch(self, regions: tuple[str, ...]) -> ast.CaseBranch:
+        """``1, 3..5:`` and its statements."""
+        start = self.start
+        labels = [self.case_range()]
+        while self.accept(","):
+            labels.append(self.case_range())
+        self.expect(":")
+        body = self.nested("END_CASE", in_case=True)
+        return ast.CaseBranch(start, self.last_end, tuple(labels), body, regions)
+
+    def case_range(self) -> ast.CaseRange:
+        """One value or ``low..high``."""
+        low = self.expression()
+        high = self.expression() if self.accept("..") else None
+        return ast.CaseRange(low.start, (high or low).end, low, high)
+
+    def at_case_label(self) -> bool:
+        """Whether a label of the CASE begins here; a REGION belongs to what it begins with."""
+        pos = self.pos
+        kind = self.kinds[pos]
+        if kind == "REGION":
+            return self.region_opens_label(pos)
+        if kind in _LITERAL_LABELS:
+            return True
+        if kind not in {LOCAL, NAME, QUOTED}:
+            return False
+        following = self.kinds[pos + 1]
+        if following == ":":
+            return self.texts[pos].upper() not in self.jump_labels
+        return following in {",", ".."}
+
+    def region_opens_label(self, pos: int) -> bool:
+        """Whether the first token on the lines below ``REGION title`` is a label."""
+        end = self.tokens.source.find("\n", self.starts[pos])
+        while self.kinds[pos] != EOF and self.starts[pos] < end:
+            pos += 1
+        saved, self.pos = self.pos, pos
+        found = self.kinds[pos] != "REGION" and self.at_case_label()
+        self.pos = saved
+        return found

@@ -1,0 +1,67 @@
+"""What verification found: checks grouped by subject, each with an outcome a person and a machine can read."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from plcgen.diagnostics import Diagnostic
+
+
+class Outcome(enum.StrEnum):
+    """Result of one check. ``NOT_RUN`` is neither good nor bad: the check exists but was not executed."""
+
+    OK = "ok"
+    ERROR = "error"
+    WARNING = "warning"
+    NOT_RUN = "not run"
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One statement that was tested.
+
+    ``subject`` is what was looked at (``DB3 "WR_DataBuffer"``, ``telegram read_ramp_up``), ``text`` the figures,
+    ``verdict`` the short ending of the line, ``diagnostic`` what is wrong (None if nothing is).
+    """
+
+    id: str
+    subject: str
+    text: str
+    outcome: Outcome
+    verdict: str
+    diagnostic: Diagnostic | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CheckGroup:
+    """Checks that belong together: ``files``, ``layout``, ``telegrams``, ``drive``, ``execution``."""
+
+    name: str
+    title: str
+    checks: tuple[Check, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Verification:
+    """The complete result for one spec and one output folder."""
+
+    spec: str
+    folder: str
+    project: str
+    target: str
+    groups: tuple[CheckGroup, ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+    def checks(self) -> Iterator[Check]:
+        """All checks in order."""
+        for group in self.groups:
+            yield from group.checks
+
+    @property
+    def ok(self) -> bool:
+        """Whether no check and no diagnostic is an error."""
+        return not any(c.outcome is Outcome.ERROR for c in self.checks()) and not any(
+            d.severity.label == "error" for d in self.diagnostics
+        )
