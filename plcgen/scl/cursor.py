@@ -78,7 +78,9 @@ class Cursor:
         if self.kinds[index] == ERROR:
             message, text = lexical_error(self.texts[index])
         return Fault(
-            self.diagnostic(message, self.starts[index], max(self.tokens.end(index), self.starts[index]), text=text)
+            self.diagnostic(
+                message, self.starts[index], max(self.tokens.end(index), self.starts[index]), text=text
+            )
         )
 
     def expected(self, what: str) -> Fault:

@@ -30,7 +30,9 @@ KEYWORDS = frozenset(
 WORDS = KEYWORDS | {NAME, QUOTED, ADDRESS}
 """Kinds that may stand where only a name makes sense: after a dot, before ``:=`` in a call, before a colon."""
 
-_MARKS = "\u0300-\u036f\u0483-\u0487\u0591-\u05c7\u064b-\u065f\u0900-\u0dff\u0e31-\u0e4e\u200c\u200d\u20d0-\u20ff"
+_MARKS = (
+    "\u0300-\u036f\u0483-\u0487\u0591-\u05c7\u064b-\u065f\u0900-\u0dff\u0e31-\u0e4e\u200c\u200d\u20d0-\u20ff"
+)
 _WORD = rf"[^\W\d][\w{_MARKS}]*+"
 _TEXT = r"'(?:[^'$\n]++|\$>[^$]*+\$<|\$.)*+'"
 _PATTERN = re.compile(
@@ -59,7 +61,9 @@ _PATTERN = re.compile(
     )
 )
 _DELIMITERS = re.compile(r"\(\*|\*\)")
-_OPERATORS = frozenset(":= => ?= <= >= <> ** **= += -= *= /= &= .. + - * / & = < > ( ) [ ] { } . , : ; ^ @".split())
+_OPERATORS = frozenset(
+    ":= => ?= <= >= <> ** **= += -= *= /= &= .. + - * / & = < > ( ) [ ] { } . , : ; ^ @".split()
+)
 _TRIVIA_PARTS = re.compile(r"\n|//[^\n]*+|\(/\*[\s\S]*?\*/\)|\(\*[\s\S]*")
 
 

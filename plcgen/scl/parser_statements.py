@@ -11,9 +11,7 @@ from plcgen.scl.parser_expressions import ExpressionParser
 
 _CLOSERS = frozenset({"END_IF", "END_CASE", "END_FOR", "END_WHILE", "END_REPEAT", "END_REGION", "UNTIL"})
 _STOPS = _CLOSERS | {"ELSIF", "ELSE", EOF} | UNIT_ENDS | UNIT_KEYWORDS
-_STARTS = frozenset(
-    {"IF", "CASE", "FOR", "WHILE", "REPEAT", "EXIT", "CONTINUE", "RETURN", "GOTO", "REGION"}
-)
+_STARTS = frozenset({"IF", "CASE", "FOR", "WHILE", "REPEAT", "EXIT", "CONTINUE", "RETURN", "GOTO", "REGION"})
 _VARIABLES = frozenset({LOCAL, NAME, QUOTED, ADDRESS})
 _LITERAL_LABELS = frozenset({INT, REAL, STRING, TYPED, "-", "+", "TRUE", "FALSE"})
 _ASSIGNMENTS = frozenset({":=", "+=", "-=", "*=", "/=", "&=", "**=", "?="})
@@ -93,7 +91,9 @@ class StatementParser(ExpressionParser):
             raise self.fault("'=' compares, it does not assign", text="write ':='")
         raise self.expected("':=' or '('")
 
-    def chained(self, start: int, first: ast.Expression, operator: str, value: ast.Expression) -> ast.Statement:
+    def chained(
+        self, start: int, first: ast.Expression, operator: str, value: ast.Expression
+    ) -> ast.Statement:
         """``a := b := c := value;``."""
         also: list[ast.Expression] = []
         while self.accept(":="):

@@ -1,0 +1,91 @@
+"""Text sources to blocks: .scl, .udt, .db, and the declarations of .awl and .stl."""
+
+from __future__ import annotations
+
+import codecs
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, Span
+from plcgen.s7.blocks import Block
+from plcgen.scl.declarations import blocks
+from plcgen.scl.dialect import Dialect
+from plcgen.scl.parser import MAX_CHARACTERS, parse
+
+MAX_BYTES = 2 * MAX_CHARACTERS
+"""Larger files are refused with PG802 before they are read."""
+
+_DECLARATIONS_ONLY = frozenset({".awl", ".stl"})
+_BOMS = (
+    (codecs.BOM_UTF8, "utf-8"),
+    (codecs.BOM_UTF16_LE, "utf-16-le"),
+    (codecs.BOM_UTF16_BE, "utf-16-be"),
+)
+
+
+def read_source(
+    path: Path | str, dialect: Dialect | None = None, *, encoding: str | None = None
+) -> tuple[list[Block], list[Diagnostic]]:
+    """Blocks of one file and everything that is wrong with it; a file that cannot be read is a diagnostic too.
+
+    Without ``dialect`` everything is accepted that one of the three compilers accepts. ``encoding`` names the
+    code page of an ANSI file (default Windows-1252); a byte order mark and valid UTF-8 come first.
+    """
+    path = Path(path)
+    file = str(path)
+    try:
+        size = path.stat().st_size
+        if size > MAX_BYTES:
+            return [], [Diagnostic("PG802", f"the file has {size} bytes, more than {MAX_BYTES}", Span(file))]
+        data = path.read_bytes()
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        return [], [Diagnostic("PG804", f"the file cannot be read: {reason}", Span(file))]
+    text = decode(data, file, encoding)
+    if isinstance(text, Diagnostic):
+        return [], [text]
+    return read_text(text, file, dialect, bodies=path.suffix.lower() not in _DECLARATIONS_ONLY)
+
+
+def read_text(
+    text: str, file: str, dialect: Dialect | None = None, *, bodies: bool = True
+) -> tuple[list[Block], list[Diagnostic]]:
+    """Blocks of a source that is already decoded; ``bodies=False`` skips code, as for STL."""
+    result = parse(text, file, dialect, bodies=bodies)
+    found, diagnostics = blocks(result, dialect)
+    return found, sorted([*result.diagnostics, *diagnostics], key=lambda d: d.sort_key)
+
+
+def decode(data: bytes, file: str, encoding: str | None = None) -> str | Diagnostic:
+    """Text of a source file, or PG804 with the place of the first byte that makes no sense."""
+    for mark, name in _BOMS:
+        if data.startswith(mark):
+            return _decode_as(data[len(mark) :], name, file)
+    if b"\0" in data:
+        line, column = _place(data, data.index(b"\0"))
+        message = "a zero byte in a file without byte order mark: neither ANSI nor UTF-8"
+        text = "save it as UTF-8 with BOM"
+        return Diagnostic("PG804", message, Span(file, line, column, line, column + 1), help=text)
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        return _decode_as(data, encoding or "cp1252", file)
+
+
+def _decode_as(data: bytes, name: str, file: str) -> str | Diagnostic:
+    try:
+        return data.decode(name)
+    except UnicodeDecodeError as error:
+        unit = 2 if name.startswith("utf-16") else 1
+        line, column = _place(data[: error.start].decode(name, "replace").encode("latin-1", "replace"), None)
+        found = data[error.start : error.start + unit].hex(" ").upper()
+        message = f"the bytes {found} are no {name.upper()} text"
+        text = "save it as UTF-8 with BOM, or name its code page"
+        return Diagnostic("PG804", message, Span(file, line, column, line, column + 1), help=text)
+    except LookupError:
+        return Diagnostic("PG804", f"unknown code page {name}", Span(file))
+
+
+def _place(data: bytes, offset: int | None) -> tuple[int, int]:
+    """Line and column, from 1, of a byte offset; None means the end."""
+    before = data[:offset]
+    return before.count(b"\n") + 1, len(before) - (before.rfind(b"\n") + 1) + 1

@@ -1,0 +1,88 @@
+"""Constant expressions of declarations: array bounds, string lengths, CONST."""
+
+from __future__ import annotations
+
+from plcgen.s7.types import DataType, StringType, elementary
+from plcgen.scl import ast
+
+_PREFIXES = {
+    "B": "BYTE", "W": "WORD", "DW": "DWORD", "LW": "LWORD", "T": "TIME", "S5T": "S5TIME", "D": "DATE",
+    "LT": "LTIME", "L": "DINT", "C": "WORD",
+}  # fmt: skip
+_LIMIT = 1 << 64
+
+
+def integer(text: str) -> int | None:
+    """Value of an integer literal such as ``10``, ``16#FF``, ``INT#-5``, ``2#1010_0101``; None if it is none."""
+    head, _, digits = text.replace("_", "").rpartition("#")
+    base = head.rpartition("#")[2]
+    try:
+        value = int(digits[:40], int(base) if base.isdigit() and base in {"2", "8", "16"} else 10)
+    except ValueError:
+        return None
+    return value if -_LIMIT < value < _LIMIT else None
+
+
+def evaluate(node: ast.Expression, known: dict[str, int]) -> int | None:
+    """Integer value of an expression of literals and known constants (by upper-case name), else None."""
+    if isinstance(node, ast.Literal):
+        return integer(node.text) if node.kind in {"int", "typed"} else None
+    if isinstance(node, ast.Name):
+        return known.get(node.name.upper())
+    if isinstance(node, ast.Unary) and node.operator in {"-", "+"}:
+        value = evaluate(node.operand, known)
+        return value if value is None or node.operator == "+" else -value
+    return _evaluate_chain(node, known) if isinstance(node, ast.Binary) else None
+
+
+def _evaluate_chain(node: ast.Binary, known: dict[str, int]) -> int | None:
+    """Walk down the left side in a loop: chains may be long."""
+    chain: list[ast.Binary] = []
+    left: ast.Expression = node
+    while isinstance(left, ast.Binary):
+        chain.append(left)
+        left = left.left
+    value = evaluate(left, known)
+    for link in reversed(chain):
+        right = evaluate(link.right, known)
+        if value is None or right is None:
+            return None
+        value = _apply(link.operator, value, right)
+    return value
+
+
+def _apply(operator: str, left: int, right: int) -> int | None:
+    result: int | None = None
+    if operator == "+":
+        result = left + right
+    elif operator == "-":
+        result = left - right
+    elif operator == "*":
+        result = left * right
+    elif operator in {"/", "DIV"} and right:
+        result = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
+    elif operator == "MOD" and right:
+        result = abs(left) % abs(right) * (-1 if left < 0 else 1)
+    elif operator == "**" and 0 <= right <= 64 and abs(left) <= 2**16:
+        result = left**right
+    return result if result is not None and abs(result) < _LIMIT else None
+
+
+def type_of(node: ast.Expression, value: int | None) -> DataType:
+    """The type a CONST without one takes from its value."""
+    found: DataType | None = None
+    if isinstance(node, ast.Literal):
+        if node.kind == "real":
+            found = elementary("REAL")
+        elif node.kind == "bool":
+            found = elementary("BOOL")
+        elif node.kind == "string":
+            found = StringType("STRING", max(1, len(node.text) - 2))
+        elif node.kind == "typed":
+            prefix = node.text.partition("#")[0].upper()
+            found = elementary(_PREFIXES.get(prefix, prefix))
+    if found is None:
+        small = value is None or -(2**15) <= value < 2**15
+        found = elementary("INT" if small else "DINT")
+    assert found is not None  # noqa: S101 - both names are in the table of elementary types
+    return found

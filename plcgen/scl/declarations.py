@@ -1,0 +1,335 @@
+"""Declarations of the tree to the block model; start values stay the text of the source."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from plcgen.diagnostics import Diagnostic, Note, Span
+from plcgen.diagnostics.suggest import did_you_mean, near
+from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind
+from plcgen.s7.types import (
+    ALIASES,
+    ELEMENTARY,
+    ArrayType,
+    DataType,
+    Member,
+    NamedType,
+    StringType,
+    StructType,
+    elementary,
+)
+from plcgen.scl import ast
+from plcgen.scl.constants import evaluate, type_of
+
+if TYPE_CHECKING:
+    from plcgen.scl.dialect import Dialect
+    from plcgen.scl.parser import ParseResult
+
+SYSTEM_TYPES = frozenset(
+    """VARIANT VOID REMOTE IEC_TIMER IEC_LTIMER IEC_COUNTER IEC_SCOUNTER IEC_DCOUNTER IEC_UCOUNTER IEC_USCOUNTER
+    IEC_UDCOUNTER TON TOF TP TONR TON_TIME TOF_TIME TP_TIME TONR_TIME TON_LTIME TOF_LTIME TP_LTIME TONR_LTIME
+    CTU CTD CTUD CTU_INT CTD_INT CTUD_INT CTU_DINT CTUD_DINT R_TRIG F_TRIG WRREC RDREC RALRM TCON TSEND TRCV
+    TDISCON TSEND_C TRCV_C TUSEND TURCV PID_COMPACT ERROR_STRUCT NREF CREF TADDR_PARAM TCON_PARAM TCON_IP_V4
+    CONN_OUC CONN_ANY CONN_PRG CONN_R_ID HW_SUBMODULE HW_IOSYSTEM HW_HSC HW_PWM HW_PTO HW_DPMASTER HW_DPSLAVE
+    HW_INTERRUPT OB_ANY OB_PCYCLE OB_CYCLIC OB_DELAY OB_TOD OB_ATT OB_HWINT OB_DIAG OB_TIMEERROR OB_STARTUP
+    EVENT_ANY EVENT_ATT EVENT_HWINT AOM_IDENT RTM PIP INSTANCE TIMEVALUE BLOCK_SFC""".split()
+)
+"""Types by name that need no declaration and that are no elementary type of the block model."""
+
+_NUMBERED = re.compile(r"(?i:(UDT|S?FB|S?FC|DB|OB)0*([0-9]{1,5}))")
+_KINDS = {
+    "TYPE": BlockKind.UDT, "DATA_BLOCK": BlockKind.DB, "FUNCTION_BLOCK": BlockKind.FB,
+    "FUNCTION": BlockKind.FC, "ORGANIZATION_BLOCK": BlockKind.OB,
+}  # fmt: skip
+_SECTIONS = {
+    "VAR_INPUT": SectionKind.INPUT, "VAR_OUTPUT": SectionKind.OUTPUT, "VAR_IN_OUT": SectionKind.IN_OUT,
+    "VAR": SectionKind.STATIC, "VAR_TEMP": SectionKind.TEMP, "CONST": SectionKind.CONSTANT,
+}  # fmt: skip
+_DEFAULT_STRING = 254
+
+
+def blocks(result: ParseResult, dialect: Dialect | None = None) -> tuple[list[Block], list[Diagnostic]]:
+    """Every unit as a block, and PG805..PG807 about them; syntax errors are in ``result`` already."""
+    declared = {unit.name.upper() for unit in result.units}
+    builder = _Builder(result, declared, dialect)
+    found = [builder.block(unit) for unit in result.units]
+    return found, builder.diagnostics + list(recursive_types(found))
+
+
+class _Builder:
+    """One file: its text, its own types, and the diagnostics about its declarations."""
+
+    def __init__(self, result: ParseResult, declared: set[str], dialect: Dialect | None) -> None:
+        self.result = result
+        self.source = result.tokens.source
+        self.declared = declared
+        self.strict = dialect is None or dialect.is_tia
+        self.diagnostics: list[Diagnostic] = []
+        self.constants: dict[str, int] = {}
+
+    def error(
+        self, code: str, message: str, node: ast.Node, text: str = "", notes: tuple[Note, ...] = ()
+    ) -> None:
+        """Keep a diagnostic at a node."""
+        self.diagnostics.append(Diagnostic(code, message, self.result.span(node), help=text, notes=notes))
+
+    def text(self, node: ast.Node) -> str:
+        """Source text of a node."""
+        return self.source[node.start : node.end]
+
+    # --- blocks ---------------------------------------------------------------------------------------
+
+    def block(self, unit: ast.Unit) -> Block:
+        """One unit."""
+        kind = _KINDS[unit.keyword]
+        self.constants = self.block_constants(unit)
+        sections = self.sections(unit)
+        instance_of = None
+        body = unit.body_type
+        if isinstance(body, ast.TypeName) and kind is BlockKind.DB:
+            instance_of = body.name
+        elif body is not None:
+            sections.append(Section(SectionKind.STATIC, self.body_members(body)))
+        if unit.return_type is not None and not _is_void(unit.return_type):
+            result = Member(
+                "Ret_Val", self.data_type(unit.return_type), span=self.result.span(unit.return_type)
+            )
+            sections.append(Section(SectionKind.RETURN, (result,)))
+        if kind in {BlockKind.DB, BlockKind.UDT}:
+            sections = _merged(sections)
+        self.check_duplicates(sections)
+        attributes = {a.name: a.value for a in unit.attributes}
+        optimized = attributes.pop("S7_Optimized_Access", None)
+        properties = dict(unit.properties)
+        title = properties.pop("TITLE", "")
+        return Block(
+            kind,
+            unit.name,
+            tuple(sections),
+            number=_number(unit, kind),
+            instance_of=instance_of,
+            optimized=None if optimized is None else optimized.upper() == "TRUE",
+            non_retain="NON_RETAIN" in unit.flags,
+            title=title,
+            comment=unit.comment,
+            attributes={**attributes, **properties},
+            assignments=self.assignments(unit) if kind is BlockKind.DB else (),
+            span=self.result.tokens.span(unit.start, unit.start + len(unit.keyword)),
+        )
+
+    def sections(self, unit: ast.Unit) -> list[Section]:
+        """Declaration sections in source order; labels are no members."""
+        found: list[Section] = []
+        for section in unit.sections:
+            kind = _SECTIONS.get(section.keyword)
+            if kind is None:
+                continue
+            if "CONSTANT" in section.modifiers:
+                kind = SectionKind.CONSTANT
+            elif kind is SectionKind.STATIC and unit.keyword in {"FUNCTION", "ORGANIZATION_BLOCK"}:
+                kind = SectionKind.TEMP
+            found.append(Section(kind, self.members(section.declarations)))
+        return found
+
+    def body_members(self, body: ast.TypeSpec) -> tuple[Member, ...]:
+        """Members of a DB's or UDT's structure; another type is one member called THIS."""
+        if isinstance(body, ast.StructSpec):
+            return self.members(body.members)
+        return (Member("THIS", self.data_type(body), span=self.result.span(body)),)
+
+    def assignments(self, unit: ast.Unit) -> tuple[Assignment, ...]:
+        """The lines behind BEGIN of a DB."""
+        found: list[Assignment] = []
+        for statement in unit.statements:
+            if isinstance(statement, ast.Assign) and statement.operator == ":=" and not statement.also:
+                path, literal = self.text(statement.target), self.text(statement.value)
+                found.append(Assignment(path, literal, self.result.span(statement)))
+            elif not isinstance(statement, ast.Label):
+                self.error("PG801", "only assignments stand behind BEGIN of a data block", statement)
+        return tuple(found)
+
+    def block_constants(self, unit: ast.Unit) -> dict[str, int]:
+        """Integer constants of CONST and VAR CONSTANT, by upper-case name."""
+        known: dict[str, int] = {}
+        for section in unit.sections:
+            if section.keyword == "CONST" or "CONSTANT" in section.modifiers:
+                for declaration in section.declarations:
+                    value = evaluate(declaration.initial, known) if declaration.initial else None
+                    if value is not None:
+                        known.update((name.name.upper(), value) for name in declaration.names)
+        return known
+
+    # --- members --------------------------------------------------------------------------------------
+
+    def members(self, declarations: Iterable[ast.Declaration]) -> tuple[Member, ...]:
+        """One member per name."""
+        return tuple(member for d in declarations for member in self.declared_members(d))
+
+    def declared_members(self, declaration: ast.Declaration) -> Iterator[Member]:
+        """The names of one declaration share its type and start value."""
+        if declaration.type is not None:
+            data_type = self.data_type(declaration.type)
+        elif declaration.initial is not None:
+            data_type = type_of(declaration.initial, evaluate(declaration.initial, self.constants))
+        else:
+            return
+        start = self.text(declaration.initial) if declaration.initial is not None else None
+        for name in declaration.names:
+            yield Member(
+                name.name, data_type, start, declaration.comment, declaration.at, self.result.span(name)
+            )
+
+    def check_duplicates(self, sections: Iterable[Section]) -> None:
+        """PG805: names are unique within a block and within a structure, whatever their case."""
+        pending: list[tuple[Member, ...]] = [tuple(m for s in sections for m in s.members)]
+        while pending:
+            members = pending.pop()
+            first: dict[str, Member] = {}
+            for member in members:
+                known = first.setdefault(member.name.upper(), member)
+                if known is not member:
+                    self.duplicate(member, known)
+                inner = member.type
+                while isinstance(inner, ArrayType):
+                    inner = inner.element
+                if isinstance(inner, StructType):
+                    pending.append(inner.members)
+
+    def duplicate(self, member: Member, known: Member) -> None:
+        """Two members with one name, with both places."""
+        notes = (Note("first declared here", known.span),) if known.span else ()
+        self.diagnostics.append(
+            Diagnostic(
+                "PG805",
+                f'"{member.name}" is declared twice',
+                member.span or Span(self.result.tokens.file),
+                help="S7 names do not tell upper case from lower case: give one of them another name",
+                notes=notes,
+            )
+        )
+
+    # --- types ----------------------------------------------------------------------------------------
+
+    def data_type(self, spec: ast.TypeSpec) -> DataType:
+        """A type of the block model; PG806 for a name nobody knows."""
+        if isinstance(spec, ast.TypeName):
+            return self.named(spec)
+        if isinstance(spec, ast.ArraySpec):
+            bounds = tuple(self.bound(spec, low, high) for low, high in spec.bounds)
+            return ArrayType(bounds, self.data_type(spec.element))
+        if isinstance(spec, ast.StructSpec):
+            return StructType(self.members(spec.members))
+        if isinstance(spec, ast.StringSpec):
+            return StringType(spec.name.upper(), self.length(spec))
+        return NamedType("REF_TO " + self.text(spec.target))
+
+    def named(self, spec: ast.TypeName) -> DataType:
+        """An elementary type, or a name that stays a name."""
+        if spec.quoted:
+            return NamedType(spec.name, quoted=True)
+        if found := elementary(spec.name):
+            return found
+        upper = spec.name.upper()
+        known = (
+            upper in SYSTEM_TYPES
+            or upper in self.declared
+            or any(a.name == "InstructionName" for a in spec.attributes)
+            or _NUMBERED.fullmatch(upper)
+        )
+        if not known:
+            self.unknown(spec)
+        return NamedType(spec.name)
+
+    def unknown(self, spec: ast.TypeName) -> None:
+        """STEP 7 V5 allows symbols without quotes: there only a near miss is an error."""
+        candidates = [*ELEMENTARY, *ALIASES, "STRING", "WSTRING", *SYSTEM_TYPES, *self.declared]
+        if not self.strict and not near(spec.name, candidates):
+            return
+        text = did_you_mean(spec.name, candidates) or "put the name of a user type in quotes"
+        self.error("PG806", f"unknown type {spec.name}", spec, text)
+
+    def bound(self, spec: ast.ArraySpec, low: ast.Expression, high: ast.Expression) -> tuple[int, int]:
+        """One dimension; a bound that is no constant of this block counts as its neighbour."""
+        values = [evaluate(low, self.constants), evaluate(high, self.constants)]
+        for node, value in zip((low, high), values, strict=True):
+            if value is None:
+                self.error("PG801", f"the array bound {self.text(node)} is no constant of this block", node)
+        first = values[0] if values[0] is not None else values[1] or 0
+        last = values[1] if values[1] is not None else first
+        if last < first:
+            self.error("PG801", f"the array ends before it begins ({first}..{last})", spec)
+            last = first
+        return first, last
+
+    def length(self, spec: ast.StringSpec) -> int:
+        """Declared length of a string, 254 without one."""
+        if spec.length is None:
+            return _DEFAULT_STRING
+        value = evaluate(spec.length, self.constants)
+        limit = _DEFAULT_STRING if spec.name.upper() == "STRING" else 16382
+        if value is None or not 0 < value <= limit:
+            self.error("PG801", f"{spec.name.upper()} needs a constant length from 1 to {limit}", spec.length)
+            return _DEFAULT_STRING
+        return value
+
+
+def _is_void(spec: ast.TypeSpec) -> bool:
+    return isinstance(spec, ast.TypeName) and not spec.quoted and spec.name.upper() == "VOID"
+
+
+def _number(unit: ast.Unit, kind: BlockKind) -> int | None:
+    match = None if unit.quoted else _NUMBERED.fullmatch(unit.name)
+    return int(match[2]) if match and match[1].upper() == kind.value else None
+
+
+def _merged(sections: list[Section]) -> list[Section]:
+    """A global DB or UDT has one STATIC section, an instance DB without a body none."""
+    static = tuple(m for s in sections if s.kind is SectionKind.STATIC for m in s.members)
+    others = [s for s in sections if s.kind is not SectionKind.STATIC]
+    return [*others, Section(SectionKind.STATIC, static)] if static or sections else others
+
+
+def recursive_types(found: Iterable[Block]) -> Iterator[Diagnostic]:
+    """PG807 for every type among ``found`` that contains itself by value, at the member that closes the circle."""
+    by_name = {block.name.upper(): block for block in found if block.kind in {BlockKind.UDT, BlockKind.FB}}
+    state: dict[str, int] = {}
+    for root in by_name:
+        if root in state:
+            continue
+        state[root] = 1
+        stack = [(root, _uses(by_name[root]))]
+        while stack:
+            name, uses = stack[-1]
+            member_type = next(uses, None)
+            if member_type is None:
+                state[name] = 2
+                stack.pop()
+                continue
+            member, inner = member_type
+            if state.get(inner) == 1:
+                circle = [by_name[n].name for n, _ in stack]
+                circle = circle[[n for n, _ in stack].index(inner) :] + [by_name[inner].name]
+                message = "a type must not contain itself: " + " -> ".join(circle)
+                yield Diagnostic(
+                    "PG807", message, member.span or Span(""), help="use a second type or an index"
+                )
+            elif inner in by_name and inner not in state:
+                state[inner] = 1
+                stack.append((inner, _uses(by_name[inner])))
+
+
+def _uses(block: Block) -> Iterator[tuple[Member, str]]:
+    """Members of named types that lie inside the memory of a block, with the upper-case type name."""
+    inside = {SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.STATIC}
+    pending = [m for s in reversed(block.sections) if s.kind in inside for m in reversed(s.members)]
+    while pending:
+        member = pending.pop()
+        inner = member.type
+        while isinstance(inner, ArrayType):
+            inner = inner.element
+        if isinstance(inner, StructType):
+            pending.extend(reversed(inner.members))
+        elif isinstance(inner, NamedType):
+            yield member, inner.name.upper()
