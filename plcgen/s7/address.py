@@ -16,12 +16,14 @@ _KINDS |= {"DINT": (7, 32), "REAL": (8, 32), "DATE": (9, 16), "TIME_OF_DAY": (10
 _KINDS |= {"S5TIME": (12, 16), "DATE_AND_TIME": (14, 64)}
 _LAST_BYTE = 65535
 
-_DB = re.compile(r"DB(?P<db>\d+)\.DB(?P<size>[XBWD])\s*(?P<byte>\d+)(?:\.(?P<bit>\d+))?")
+_DB = re.compile(r"DB(?P<db>\d+)\.DB(?P<size>[XBWD])\s*(?P<byte>\d+)(?:\.(?P<bit>\d+))?", re.ASCII)
 _PLAIN = re.compile(
-    r"(?P<area>P[IQEA]|[IQEAM])(?P<size>[BWDX])?\s*(?P<byte>\d+)(?:\.(?P<bit>\d+))?(?P<io>:P)?"
+    r"(?P<area>P[IQEA]|[IQEAM])(?P<size>[BWDX])?\s*(?P<byte>\d+)(?:\.(?P<bit>\d+))?(?P<io>:P)?",
+    re.ASCII,
 )
 _POINTER = re.compile(
-    r"P#\s*(?P<start>(?:DB\d+\.DBX|[IQEAM]|P)\s*\d+\.\d+)(?:\s+(?P<kind>[A-Z_0-9]+)\s+(?P<n>\d+))?"
+    r"P#\s*(?P<start>(?:DB\d+\.DBX|[IQEAM]|P)\s*\d+\.\d+)(?:\s+(?P<kind>[A-Z_0-9]+)\s+(?P<n>\d+))?",
+    re.ASCII,
 )
 
 
@@ -111,7 +113,7 @@ class Pointer:
 
 
 def unpack_pointer(data: bytes) -> Pointer | None:
-    """POINTER (6 bytes) or ANY (10 bytes) to a value; all zero is None. Raises AddressError if it is neither."""
+    """POINTER (6 bytes) or ANY (10 bytes) to a value; all zero is None. AddressError if neither."""
     if not any(data[1:] if len(data) == 10 else data):
         return None
     db, area_pointer = int.from_bytes(data[-6:-4]), int.from_bytes(data[-4:])

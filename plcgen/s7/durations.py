@@ -13,9 +13,9 @@ from decimal import Decimal
 _UNITS = {"D": 86_400_000_000_000, "H": 3_600_000_000_000, "M": 60_000_000_000, "S": 1_000_000_000}
 _UNITS |= {"MS": 1_000_000, "US": 1_000, "NS": 1}
 _CEILING = {"H": 24, "M": 60, "S": 60, "MS": 1000, "US": 1000, "NS": 1000}
-_PART = re.compile(r"_?(\d[\d_]*(?:\.\d+)?)(MS|US|NS|D|H|M|S)", re.IGNORECASE)
-_DATE = re.compile(r"(\d{4}|\d{2})-(\d{1,2})-(\d{1,2})")
-_CLOCK = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2})(?:\.(\d{1,9}))?")
+_PART = re.compile(r"_?(\d[\d_]*(?:\.\d+)?)(MS|US|NS|D|H|M|S)", re.IGNORECASE | re.ASCII)
+_DATE = re.compile(r"(\d{4}|\d{2})-(\d{1,2})-(\d{1,2})", re.ASCII)
+_CLOCK = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2})(?:\.(\d{1,9}))?", re.ASCII)
 NS_PER_MS = 1_000_000
 NS_PER_DAY = _UNITS["D"]
 EPOCH = dt.datetime(1970, 1, 1)  # noqa: DTZ001 - PLC clocks carry no time zone

@@ -32,7 +32,7 @@ class Item:
 Node: TypeAlias = "Group | str | None"
 
 MAX_DEPTH = 32
-_REPEAT = re.compile(r"(\d[\d_]*)\s*\(")
+_REPEAT = re.compile(r"(\d[\d_]*)\s*\(", re.ASCII)
 _NAME = re.compile(r'(?:"([^"]+)"|([^\W\d]\w*))\s*:=\s*')
 _TEXT = re.compile(r"'(?:[^'$]|\$.)*'", re.DOTALL)
 
@@ -107,7 +107,7 @@ def parse_initializer(text: str) -> tuple[Item, ...]:
 
 
 def flatten(items: tuple[Item, ...], limit: int, kinds: str = "[") -> Iterator[Node]:
-    """Values in order, repetitions written out, groups of ``kinds`` opened; stops one after ``limit`` values."""
+    """Values in order, repetitions written out, groups of ``kinds`` opened; ends one after ``limit``."""
     produced = 0
     for item in items:
         opened = isinstance(item.value, Group) and (item.value.kind == "" or item.value.kind in kinds)

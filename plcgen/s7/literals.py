@@ -18,9 +18,9 @@ _SHORT = {
 }  # fmt: skip
 _TYPED = re.compile(r"([A-Za-z][A-Za-z0-9_]*)#(.*)", re.DOTALL)
 _BASED = re.compile(r"(2|8|16)#([0-9A-Fa-f_]+)")
-_DECIMAL = re.compile(r"[+-]?\d[\d_]*")
-_REAL = re.compile(r"[+-]?\d[\d_]*(?:\.\d[\d_]*)?(?:[eE][+-]?\d+)?")
-_BYTES = re.compile(r"\(\s*(\d+(?:\s*,\s*\d+)*)\s*\)")
+_DECIMAL = re.compile(r"[+-]?\d[\d_]*", re.ASCII)
+_REAL = re.compile(r"[+-]?\d[\d_]*(?:\.\d[\d_]*)?(?:[eE][+-]?\d+)?", re.ASCII)
+_BYTES = re.compile(r"\(\s*(\d+(?:\s*,\s*\d+)*)\s*\)", re.ASCII)
 _ESCAPE = re.compile(r"\$(?:([$'\"LNPRT])|([0-9A-F]{4})|([0-9A-F]{2})|(.?))", re.IGNORECASE | re.DOTALL)
 _CONTROL = {"L": "\n", "N": "\r\n", "P": "\f", "R": "\r", "T": "\t"}
 _TEXT = frozenset({"CHAR", "WCHAR"})
@@ -172,7 +172,7 @@ def _number(body: str) -> tuple[int, bool]:
 
 
 def _counter(body: str) -> int:
-    if not body.isdecimal() or int(body) > 999:
+    if not (body.isascii() and body.isdecimal()) or int(body) > 999:
         raise ValueError("C# counts from 0 to 999")
     return durations.to_bcd(int(body))
 

@@ -1,8 +1,9 @@
 """Python values to big-endian bytes and back, for every elementary type and string.
 
-BOOL is bool; bit strings and integers are int; REAL and LREAL float; characters and strings str; TIME,
-S5TIME and TIME_OF_DAY int milliseconds; LTIME and LTIME_OF_DAY int nanoseconds; LDT and DTL int nanoseconds since 1970;
-DATE ``datetime.date``; DATE_AND_TIME ``datetime.datetime``; POINTER and ANY ``Pointer`` or None.
+BOOL is bool; bit strings and integers are int; REAL and LREAL float; characters and strings str;
+TIME, S5TIME and TIME_OF_DAY int milliseconds; LTIME and LTIME_OF_DAY int nanoseconds;
+LDT and DTL int nanoseconds since 1970; DATE ``datetime.date``; DATE_AND_TIME ``datetime.datetime``;
+POINTER and ANY ``Pointer`` or None.
 """
 
 from __future__ import annotations

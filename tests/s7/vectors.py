@@ -1,5 +1,7 @@
 """Builds blocks from tests/vectors/layouts.yaml."""
 
+# ruff: noqa: D103 - the name of a test is its claim
+
 from __future__ import annotations
 
 import re
@@ -20,7 +22,7 @@ def cases() -> dict[str, dict]:
 
 
 def to_type(text: str) -> DataType:
-    """A type from its S7 spelling, without STRUCT bodies."""
+    """Make a type from its S7 spelling, without STRUCT bodies."""
     array = re.fullmatch(r"ARRAY\s*\[(.+?)\]\s*OF\s+(.+)", text, re.IGNORECASE)
     if array:
         bounds = tuple(tuple(int(n) for n in part.split("..")) for part in array[1].split(","))
@@ -32,7 +34,7 @@ def to_type(text: str) -> DataType:
 
 
 def block(case: dict, starts: dict[str, str] | None = None) -> tuple[Block, dict[str, Block]]:
-    """The block of a vector and its types; multi-instances become FBs of their own."""
+    """Make the block of a vector and its types; multi-instances become FBs of their own."""
     types: dict[str, Block] = {}
 
     def member(data: dict, prefix: str) -> Member:
@@ -65,7 +67,7 @@ def block(case: dict, starts: dict[str, str] | None = None) -> tuple[Block, dict
 
 
 def db(*declarations: str, kind: BlockKind = BlockKind.DB, name: str = "test") -> Block:
-    """A DB from ``name : TYPE := start`` lines."""
+    """Make a DB from ``name : TYPE := start`` lines."""
     return Block(kind, name, (Section(SectionKind.STATIC, members(*declarations)),))
 
 
