@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import codecs
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Span
-from plcgen.s7.blocks import Block
 from plcgen.scl.declarations import blocks
-from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import MAX_CHARACTERS, parse
+
+if TYPE_CHECKING:
+    from plcgen.s7.blocks import Block
+    from plcgen.scl.dialect import Dialect
 
 MAX_BYTES = 2 * MAX_CHARACTERS
 """Larger files are refused with PG802 before they are read."""
@@ -25,7 +28,7 @@ _BOMS = (
 def read_source(
     path: Path | str, dialect: Dialect | None = None, *, encoding: str | None = None
 ) -> tuple[list[Block], list[Diagnostic]]:
-    """Blocks of one file and everything that is wrong with it; a file that cannot be read is a diagnostic too.
+    """Blocks of one file and everything wrong with it; a file that cannot be read is a diagnostic too.
 
     Without ``dialect`` everything is accepted that one of the three compilers accepts. ``encoding`` names the
     code page of an ANSI file (default Windows-1252); a byte order mark and valid UTF-8 come first.

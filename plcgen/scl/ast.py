@@ -5,9 +5,11 @@ Offsets take no part in comparisons: two trees are equal if they say the same.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +146,7 @@ Expression: TypeAlias = (
 
 @dataclass(frozen=True, slots=True)
 class Assign(Node):
-    """``target := value``; ``operator`` may be ``+=`` and so on; ``also`` holds b, c of ``a := b := c := value``."""
+    """``target := value``; the operator may be ``+=``; ``also`` holds b, c of ``a := b := c := value``."""
 
     target: Expression
     operator: str

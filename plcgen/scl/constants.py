@@ -13,7 +13,7 @@ _LIMIT = 1 << 64
 
 
 def integer(text: str) -> int | None:
-    """Value of an integer literal such as ``10``, ``16#FF``, ``INT#-5``, ``2#1010_0101``; None if it is none."""
+    """Value of an integer literal such as ``10``, ``16#FF``, ``INT#-5``; None for anything else."""
     head, _, digits = text.replace("_", "").rpartition("#")
     base = head.rpartition("#")[2]
     try:
@@ -69,7 +69,7 @@ def _apply(operator: str, left: int, right: int) -> int | None:
 
 
 def type_of(node: ast.Expression, value: int | None) -> DataType:
-    """The type a CONST without one takes from its value."""
+    """Return the type a CONST without one takes from its value."""
     found: DataType | None = None
     if isinstance(node, ast.Literal):
         if node.kind == "real":

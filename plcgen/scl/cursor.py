@@ -69,11 +69,11 @@ class Cursor:
         text: str = "",
         notes: tuple[Note, ...] = (),
     ) -> Diagnostic:
-        """An error at a range of offsets; ``text`` says how to fix it."""
+        """Return an error at a range of offsets; ``text`` says how to fix it."""
         return Diagnostic(code, message, self.tokens.span(start, end), help=text, notes=notes)
 
     def fault(self, message: str, *, index: int | None = None, text: str = "") -> Fault:
-        """A syntax error at a token, by default the current one."""
+        """Return a syntax error at a token, by default the current one."""
         index = self.pos if index is None else index
         if self.kinds[index] == ERROR:
             message, text = lexical_error(self.texts[index])
@@ -84,7 +84,7 @@ class Cursor:
         )
 
     def expected(self, what: str) -> Fault:
-        """The usual message."""
+        """Return the usual message."""
         return self.fault(f"expected {what}, found {self.describe(self.pos)}")
 
     def report(self, diagnostic: Diagnostic) -> None:
@@ -169,7 +169,7 @@ class Cursor:
         return self.tokens.source[begin:end].strip()
 
     def trailing_comment(self) -> str:
-        """The comment on the same line behind the last token."""
+        """Return the comment on the same line behind the last token."""
         match = _LINE_COMMENT.match(self.tokens.source, self.last_end)
         return (match[1] or match[2] or "").strip() if match else ""
 
@@ -194,7 +194,7 @@ class Cursor:
         return tuple(found)
 
     def attribute_value(self) -> str:
-        """The literal behind ``:=`` without quotes."""
+        """Return the literal behind ``:=`` without quotes."""
         pos = self.pos
         if self.kinds[pos] in {EOF, ERROR, ";", "}", ","}:
             raise self.expected("an attribute value")
@@ -204,7 +204,7 @@ class Cursor:
 
 
 def unquote(text: str) -> str:
-    """A name without quotes."""
+    """Return a name without quotes."""
     return text[1 : text.rindex('"')] if text[:1] == '"' else text
 
 

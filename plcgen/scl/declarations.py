@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Span
@@ -24,17 +23,20 @@ from plcgen.scl import ast
 from plcgen.scl.constants import evaluate, type_of
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
     from plcgen.scl.dialect import Dialect
     from plcgen.scl.parser import ParseResult
 
 SYSTEM_TYPES = frozenset(
-    """VARIANT VOID REMOTE IEC_TIMER IEC_LTIMER IEC_COUNTER IEC_SCOUNTER IEC_DCOUNTER IEC_UCOUNTER IEC_USCOUNTER
-    IEC_UDCOUNTER TON TOF TP TONR TON_TIME TOF_TIME TP_TIME TONR_TIME TON_LTIME TOF_LTIME TP_LTIME TONR_LTIME
-    CTU CTD CTUD CTU_INT CTD_INT CTUD_INT CTU_DINT CTUD_DINT R_TRIG F_TRIG WRREC RDREC RALRM TCON TSEND TRCV
-    TDISCON TSEND_C TRCV_C TUSEND TURCV PID_COMPACT ERROR_STRUCT NREF CREF TADDR_PARAM TCON_PARAM TCON_IP_V4
-    CONN_OUC CONN_ANY CONN_PRG CONN_R_ID HW_SUBMODULE HW_IOSYSTEM HW_HSC HW_PWM HW_PTO HW_DPMASTER HW_DPSLAVE
-    HW_INTERRUPT OB_ANY OB_PCYCLE OB_CYCLIC OB_DELAY OB_TOD OB_ATT OB_HWINT OB_DIAG OB_TIMEERROR OB_STARTUP
-    EVENT_ANY EVENT_ATT EVENT_HWINT AOM_IDENT RTM PIP INSTANCE TIMEVALUE BLOCK_SFC""".split()
+    """VARIANT VOID REMOTE IEC_TIMER IEC_LTIMER IEC_COUNTER IEC_SCOUNTER IEC_DCOUNTER IEC_UCOUNTER
+    IEC_USCOUNTER IEC_UDCOUNTER TON TOF TP TONR TON_TIME TOF_TIME TP_TIME TONR_TIME TON_LTIME TOF_LTIME
+    TP_LTIME TONR_LTIME CTU CTD CTUD CTU_INT CTD_INT CTUD_INT CTU_DINT CTUD_DINT R_TRIG F_TRIG WRREC
+    RDREC RALRM TCON TSEND TRCV TDISCON TSEND_C TRCV_C TUSEND TURCV PID_COMPACT ERROR_STRUCT NREF CREF
+    TADDR_PARAM TCON_PARAM TCON_IP_V4 CONN_OUC CONN_ANY CONN_PRG CONN_R_ID HW_SUBMODULE HW_IOSYSTEM
+    HW_HSC HW_PWM HW_PTO HW_DPMASTER HW_DPSLAVE HW_INTERRUPT OB_ANY OB_PCYCLE OB_CYCLIC OB_DELAY OB_TOD
+    OB_ATT OB_HWINT OB_DIAG OB_TIMEERROR OB_STARTUP EVENT_ANY EVENT_ATT EVENT_HWINT AOM_IDENT RTM PIP
+    INSTANCE TIMEVALUE BLOCK_SFC""".split()  # noqa: SIM905
 )
 """Types by name that need no declaration and that are no elementary type of the block model."""
 
@@ -69,11 +71,9 @@ class _Builder:
         self.diagnostics: list[Diagnostic] = []
         self.constants: dict[str, int] = {}
 
-    def error(
-        self, code: str, message: str, node: ast.Node, text: str = "", notes: tuple[Note, ...] = ()
-    ) -> None:
+    def error(self, code: str, message: str, node: ast.Node, text: str = "") -> None:
         """Keep a diagnostic at a node."""
-        self.diagnostics.append(Diagnostic(code, message, self.result.span(node), help=text, notes=notes))
+        self.diagnostics.append(Diagnostic(code, message, self.result.span(node), help=text))
 
     def text(self, node: ast.Node) -> str:
         """Source text of a node."""
@@ -120,7 +120,7 @@ class _Builder:
         )
 
     def sections(self, unit: ast.Unit) -> list[Section]:
-        """Declaration sections in source order; labels are no members."""
+        """Return the declaration sections in source order; labels are no members."""
         found: list[Section] = []
         for section in unit.sections:
             kind = _SECTIONS.get(section.keyword)
@@ -140,7 +140,7 @@ class _Builder:
         return (Member("THIS", self.data_type(body), span=self.result.span(body)),)
 
     def assignments(self, unit: ast.Unit) -> tuple[Assignment, ...]:
-        """The lines behind BEGIN of a DB."""
+        """Return the lines behind BEGIN of a DB."""
         found: list[Assignment] = []
         for statement in unit.statements:
             if isinstance(statement, ast.Assign) and statement.operator == ":=" and not statement.also:
@@ -168,7 +168,7 @@ class _Builder:
         return tuple(member for d in declarations for member in self.declared_members(d))
 
     def declared_members(self, declaration: ast.Declaration) -> Iterator[Member]:
-        """The names of one declaration share its type and start value."""
+        """Expand one declaration: its names share type and start value."""
         if declaration.type is not None:
             data_type = self.data_type(declaration.type)
         elif declaration.initial is not None:
@@ -213,7 +213,7 @@ class _Builder:
     # --- types ----------------------------------------------------------------------------------------
 
     def data_type(self, spec: ast.TypeSpec) -> DataType:
-        """A type of the block model; PG806 for a name nobody knows."""
+        """Convert a type to the block model; PG806 for a name nobody knows."""
         if isinstance(spec, ast.TypeName):
             return self.named(spec)
         if isinstance(spec, ast.ArraySpec):
@@ -226,7 +226,7 @@ class _Builder:
         return NamedType("REF_TO " + self.text(spec.target))
 
     def named(self, spec: ast.TypeName) -> DataType:
-        """An elementary type, or a name that stays a name."""
+        """Return an elementary type, or a name that stays a name."""
         if spec.quoted:
             return NamedType(spec.name, quoted=True)
         if found := elementary(spec.name):
@@ -264,7 +264,7 @@ class _Builder:
         return first, last
 
     def length(self, spec: ast.StringSpec) -> int:
-        """Declared length of a string, 254 without one."""
+        """Return the declared length of a string, 254 without one."""
         if spec.length is None:
             return _DEFAULT_STRING
         value = evaluate(spec.length, self.constants)
@@ -285,21 +285,21 @@ def _number(unit: ast.Unit, kind: BlockKind) -> int | None:
 
 
 def _merged(sections: list[Section]) -> list[Section]:
-    """A global DB or UDT has one STATIC section, an instance DB without a body none."""
+    """Merge STATIC sections: a global DB or UDT has one, an instance DB without a body none."""
     static = tuple(m for s in sections if s.kind is SectionKind.STATIC for m in s.members)
     others = [s for s in sections if s.kind is not SectionKind.STATIC]
     return [*others, Section(SectionKind.STATIC, static)] if static or sections else others
 
 
 def recursive_types(found: Iterable[Block]) -> Iterator[Diagnostic]:
-    """PG807 for every type among ``found`` that contains itself by value, at the member that closes the circle."""
+    """PG807 for every type that contains itself by value, at the member that closes the circle."""
     by_name = {block.name.upper(): block for block in found if block.kind in {BlockKind.UDT, BlockKind.FB}}
     state: dict[str, int] = {}
-    for root in by_name:
+    for root, block in by_name.items():
         if root in state:
             continue
         state[root] = 1
-        stack = [(root, _uses(by_name[root]))]
+        stack = [(root, _uses(block))]
         while stack:
             name, uses = stack[-1]
             member_type = next(uses, None)
@@ -310,7 +310,7 @@ def recursive_types(found: Iterable[Block]) -> Iterator[Diagnostic]:
             member, inner = member_type
             if state.get(inner) == 1:
                 circle = [by_name[n].name for n, _ in stack]
-                circle = circle[[n for n, _ in stack].index(inner) :] + [by_name[inner].name]
+                circle = [*circle[[n for n, _ in stack].index(inner) :], by_name[inner].name]
                 message = "a type must not contain itself: " + " -> ".join(circle)
                 yield Diagnostic(
                     "PG807", message, member.span or Span(""), help="use a second type or an index"

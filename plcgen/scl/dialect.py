@@ -6,7 +6,7 @@ import enum
 
 
 class Dialect(enum.StrEnum):
-    """Who is going to compile the source: the parser accepts all three, ``dialects.check`` tells them apart."""
+    """Who compiles the source: the parser accepts all three, ``dialects.check`` tells them apart."""
 
     STEP7_V5 = "STEP7_V5"
     TIA_300_400 = "TIA_300_400"

@@ -25,26 +25,31 @@ KEYWORDS = frozenset(
     EXIT CONTINUE RETURN GOTO REGION END_REGION AND OR XOR NOT MOD DIV TRUE FALSE ARRAY STRUCT END_STRUCT
     VAR VAR_INPUT VAR_OUTPUT VAR_IN_OUT VAR_TEMP END_VAR CONST END_CONST LABEL END_LABEL BEGIN
     FUNCTION_BLOCK END_FUNCTION_BLOCK FUNCTION END_FUNCTION ORGANIZATION_BLOCK END_ORGANIZATION_BLOCK
-    DATA_BLOCK END_DATA_BLOCK TYPE END_TYPE""".split()
+    DATA_BLOCK END_DATA_BLOCK TYPE END_TYPE""".split()  # noqa: SIM905
 )
 WORDS = KEYWORDS | {NAME, QUOTED, ADDRESS}
-"""Kinds that may stand where only a name makes sense: after a dot, before ``:=`` in a call, before a colon."""
+"""Kinds that may stand where only a name makes sense: after a dot, before ``:=`` in a call, before ``:``."""
 
 _MARKS = (
     "\u0300-\u036f\u0483-\u0487\u0591-\u05c7\u064b-\u065f\u0900-\u0dff\u0e31-\u0e4e\u200c\u200d\u20d0-\u20ff"
 )
 _WORD = rf"[^\W\d][\w{_MARKS}]*+"
 _TEXT = r"'(?:[^'$\n]++|\$>[^$]*+\$<|\$.)*+'"
+_ADDRESS = (
+    r"(?i:DB\d++\.D(?:B[XBWD]?|[XBWD])?\d++(?:\.\d++)?|(?:P[IEQA]|[IEQAM])(?:[BWDL]\d++|X?\d++\.[0-7]))"
+)
+_DATE = (
+    r"(?i:(?:D|DATE|DT|DATE_AND_TIME|L?TOD|L?TIME_OF_DAY|LDT|DATE_AND_LTIME|DTL)\#)"
+    r"[0-9][0-9_]*+(?:[-:.][0-9]++)*+"
+)
 _PATTERN = re.compile(
     "|".join(
         (
             r"(?:\s++|//[^\n]*+)++",
             r"(?i:P\#(?:(?:DB\d++\.)?[A-Z]{1,3}[ \t]*+)?\d++\.\d++(?:[ \t]++[A-Z_]++[ \t]++\d++)?+)",
             rf"[Pp]\#{{1,2}}(?:\"[^\"\n]*+\"|{_WORD})(?:\.{_WORD})*+",
-            r"(?i:DB\d++\.D(?:B[XBWD]?|[XBWD])?\d++(?:\.\d++)?|(?:P[IEQA]|[IEQAM])(?:[BWDL]\d++|X?\d++\.[0-7]))"
-            r"(?!\w)(?::P(?!\w))?+",
-            r"(?i:(?:D|DATE|DT|DATE_AND_TIME|L?TOD|L?TIME_OF_DAY|LDT|DATE_AND_LTIME|DTL)\#)"
-            r"[0-9][0-9_]*+(?:[-:.][0-9]++)*+",
+            _ADDRESS + r"(?!\w)(?::P(?!\w))?+",
+            _DATE,
             rf"{_WORD}(?:\#(?:{_TEXT}|[-+]?\w++(?:\#\w++)?+(?:\.[0-9]\w*+(?:(?<=[eE])[-+][0-9]++)?+)?+))?+",
             rf"\#(?:\"[^\"\n]*+\"|{_WORD})",
             r"\"[^\"\n]*+\"(?::P(?!\w))?+",
@@ -62,14 +67,14 @@ _PATTERN = re.compile(
 )
 _DELIMITERS = re.compile(r"\(\*|\*\)")
 _OPERATORS = frozenset(
-    ":= => ?= <= >= <> ** **= += -= *= /= &= .. + - * / & = < > ( ) [ ] { } . , : ; ^ @".split()
+    ":= => ?= <= >= <> ** **= += -= *= /= &= .. + - * / & = < > ( ) [ ] { } . , : ; ^ @".split()  # noqa: SIM905
 )
-_TRIVIA_PARTS = re.compile(r"\n|//[^\n]*+|\(/\*[\s\S]*?\*/\)|\(\*[\s\S]*")
+_TRIVIA_PARTS = re.compile(r"\n|//[^\n]*+|\(/\*[\s\S]*?\*/\)|\(\*")
 
 
 @dataclass(frozen=True, slots=True)
 class Comment:
-    """A comment with its delimiters, or a line break (text ``"\\n"``), at a character offset."""
+    r"""A comment with its delimiters, or a line break (text ``"\n"``), at a character offset."""
 
     text: str
     start: int
@@ -77,7 +82,7 @@ class Comment:
 
 @dataclass(frozen=True, slots=True)
 class Tokens:
-    """All tokens of one file; the last one is ``EOF``. Line ends of ``source`` are always ``\\n``."""
+    r"""All tokens of one file; the last one is ``EOF``. Line ends of ``source`` are always ``\n``."""
 
     file: str
     source: str
@@ -99,7 +104,7 @@ class Tokens:
         return line, offset - self._lines[line - 1] + 1
 
     def span(self, start: int, end: int) -> Span:
-        """The span of a range of character offsets, for example of ``node.start`` and ``node.end``."""
+        """Return the span of a range of character offsets, for example of ``node.start`` and ``node.end``."""
         return Span(self.file, *self.position(start), *self.position(end))
 
     def trivia_before(self, index: int) -> list[Comment]:
@@ -111,11 +116,11 @@ class Tokens:
 def split_trivia(gap: str, offset: int) -> list[Comment]:
     """Take a gap between two tokens apart into comments and line breaks."""
     parts: list[Comment] = []
-    pos = 0
+    pos, nested = 0, True
     while match := _TRIVIA_PARTS.search(gap, pos):
         start, pos = match.span()
         if gap.startswith("(*", start):
-            pos, _ = _comment_end(gap, start, nested=True)
+            pos, nested = _comment_end(gap, start, nested=nested)
         parts.append(Comment(gap[start:pos], offset + start))
     return parts
 
@@ -136,7 +141,7 @@ def _comment_end(source: str, start: int, *, nested: bool) -> tuple[int, bool]:
 
 
 def _split_with_nesting(source: str) -> list[str]:
-    """The slow way, token by token: needed only if a comment contains another one or has no end."""
+    """Split token by token, the slow way: needed only if a comment contains another one or has no end."""
     texts: list[str] = []
     match_at, pos, size, nested = _PATTERN.match, 0, len(source), True
     while pos < size:

@@ -53,7 +53,7 @@ class DeclarationParser(ExpressionParser):
         return ast.Section(start, self.last_end, "LABEL", (), tuple(found))
 
     def declarations(self, *, constants: bool = False) -> tuple[ast.Declaration, ...]:
-        """Declarations up to a closing or opening keyword of a section."""
+        """Read declarations up to a closing or opening keyword of a section."""
         found: list[ast.Declaration] = []
         while self.kinds[self.pos] not in _SECTION_ENDS or self.kind(1) == ":":
             depth = self.depth
@@ -91,7 +91,7 @@ class DeclarationParser(ExpressionParser):
         return ast.Declaration(start, value.end, (name,), None, None, value, self.trailing_comment())
 
     def declared_name(self) -> ast.DeclaredName:
-        """A name with its attributes."""
+        """Read a name with its attributes."""
         pos = self.pos
         name = self.word("a declaration")
         attributes = self.attributes() if self.kinds[self.pos] == "{" else ()
@@ -100,7 +100,7 @@ class DeclarationParser(ExpressionParser):
         )
 
     def declaration(self) -> ast.Declaration:
-        """``a, b AT x : type := value; // comment``."""
+        """Read ``a, b AT x : type := value; // comment``."""
         start = self.start
         names = [self.declared_name()]
         while self.accept(","):
@@ -117,7 +117,7 @@ class DeclarationParser(ExpressionParser):
         return ast.Declaration(start, end, tuple(names), at, spec, initial, self.comment_of(spec))
 
     def end_of_declaration(self) -> None:
-        """The semicolon; a missing one at the end of a line costs only its own message."""
+        """Read the semicolon; a missing one at the end of a line costs only its own message."""
         if self.accept(";"):
             return
         end = self.last_end
@@ -145,7 +145,7 @@ class DeclarationParser(ExpressionParser):
     # --- types ----------------------------------------------------------------------------------------
 
     def type_spec(self) -> ast.TypeSpec:
-        """A type with the attributes in front of it."""
+        """Read a type with the attributes in front of it."""
         start = self.start
         attributes = self.attributes() if self.kinds[self.pos] == "{" else ()
         kind = self.kinds[self.pos]
@@ -155,7 +155,9 @@ class DeclarationParser(ExpressionParser):
             return self.structure(self.start)
         if kind == QUOTED:
             self.pos += 1
-            return ast.TypeName(start, self.last_end, unquote(self.texts[self.pos - 1]), True, attributes)
+            return ast.TypeName(
+                start, self.last_end, unquote(self.texts[self.pos - 1]), quoted=True, attributes=attributes
+            )
         if kind not in WORDS:
             raise self.expected("a data type")
         name = self.texts[self.pos]
@@ -171,10 +173,10 @@ class DeclarationParser(ExpressionParser):
         if upper in _NUMBERED and self.kinds[self.pos] == INT:
             name += self.texts[self.pos]
             self.pos += 1
-        return ast.TypeName(start, self.last_end, name, False, attributes)
+        return ast.TypeName(start, self.last_end, name, quoted=False, attributes=attributes)
 
     def string(self, start: int, name: str) -> ast.StringSpec:
-        """``STRING`` with or without a length."""
+        """Read ``STRING`` with or without a length."""
         length = None
         if self.accept("["):
             length = self.expression()

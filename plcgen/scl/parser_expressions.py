@@ -49,7 +49,7 @@ class ExpressionParser(Cursor):
             self.too_deep(f"more than {MAX_OPERATORS} operators in one expression")
 
     def operand(self) -> ast.Expression:
-        """A variable, call, literal, sign, NOT or parenthesis."""
+        """Read a variable, call, literal, sign, NOT or parenthesis."""
         pos = self.pos
         kind = self.kinds[pos]
         text = self.texts[pos]
@@ -81,7 +81,7 @@ class ExpressionParser(Cursor):
         return name if text[-1] == '"' else ast.Peripheral(start, start + len(text), name)
 
     def prefixed(self, kind: str, start: int) -> ast.Expression:
-        """A sign, NOT, or an expression in parentheses."""
+        """Read a sign, NOT, or an expression in parentheses."""
         if kind in {"-", "+", "NOT"}:
             self.enter()
             self.pos += 1
@@ -98,7 +98,7 @@ class ExpressionParser(Cursor):
         raise self.expected("an expression")
 
     def variable(self) -> ast.Expression:
-        """An operand that may stand left of ``:=``."""
+        """Read an operand that may stand left of ``:=``."""
         if self.kinds[self.pos] not in {LOCAL, NAME, QUOTED, ADDRESS}:
             raise self.expected("a variable")
         return self.operand()
@@ -142,7 +142,7 @@ class ExpressionParser(Cursor):
         )
 
     def member(self, base: ast.Expression) -> ast.Expression:
-        """What follows a dot: a name, a slice, the bit number of ``DBX0.0``."""
+        """Read what follows a dot: a name, a slice, the bit number of ``DBX0.0``."""
         pos = self.pos
         kind = self.kinds[pos]
         text = self.texts[pos]
@@ -210,7 +210,7 @@ class ExpressionParser(Cursor):
     # --- initial values -------------------------------------------------------------------------------
 
     def initial_value(self) -> ast.Expression:
-        """What stands behind ``:=`` in a declaration: a value, an aggregate, or a bare list of STEP 7 V5."""
+        """Read an initial value: an expression, an aggregate, or a bare list of STEP 7 V5."""
         start = self.start
         first = self.initial_item()
         if self.kinds[self.pos] != ",":
@@ -233,7 +233,7 @@ class ExpressionParser(Cursor):
         return ast.Argument(start, value.end, None, "", value)
 
     def initial_operand(self) -> ast.Expression:
-        """An aggregate, a repetition, or any expression."""
+        """Read an aggregate, a repetition, or any expression."""
         start = self.start
         kind = self.kinds[self.pos]
         if kind in {"[", "("}:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from plcgen.diagnostics import Note
 from plcgen.scl import ast
 from plcgen.scl.cursor import Fault
 from plcgen.scl.lexer import ADDRESS, EOF, INT, LOCAL, NAME, QUOTED, REAL, STRING, TYPED
 from plcgen.scl.parser_declarations import UNIT_ENDS, UNIT_KEYWORDS
 from plcgen.scl.parser_expressions import ExpressionParser
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 _CLOSERS = frozenset({"END_IF", "END_CASE", "END_FOR", "END_WHILE", "END_REPEAT", "END_REGION", "UNTIL"})
 _STOPS = _CLOSERS | {"ELSIF", "ELSE", EOF} | UNIT_ENDS | UNIT_KEYWORDS
@@ -22,13 +27,6 @@ class StatementParser(ExpressionParser):
     """The code behind BEGIN."""
 
     jump_labels: frozenset[str] = frozenset()
-
-    def __init_subclass__(cls) -> None:
-        cls.compound = {
-            "IF": cls.if_statement, "CASE": cls.case_statement, "FOR": cls.for_statement,
-            "WHILE": cls.while_statement, "REPEAT": cls.repeat_statement, "EXIT": cls.jump,
-            "CONTINUE": cls.jump, "RETURN": cls.jump, "GOTO": cls.goto, "REGION": cls.region,
-        }  # fmt: skip
 
     def body(self, *, in_case: bool = False) -> ast.Body:
         """Statements up to a keyword that closes something, or up to the next label of a CASE."""
@@ -71,7 +69,7 @@ class StatementParser(ExpressionParser):
     # --- simple statements ----------------------------------------------------------------------------
 
     def simple(self) -> ast.Statement:
-        """An assignment or a call."""
+        """Read an assignment or a call."""
         start = self.starts[self.pos]
         self.operators = 0
         self.call_depth = self.depth + 1
@@ -94,7 +92,7 @@ class StatementParser(ExpressionParser):
     def chained(
         self, start: int, first: ast.Expression, operator: str, value: ast.Expression
     ) -> ast.Statement:
-        """``a := b := c := value;``."""
+        """Read ``a := b := c := value;``."""
         also: list[ast.Expression] = []
         while self.accept(":="):
             also.append(value)
@@ -103,7 +101,7 @@ class StatementParser(ExpressionParser):
         return ast.Assign(start, value.end, first, operator, value, tuple(also))
 
     def semicolon(self) -> None:
-        """The end of a simple statement; a missing one at the end of a line costs only its own message."""
+        """Read the end of a statement; a missing one at the end of a line costs one message."""
         if self.kinds[self.pos] == ";":
             self.pos += 1
             return
@@ -117,7 +115,7 @@ class StatementParser(ExpressionParser):
         """Statements that begin with a keyword, labels and attributes."""
         if kind == "REGION" and self.kind(1) in _NOT_A_REGION:
             return self.region_as_name()
-        if handler := self.compound.get(kind):
+        if handler := _COMPOUND.get(kind):
             return handler(self)
         if kind in {NAME, QUOTED, INT} and self.kind(1) == ":":
             start = self.start
@@ -177,7 +175,7 @@ class StatementParser(ExpressionParser):
             self.accept(";")
 
     def nested(self, closer: str, *, in_case: bool = False) -> ast.Body:
-        """A body whose closing keyword is known."""
+        """Read a body whose closing keyword is known."""
         self.open.append(closer)
         found = self.body(in_case=in_case)
         self.open.pop()
@@ -340,3 +338,17 @@ class StatementParser(ExpressionParser):
         found = self.kinds[pos] != "REGION" and self.at_case_label()
         self.pos = saved
         return found
+
+
+_COMPOUND: dict[str, Callable[[StatementParser], ast.Statement]] = {
+    "IF": StatementParser.if_statement,
+    "CASE": StatementParser.case_statement,
+    "FOR": StatementParser.for_statement,
+    "WHILE": StatementParser.while_statement,
+    "REPEAT": StatementParser.repeat_statement,
+    "EXIT": StatementParser.jump,
+    "CONTINUE": StatementParser.jump,
+    "RETURN": StatementParser.jump,
+    "GOTO": StatementParser.goto,
+    "REGION": StatementParser.region,
+}

@@ -1,0 +1,218 @@
+"""What the compiler of a dialect refuses although the grammar accepts it: PG803, over tokens and tree."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.scl import ast
+from plcgen.scl.dialect import Dialect
+from plcgen.scl.lexer import ADDRESS, LOCAL, QUOTED, REAL, TYPED, Tokens
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+_V5, _T3, _T15 = Dialect.STEP7_V5, Dialect.TIA_300_400, Dialect.TIA_1200_1500
+_CLASSIC = frozenset({_V5, _T3})
+_TIA = frozenset({_T3, _T15})
+
+_WIDE_TYPES = frozenset(
+    """LWORD LINT ULINT LREAL LTIME LTOD LTIME_OF_DAY LDT DATE_AND_LTIME DTL SINT USINT UINT UDINT
+    WCHAR WSTRING VARIANT HW_IO HW_ANY HW_DEVICE HW_SUBMODULE HW_INTERFACE PORT DB_ANY""".split()  # noqa: SIM905
+)
+_WIDE_PREFIXES = frozenset(
+    "LT LTIME LTOD LTIME_OF_DAY LDT DTL WSTRING WCHAR LW LWORD LINT ULINT LREAL SINT USINT UINT UDINT".split()  # noqa: SIM905
+)
+_KEYWORDS: dict[str, tuple[frozenset[Dialect], str, str]] = {
+    "LABEL": (_TIA, "LABEL sections", "delete the section, a label needs no declaration"),
+    "CONST": (_TIA, "CONST sections", "use VAR CONSTANT with a type"),
+    "DIV": (_TIA, "the operator DIV", "use /, which divides integers as integers"),
+    "REGION": (_CLASSIC, "REGION", "use a comment"),
+    "=>": (frozenset({_V5}), "=>", "read the output from the instance DB after the call"),
+}
+_COMBINED = frozenset({"+=", "-=", "*=", "/=", "&=", "**=", "?="})
+_PEEKS = frozenset(
+    {"PEEK", "PEEK_BOOL", "PEEK_BYTE", "PEEK_WORD", "PEEK_DWORD", "POKE", "POKE_BOOL", "POKE_BLK"}
+)
+_INDEXED = frozenset({"DB", "DX", "DW", "DD", "DBX", "DBB", "DBW", "DBD"})
+
+_Refusal = tuple[int, int, str, str, Severity]
+
+
+def check(
+    units: Sequence[ast.Unit], tokens: Tokens, dialect: Dialect, free_text: Sequence[tuple[int, int]] = ()
+) -> list[Diagnostic]:
+    """PG803 for every construct that ``dialect`` refuses; ``free_text`` are ranges that are no code."""
+    found = [*_tokens(tokens, dialect, sorted(free_text)), *_tree(units, tokens, dialect)]
+    return [
+        Diagnostic(
+            "PG803", f"{dialect.label} does not know {what}", tokens.span(start, end), severity, help=text
+        )
+        for start, end, what, text, severity in found
+    ]
+
+
+# --- tokens ----------------------------------------------------------------------------------------------
+
+
+def _tokens(tokens: Tokens, dialect: Dialect, free: Sequence[tuple[int, int]]) -> Iterator[_Refusal]:
+    """Find constructs that one token gives away."""
+    suspects = {LOCAL, ADDRESS, TYPED, REAL, *_COMBINED, *_KEYWORDS}
+    ranges = iter(free)
+    current = next(ranges, None)
+    for index, kind in enumerate(tokens.kinds):
+        if kind not in suspects:
+            continue
+        start = tokens.starts[index]
+        while current is not None and start >= current[1]:
+            current = next(ranges, None)
+        if current is not None and current[0] <= start:
+            continue
+        refusal = _token(
+            kind, tokens.texts[index], dialect, after_dot=index > 0 and tokens.kinds[index - 1] == "."
+        )
+        if refusal is not None:
+            what, text, severity = refusal
+            yield start, tokens.end(index), what, text, severity
+
+
+def _token(kind: str, text: str, dialect: Dialect, *, after_dot: bool) -> tuple[str, str, Severity] | None:
+    """Tell what is refused about one token, how to write it instead, and how bad it is."""
+    if kind == LOCAL:
+        return ("'#' before a local variable", "leave the # out", Severity.ERROR) if dialect is _V5 else None
+    if kind == ADDRESS:
+        return _address(text, dialect, after_dot=after_dot)
+    if kind == TYPED:
+        wide = text.partition("#")[0].upper() in _WIDE_PREFIXES
+        return (f"the literal {text}", "", Severity.ERROR) if wide and dialect in _CLASSIC else None
+    if kind == REAL:
+        bare = "." not in text and dialect.is_tia
+        return (f"the literal {text}", f"write {_with_point(text)}", Severity.ERROR) if bare else None
+    if kind in _COMBINED:
+        return (f"'{kind}'", "write target := target ...", Severity.ERROR) if dialect in _CLASSIC else None
+    refused, what, help_text = _KEYWORDS[kind]
+    return (what, help_text, Severity.ERROR) if dialect in refused else None
+
+
+def _address(text: str, dialect: Dialect, *, after_dot: bool) -> tuple[str, str, Severity] | None:
+    if after_dot:
+        slices = text[0] == "%" and dialect in _CLASSIC
+        return (
+            (f"the slice .{text}", "lay a view over the variable with AT", Severity.ERROR) if slices else None
+        )
+    if text[0] == "%":
+        return (f"'%' in {text}", "leave the % out", Severity.ERROR) if dialect is _V5 else None
+    if dialect.is_tia:
+        return f"{text} without %", f"write %{text}", Severity.WARNING
+    return None
+
+
+def _with_point(text: str) -> str:
+    upper = text.upper()
+    return text[: upper.index("E")] + ".0" + text[upper.index("E") :]
+
+
+# --- tree ------------------------------------------------------------------------------------------------
+
+
+def _tree(units: Iterable[ast.Unit], tokens: Tokens, dialect: Dialect) -> Iterator[_Refusal]:
+    """Find constructs that show in the tree only."""
+    for unit in units:
+        yield from _header(unit, dialect)
+        for section in unit.sections:
+            yield from _section(section, dialect)
+        at_refused = dialect is _T15 and not _is_standard(unit)
+        for node in ast.walk(unit):
+            if isinstance(node, ast.CallStatement):
+                yield from _call_statement(node, tokens, dialect)
+            elif isinstance(node, ast.Call | ast.Index):
+                yield from _absolute(node, dialect)
+            elif isinstance(node, ast.ArraySpec):
+                if dialect.is_tia and isinstance(node.element, ast.ArraySpec):
+                    text = "use one array with two dimensions"
+                    yield node.start, node.end, "arrays of arrays", text, Severity.ERROR
+            elif isinstance(node, ast.TypeName | ast.StringSpec):
+                yield from _type(node, dialect)
+            elif isinstance(node, ast.Declaration):
+                if at_refused and node.at is not None:
+                    text = "add { S7_Optimized_Access := 'FALSE' } to the block"
+                    yield node.start, node.end, "AT in a block with optimized access", text, Severity.ERROR
+            elif isinstance(node, ast.Assign) and node.also and dialect in _CLASSIC:
+                yield (
+                    node.start,
+                    node.end,
+                    "several targets in one assignment",
+                    "write one each",
+                    Severity.ERROR,
+                )
+
+
+def _header(unit: ast.Unit, dialect: Dialect) -> Iterator[_Refusal]:
+    for attribute in unit.attributes:
+        if dialect is _V5 and attribute.name == "S7_Optimized_Access":
+            yield attribute.start, attribute.end, attribute.name, "delete the attribute", Severity.ERROR
+
+
+def _section(section: ast.Section, dialect: Dialect) -> Iterator[_Refusal]:
+    if "CONSTANT" not in section.modifiers:
+        return
+    if dialect is _V5:
+        what = "VAR CONSTANT"
+        yield section.start, section.start + 3, what, "use CONST .. END_CONST without types", Severity.ERROR
+        return
+    for declaration in section.declarations:
+        value = declaration.initial
+        if isinstance(value, ast.Binary):
+            text = "write the result"
+            yield value.start, value.end, "expressions as the value of a constant", text, Severity.ERROR
+
+
+def _is_standard(unit: ast.Unit) -> bool:
+    values = [a.value.upper() for a in unit.attributes if a.name == "S7_Optimized_Access"]
+    return values == ["FALSE"]
+
+
+def _type(node: ast.TypeName | ast.StringSpec, dialect: Dialect) -> Iterator[_Refusal]:
+    quoted = isinstance(node, ast.TypeName) and node.quoted
+    if dialect in _CLASSIC and not quoted and node.name.upper() in _WIDE_TYPES:
+        yield node.start, node.end, f"the type {node.name}", "", Severity.ERROR
+
+
+def _call_statement(node: ast.CallStatement, tokens: Tokens, dialect: Dialect) -> Iterator[_Refusal]:
+    """``"FB"."DB"(..)`` and ``SFB53.DB53(..)`` in the TIA Portal."""
+    target = node.call.target
+    if not dialect.is_tia or not isinstance(target, ast.Member) or not isinstance(target.base, ast.Name):
+        return
+    base = target.base
+    numbered = (
+        base.scope == "bare" and base.name.upper().startswith(("FB", "SFB")) and base.name[-1].isdigit()
+    )
+    second_quoted = tokens.source[target.end - 1] == '"'
+    if numbered or (base.scope == QUOTED and second_quoted):
+        what = "a call with function block and instance DB"
+        yield target.start, target.end, what, f'write "{target.name}"(..)', Severity.ERROR
+
+
+def _absolute(node: ast.Call | ast.Index, dialect: Dialect) -> Iterator[_Refusal]:
+    """PEEK and POKE outside S7-1200/1500, indexed absolute access inside."""
+    inner = node.target if isinstance(node, ast.Call) else node.base
+    if isinstance(inner, ast.Name):
+        if inner.scope == "bare" and inner.name.upper() in _PEEKS and dialect in _CLASSIC:
+            text = "use DB100.DW[i]" if dialect is _V5 else "use %DB1.DW(IDX := #i)"
+            yield inner.start, inner.end, inner.name, text, Severity.ERROR
+    elif dialect is _T15 and _is_indexed(inner):
+        text = "use PEEK and POKE with area 16#84"
+        yield node.start, node.end, "indexed absolute access", text, Severity.ERROR
+
+
+def _is_indexed(inner: ast.Expression) -> bool:
+    if isinstance(inner, ast.Address):
+        return inner.text.upper().rpartition(".")[2] in _INDEXED
+    return (
+        isinstance(inner, ast.Member)
+        and inner.name.upper() in _INDEXED
+        and isinstance(inner.base, ast.Name)
+        and inner.base.scope == "bare"
+        and inner.base.name[:2].upper() == "DB"
+        and inner.base.name[2:].isdigit()
+    )
