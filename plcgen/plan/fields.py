@@ -58,6 +58,18 @@ def value_member(fmt: Format, count: int, first: int, where: Target) -> tuple[Da
     return ArrayType(((first, first + count - 1 + extra),), element), size + extra
 
 
+def interface_type(fmt: Format, count: int, first: int, where: Target) -> DataType:
+    """Type of a value at the block's interface: as the buffer member, without a pad element."""
+    if fmt.name == "Boolean" and count == 1:
+        return ELEMENTARY["BOOL"]
+    element = element_type(fmt, where)
+    if element is None:
+        return ArrayType(((0, count * fmt.size - 1),), BYTE)
+    if fmt.is_string:
+        return ArrayType(((1, count),), element)
+    return element if count == 1 else ArrayType(((first, first + count - 1),), element)
+
+
 @dataclass(slots=True)
 class _Layout:
     """Collects fields front to back."""

@@ -73,11 +73,12 @@ class Use:
 
     @property
     def label(self) -> str:
-        """``P50303`` or ``P2155[1..2]``, as messages and comments write it."""
+        """``P50303``, ``r945[0]`` or ``P2155[1..2]``, as messages and comments write it."""
+        base = f"{'r' if self.parameter.access == 'r' else 'P'}{self.parameter.pnu}"
         if self.first is None:
-            return f"P{self.parameter.pnu}"
+            return base
         last = self.first + (1 if self.format.is_string else self.count) - 1
-        return f"P{self.parameter.pnu}[{self.first}]" if last == self.first else f"P{self.parameter.pnu}[{self.first}..{last}]"
+        return f"{base}[{self.first}]" if last == self.first else f"{base}[{self.first}..{last}]"
 
 
 @dataclass(frozen=True, slots=True)

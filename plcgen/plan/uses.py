@@ -67,7 +67,7 @@ class UseResolver:
             parameter=parameter,
             format=fmt,
             first=reference.first,
-            elements=self._elements(reference, values, write=write),
+            elements=count if write and fmt.is_string else self._elements(reference, values, write=write),
             count=count,
             data=data,
             constant=constant,

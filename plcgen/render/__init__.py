@@ -1,1 +1,1 @@
-"""render"""
+"""The one Jinja environment, and writing, comparing and recovering an output folder."""

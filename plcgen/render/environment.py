@@ -1,0 +1,70 @@
+"""The one Jinja environment; the only importer of jinja2.
+
+Output depends on the view alone: undefined names are errors, and no clock, user, path or locale is within reach.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import jinja2
+
+from plcgen.emit.document import Document
+from plcgen.resources import templates_dir
+
+
+@dataclass(frozen=True, slots=True)
+class RenderedFile:
+    """A finished file: relative path with forward slashes, exact bytes, why it is experimental ("" if not)."""
+
+    path: str
+    data: bytes
+    experimental: str = ""
+
+
+@functools.cache
+def environment() -> jinja2.Environment:
+    """Environment for the shipped templates: no user templates, XML templates escape by default."""
+    return jinja2.Environment(
+        loader=jinja2.FileSystemLoader(templates_dir()),
+        undefined=jinja2.StrictUndefined,
+        autoescape=lambda name: name is not None and name.endswith(".xml.j2"),
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        auto_reload=False,
+        cache_size=-1,
+    )
+
+
+@functools.cache
+def _template(name: str) -> jinja2.Template:
+    return environment().get_template(name)
+
+
+def render_text(template: str, view: dict[str, Any]) -> str:
+    """Render one template."""
+    return _template(template).render(view)
+
+
+def render(document: Document) -> RenderedFile:
+    """Render one document to bytes; characters were checked before, what is left over becomes ``?``."""
+    text = render_text(document.template, document.view)
+    if document.newline != "\n":
+        text = text.replace("\n", document.newline)
+    return RenderedFile(document.path, text.encode(document.encoding, "replace"), document.experimental)
+
+
+def render_all(
+    documents: Iterable[Document], total: int = 0, progress: Callable[[str, int, int], None] | None = None
+) -> list[RenderedFile]:
+    """Render documents in order."""
+    files = []
+    for number, document in enumerate(documents, 1):
+        files.append(render(document))
+        if progress is not None and number % 50 == 0:
+            progress("render", number, max(total, number))
+    return files
