@@ -21,6 +21,7 @@ from plcgen.s7.types import (
 )
 from plcgen.scl import ast
 from plcgen.scl.constants import evaluate, type_of
+from plcgen.scl.cursor import MAX_ERRORS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -245,7 +246,7 @@ class _Builder:
     def unknown(self, spec: ast.TypeName) -> None:
         """STEP 7 V5 allows symbols without quotes: there only a near miss is an error."""
         candidates = [*ELEMENTARY, *ALIASES, "STRING", "WSTRING", *SYSTEM_TYPES, *self.declared]
-        if not self.strict and not near(spec.name, candidates):
+        if len(self.diagnostics) >= MAX_ERRORS or (not self.strict and not near(spec.name, candidates)):
             return
         text = did_you_mean(spec.name, candidates) or "put the name of a user type in quotes"
         self.error("PG806", f"unknown type {spec.name}", spec, text)

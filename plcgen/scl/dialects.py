@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity
 from plcgen.scl import ast
+from plcgen.scl.cursor import MAX_ERRORS
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.lexer import ADDRESS, LOCAL, QUOTED, REAL, TYPED, Tokens
 
@@ -42,8 +44,11 @@ _Refusal = tuple[int, int, str, str, Severity]
 def check(
     units: Sequence[ast.Unit], tokens: Tokens, dialect: Dialect, free_text: Sequence[tuple[int, int]] = ()
 ) -> list[Diagnostic]:
-    """PG803 for every construct that ``dialect`` refuses; ``free_text`` are ranges that are no code."""
-    found = [*_tokens(tokens, dialect, sorted(free_text)), *_tree(units, tokens, dialect)]
+    """PG803 for every construct that ``dialect`` refuses, up to a bound; ``free_text`` ranges are no code."""
+    found = [
+        *islice(_tokens(tokens, dialect, sorted(free_text)), MAX_ERRORS),
+        *islice(_tree(units, tokens, dialect), MAX_ERRORS),
+    ]
     return [
         Diagnostic(
             "PG803", f"{dialect.label} does not know {what}", tokens.span(start, end), severity, help=text

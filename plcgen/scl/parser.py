@@ -47,6 +47,7 @@ class Parser(DeclarationParser, StatementParser):
     def __init__(self, tokens: Tokens, *, bodies: bool = True) -> None:
         super().__init__(tokens)
         self.bodies = bodies
+        self.comment_lines: list[str] = []
         gotos = (i + 1 for i, kind in enumerate(self.kinds) if kind == "GOTO")
         self.jump_labels = frozenset(self.texts[i].upper() for i in gotos)
 
@@ -113,10 +114,12 @@ class Parser(DeclarationParser, StatementParser):
             return_type = self.type_spec()
         elif keyword == "TYPE":
             self.accept(":")
+        self.comment_lines = []
         attributes, properties, flags = self.header()
         if keyword == "FUNCTION" and return_type is None and self.accept(":"):
             return_type = self.type_spec()
-        comment = self.block_comment()
+        self.collect_comment()
+        comment = "\n".join(self.comment_lines)
         sections, body_type = self.declaration_part(keyword)
         statements = self.code(keyword)
         if not self.accept("END_" + keyword):
@@ -154,11 +157,14 @@ class Parser(DeclarationParser, StatementParser):
         while True:
             upper = self.upper()
             if self.kinds[self.pos] == "{":
+                self.collect_comment()
                 attributes.extend(self.attributes())
             elif upper in _PROPERTIES and self.kind(1) in {":", "="}:
+                self.collect_comment()
                 self.pos += 2
                 properties.append((upper, self.property_value(upper)))
             elif upper in _FLAGS:
+                self.collect_comment()
                 self.pos += 1
                 flags.append(upper)
                 self.accept(";")
@@ -175,10 +181,12 @@ class Parser(DeclarationParser, StatementParser):
         text = self.rest_of_line()
         return text if key == "TITLE" else text.split("//")[0].rstrip("; \t")
 
-    def block_comment(self) -> str:
-        """``//`` lines between the header and the first section."""
-        lines = [c.text for c in self.tokens.trivia_before(self.pos) if c.text.startswith("//")]
-        return "\n".join(line[2:].strip() for line in lines)
+    def collect_comment(self) -> None:
+        """Keep the ``//`` lines before the current token: between header lines they describe the block."""
+        free_end = self.free_text[-1][1] if self.free_text else 0
+        for comment in self.tokens.trivia_before(self.pos):
+            if comment.text.startswith("//") and comment.start >= free_end:
+                self.comment_lines.append(comment.text[2:].strip())
 
     # --- parts ----------------------------------------------------------------------------------------
 

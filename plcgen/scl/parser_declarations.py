@@ -210,6 +210,7 @@ class DeclarationParser(ExpressionParser):
         self.enter()
         self.pos += 1
         members = self.declarations()
-        self.expect("END_STRUCT")
+        if not self.accept("END_STRUCT"):
+            self.report(self.expected("END_STRUCT").diagnostic)
         self.depth -= 1
         return ast.StructSpec(start, self.last_end, members)

@@ -56,7 +56,8 @@ class ExpressionParser(Cursor):
         start = self.starts[pos]
         base: ast.Expression
         if kind == LOCAL:
-            base = ast.Name(start, start + len(text), unquote(text[1:]), "local")
+            name = text[1:] if text[1] != '"' else text[2:-1]
+            base = ast.Name(start, start + len(text), name, "local")
         elif kind == NAME:
             base = ast.Name(start, start + len(text), text, "bare")
         elif kind == QUOTED:

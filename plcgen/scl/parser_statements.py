@@ -58,7 +58,7 @@ class StatementParser(ExpressionParser):
         return tuple(found)
 
     def skip_statement(self, began: int) -> None:
-        """Go behind the next semicolon or to the next keyword of a statement; always at least one token on."""
+        """Go behind the next semicolon or to the next keyword of a statement; at least one token on."""
         if self.pos == began and self.kinds[began] not in _STOPS:
             self.pos += 1
         while (kind := self.kinds[self.pos]) not in _STOPS and kind not in _STARTS:
