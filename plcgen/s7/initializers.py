@@ -115,11 +115,14 @@ def flatten(items: tuple[Item, ...], limit: int, kinds: str = "[") -> Iterator[N
             if produced > limit:
                 return
             if opened and isinstance(item.value, Group):
+                before = produced
                 for node in flatten(item.value.items, limit - produced, kinds):
                     produced += 1
                     yield node
                     if produced > limit:
                         return
+                if produced == before:
+                    break
             else:
                 produced += 1
                 yield item.value

@@ -1,0 +1,225 @@
+"""The Interface part of a SimaticML document: Sections and Members to the block model."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from plcgen.diagnostics import Diagnostic
+from plcgen.read.xml import child, children, namespace, span, text
+from plcgen.s7.blocks import Assignment, Section, SectionKind
+from plcgen.s7.types import ArrayType, DataType, Member, NamedType, StringType, StructType, elementary
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from lxml.etree import _Element as Element
+
+NAMESPACE = "http://www.siemens.com/automation/Openness/SW/Interface/v"
+VERSIONS = frozenset({"2", "3", "4", "5"})
+"""Known versions of the Interface namespace: V14 SP1 to V21."""
+
+MAX_DEPTH = 64
+MAX_LISTED = 10_000
+
+_SECTIONS = {kind.value: kind for kind in SectionKind} | {"None": SectionKind.STATIC}
+_ARRAY = re.compile(r"Array\s*\[(?P<bounds>[^\]]*)\]\s*of\s+(?P<element>.+)", re.IGNORECASE | re.DOTALL)
+_BOUNDS = re.compile(r"\s*(-?\d+)\s*\.\.\s*(-?\d+)\s*", re.ASCII)
+_STRING = re.compile(r"(W?String)(?:\[\s*(\d+)\s*\])?", re.IGNORECASE | re.ASCII)
+_PLAIN = re.compile(r"[^\W\d]\w*")
+
+
+def parse_datatype(spelling: str) -> DataType | None:
+    """Type of a Datatype attribute, without the members of a Struct; None if it has no fixed size.
+
+    ``"Udt"`` in quotes is a user type, ``Array[0..9] of Word``, ``String[16]``; a version as in ``dtl:v1.0``
+    is dropped.
+    """
+    spelling = spelling.strip()
+    array = _ARRAY.fullmatch(spelling)
+    if array:
+        bounds = [_BOUNDS.fullmatch(part) for part in array["bounds"].split(",")]
+        element = parse_datatype(array["element"])
+        if element is None or not all(bounds):
+            return None
+        return ArrayType(tuple((int(b[1]), int(b[2])) for b in bounds if b), element)
+    string = _STRING.fullmatch(spelling)
+    if string:
+        return StringType(string[1].upper(), int(string[2] or 254))
+    if len(spelling) > 2 and spelling[0] == spelling[-1] == '"':
+        return NamedType(spelling[1:-1], quoted=True)
+    name = spelling.partition(":")[0].strip()
+    if name.upper() == "STRUCT":
+        return StructType(())
+    if not _PLAIN.fullmatch(name):
+        return None
+    return elementary(name) or NamedType(name)
+
+
+@dataclass(slots=True)
+class InterfaceReader:
+    """Reads the sections of one block; start values inside arrays and user types become assignments."""
+
+    file: str
+    diagnostics: list[Diagnostic]
+    assignments: list[Assignment] = field(default_factory=list)
+
+    def sections(self, interface: Element) -> tuple[Section, ...]:
+        """All sections below an Interface element, in document order."""
+        root = child(interface, "Sections")
+        if root is None:
+            self.report("the Interface has no Sections", interface)
+            return ()
+        uri = namespace(root)
+        if not uri.startswith(NAMESPACE) or uri.removeprefix(NAMESPACE) not in VERSIONS:
+            self.report(f"unknown Interface namespace {uri or '(none)'}", root)
+        found = []
+        for section in children(root, "Section"):
+            name = section.get("Name", "")
+            kind = _SECTIONS.get(name)
+            if kind is None:
+                self.report(f"unknown section {name or '(no Name)'}", section)
+                continue
+            members = (self.member(element, ()) for element in children(section, "Member"))
+            found.append(Section(kind, tuple(m for m in members if m is not None)))
+        return tuple(found)
+
+    def member(self, element: Element, parents: tuple[tuple[str, bool], ...]) -> Member | None:
+        """One Member; ``parents`` are the (name, is an array) pairs above it."""
+        name, spelling = element.get("Name"), element.get("Datatype")
+        if not name or not spelling:
+            self.report(f"a Member needs the attribute {'Datatype' if name else 'Name'}", element)
+            return None
+        if len(parents) >= MAX_DEPTH:
+            self.report(f"{name}: nested more than {MAX_DEPTH} levels deep", element)
+            return None
+        type_ = parse_datatype(spelling)
+        if type_ is None:
+            self.report(f"{name}: the data type {spelling} has no fixed size", element)
+            return None
+        path = (*parents, (name, isinstance(type_, ArrayType)))
+        inner = [self.member(m, path) for m in children(element, "Member")]
+        type_ = _with_members(type_, tuple(m for m in inner if m is not None))
+        if _is_user_type(type_):
+            self._expanded(element, path)
+        start = child(element, "StartValue")
+        literal = text(start).strip() or None
+        if isinstance(type_, ArrayType) and literal is None and not any(is_array for _, is_array in parents):
+            literal = self._listed(element, type_, path)
+        else:
+            self._subelements(element, path)
+        return Member(name, type_, literal, _comment(element), _at(element), span(element, self.file))
+
+    def _expanded(self, element: Element, path: tuple[tuple[str, bool], ...]) -> None:
+        """Start values of a user type's members, written out below Sections."""
+        if len(path) >= MAX_DEPTH:
+            self.report("nested too deeply", element)
+            return
+        for sections in children(element, "Sections"):
+            for section in children(sections, "Section"):
+                for inner in children(section, "Member"):
+                    self._expanded_member(inner, path)
+
+    def _expanded_member(self, element: Element, parents: tuple[tuple[str, bool], ...]) -> None:
+        name, type_ = element.get("Name"), parse_datatype(element.get("Datatype", ""))
+        if not name or type_ is None or len(parents) >= MAX_DEPTH:
+            return
+        path = (*parents, (name, isinstance(type_, ArrayType)))
+        literal = text(child(element, "StartValue")).strip()
+        if literal and not any(is_array for _, is_array in path):
+            self._assign(path, (), literal, element)
+        self._subelements(element, path)
+        for inner in children(element, "Member"):
+            self._expanded_member(inner, path)
+        if _is_user_type(type_):
+            self._expanded(element, path)
+
+    def _subelements(self, element: Element, path: tuple[tuple[str, bool], ...]) -> None:
+        for sub in children(element, "Subelement"):
+            literal = text(child(sub, "StartValue")).strip()
+            groups = tuple(sub.get("Path", "").split(";"))
+            if not literal:
+                continue
+            if len(groups) != sum(is_array for _, is_array in path):
+                self.report(
+                    f"Subelement Path {sub.get('Path')} does not fit the arrays of {path[-1][0]}", sub
+                )
+                continue
+            self._assign(path, groups, literal, sub)
+
+    def _assign(
+        self, path: Sequence[tuple[str, bool]], groups: Sequence[str], literal: str, at: Element
+    ) -> None:
+        indices = iter(groups)
+        steps = (_quote(name) + (f"[{next(indices)}]" if is_array else "") for name, is_array in path)
+        self.assignments.append(Assignment(".".join(steps), literal, span(at, self.file)))
+
+    def _listed(self, element: Element, type_: ArrayType, path: tuple[tuple[str, bool], ...]) -> str | None:
+        """Start values of single elements as one list ``[1, , 3]``; too many gaps become assignments."""
+        values: dict[int, str] = {}
+        for sub in children(element, "Subelement"):
+            literal = text(child(sub, "StartValue")).strip()
+            position = _position(sub.get("Path", ""), type_)
+            if not literal:
+                continue
+            if position is None:
+                self.report(f"Subelement Path {sub.get('Path')} is outside the array {path[-1][0]}", sub)
+                continue
+            values[position] = literal
+        if not values:
+            return None
+        if max(values) >= MAX_LISTED:
+            self._subelements(element, path)
+            return None
+        return "[" + ", ".join(values.get(n, "") for n in range(max(values) + 1)) + "]"
+
+    def report(self, message: str, element: Element) -> None:
+        """Add one PG812."""
+        self.diagnostics.append(Diagnostic("PG812", message, span(element, self.file)))
+
+
+def _position(path: str, type_: ArrayType) -> int | None:
+    """Place of an element counted through the array, the last index fastest; None if it is outside."""
+    parts = path.split(",")
+    if len(parts) != len(type_.bounds) or not all(
+        re.fullmatch(r"\s*-?[0-9]{1,10}\s*", part) for part in parts
+    ):
+        return None
+    position = 0
+    for part, (low, high) in zip(parts, type_.bounds, strict=True):
+        if not low <= int(part) <= high:
+            return None
+        position = position * (high - low + 1) + int(part) - low
+    return position
+
+
+def _with_members(type_: DataType, members: tuple[Member, ...]) -> DataType:
+    """Put the members into a Struct or an array of Struct."""
+    if isinstance(type_, StructType):
+        return StructType(members)
+    if isinstance(type_, ArrayType):
+        return ArrayType(type_.bounds, _with_members(type_.element, members))
+    return type_
+
+
+def _is_user_type(type_: DataType) -> bool:
+    if isinstance(type_, ArrayType):
+        return _is_user_type(type_.element)
+    return isinstance(type_, NamedType) and type_.quoted
+
+
+def _comment(element: Element) -> str:
+    texts = (text(item).strip() for item in children(child(element, "Comment"), "MultiLanguageText"))
+    return next((found for found in texts if found), "")
+
+
+def _at(element: Element) -> str | None:
+    for attribute in children(child(element, "AttributeList"), "StringAttribute"):
+        if attribute.get("Name") == "At":
+            return text(attribute).strip().strip('"') or None
+    return None
+
+
+def _quote(name: str) -> str:
+    return name if _PLAIN.fullmatch(name) else f'"{name}"'
