@@ -65,7 +65,7 @@ def test_error_explained_with_its_information_word():
         (
             0xDE80B500,
             None,
-            "read record: state conflict: module not ready: the parameter",
+            "read record: state conflict: module",
             Retry.TEMPORARY,
             True,
         ),
@@ -93,7 +93,7 @@ def test_error_explained_with_its_information_word():
     ],
 )
 def test_status(value, direction, text, retry, error):
-    """A STATUS is explained and classed: temporary A2-A4, A7, B5, C0-C6; A0 of RDREC starts again at WRREC."""
+    """A STATUS is explained and classed: A2-A4, A7, B5, C0-C6 temporary, A0 of RDREC restarts."""
     found = explain(value, direction)
     assert text in found.text
     assert (found.retry, found.error, found.value) == (retry, error, value)
