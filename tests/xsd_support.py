@@ -1,8 +1,8 @@
 """Validates the islands of SimaticML documents against Siemens' schemas, where they are at hand.
 
-The schemas have no target namespace: each is wrapped in a schema that declares the island's own namespace and
-includes the file. They come from ``PLCGEN_SIMATICML_XSD`` (``PublicAPI/Vxx/Schemas`` of an installed TIA Portal)
-or from ``../shared/xsd`` next to the project; without them the check is skipped, never passed.
+The schemas have no target namespace: each is wrapped in a schema that declares the namespace of the island
+and includes the file. They come from ``PLCGEN_SIMATICML_XSD`` (``PublicAPI/Vxx/Schemas`` of an installed TIA
+Portal) or from ``../shared/xsd`` next to the project; without them the check is skipped, never passed.
 """
 
 from __future__ import annotations

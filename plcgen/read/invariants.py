@@ -206,7 +206,7 @@ class _Check:
                 seen.add(uid)
 
     def namespace_of(self, element: Element, part: str, index: int) -> None:
-        """The namespace version that goes with the Engineering version."""
+        """Compare the namespace with the one of the Engineering version."""
         known = ISLANDS.get(self.version)
         if known is None:
             return

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 
 import pytest
@@ -12,7 +13,7 @@ from s7.vectors import block, cases, db, members
 from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind
 from plcgen.s7.image import StartValueError, image, read_member, write_member
 from plcgen.s7.layout import layout_block
-from plcgen.s7.types import ArrayType, Member, NamedType, StructType
+from plcgen.s7.types import ELEMENTARY, ArrayType, Member, NamedType, StructType
 
 
 def starts_of(case):
@@ -162,3 +163,30 @@ def test_members_read_back_as_values_lists_and_dicts():
     assert memory[0] == 2
     with pytest.raises(ValueError, match="outside"):
         write_member(memory, layout, "s.a[1,1]", 40000)
+
+
+def test_views_write_no_defaults_over_their_target():
+    """A view of CHARs would otherwise put blanks (16#20) over the start value of the WORD."""
+    view = Member("v", ArrayType(((0, 1),), ELEMENTARY["CHAR"]), at="w")
+    built = Block(BlockKind.FB, "F", (Section(SectionKind.STATIC, (*members("w : WORD := 16#1234"), view)),))
+    assert image(built, {}).hex() == "1234"
+
+
+def test_a_structured_in_out_keeps_no_start_value():
+    """It is a pointer, zero until the first call, whatever the declaration says."""
+    built = Block(
+        BlockKind.FB, "F", (Section(SectionKind.IN_OUT, members("a : ARRAY[0..1] OF INT := [1, 2]")),)
+    )
+    assert image(built, {}).hex() == "00" * 6
+
+
+def test_a_pointer_parameter_keeps_its_start_value():
+    """P#M50.0: DB 0, area 16#83, bit address 400 = 16#190."""
+    assert image(db("p : POINTER := P#M50.0"), {}).hex() == "000083000190"
+
+
+def test_repetition_bombs_end_at_once():
+    """Nothing is written out beyond the size of the array."""
+    for start in ("[1000000000(1)]", "[9999(9999(9999()))]", "[99999(99999(99999(1, 2)))]"):
+        with contextlib.suppress(StartValueError):
+            image(db(f"a : ARRAY[1..9999] OF INT := {start}"), {})
