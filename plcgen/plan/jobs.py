@@ -11,7 +11,7 @@ from plcgen.plan.model import BlockRef, Part, PlannedDrive, PlannedJob, PlannedT
 from plcgen.plan.numbering import Numbering
 from plcgen.plan.uses import UseResolver
 from plcgen.s7.address import Address, AddressError, parse_address
-from plcgen.s7.names import camel_case, pascal_case
+from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorten
 from plcgen.spec.load import LoadedSpec
 from plcgen.spec.schema import Buffer, Job
 
@@ -65,7 +65,7 @@ def plan_job(
     )
     return PlannedJob(
         key=key,
-        member=camel_case(key),
+        member=shorten(camel_case(key), V5_LIMIT if numbering.where.v5 else TIA_LIMIT),
         write=write,
         drive=drive,
         owner=owner,

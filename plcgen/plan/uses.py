@@ -11,7 +11,7 @@ from plcgen.ds47 import formats
 from plcgen.ds47.formats import Format, FormatValueError, Kind
 from plcgen.plan.model import Use
 from plcgen.plan.references import Reference, parse_bico, parse_reference, parse_type
-from plcgen.s7.names import camel_case
+from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, shorten
 from plcgen.spec.catalog import Device, Parameter
 from plcgen.spec.load import LoadedSpec, SpecPath
 from plcgen.spec.schema import ReadItem, WriteItem
@@ -28,6 +28,7 @@ class UseResolver:
         self.own = own
         self.report = report
         self.known = {**device.parameters, **own}
+        self.longest_name = V5_LIMIT if loaded.spec.plc.toolchain == "step7-v5" else TIA_LIMIT
 
     def problem(self, code: str, message: str, path: SpecPath, help_: str = "") -> None:
         """Report an error at a place of the spec."""
@@ -71,7 +72,7 @@ class UseResolver:
             count=count,
             data=data,
             constant=constant,
-            member=item.as_ or _member(parameter, reference),
+            member=item.as_ or shorten(_member(parameter, reference), self.longest_name),
             comment=item.comment or {},
             path=path,
         )

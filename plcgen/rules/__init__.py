@@ -1,10 +1,49 @@
-"""Rules: what is wrong with a planned project, one function per code."""
+"""Rules: what is wrong with a planned project, one function per code and subject.
+
+A rule takes the project and yields diagnostics; it changes nothing and needs no other rule. Problems of the
+text itself (PG1xx) and of resolving it (unknown parameters, values out of range) are found before there is a
+project.
+"""
 
 from __future__ import annotations
 
-from plcgen.diagnostics import Report
+from collections.abc import Callable, Iterator
+
+from plcgen.diagnostics import Diagnostic, Report
 from plcgen.plan.model import Project
+from plcgen.rules import flags, members, names, numbers, parameters, target, telegrams
+
+Rule = Callable[[Project], Iterator[Diagnostic]]
+
+RULES: tuple[Rule, ...] = (
+    target.languages,
+    target.comment_languages,
+    target.drive_object,
+    parameters.access,
+    parameters.repeated,
+    parameters.dangerous,
+    parameters.only_bytes,
+    telegrams.response_buffer,
+    telegrams.request_buffer,
+    telegrams.reference,
+    telegrams.timing,
+    numbers.used_twice,
+    numbers.out_of_range,
+    flags.overlap,
+    flags.out_of_range,
+    names.names,
+    names.encoding_of_names,
+    names.encoding_of_comments,
+    members.block_names,
+    members.control_members,
+    members.interface_members,
+    members.buffer_members,
+    members.overrides,
+)
+"""Every rule, in the order of the spec's subjects; reports are sorted by place anyway."""
 
 
 def apply_rules(project: Project, report: Report) -> None:
     """Apply every rule; the functions are independent of each other."""
+    for rule in RULES:
+        report.extend(rule(project))

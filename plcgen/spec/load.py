@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,14 @@ class LoadedSpec:
     root: Node
 
     def span(self, path: SpecPath) -> Span:
-        """Where the value at ``path`` stands (or the nearest value above it)."""
+        """Where the value at ``path`` stands (or the nearest value above it).
+
+        A parameter in short form (``P50304: 100.0``) stands where its key does.
+        """
+        if len(path) > 2 and path[-1] == "parameter" and isinstance(path[-2], int):  # noqa: PLR2004
+            items = self.root.find(path[:-2])
+            if items.kind == "map":
+                return next(islice(items.pairs.values(), path[-2], None), (items, items))[0].span
         return self.root.find(path).span
 
     def key_span(self, path: SpecPath) -> Span:

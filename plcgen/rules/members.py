@@ -1,0 +1,170 @@
+"""Rules about names that meet: blocks, interface members, buffer members and their overrides."""
+
+from __future__ import annotations
+
+import re
+
+from plcgen.diagnostics import Diagnostic, Note, Span
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.plan.fields import request_fields, response_fields
+from plcgen.rules.places import member_span, name_span, parameter_span
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from plcgen.plan.model import Field, PlannedJob, Project, Telegram, Use
+    from collections.abc import Iterator
+
+_OWN = frozenset(
+    {
+        "execute", "busy", "done", "error", "status", "errors", "errorinfos", "diagnostics", "hardwareid", "driveaddress",
+        "own_number", "record_index", "response_size", "max_retries", "timeout", "drain_limit",
+        "retry_pause", "lease", "clock_end",
+    }
+)  # fmt: skip
+"""Members and constants of every job block, in lower case."""
+
+_PREFIXED = re.compile(r"(?:[Ss]tat|[Tt]emp|[Ii]nst)[A-Z0-9]|(?i:state_|status_)")
+_MAIN = "Main"
+_SHOWN = 8
+
+
+def block_names(project: Project) -> Iterator[Diagnostic]:
+    """PG406: two blocks have the same name; letter case does not matter."""
+    first: dict[str, tuple[str, Span | None]] = {_MAIN.lower(): (_MAIN, None)}
+    reported: set[tuple[Span, Span | None]] = set()
+    for block in project.blocks:
+        span = name_span(project, block)
+        name, earlier = first.setdefault(block.name.lower(), (block.name, span))
+        if name is block.name or (span, earlier) in reported:
+            continue
+        reported.add((span, earlier))
+        yield Diagnostic(
+            "PG406",
+            f'block name "{block.name}" is used twice'
+            if earlier
+            else f'"{block.name}" is the name of the example OB1',
+            span,
+            help="rename one of them: letter case makes no difference",
+            notes=(Note(f'first use: "{name}"', earlier),) if earlier else (),
+        )
+
+
+def control_members(project: Project) -> Iterator[Diagnostic]:
+    """PG406: two jobs would get the same member in the control DB."""
+    first: dict[str, PlannedJob] = {}
+    for job in project.jobs:
+        earlier = first.setdefault(job.member.lower(), job)
+        if earlier is not job and job.block.name.lower() != earlier.block.name.lower():
+            yield Diagnostic(
+                "PG406",
+                f'jobs "{earlier.key}" and "{job.key}" are both called {job.member} in the control DB',
+                project.loaded.key_span(job.path),
+                help="rename one of the jobs",
+                notes=(Note("first use", project.loaded.key_span(earlier.path)),),
+            )
+
+
+def interface_members(project: Project) -> Iterator[Diagnostic]:
+    """PG406: a value of a job has the name of another value or of a member the block needs itself."""
+    for job in project.jobs:
+        first: dict[str, Use] = {}
+        for use in job.uses:
+            span = member_span(project, use)
+            if use.member.lower() in _OWN or _PREFIXED.match(use.member):
+                yield Diagnostic(
+                    "PG406",
+                    f'{use.label}: the block itself has a member or constant called "{use.member}"',
+                    span,
+                    help="give the value another name with as:",
+                )
+                continue
+            earlier = first.setdefault(use.member.lower(), use)
+            if earlier is not use:
+                yield Diagnostic(
+                    "PG406",
+                    f'{earlier.label} and {use.label} are both called "{use.member}"',
+                    span,
+                    help="give one of them another name with as:",
+                    notes=(Note("first use", member_span(project, earlier)),),
+                )
+
+
+def buffer_members(project: Project) -> Iterator[Diagnostic]:
+    """PG406: two members of a buffer DB have the same name."""
+    for job in project.jobs:
+        reported: set[tuple[str, Span]] = set()
+        twice = {name for name, count in _counts(use.member for use in job.uses).items() if count > 1}
+        for telegram in job.telegrams:
+            for which, fields in (
+                ("request", telegram.request_fields),
+                ("response", telegram.response_fields),
+            ):
+                first: dict[str, Field] = {}
+                for field in fields:
+                    earlier = first.setdefault(field.name.lower(), field)
+                    if earlier is field or field.name.lower() in twice:
+                        continue
+                    span = _field_span(project, job, which, earlier, field)
+                    if (field.name, span) in reported:
+                        continue
+                    reported.add((field.name, span))
+                    yield Diagnostic(
+                        "PG406",
+                        f'two members of the {which} DB are called "{field.name}"',
+                        span,
+                        help="rename one of them: under members, or with as: at the parameter",
+                    )
+
+
+def _counts(words: Iterator[str]) -> dict[str, int]:
+    found: dict[str, int] = {}
+    for word in words:
+        found[word.lower()] = found.get(word.lower(), 0) + 1
+    return found
+
+
+def _field_span(project: Project, job: PlannedJob, which: str, first: Field, second: Field) -> Span:
+    """Find the place a person can change: an override, the value's name, else the parameter."""
+    buffer = getattr(project.loaded.spec.jobs[job.key], which)
+    for old, new in buffer.members.items():
+        if new.lower() == second.name.lower():
+            return project.loaded.span((*job.path, which, "members", old))
+    for field in (first, second):
+        if field.role == "value" and field.part is not None:
+            return member_span(project, field.part.use)
+    part = second.part or first.part
+    return parameter_span(project, part.use) if part is not None else project.loaded.key_span(job.path)
+
+
+def overrides(project: Project) -> Iterator[Diagnostic]:
+    """PG408: ``members`` renames something that the buffer DB does not have."""
+    for job in project.jobs:
+        spec = project.loaded.spec.jobs[job.key]
+        for which, buffer in (("request", spec.request), ("response", spec.response)):
+            if not buffer.members:
+                continue
+            generated = list(
+                dict.fromkeys(name for t in job.telegrams for name in _generated(project, job, t, which))
+            )
+            known = set(generated)
+            for old in buffer.members:
+                if old in known:
+                    continue
+                some = ", ".join(generated[:_SHOWN]) + (", ..." if len(generated) > _SHOWN else "")
+                yield Diagnostic(
+                    "PG408",
+                    f'the {which} DB has no member "{old}"',
+                    project.loaded.key_span((*job.path, which, "members", old)),
+                    help=f"{did_you_mean(old, generated)} members: {some}".strip(),
+                )
+
+
+def _generated(project: Project, job: PlannedJob, telegram: Telegram, which: str) -> list[str]:
+    """Names of a buffer's members before the spec's own names replace them."""
+    where = project.target
+    if which == "request":
+        fields = request_fields(telegram.parts, (0, 0, 0), where, {}, write=job.write, faq=job.faq_names)
+    else:
+        size = telegram.response_size
+        fields = response_fields(telegram.parts, size, where, {}, write=job.write, faq=job.faq_names)
+    return [field.name for field in fields]
