@@ -9,12 +9,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from plcgen.ds47.model import ParameterAddress, ValueBlock
+    from plcgen.ds47.status import Status
     from plcgen.plan.model import Project
+    from plcgen.report.layout import BlockTable
+    from plcgen.report.page import Page
+    from plcgen.report.telegram import DecodedTelegram
     from plcgen.verify.model import Verification
 
 Progress = Callable[[str, int, int], None]
@@ -85,6 +92,8 @@ def generate(
     ``check_only`` writes nothing and compares; ``force`` overwrites files that were changed by hand.
     """
     from plcgen.emit import emit
+    from plcgen.render.environment import render_all
+    from plcgen.render.manifest import manifest
     from plcgen.render.write import compare_folder, write_folder
 
     target = Path(folder)
@@ -97,12 +106,14 @@ def generate(
     removed: Iterable[str] = ()
     diff = ""
     try:
-        files = emit(checked.project, progress)
+        files = render_all(emit(checked.project), progress)
+        files.append(manifest(checked.project, files))
         if check_only:
             diff, found = compare_folder(files, target)
             report.extend(found)
         else:
-            written, unchanged, removed = write_folder(files, target, force=force, progress=progress)
+            result = write_folder(files, target, force=force, progress=progress)
+            written, unchanged, removed = result.written, result.unchanged, result.removed
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
     return GenerateResult(checked.spec, target, tuple(written), tuple(unchanged), tuple(removed), diff, tuple(report))
@@ -115,3 +126,157 @@ def verify(
     from plcgen.verify import verify as run
 
     return run(Path(spec), Path(folder), Path(drive) if drive is not None else None, progress)
+
+
+@dataclass(frozen=True, slots=True)
+class LayoutResult:
+    """Memory layouts: of a spec's telegram buffers, or of the blocks in source files."""
+
+    blocks: tuple[BlockTable, ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether no diagnostic is an error."""
+        return not any(d.severity.label == "error" for d in self.diagnostics)
+
+
+@dataclass(frozen=True, slots=True)
+class EncodedTelegram:
+    """A request as bytes: which job, which of its telegrams (from 1), the data block it lies in."""
+
+    job: str
+    index: int
+    block: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class EncodeResult:
+    """Requests as bytes, in the order in which they are sent."""
+
+    telegrams: tuple[EncodedTelegram, ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether no diagnostic is an error."""
+        return not any(d.severity.label == "error" for d in self.diagnostics)
+
+
+SPEC_SUFFIXES = frozenset({".yaml", ".yml"})
+
+
+def layout(*paths: Path | str) -> LayoutResult:
+    """Lay out the telegram buffers of specs (``.yaml``) and the blocks of text sources (all others).
+
+    Types may stand in any of the files, in any order; ``*.udt`` files beside a source are looked at too.
+    """
+    from plcgen.report.planned import block_tables, project_tables
+
+    tables: list[BlockTable] = []
+    report = Report()
+    sources: list[Path] = []
+    for path in map(Path, paths):
+        if path.suffix.lower() in SPEC_SUFFIXES:
+            checked = check(path)
+            report.extend(checked.diagnostics)
+            if checked.project is not None:
+                tables += project_tables(checked.project)
+        else:
+            sources.append(path)
+    blocks, types = _read_sources(sources, report)
+    found, problems = block_tables(blocks, types)
+    report.extend(problems)
+    return LayoutResult((*tables, *found), tuple(report))
+
+
+def _read_sources(paths: Sequence[Path], report: Report) -> tuple[list[Any], dict[str, Any]]:
+    """Blocks of the files, and every type known to them by name: their own and those of sibling UDT files."""
+    from plcgen.read.text import read_source
+
+    blocks: list[Any] = []
+    types: dict[str, Any] = {}
+    siblings = {near for path in paths if path.is_file() for near in path.parent.glob("*.udt")}
+    for path in sorted(siblings - set(paths)):
+        types |= {block.name: block for block in read_source(path)[0]}
+    for path in paths:
+        found, problems = read_source(path)
+        report.extend(problems)
+        blocks += found
+        types |= {block.name: block for block in found}
+    return blocks, types
+
+
+def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
+    """Return the requests of all jobs of a spec, or of one job, with their start values."""
+    from plcgen.diagnostics.suggest import did_you_mean
+
+    checked = check(spec)
+    if checked.project is None or not checked.ok:
+        return EncodeResult((), checked.diagnostics)
+    jobs = [planned for planned in checked.project.jobs if job in {None, planned.key}]
+    if not jobs:
+        names = [planned.key for planned in checked.project.jobs]
+        hint = f"{did_you_mean(job or '', names)} jobs of this spec: {', '.join(names)}".strip()
+        span = checked.project.loaded.key_span(("jobs",))
+        unknown = Diagnostic("PG701", f'the spec has no job "{job}"', span, help=hint)
+        return EncodeResult((), (*checked.diagnostics, unknown))
+    telegrams = [
+        EncodedTelegram(planned.key, telegram.index + 1, _block_text(telegram.request_db), telegram.request)
+        for planned in jobs
+        for telegram in planned.telegrams
+    ]
+    return EncodeResult(tuple(telegrams), checked.diagnostics)
+
+
+def _block_text(ref: Any) -> str:
+    return f'{ref.kind}{ref.number} "{ref.name}"'
+
+
+def encode_read(addresses: Sequence[ParameterAddress], *, drive_object: int = 1, reference: int = 1) -> bytes:
+    """Return a read request. Raises TelegramError if a field does not fit or the record is too long."""
+    from plcgen.ds47.codec import encode_request
+    from plcgen.ds47.model import read_request
+
+    return encode_request(read_request(reference, drive_object, addresses))
+
+
+def encode_write(
+    changes: Sequence[tuple[ParameterAddress, ValueBlock]], *, drive_object: int = 1, reference: int = 1
+) -> bytes:
+    """Return a change request. Raises TelegramError if a field does not fit or the record is too long."""
+    from plcgen.ds47.codec import encode_request
+    from plcgen.ds47.model import change_request
+
+    return encode_request(change_request(reference, drive_object, changes))
+
+
+def decode(
+    data: bytes, *, kind: Literal["request", "response"] | None = None, request: bytes | None = None
+) -> DecodedTelegram:
+    """Take a telegram apart, as far as it goes; ``request`` gives a response its context."""
+    from plcgen.report.telegram import dissect
+
+    return dissect(data, kind, request)
+
+
+def decode_status(value: int) -> Status:
+    """Explain a STATUS double word of WRREC or RDREC."""
+    from plcgen.ds47.status import explain
+
+    return explain(value)
+
+
+def explain(key: str) -> Page | None:
+    """Explain a diagnostic code, DS47 error number, status word or STATUS; None if it is none of these."""
+    from plcgen.report.explain import explain_page
+
+    return explain_page(key)
+
+
+def schema() -> dict[str, Any]:
+    """JSON schema of a spec, for editors."""
+    from plcgen.spec.schema import json_schema
+
+    return json_schema()

@@ -12,6 +12,8 @@ def emit(project: Project) -> Iterator[Document]:
     """Every document of a project, in import order: types, data blocks, function blocks, instances, OB, tables."""
     from plcgen.emit.blocks import control_document, job_documents, main_document, shared_documents
     from plcgen.emit.jobs import job_document
+    from plcgen.emit.simaticml import simaticml_documents
+    from plcgen.emit.tables import table_documents
 
     yield from shared_documents(project)
     for job in project.jobs:
@@ -19,3 +21,5 @@ def emit(project: Project) -> Iterator[Document]:
         yield job_document(project, job)
     yield control_document(project)
     yield main_document(project)
+    yield from simaticml_documents(project)
+    yield from table_documents(project)

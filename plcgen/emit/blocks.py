@@ -40,10 +40,10 @@ def _document(project: Project, path: str, template: str, view: dict[str, Any]) 
 def shared_documents(project: Project) -> Iterator[Document]:
     """Types and tokens that every job of the project uses."""
     for block, rows in ((project.diagnostics_type, DIAGNOSTICS), (project.token_type, TOKEN)):
-        view = {"name": block.name, "fields": _rows(project, rows)}
-        yield _document(project, f"udt/{block.name}.{extension(project, 'udt')}", "db/udt.j2", view)
+        shared: dict[str, Any] = {"name": block.name, "fields": _rows(project, rows)}
+        yield _document(project, f"udt/{block.name}.{extension(project, 'udt')}", "db/udt.j2", shared)
     for drive in project.drives:
-        view = {
+        view: dict[str, Any] = {
             "name": drive.token.name,
             "title": f"Which job uses drive {drive.key}",
             "retain": False,
@@ -114,7 +114,10 @@ def _assignments(project: Project, field: Field) -> list[dict[str, str]]:
 def control_document(project: Project) -> Document:
     """The control DB: one structure a job, for the caller and the HMI."""
     path = f"db/{project.control_db.name}.{extension(project, 'db')}"
-    jobs = [{"member": job.member, "title": title(project, job), "fields": control_fields(project, job)} for job in project.jobs]
+    jobs = [
+        {"member": job.member, "title": title(project, job), "fields": control_fields(project, job)}
+        for job in project.jobs
+    ]
     return _document(project, path, "db/control.j2", {"name": project.control_db.name, "jobs": jobs})
 
 

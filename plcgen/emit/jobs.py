@@ -28,7 +28,9 @@ def job_document(project: Project, job: PlannedJob) -> Document:
         "stat_id": "statHardwareId" if where.t15 else "statDriveAddress",
         "diagnostics_type": project.diagnostics_type.name,
         "states": STATES,
-        "statuses": [(n, f"W#16#{v:04X}", text) for n, v, text in (_T15_STATUS if where.t15 else STATUS_WORDS)],
+        "statuses": [
+            (n, f"W#16#{v:04X}", text) for n, v, text in (_T15_STATUS if where.t15 else STATUS_WORDS)
+        ],
     }
     return Document(f"scl/{job.block.name}.scl", "scl/job.scl.j2", view, where.encoding, newline(project))
 
@@ -54,7 +56,7 @@ def newline(project: Project) -> str:
 def title(project: Project, job: PlannedJob) -> str:
     """One-line title; a quote would end a STEP 7 V5 title."""
     verb = "Write" if job.write else "Read"
-    labels = ", ".join(use.label for use in job.uses[:4]) + (", .." if len(job.uses) > 4 else "")  # noqa: PLR2004
+    labels = ", ".join(use.label for use in job.uses[:4]) + (", .." if len(job.uses) > 4 else "")
     return comment_text(job.comment, project.languages, project.target, f"{verb} {labels}").replace("'", " ")
 
 
@@ -95,7 +97,7 @@ def _job(project: Project, job: PlannedJob) -> dict[str, Any]:
 
 def _drive(job: PlannedJob) -> dict[str, Any]:
     drive = job.drive
-    signed = drive.record_index - 0x10000 if drive.record_index > 0x7FFF else drive.record_index  # noqa: PLR2004
+    signed = drive.record_index - 0x10000 if drive.record_index > 0x7FFF else drive.record_index
     return {
         "key": drive.key,
         "title": drive.device.title,
@@ -104,7 +106,7 @@ def _drive(job: PlannedJob) -> dict[str, Any]:
         "id_value": drive.id_value,
         "id_literal": f"DW#16#{drive.id_value:08X}",
         "record_index_hex": f"16#{drive.record_index:04X}",
-        "record_index_literal": drive.record_index if drive.record_index <= 0x7FFF else signed,  # noqa: PLR2004
+        "record_index_literal": drive.record_index if drive.record_index <= 0x7FFF else signed,
     }
 
 
@@ -166,13 +168,20 @@ def _telegram(project: Project, telegram: Telegram, first: int, *, many: bool) -
     suffix = str(telegram.index) if many else ""
     reference = next(f.name for f in telegram.request_fields if f.role == "reference")
     mirror = next(f.name for f in telegram.response_fields if f.role == "reference")
-    build = [{"target": f'"{request_db.name}".{reference}', "source": f"{'' if project.target.v5 else '#'}statReference"}]
+    build = [
+        {
+            "target": f'"{request_db.name}".{reference}',
+            "source": f"{'' if project.target.v5 else '#'}statReference",
+        }
+    ]
     store: list[dict[str, str]] = []
     if project.target.t15:
         view = f"#statRequestView{suffix}"
         build += [_move(f"{view}.{f.name}", f'"{request_db.name}".{f.name}') for f in telegram.request_fields]
         view = f"#statResponseView{suffix}"
-        store = [_move(f'"{response_db.name}".{f.name}', f"{view}.{f.name}") for f in telegram.response_fields]
+        store = [
+            _move(f'"{response_db.name}".{f.name}', f"{view}.{f.name}") for f in telegram.response_fields
+        ]
     return {
         "index": telegram.index,
         "suffix": suffix,

@@ -47,7 +47,9 @@ def elements(type_: ArrayType, data: bytes, *, v5: bool) -> list[tuple[int, str]
         raise TypeError(f"buffers hold no array of {element!r}")
     step = element.bits // 8
     low, high = type_.bounds[0]
-    pieces = [(index, data[(index - low) * step : (index - low + 1) * step]) for index in range(low, high + 1)]
+    pieces = [
+        (index, data[(index - low) * step : (index - low + 1) * step]) for index in range(low, high + 1)
+    ]
     return [(index, literal(element, piece, v5=v5)) for index, piece in pieces if any(piece)]
 
 

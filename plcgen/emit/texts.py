@@ -20,13 +20,21 @@ _REQUEST: dict[str, tuple[str, str, str]] = {
 }
 _RESPONSE = _REQUEST | {
     "reference": ("mirrored request reference", "gespiegelte Auftragsreferenz", "请求参考镜像"),
-    "request_id": ("01h/02h = good, 81h/82h = error", "01h/02h = gut, 81h/82h = Fehler", "01h/02h = 正确, 81h/82h = 错误"),
+    "request_id": (
+        "01h/02h = good, 81h/82h = error",
+        "01h/02h = gut, 81h/82h = Fehler",
+        "01h/02h = 正确, 81h/82h = 错误",
+    ),
     "drive_object": ("mirrored drive object", "gespiegeltes Antriebsobjekt", "驱动对象镜像"),
     "error_format": ("44h = error", "44h = Fehler", "44h = 错误"),
     "error_count": ("number of error words", "Anzahl Fehlerworte", "错误字数量"),
     "error_number": ("error number", "Fehlernummer", "错误值"),
     "error_info": ("second error word", "zweites Fehlerwort", "第二错误字"),
-    "reserve": ("room for the longest error answer", "Platz für die längste Fehlerantwort", "错误应答的预留空间"),
+    "reserve": (
+        "room for the longest error answer",
+        "Platz für die längste Fehlerantwort",
+        "错误应答的预留空间",
+    ),
 }
 _COLUMN = {"en": 0, "de": 1, "zh": 2}
 
@@ -42,7 +50,11 @@ def field_texts(field: Field, languages: tuple[str, ...], *, response: bool) -> 
             parameter = part.use.parameter
             unit = f" [{parameter.unit}]" if parameter.unit else ""
             own = part.use.comment.get(language) or parameter.title
-            text = f"{part.use.label} {own}{unit}".replace("  ", " ") if own else f"{part.use.label} {text}{unit}"
+            text = (
+                f"{part.use.label} {own}{unit}".replace("  ", " ")
+                if own
+                else f"{part.use.label} {text}{unit}"
+            )
         elif part is not None:
             text = f"{part.use.label} {text}"
         texts[language] = text

@@ -139,14 +139,16 @@ def response_fields(
     """Members of the response DB, ``size`` bytes long; what the positive answer leaves free is a reserve."""
     names = dict(_FAQ_RESPONSE if faq else _STYLE_RESPONSE)
     if faq:
-        names["count"] = "Num_of_Para" if write else "Num_of_para"  # figures 4-10 and 4-6 differ in this letter
+        names["count"] = (
+            "Num_of_Para" if write else "Num_of_para"
+        )  # figures 4-10 and 4-6 differ in this letter
     layout = _Layout(names, own, len(parts) == 1, not faq, [])
     for role in ("reference", "request_id", "drive_object", "count"):
         layout.byte(role)
     if not write:
         for position, part in enumerate(parts, 1):
             layout.block(part, position, where, b"", header=False)
-    elif len(parts) == 1 and size - layout.offset >= 6:  # noqa: PLR2004 - one error block of two words
+    elif len(parts) == 1 and size - layout.offset >= 6:
         layout.byte("error_format")
         layout.byte("error_count")
         layout.word("error_number")

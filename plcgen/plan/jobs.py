@@ -13,7 +13,7 @@ from plcgen.plan.uses import UseResolver
 from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorten
 from plcgen.spec.load import LoadedSpec
-from plcgen.spec.schema import Buffer, Job
+from plcgen.spec.schema import Buffer, Job, ReadItem, WriteItem
 
 
 def plan_job(
@@ -51,12 +51,24 @@ def plan_job(
     if len(packed) > 1 and job.split == "never":
         _report_unsplittable(job, key, uses, drive, loaded, report)
     telegrams = tuple(
-        _telegram(index, parts, job, name, _Context(key, drive, reference, numbering, write=write, faq=faq, many=len(packed) > 1))
+        _telegram(
+            index,
+            parts,
+            job,
+            name,
+            _Context(key, drive, reference, numbering, write=write, faq=faq, many=len(packed) > 1),
+        )
         for index, parts in enumerate(packed, 1)
     )
-    block = numbering.block("FB", job.block.name or name, (*path, "block"), job.block.number, given=bool(job.block.name))
+    block = numbering.block(
+        "FB", job.block.name or name, (*path, "block"), job.block.number, given=bool(job.block.name)
+    )
     instance = numbering.block(
-        "DB", job.instance.name or f"{name}_DB", (*path, "instance"), job.instance.number, given=bool(job.instance.name)
+        "DB",
+        job.instance.name or f"{name}_DB",
+        (*path, "instance"),
+        job.instance.number,
+        given=bool(job.instance.name),
     )
     records = (
         (numbering.block("DB", f"{name}_WrRec", path), numbering.block("DB", f"{name}_RdRec", path))
@@ -88,10 +100,14 @@ def plan_job(
 def _uses(job: Job, key: str, loaded: LoadedSpec, resolver: UseResolver, report: Report) -> tuple[Use, ...]:
     if (job.read is None) == (job.write is None):
         what = "either read or write, not both" if job.read is not None else "what to read or what to write"
-        report.add(Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help="use two jobs"))
+        report.add(
+            Diagnostic(
+                "PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help="use two jobs"
+            )
+        )
         return ()
     verb = "read" if job.read is not None else "write"
-    items = job.read if job.read is not None else job.write or ()
+    items: tuple[ReadItem | WriteItem, ...] = job.read if job.read is not None else job.write or ()
     if not items:
         report.add(Diagnostic("PG218", f'job "{key}" names no parameter', loaded.span(("jobs", key, verb))))
     found = [
@@ -115,7 +131,9 @@ def _report_unsplittable(
         report.add(Diagnostic("PG302", message, place, help=help_))
     else:
         request, response = pack.request_length(parts, write=write), pack.longest_response(parts, write=write)
-        message = f"request {request} bytes, response up to {response}: the record holds {device.record_limit}"
+        message = (
+            f"request {request} bytes, response up to {response}: the record holds {device.record_limit}"
+        )
         report.add(Diagnostic("PG301", message, place, help=help_))
 
 
@@ -123,7 +141,15 @@ class _Context:
     """What all telegrams of a job share."""
 
     def __init__(
-        self, key: str, drive: PlannedDrive, reference: int, numbering: Numbering, *, write: bool, faq: bool, many: bool
+        self,
+        key: str,
+        drive: PlannedDrive,
+        reference: int,
+        numbering: Numbering,
+        *,
+        write: bool,
+        faq: bool,
+        many: bool,
     ) -> None:
         self.key, self.drive, self.reference, self.numbering = key, drive, reference, numbering
         self.write, self.faq, self.many = write, faq, many
@@ -149,14 +175,21 @@ def _telegram(index: int, parts: tuple[Part, ...], job: Job, name: str, context:
         request=_request_bytes(parts, header, write=write),
         request_db=request_db,
         request_type=numbering.block("UDT", f"type{_upper(request_db.name)}", request_db.path),
-        request_fields=request_fields(parts, header, where, job.request.members, write=write, faq=context.faq),
+        request_fields=request_fields(
+            parts, header, where, job.request.members, write=write, faq=context.faq
+        ),
         positive_length=pack.positive_length(parts, write=write),
         negative_length=pack.negative_length(parts),
         response_size=longest if pinned is None else pinned,
         response_db=response_db,
         response_type=numbering.block("UDT", f"type{_upper(response_db.name)}", response_db.path),
         response_fields=response_fields(
-            parts, longest if pinned is None else pinned, where, job.response.members, write=write, faq=context.faq
+            parts,
+            longest if pinned is None else pinned,
+            where,
+            job.response.members,
+            write=write,
+            faq=context.faq,
         ),
         pinned_response=pinned,
     )
@@ -174,7 +207,9 @@ def _buffer(given: Buffer, which: str, default: str, index: int, context: _Conte
 
 
 def _request_bytes(parts: tuple[Part, ...], header: tuple[int, int, int], *, write: bool) -> bytes:
-    addresses = tuple(ParameterAddress(part.use.parameter.pnu, part.subindex, part.elements) for part in parts)
+    addresses = tuple(
+        ParameterAddress(part.use.parameter.pnu, part.subindex, part.elements) for part in parts
+    )
     values = tuple(ValueBlock(part.use.format.code, part.count, part.data) for part in parts) if write else ()
     return encode_request(Request(*header, addresses, values))
 
@@ -196,7 +231,11 @@ def _trigger(job: Job, key: str, loaded: LoadedSpec, report: Report) -> PlannedT
             report.add(Diagnostic("PG404", f'"{text}": {problem}', place, help=f"{signal} is {wanted}"))
             continue
         if address.area != "M" or address.width_bits != width:
-            report.add(Diagnostic("PG404", f'"{text}" cannot be the {signal} flag', place, help=f"{signal} is {wanted}"))
+            report.add(
+                Diagnostic(
+                    "PG404", f'"{text}" cannot be the {signal} flag', place, help=f"{signal} is {wanted}"
+                )
+            )
             continue
         found[signal] = address
     return PlannedTrigger(**found)

@@ -221,6 +221,11 @@ class Project:
         found = [self.diagnostics_type, self.token_type, *(drive.token for drive in self.drives)]
         for job in self.jobs:
             for telegram in job.telegrams:
-                found += [telegram.request_type, telegram.response_type, telegram.request_db, telegram.response_db]
+                found += [
+                    telegram.request_type,
+                    telegram.response_type,
+                    telegram.request_db,
+                    telegram.response_db,
+                ]
             found += [job.block, job.instance, *(job.record_instances or ())]
         return (*found, self.control_db)

@@ -20,7 +20,9 @@ class Numbering:
         self.next = dict(first)
         self.pinned = set(pinned)
 
-    def block(self, kind: str, name: str, path: SpecPath, number: int | None = None, *, given: bool = False) -> BlockRef:
+    def block(
+        self, kind: str, name: str, path: SpecPath, number: int | None = None, *, given: bool = False
+    ) -> BlockRef:
         """A block; ``given`` says that the name comes from the spec and is not shortened."""
         if not given and self.where.v5:
             name = shorten(name, V5_SYMBOL_LENGTH)

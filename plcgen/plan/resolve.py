@@ -9,9 +9,9 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.plan.jobs import plan_job
 from plcgen.plan.model import PlannedDrive, PlannedJob, Project
 from plcgen.plan.numbering import Numbering
+from plcgen.plan.references import parse_reference
 from plcgen.plan.target import combination_problem, target
 from plcgen.plan.uses import UseResolver
-from plcgen.plan.references import parse_reference
 from plcgen.s7.names import pascal_case
 from plcgen.spec import catalog
 from plcgen.spec.catalog import Device, Parameter
@@ -26,7 +26,9 @@ def resolve(loaded: LoadedSpec, report: Report) -> Project:
     spec = loaded.spec
     problem = combination_problem(spec.plc.family, spec.plc.toolchain)
     if problem:
-        report.add(Diagnostic("PG214", problem, loaded.span(("plc", "toolchain")), help="use a tia-v.. toolchain"))
+        report.add(
+            Diagnostic("PG214", problem, loaded.span(("plc", "toolchain")), help="use a tia-v.. toolchain")
+        )
     where = target(spec.plc.family, spec.plc.toolchain)
     numbers = spec.plc.numbers
     numbering = Numbering(where, {"FB": numbers.fb, "DB": numbers.db, "UDT": numbers.udt}, _pinned(spec))
@@ -45,13 +47,17 @@ def resolve(loaded: LoadedSpec, report: Report) -> Project:
         if job.drive not in spec.drives:
             hint = did_you_mean(job.drive, spec.drives) or f"drives of this spec: {', '.join(spec.drives)}"
             report.add(
-                Diagnostic("PG202", f'unknown drive "{job.drive}"', loaded.span(("jobs", key, "drive")), help=hint)
+                Diagnostic(
+                    "PG202", f'unknown drive "{job.drive}"', loaded.span(("jobs", key, "drive")), help=hint
+                )
             )
             continue
         if job.drive not in planned:
             continue
         owners[job.drive] = owners.get(job.drive, 0) + 1
-        found = plan_job(key, loaded, planned[job.drive], owners[job.drive], resolvers[job.drive], numbering, report)
+        found = plan_job(
+            key, loaded, planned[job.drive], owners[job.drive], resolvers[job.drive], numbering, report
+        )
         if found is not None:
             jobs.append(found)
     return Project(
@@ -84,8 +90,17 @@ def _own_parameters(loaded: LoadedSpec, key: str, report: Report) -> dict[int, P
     for text, definition in loaded.spec.drives[key].parameters.items():
         path = ("drives", key, "parameters", text)
         reference = parse_reference(text)
-        if reference is None or reference.pnu is None or reference.first is not None or not 1 <= reference.pnu <= 65535:  # noqa: PLR2004
-            report.add(Diagnostic("PG203", f'"{text}" is not a parameter number', loaded.key_span(path), help="P50303"))
+        if (
+            reference is None
+            or reference.pnu is None
+            or reference.first is not None
+            or not 1 <= reference.pnu <= 65535
+        ):
+            report.add(
+                Diagnostic(
+                    "PG203", f'"{text}" is not a parameter number', loaded.key_span(path), help="P50303"
+                )
+            )
             continue
         own[reference.pnu] = catalog.parameter_from(reference.pnu, definition.model_dump())
     return own
@@ -100,7 +115,11 @@ def _drive(
         names = catalog.device_names()
         hint = did_you_mean(drive.device, names)
         help_ = f"{hint} known devices: {', '.join(names)}".strip()
-        report.add(Diagnostic("PG201", f'unknown device "{drive.device}"', loaded.span((*path, "device")), help=help_))
+        report.add(
+            Diagnostic(
+                "PG201", f'unknown device "{drive.device}"', loaded.span((*path, "device")), help=help_
+            )
+        )
         return None
     classic = numbering.where.classic
     id_value = drive.address if classic else drive.hardware_id
@@ -136,7 +155,7 @@ def _record_index(drive: Drive, device: Device, loaded: LoadedSpec, key: str, re
         return default
     value = drive.record_index
     index = device.record_index.get(value) if isinstance(value, str) else value
-    if index not in device.record_index.values():
+    if index is None or index not in device.record_index.values():
         known = ", ".join(f"{name} = {number:04X}h" for name, number in device.record_index.items())
         shown = value if isinstance(value, str) else f"{value:04X}h"
         report.add(

@@ -66,8 +66,10 @@ def target(family: str, toolchain: str) -> Target:
     v5 = toolchain == "step7-v5"
     dialect = Dialect.T15 if new else Dialect.V5 if v5 else Dialect.T3
     version = toolchain.removeprefix("tia-v")
-    xml = f"V{version}" if not v5 and version.isdigit() and int(version) >= 16 else None  # noqa: PLR2004
-    return Target(family, toolchain, dialect, "cp1252" if v5 else "utf-8-sig", xml, _NUMBERS[family], _FLAGS[family])
+    xml = f"V{version}" if not v5 and version.isdigit() and int(version) >= 16 else None
+    return Target(
+        family, toolchain, dialect, "cp1252" if v5 else "utf-8-sig", xml, _NUMBERS[family], _FLAGS[family]
+    )
 
 
 def combination_problem(family: str, toolchain: str) -> str | None:

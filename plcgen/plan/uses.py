@@ -34,12 +34,19 @@ class UseResolver:
         """Report an error at a place of the spec."""
         self.report.add(Diagnostic(code, message, self.loaded.span(path), help=help_))
 
-    def resolve(self, item: ReadItem | WriteItem, position: int, path: SpecPath, *, write: bool) -> Use | None:
+    def resolve(
+        self, item: ReadItem | WriteItem, position: int, path: SpecPath, *, write: bool
+    ) -> Use | None:
         """Turn one item of a job into a use; None if something about it is wrong."""
         place: SpecPath = (*path, "parameter")
         reference = parse_reference(item.parameter)
         if reference is None:
-            self.problem("PG203", f'"{item.parameter}" is not a parameter', place, "write P50303, P2155[1..2] or a name")
+            self.problem(
+                "PG203",
+                f'"{item.parameter}" is not a parameter',
+                place,
+                "write P50303, P2155[1..2] or a name",
+            )
             return None
         parameter = self._parameter(reference, item.type, path)
         if parameter is None:
@@ -48,7 +55,9 @@ class UseResolver:
         if settled is None or not self._index_fits(reference, parameter, place):
             return None
         fmt, octets = settled
-        values = 1 if reference.first is None or reference.last is None else reference.last - reference.first + 1
+        values = (
+            1 if reference.first is None or reference.last is None else reference.last - reference.first + 1
+        )
         if octets and values > 1:
             self.problem("PG206", f"{item.parameter}: several indexes of a string are several reads", place)
             return None
@@ -87,9 +96,11 @@ class UseResolver:
             if found is None:
                 names = [p.name for p in self.known.values() if p.name]
                 hint = did_you_mean(reference.name, names) or "use its number, for example P50303"
-                self.problem("PG203", f'{self.device.title} has no parameter called "{reference.name}"', place, hint)
+                self.problem(
+                    "PG203", f'{self.device.title} has no parameter called "{reference.name}"', place, hint
+                )
             return found
-        if not 1 <= reference.pnu <= 0xFFFF:  # noqa: PLR2004 - the PNU is a 16-bit field
+        if not 1 <= reference.pnu <= 0xFFFF:
             self.problem("PG203", f"parameter number {reference.pnu} is outside 1..65535", place)
             return None
         known = self.known.get(reference.pnu)
@@ -128,7 +139,7 @@ class UseResolver:
             help_ = f"{hint} DS47 types: {', '.join(names)}".strip()
             self.problem("PG205", f'"{parameter.type}" is not a DS47 data type', place, help_)
             return None
-        if split[1] is not None and (not fmt.is_string or not 1 <= split[1] <= 234):  # noqa: PLR2004 - one record
+        if split[1] is not None and (not fmt.is_string or not 1 <= split[1] <= 234):
             self.problem("PG205", f"{parameter.type}: only strings have a length, 1..234", place)
             return None
         return fmt, (split[1] or DEFAULT_STRING) if fmt.is_string else 0
@@ -138,8 +149,10 @@ class UseResolver:
             return True
         label = f"P{parameter.pnu}"
         if reference.last < reference.first:
-            self.problem("PG206", f"{label}[{reference.first}..{reference.last}]: the range runs backwards", place)
-        elif reference.last > 0xFFFE:  # noqa: PLR2004 - FFFFh is refused by every drive with error 16h
+            self.problem(
+                "PG206", f"{label}[{reference.first}..{reference.last}]: the range runs backwards", place
+            )
+        elif reference.last > 0xFFFE:
             self.problem("PG206", f"{label}: subindex {reference.last} is outside 0..65534", place)
         elif parameter.array is not None and reference.last >= parameter.array:
             self.problem(
@@ -154,7 +167,9 @@ class UseResolver:
             return True
         return False
 
-    def _pack(self, given: Any, parameter: Parameter, fmt: Format, count: int, path: SpecPath) -> bytes | None:
+    def _pack(
+        self, given: Any, parameter: Parameter, fmt: Format, count: int, path: SpecPath
+    ) -> bytes | None:
         """Wire bytes of a constant or start value; None after a diagnostic."""
         values: Sequence[Any] = given if isinstance(given, tuple) else (given,)
         if fmt.is_string:

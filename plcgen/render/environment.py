@@ -59,12 +59,12 @@ def render(document: Document) -> RenderedFile:
 
 
 def render_all(
-    documents: Iterable[Document], total: int = 0, progress: Callable[[str, int, int], None] | None = None
+    documents: Iterable[Document], progress: Callable[[str, int, int], None] | None = None
 ) -> list[RenderedFile]:
-    """Render documents in order."""
+    """Render documents in order; ``progress(what, done, 0)``: how many there will be is not known before."""
     files = []
     for number, document in enumerate(documents, 1):
         files.append(render(document))
         if progress is not None and number % 50 == 0:
-            progress("render", number, max(total, number))
+            progress("render", number, 0)
     return files

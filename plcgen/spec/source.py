@@ -96,7 +96,11 @@ _TRAPS: tuple[tuple[re.Pattern[str], str, str], ...] = (
         "an underscore inside a number is read differently by YAML 1.1 and 1.2",
         "write the digits without underscores",
     ),
-    (re.compile(r"[-+]?\.(?i:inf|nan)\Z"), "no drive parameter is infinite or not a number", "write a finite number"),
+    (
+        re.compile(r"[-+]?\.(?i:inf|nan)\Z"),
+        "no drive parameter is infinite or not a number",
+        "write a finite number",
+    ),
     (re.compile(r"[-+]?[0-9]+,[0-9]+\Z"), "a decimal comma is read as text", "write a decimal point"),
 )
 
@@ -137,7 +141,9 @@ class _Builder:
         start, end = event.start_mark, event.end_mark
         return Span(self.file, start.line + 1, start.column + 1, end.line + 1, end.column + 1)
 
-    def error(self, code: str, message: str, span: Span, help_: str = "", notes: tuple[Note, ...] = ()) -> None:
+    def error(
+        self, code: str, message: str, span: Span, help_: str = "", notes: tuple[Note, ...] = ()
+    ) -> None:
         self.report.add(Diagnostic(code, message, span, help=help_, notes=notes))
 
     def grow(self, amount: int, span: Span) -> None:
@@ -150,7 +156,12 @@ class _Builder:
         if anchor:
             self.anchors[anchor] = node
         if len(self.stack) >= MAX_DEPTH:
-            self.error("PG109", f"nested more than {MAX_DEPTH} levels deep", node.span, "a spec needs about six levels")
+            self.error(
+                "PG109",
+                f"nested more than {MAX_DEPTH} levels deep",
+                node.span,
+                "a spec needs about six levels",
+            )
             self.report.raise_on_errors()
         self.stack.append((node, None))
         self.sizes[id(node)] = self.count
@@ -231,7 +242,9 @@ class _Builder:
                 return
 
     def tag(self, tag: str, span: Span) -> None:
-        self.error("PG109", f"YAML tag {tag} is not accepted", span, "a spec holds plain values only: remove the tag")
+        self.error(
+            "PG109", f"YAML tag {tag} is not accepted", span, "a spec holds plain values only: remove the tag"
+        )
 
     def alias(self, event: Any) -> None:
         span = self.span(event)
@@ -265,7 +278,9 @@ def parse_yaml(text: str, file: str, report: Report) -> Node | None:
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
         what = problem.problem or "not readable as YAML"
         context = f" ({problem.context})" if problem.context else ""
-        builder.error("PG101", f"{what}{context}", Span(file, line, column, line, column + 1), _syntax_help(what))
+        builder.error(
+            "PG101", f"{what}{context}", Span(file, line, column, line, column + 1), _syntax_help(what)
+        )
         return None
     except yaml.reader.ReaderError as problem:
         position = max(0, min(problem.position, len(text)))
@@ -313,7 +328,9 @@ def _feed(builder: _Builder, event: Any) -> bool:
     elif isinstance(event, yaml.DocumentStartEvent):
         builder.documents += 1
         if builder.documents > 1:
-            builder.error("PG101", "a second YAML document starts here", builder.span(event), "one file, one document")
+            builder.error(
+                "PG101", "a second YAML document starts here", builder.span(event), "one file, one document"
+            )
             return False
     return True
 
@@ -345,7 +362,14 @@ def read_text(path: Path, file: str | None = None) -> str:
             raise FileNotFoundError(2, "no such file" if not path.exists() else "not a file")
         if path.stat().st_size > MAX_BYTES:
             raise DiagnosticError(
-                [Diagnostic("PG109", f"larger than {MAX_BYTES // 1024 // 1024} MiB", Span(name), help="split the file")]
+                [
+                    Diagnostic(
+                        "PG109",
+                        f"larger than {MAX_BYTES // 1024 // 1024} MiB",
+                        Span(name),
+                        help="split the file",
+                    )
+                ]
             )
         data = path.read_bytes()
     except OSError as problem:

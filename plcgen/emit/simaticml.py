@@ -1,0 +1,180 @@
+"""SimaticML of types, global DBs, tag table and watch tables for TIA Portal V16..V21.
+
+Source of the structure: genuine exports as described by Siemens' Openness manual; the interface island follows
+``SW.InterfaceSections``. IDs are upper-case hexadecimal in document order; attribute lists are alphabetical.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from plcgen.emit.blocks import DIAGNOSTICS, TOKEN, control_fields
+from plcgen.emit.document import Document
+from plcgen.emit.jobs import title
+from plcgen.emit.spelling import culture, elements, literal, one_line, type_text, type_words
+from plcgen.emit.tables import tags, watch_rows
+from plcgen.emit.texts import field_texts
+from plcgen.plan.model import BlockRef, Field, PlannedJob, Project
+from plcgen.s7.types import ArrayType, Elementary
+
+INTERFACE_NAMESPACE = {"V16": "v4", "V17": "v5", "V18": "v5", "V19": "v5", "V20": "v5", "V21": "v5"}
+"""Version of the interface namespace per TIA Portal version."""
+
+WATCH_NOTE = "watch tables follow the Openness manual; no genuine export was at hand to compare with"
+
+
+class _Ids:
+    """Counter of a document's IDs."""
+
+    def __init__(self) -> None:
+        self.next = 0
+
+    def __call__(self) -> str:
+        self.next += 1
+        return f"{self.next - 1:X}"
+
+
+def simaticml_documents(project: Project) -> Iterator[Document]:
+    """Every SimaticML document of a project; none before TIA Portal V16."""
+    if project.target.xml_version is None:
+        return
+    yield _type(project, project.diagnostics_type, _fixed(DIAGNOSTICS), {})
+    yield _type(project, project.token_type, _fixed(TOKEN), {})
+    for drive in project.drives:
+        yield _db(project, drive.token, _fixed(TOKEN), drive.comment)
+    for job in project.jobs:
+        for telegram in job.telegrams:
+            for type_block, db, fields, response in (
+                (telegram.request_type, telegram.request_db, telegram.request_fields, False),
+                (telegram.response_type, telegram.response_db, telegram.response_fields, True),
+            ):
+                members = [_member(project, field, response=response) for field in fields]
+                yield _type(
+                    project, type_block, [{**m, "start": "", "subs": ()} for m in members], job.comment
+                )
+                yield _db(project, db, members, job.comment)
+        yield _watch(project, job)
+    yield _db(project, project.control_db, _control(project), {})
+    rows = tags(project)
+    if rows:
+        yield _tags(project, rows)
+
+
+def _fixed(rows: tuple[tuple[str, str, str], ...]) -> list[dict[str, Any]]:
+    words = type_words(tia=True)
+    return [_plain(name, words[type_], text) for name, type_, text in rows]
+
+
+def _plain(name: str, type_: str, text: str, start: str = "") -> dict[str, Any]:
+    comment = [("en-US", one_line(text))] if text else []
+    return {"name": name, "type": type_, "start": start, "subs": (), "comment": comment, "members": ()}
+
+
+def _member(project: Project, field: Field, *, response: bool) -> dict[str, Any]:
+    start = ""
+    subs: list[tuple[int, str]] = []
+    if any(field.data):
+        if isinstance(field.type, Elementary):
+            start = literal(field.type, field.data, v5=False)
+        elif isinstance(field.type, ArrayType):
+            subs = elements(field.type, field.data, v5=False)
+    texts = field_texts(field, project.languages, response=response)
+    return {
+        "name": field.name,
+        "type": type_text(field.type, tia=True),
+        "start": start,
+        "subs": subs,
+        "comment": [(culture(language), one_line(text)) for language, text in texts.items()],
+        "members": (),
+    }
+
+
+def _control(project: Project) -> list[dict[str, Any]]:
+    found = []
+    for job in project.jobs:
+        members = [
+            _plain(row["name"], row["type"], row["text"], row["start"].removeprefix(" := "))
+            for row in control_fields(project, job)
+        ]
+        found.append({**_plain(job.member, "Struct", title(project, job)), "members": members})
+    return found
+
+
+def _texts(project: Project, comment: dict[str, str], ids: _Ids) -> list[dict[str, Any]]:
+    """Comment and Title objects of a block, one item a language."""
+    objects = []
+    for name in ("Comment", "Title"):
+        text_id = ids()
+        items = [
+            {
+                "id": ids(),
+                "culture": culture(language),
+                "text": one_line(comment.get(language, "")) if name == "Comment" else "",
+            }
+            for language in project.languages
+        ]
+        objects.append({"id": text_id, "name": name, "entries": items})
+    return objects
+
+
+def _base(project: Project) -> dict[str, Any]:
+    version = project.target.xml_version or ""
+    return {
+        "version": version,
+        "namespace": f"http://www.siemens.com/automation/Openness/SW/Interface/{INTERFACE_NAMESPACE[version]}",
+        "layout": "Standard" if project.target.t15 else "",
+        "with_namespace": int(version[1:]) >= 19,
+    }
+
+
+def _document(path: str, template: str, view: dict[str, Any], experimental: str = "") -> Document:
+    return Document(path, template, view, "utf-8-sig", "\n", experimental)
+
+
+def _type(
+    project: Project, block: BlockRef, members: list[dict[str, Any]], comment: dict[str, str]
+) -> Document:
+    ids = _Ids()
+    view = {
+        **_base(project),
+        "name": block.name,
+        "members": members,
+        "id": ids(),
+        "texts": _texts(project, comment, ids),
+    }
+    return _document(f"xml/{block.name}.xml", "simaticml/type.xml.j2", view)
+
+
+def _db(
+    project: Project, block: BlockRef, members: list[dict[str, Any]], comment: dict[str, str]
+) -> Document:
+    ids = _Ids()
+    view = {
+        **_base(project),
+        "name": block.name,
+        "number": block.number,
+        "members": members,
+        "id": ids(),
+        "texts": _texts(project, comment, ids),
+    }
+    return _document(f"xml/{block.name}.xml", "simaticml/db.xml.j2", view)
+
+
+def _tags(project: Project, rows: list[dict[str, Any]]) -> Document:
+    ids = _Ids()
+    table_id = ids()
+    entries = []
+    language = culture(project.languages[0])
+    for row in rows:
+        entries.append({**row, "id": ids(), "text_id": ids(), "item_id": ids(), "culture": language})
+    view = {**_base(project), "name": "DriveJobTags", "id": table_id, "tags": entries}
+    return _document("xml/DriveJobTags.xml", "simaticml/tags.xml.j2", view)
+
+
+def _watch(project: Project, job: PlannedJob) -> Document:
+    ids = _Ids()
+    table_id = ids()
+    entries = [{**row, "id": ids()} for row in watch_rows(project, job)]
+    view = {**_base(project), "name": f"Watch_{job.block.name}", "id": table_id, "rows": entries}
+    return _document(f"xml/Watch_{job.block.name}.xml", "simaticml/watch.xml.j2", view, WATCH_NOTE)

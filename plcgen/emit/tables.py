@@ -1,0 +1,239 @@
+"""Tables around the blocks: tags, watch tables, V5 symbols, import order, import guide and layout sheet."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator
+from typing import Any
+
+from plcgen.emit.blocks import extension, flag_name
+from plcgen.emit.document import Document
+from plcgen.emit.jobs import newline, title
+from plcgen.emit.spelling import comment_text, elements, encodable, literal, one_line, type_text
+from plcgen.emit.texts import field_texts
+from plcgen.plan.fields import interface_type
+from plcgen.plan.model import BlockRef, Field, PlannedJob, Project, Use
+from plcgen.s7.types import ArrayType, Elementary
+from plcgen.s7.values import SIGNED, UNSIGNED
+
+RAW = "text/raw.j2"
+
+
+def tags(project: Project) -> list[dict[str, Any]]:
+    """Absolute flags of all jobs as tags: name, type, address without %, comment."""
+    return [
+        {
+            "name": flag_name(job, signal),
+            "type": "Word" if address.width_bits > 1 else "Bool",
+            "address": str(address).removeprefix("%"),
+            "text": f"{signal}: {title(project, job)}",
+        }
+        for job in project.jobs
+        for signal, address in job.trigger.items()
+    ]
+
+
+def member_address(db: BlockRef, field: Field) -> str:
+    """Absolute address of a member, ``DB3.DBW6``; wider or array members by their first byte."""
+    width = field.type.bits if isinstance(field.type, Elementary) else 8
+    letter = {8: "DBB", 16: "DBW", 32: "DBD"}.get(width, "DBB")
+    return f"DB{db.number}.{letter}{field.offset}"
+
+
+def watch_rows(project: Project, job: PlannedJob) -> list[dict[str, str]]:
+    """Rows of a job's watch table: every elementary member of its buffers, then its flags."""
+    rows: list[dict[str, str]] = []
+    for telegram in job.telegrams:
+        for db, fields, response in (
+            (telegram.request_db, telegram.request_fields, False),
+            (telegram.response_db, telegram.response_fields, True),
+        ):
+            rows += [
+                _watch_row(project, db, field, response=response)
+                for field in fields
+                if field.role not in {"pad", "reserve"}
+            ]
+    rows += [
+        {
+            "name": f'"{flag_name(job, signal)}"',
+            "address": str(address).removeprefix("%"),
+            "format": "Bool",
+            "modify": "",
+        }
+        for signal, address in job.trigger.items()
+        if address.width_bits == 1
+    ]
+    return rows
+
+
+def _watch_row(project: Project, db: BlockRef, field: Field, *, response: bool) -> dict[str, str]:
+    name, type_, data = field.name, field.type, field.data
+    if isinstance(type_, ArrayType) and isinstance(type_.element, Elementary):
+        name = f"{name}[{type_.bounds[0][0]}]"
+        data = data[: type_.element.bits // 8]
+        type_ = type_.element
+    modify = (
+        literal(type_, data, v5=project.target.v5) if isinstance(type_, Elementary) and not response else ""
+    )
+    shown = "Hex"
+    if isinstance(type_, Elementary) and type_.name in {"REAL", "LREAL"}:
+        shown = "FloatingPoint"
+    elif field.role == "pnu":
+        shown, modify = "DEC", str(int.from_bytes(data)) if not response else ""
+    elif isinstance(type_, Elementary) and type_.name in SIGNED | UNSIGNED:
+        shown = "DEC"
+    return {
+        "name": f'"{db.name}".{name}',
+        "address": member_address(db, field),
+        "format": shown,
+        "modify": modify,
+    }
+
+
+def import_order(project: Project) -> list[str]:
+    """Source files in the order a compiler wants them: types, data, called blocks, callers."""
+    udt, db = extension(project, "udt"), extension(project, "db")
+    types = [project.diagnostics_type, project.token_type]
+    data = [drive.token for drive in project.drives]
+    for job in project.jobs:
+        for telegram in job.telegrams:
+            types += [telegram.request_type, telegram.response_type]
+            data += [telegram.request_db, telegram.response_db]
+        data += list(job.record_instances or ())
+    files = [f"udt/{block.name}.{udt}" for block in types] + [f"db/{block.name}.{db}" for block in data]
+    files.append(f"db/{project.control_db.name}.{db}")
+    files += [f"scl/{job.block.name}.scl" for job in project.jobs]
+    files += [f"db/{job.instance.name}.{db}" for job in project.jobs]
+    return [*files, "scl/Main.scl"]
+
+
+def table_documents(project: Project) -> Iterator[Document]:
+    """Watch tables as CSV, the STEP 7 V5 symbol table and compile order, the guide and the layout sheet."""
+    for job in project.jobs:
+        rows = watch_rows(project, job)
+        text = _csv(
+            ("name", "address", "display format", "modify value"), [list(row.values()) for row in rows]
+        )
+        yield Document(f"watch/{job.block.name}.csv", RAW, {"text": text})
+    if project.target.v5:
+        yield Document(
+            "symbols.sdf", RAW, {"text": _symbols(project)}, project.target.encoding, newline(project)
+        )
+        order = "".join(f"{path.rsplit('/', 1)[1].removesuffix('.scl')}\n" for path in import_order(project))
+        yield Document("compile.inp", RAW, {"text": order}, project.target.encoding, newline(project))
+    yield Document("IMPORT.md", "text/import.md.j2", _import_view(project))
+    yield Document(
+        "LAYOUT.md",
+        "text/layout.md.j2",
+        {"project": project.name, "jobs": [_sheet(project, job) for job in project.jobs]},
+    )
+
+
+def _csv(header: tuple[str, ...], rows: list[list[str]]) -> str:
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(rows)
+    return out.getvalue()
+
+
+def _symbols(project: Project) -> str:
+    out = io.StringIO()
+    writer = csv.writer(out, quoting=csv.QUOTE_ALL, lineterminator="\n")
+    kinds = {job.instance: f"FB {job.block.number}" for job in project.jobs}
+    for job in project.jobs:
+        if job.record_instances:
+            kinds[job.record_instances[0]], kinds[job.record_instances[1]] = "SFB 53", "SFB 52"
+    for block in project.blocks:
+        address = f"{block.kind} {block.number}"
+        writer.writerow((block.name, address, kinds.get(block, address), ""))
+    for tag in tags(project):
+        address = tag["address"]
+        area = address.rstrip("0123456789.")
+        text = tag["text"] if encodable(tag["text"], project.target) else ""
+        writer.writerow((tag["name"], f"{area} {address[len(area) :]}", tag["type"].upper(), text[:80]))
+    return out.getvalue()
+
+
+def _import_view(project: Project) -> dict[str, Any]:
+    where = project.target
+    return {
+        "project": project.name,
+        "v5": where.v5,
+        "t15": where.t15,
+        "xml": where.xml_version,
+        "toolchain": where.toolchain,
+        "order": import_order(project),
+        "numbered": [
+            block for job in project.jobs for t in job.telegrams for block in (t.request_db, t.response_db)
+        ],
+        "writes": [_write_row(project, job, use) for job in project.jobs if job.write for use in job.uses],
+    }
+
+
+def _write_row(project: Project, job: PlannedJob, use: Use) -> dict[str, str]:
+    return {
+        "job": job.block.name,
+        "drive": job.drive.key,
+        "label": use.label,
+        "title": use.parameter.title,
+        "value": _values(project, use) if use.constant else "block input",
+        "danger": use.parameter.dangerous,
+    }
+
+
+def _values(project: Project, use: Use) -> str:
+    """A constant as a person reads it: the literals of its values, the first four of many."""
+    type_ = interface_type(use.format, use.count, use.subindex, project.target)
+    element = type_.element if isinstance(type_, ArrayType) else type_
+    if not isinstance(element, Elementary):
+        return use.data.hex(" ")
+    step = max(1, element.bits // 8)
+    pieces = [use.data[i : i + step] for i in range(0, len(use.data), step)]
+    shown = ", ".join(literal(element, piece, v5=project.target.v5) for piece in pieces[:4])
+    return shown + (", .." if len(pieces) > 4 else "")
+
+
+def _start(project: Project, field: Field) -> str:
+    if isinstance(field.type, Elementary):
+        return literal(field.type, field.data, v5=project.target.v5)
+    if isinstance(field.type, ArrayType) and any(field.data):
+        return ", ".join(
+            f"[{index}] {text}" for index, text in elements(field.type, field.data, v5=project.target.v5)[:4]
+        )
+    return ""
+
+
+def _sheet(project: Project, job: PlannedJob) -> dict[str, Any]:
+    blocks = []
+    for telegram in job.telegrams:
+        for db, fields, response in (
+            (telegram.request_db, telegram.request_fields, False),
+            (telegram.response_db, telegram.response_fields, True),
+        ):
+            rows = [
+                {
+                    "offset": field.offset,
+                    "address": member_address(db, field),
+                    "name": field.name,
+                    "type": type_text(field.type, tia=not project.target.v5),
+                    "size": field.size,
+                    "start": "" if response else _start(project, field),
+                    "text": one_line(
+                        comment_text(
+                            field_texts(field, project.languages, response=response),
+                            project.languages,
+                            project.target,
+                        )
+                    ),
+                }
+                for field in fields
+            ]
+            blocks.append({"db": db, "rows": rows, "size": fields[-1].offset + fields[-1].size})
+    return {
+        "title": title(project, job),
+        "block": job.block,
+        "telegrams": [{"hex": t.request.hex(" ").upper(), "length": len(t.request), "positive": t.positive_length, "longest": t.response_size} for t in job.telegrams],
+        "blocks": blocks,
+    }  # fmt: skip

@@ -1,0 +1,67 @@
+"""The manifest: which files belong to plcgen, with their hashes, and what they were made from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from plcgen._version import __version__
+from plcgen.plan.model import Project
+from plcgen.render.environment import RenderedFile
+
+MANIFEST = "manifest.json"
+
+
+def digest(data: bytes) -> str:
+    """SHA-256 as lower-case hexadecimal digits."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def manifest(project: Project, files: Sequence[RenderedFile]) -> RenderedFile:
+    """Manifest of rendered files: reproducible, without date, user or path of the machine."""
+    content: dict[str, Any] = {
+        "format": 1,
+        "generator": f"plcgen {__version__}",
+        "project": project.name,
+        "family": project.target.family,
+        "toolchain": project.target.toolchain,
+        "spec_sha256": digest(project.loaded.text.encode()),
+        "jobs": [
+            {
+                "job": job.key,
+                "block": job.block.name,
+                "telegrams": [
+                    {
+                        "request": telegram.request.hex(" ").upper(),
+                        "request_db": f"DB{telegram.request_db.number}",
+                        "response_db": f"DB{telegram.response_db.number}",
+                        "positive_bytes": telegram.positive_length,
+                        "longest_bytes": telegram.response_size,
+                    }
+                    for telegram in job.telegrams
+                ],
+            }
+            for job in project.jobs
+        ],
+        "files": [
+            {"path": file.path, "sha256": digest(file.data), "bytes": len(file.data)}
+            | ({"experimental": file.experimental} if file.experimental else {})
+            for file in sorted(files, key=lambda file: file.path)
+        ],
+    }
+    return RenderedFile(MANIFEST, (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode())
+
+
+def known_files(data: bytes) -> dict[str, str]:
+    """Path -> SHA-256 of the files a manifest lists.
+
+    Raises:
+        ValueError: if the bytes are no manifest.
+    """
+    try:
+        content = json.loads(data)
+        return {str(entry["path"]): str(entry["sha256"]) for entry in content["files"]}
+    except (ValueError, KeyError, TypeError, RecursionError) as problem:
+        raise ValueError(f"not a manifest: {problem}") from problem

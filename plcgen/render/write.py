@@ -1,0 +1,279 @@
+"""Writing an output folder so that it is either the old one or the new one, and comparing it.
+
+New content is staged beside the old; one atomic rename of a journal is the point of no return; whatever is
+interrupted before it is discarded, after it completed by the next run. A file that plcgen did not write, or that
+was changed since, is never touched without ``force``.
+"""
+
+from __future__ import annotations
+
+import difflib
+import errno
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
+from plcgen.render.environment import RenderedFile
+from plcgen.render.manifest import MANIFEST, digest, known_files
+
+JOURNAL = ".plcgen-journal.json"
+STAGE = ".plcgen-stage-"
+
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """Relative paths by what happened to them."""
+
+    written: tuple[str, ...]
+    unchanged: tuple[str, ...]
+    removed: tuple[str, ...]
+
+
+def write_folder(
+    files: Sequence[RenderedFile], folder: Path, *, force: bool = False, progress: Progress | None = None
+) -> Written:
+    """Bring a folder to exactly these files.
+
+    Raises:
+        DiagnosticError: PG501/PG502/PG506 if something of the user is in the way, PG503 if the folder cannot be
+            written; the old state is then untouched.
+    """
+    try:
+        recover(folder)
+        known = _known(folder)
+        changed, unchanged = _plan(files, folder, known, force=force)
+        removed = _obsolete(files, folder, known)
+        if changed or removed:
+            _commit(changed, removed, folder, progress)
+    except OSError as problem:
+        raise DiagnosticError([_cannot_write(problem, folder)]) from problem
+    return Written(tuple(file.path for file in changed), tuple(unchanged), tuple(removed))
+
+
+def compare_folder(files: Sequence[RenderedFile], folder: Path) -> tuple[str, list[Diagnostic]]:
+    """Unified diff from the folder to what would be generated, and one PG504 per file that differs."""
+    found: list[Diagnostic] = []
+    diff: list[str] = []
+    try:
+        if (folder / JOURNAL).exists():
+            found.append(_stale(folder / JOURNAL, "an interrupted generation has to be completed"))
+        for file in files:
+            path = folder / file.path
+            old = path.read_bytes() if path.is_file() else None
+            if old == file.data:
+                continue
+            found.append(_stale(path, "file is missing" if old is None else "file is out of date"))
+            diff += _diff(file, old)
+        for name in _obsolete(files, folder, _known(folder)):
+            found.append(_stale(folder / name, "file is no longer generated"))
+    except OSError as problem:
+        found.append(
+            Diagnostic("PG503", f"cannot read the folder: {problem.strerror or problem}", Span(str(folder)))
+        )
+    return "".join(diff), found
+
+
+def recover(folder: Path) -> bool:
+    """Complete an interrupted generation that passed its point of no return, discard one that did not.
+
+    Returns:
+        Whether something was completed or discarded.
+    """
+    if not folder.is_dir():
+        return False
+    journal = folder / JOURNAL
+    done = False
+    if journal.is_file():
+        try:
+            plan = json.loads(journal.read_bytes())
+            stage = folder / str(plan["stage"])
+            moves = {str(path): str(value) for path, value in plan["moves"].items()}
+            removals = [str(path) for path in plan["removals"]]
+        except (ValueError, KeyError, TypeError, AttributeError):
+            journal.unlink()
+        else:
+            if stage.parent == folder and stage.name.startswith(STAGE):
+                _finish(folder, stage, moves, removals)
+            journal.unlink()
+        done = True
+    for stale in folder.glob(f"{STAGE}*"):
+        shutil.rmtree(stale, ignore_errors=True)
+        done = True
+    return done
+
+
+def _finish(folder: Path, stage: Path, moves: dict[str, str], removals: Sequence[str]) -> None:
+    """Move staged files into place; a staged file whose bytes are not what the journal says is left out."""
+    for number, (path, expected) in enumerate(moves.items()):
+        source = stage / str(number)
+        if source.is_file() and digest(source.read_bytes()) == expected:
+            target = _inside(folder, path)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            os.replace(source, target)
+    for path in removals:
+        target = _inside(folder, path)
+        target.unlink(missing_ok=True)
+        if target.parent != folder and target.parent.is_dir() and not any(target.parent.iterdir()):
+            target.parent.rmdir()
+
+
+def _inside(folder: Path, path: str) -> Path:
+    """The path inside the folder; nothing written leaves it, not even through a symbolic link."""
+    pure = PurePosixPath(path)
+    target = folder / path
+    if pure.is_absolute() or ".." in pure.parts or "\\" in path or ":" in path or not pure.parts:
+        raise DiagnosticError([_escapes(folder, path)])
+    real = folder.resolve()
+    if target.is_symlink() or not target.parent.resolve().is_relative_to(real):
+        raise DiagnosticError([_escapes(folder, path)])
+    return target
+
+
+def _escapes(folder: Path, path: str) -> Diagnostic:
+    return Diagnostic(
+        "PG506",
+        f'"{path}" would be written outside the output folder',
+        Span(str(folder)),
+        help="rename the block",
+    )
+
+
+def _known(folder: Path) -> dict[str, str]:
+    path = folder / MANIFEST
+    if not path.is_file():
+        return {}
+    try:
+        return known_files(path.read_bytes())
+    except ValueError:
+        return {}
+
+
+def _plan(
+    files: Sequence[RenderedFile], folder: Path, known: dict[str, str], *, force: bool
+) -> tuple[list[RenderedFile], list[str]]:
+    """Split files into changed and unchanged; every conflict with the user's files is reported at once."""
+    problems: list[Diagnostic] = []
+    changed: list[RenderedFile] = []
+    unchanged: list[str] = []
+    for file in files:
+        try:
+            target = _inside(folder, file.path)
+        except DiagnosticError as problem:
+            problems.extend(problem.diagnostics)
+            continue
+        if not os.path.lexists(target):
+            changed.append(file)
+            continue
+        old = target.read_bytes() if target.is_file() else None
+        if old == file.data:
+            unchanged.append(file.path)
+            continue
+        conflict = _conflict(target, file.path, old, known)
+        if conflict is not None and (not force or old is None):
+            problems.append(conflict)
+        changed.append(file)
+    if problems:
+        raise DiagnosticError(problems)
+    return changed, unchanged
+
+
+def _conflict(target: Path, path: str, old: bytes | None, known: dict[str, str]) -> Diagnostic | None:
+    place = Span(str(target))
+    if old is None:
+        return Diagnostic(
+            "PG501", "a folder has the name of a file to be generated", place, help="move it away"
+        )
+    if path == MANIFEST:
+        if known:
+            return None
+        return Diagnostic("PG501", "the folder has a manifest.json of something else", place, help=_FORCE)
+    if path not in known:
+        return Diagnostic("PG501", "the file exists and was not generated by plcgen", place, help=_FORCE)
+    if digest(old) != known[path]:
+        return Diagnostic("PG502", "the file was changed after it was generated", place, help=_FORCE)
+    return None
+
+
+_FORCE = "keep your copy elsewhere, choose another --out, or overwrite with --force"
+
+
+def _obsolete(files: Sequence[RenderedFile], folder: Path, known: dict[str, str]) -> list[str]:
+    """Files of the last generation that are no longer generated and were not changed by hand."""
+    wanted = {file.path for file in files}
+    found = []
+    for path, expected in known.items():
+        if path in wanted:
+            continue
+        try:
+            target = _inside(folder, path)
+        except DiagnosticError:
+            continue
+        if target.is_file() and digest(target.read_bytes()) == expected:
+            found.append(path)
+    return found
+
+
+def _commit(
+    changed: Sequence[RenderedFile], removed: Sequence[str], folder: Path, progress: Progress | None
+) -> None:
+    fresh = not folder.exists()
+    folder.mkdir(parents=True, exist_ok=True)
+    stage = Path(tempfile.mkdtemp(prefix=STAGE, dir=folder))
+    journal = folder / JOURNAL
+    try:
+        for number, file in enumerate(changed):
+            (stage / str(number)).write_bytes(file.data)
+            if progress is not None and number % 50 == 0:
+                progress("write", number, len(changed))
+        moves = {file.path: digest(file.data) for file in changed}
+        draft = stage / "journal"
+        with draft.open("wb") as out:
+            out.write(json.dumps({"stage": stage.name, "moves": moves, "removals": list(removed)}).encode())
+            out.flush()
+            os.fsync(out.fileno())
+        os.replace(draft, journal)
+    except BaseException:
+        shutil.rmtree(stage, ignore_errors=True)
+        if fresh:
+            shutil.rmtree(folder, ignore_errors=True)
+        raise
+    _finish(folder, stage, moves, removed)
+    journal.unlink()
+    shutil.rmtree(stage, ignore_errors=True)
+
+
+def _cannot_write(problem: OSError, folder: Path) -> Diagnostic:
+    why = problem.strerror or str(problem)
+    help_ = (
+        "free some space; nothing was changed"
+        if problem.errno == errno.ENOSPC
+        else "check the folder's permissions"
+    )
+    return Diagnostic(
+        "PG503", f"cannot write the output: {why}", Span(str(problem.filename or folder)), help=help_
+    )
+
+
+def _stale(path: Path, message: str) -> Diagnostic:
+    return Diagnostic("PG504", message, Span(str(path)), Severity.ERROR, help="run plcgen generate")
+
+
+def _diff(file: RenderedFile, old: bytes | None) -> list[str]:
+    """Unified diff of one file; a file that is not text is only named."""
+    try:
+        before = [] if old is None else old.decode("utf-8-sig").splitlines(keepends=True)
+        after = file.data.decode("utf-8-sig").splitlines(keepends=True)
+    except UnicodeDecodeError:
+        before = [] if old is None else old.decode("cp1252", "replace").splitlines(keepends=True)
+        after = file.data.decode("cp1252", "replace").splitlines(keepends=True)
+    lines = list(difflib.unified_diff(before, after, f"a/{file.path}", f"b/{file.path}"))
+    if not lines:
+        return [f"--- a/{file.path}\n+++ b/{file.path}\n(byte order mark, encoding or line ends differ)\n"]
+    return [line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines]
