@@ -110,9 +110,7 @@ class _Builder:
             if shape.element.bits == 1:
                 return bytes(shape.bits // 8)
             element = self.default(shape.element).ljust(shape.strides[-1] // 8, b"\x00")
-            return (element * math.prod(h - low + 1 for low, h in _bounds(shape))).ljust(
-                shape.bits // 8, b"\x00"
-            )
+            return (element * math.prod(h - low + 1 for low, h in _bounds(shape))).ljust(shape.bits // 8, b"\x00")
         memory = bytearray(shape.bits // 8)
         self.fill(memory, shape, 0)
         return bytes(memory)

@@ -116,10 +116,10 @@ def _bool(body: str) -> bool:
     upper = body.upper()
     if upper in ("TRUE", "FALSE"):
         return upper == "TRUE"
-    match = _BASED.fullmatch(body)
-    digits = match[2] if match else body
-    if digits.strip("0_") in ("", "1") and digits[:1] in ("0", "1"):
-        return digits.endswith("1")
+    if _DECIMAL.fullmatch(body) or _BASED.fullmatch(body):
+        value, _ = _number(body)
+        if value in (0, 1):
+            return value == 1
     raise ValueError("TRUE, FALSE, 1 or 0")
 
 

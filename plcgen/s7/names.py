@@ -105,9 +105,7 @@ RESERVED = frozenset(
 )
 """Reserved words of SCL in all dialects, in upper case; letter case does not matter."""
 
-_DEVICES = frozenset(
-    {"CON", "PRN", "AUX", "NUL"} | {f"{port}{n}" for port in ("COM", "LPT") for n in range(1, 10)}
-)
+_DEVICES = frozenset({"CON", "PRN", "AUX", "NUL"} | {f"{port}{n}" for port in ("COM", "LPT") for n in range(1, 10)})
 _V5_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _V5_ABSOLUTE = re.compile(r"(?:DB|DI|FB|FC|OB|SFB|SFC|SDB|UDT|VAT|[TZC])\d+", re.IGNORECASE)
 _PATH = re.compile(r'[\\/:*?"<>|]')

@@ -112,9 +112,7 @@ class ShapeBuilder:
         self._depth = 0
         self.diagnostics: list[Diagnostic] = []
 
-    def report(
-        self, code: str, message: str, span: Span | None, help_text: str = "", note: Note | None = None
-    ) -> None:
+    def report(self, code: str, message: str, span: Span | None, help_text: str = "", note: Note | None = None) -> None:
         """Add one problem; without a span it is put at the block."""
         notes = (note,) if note else ()
         self.diagnostics.append(Diagnostic(code, message, span or self._owner, help=help_text, notes=notes))
@@ -287,9 +285,7 @@ class ShapeBuilder:
         self._open.append(key)
         self.check_names([m for s in block.sections for m in s.members])
         groups = [(kind, block.section(kind)) for kind in INSTANCE_SECTIONS]
-        shape = self.struct(type_, groups, confirmed=True)
-        if is_literature(block):
-            shape = self.struct(type_, groups, confirmed=False)
+        shape = self.struct(type_, groups, confirmed=not is_literature(block))
         self._open.pop()
         self._named[key] = shape
         return shape

@@ -73,9 +73,7 @@ def format_real(value: float, *, short: bool = True) -> str:
     if short:
         wanted = single(value)
         spellings = (float(f"{wanted:.{digits}g}") for digits in range(1, 18))
-        value = next(
-            number for number in spellings if abs(number) < 3.4028236e38 and single(number) == wanted
-        )
+        value = next(number for number in spellings if abs(number) < 3.4028236e38 and single(number) == wanted)
     mantissa, _, exponent = repr(value).partition("e")
     if "." not in mantissa:
         mantissa += ".0"

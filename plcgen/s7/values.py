@@ -22,9 +22,7 @@ Value: TypeAlias = "bool | int | float | str | dt.date | dt.datetime | Pointer |
 SIGNED = frozenset({"SINT", "INT", "DINT", "LINT"})
 BIT_STRINGS = frozenset({"BYTE", "WORD", "DWORD", "LWORD"})
 UNSIGNED = frozenset({"USINT", "UINT", "UDINT", "ULINT"})
-NUMBERS = frozenset(
-    {"TIMER", "COUNTER", "BLOCK_DB", "BLOCK_FB", "BLOCK_FC", "BLOCK_SDB", "DB_ANY", "PORT"}
-) | {
+NUMBERS = frozenset({"TIMER", "COUNTER", "BLOCK_DB", "BLOCK_FB", "BLOCK_FC", "BLOCK_SDB", "DB_ANY", "PORT"}) | {
     "HW_IO",
     "HW_ANY",
     "HW_DEVICE",
@@ -44,9 +42,7 @@ def _range(name: str) -> tuple[int, int]:
     return (-(1 << bits - 1), (1 << bits - 1) - 1) if name in SIGNED else (0, (1 << bits) - 1)
 
 
-RANGES = MappingProxyType(
-    {name: _range(name) for name in SIGNED | BIT_STRINGS | UNSIGNED | NUMBERS | set(_TICKS)}
-)
+RANGES = MappingProxyType({name: _range(name) for name in SIGNED | BIT_STRINGS | UNSIGNED | NUMBERS | set(_TICKS)})
 """Lowest and highest integer value by type name."""
 
 

@@ -81,6 +81,17 @@ def test_every_departure_is_found(data, expected):
     assert [m for m in messages(data) if expected in m], messages(data)
 
 
+def test_organisation_blocks_of_s7_300_have_no_input_section():
+    """Temp and Constant only; elsewhere Input comes first."""
+    groups = {"Temp": "", "Constant": ""}
+    ob = function_block(sections(**groups), CODE).replace("SW.Blocks.FB", "SW.Blocks.OB")
+    ob = ob.replace("<SetENO", "<SecondaryType>ProgramCycle</SecondaryType><SetENO")
+    expected = ["SW.Blocks.OB: the sections are Input, Temp, Constant"]
+    assert messages(document(ob)) == expected
+    classic = ob.replace(STANDARD, "").replace(ENO.decode(), "")
+    assert messages(document(classic), classic=True) == []
+
+
 def test_ids_are_upper_case_hexadecimal_in_document_order():
     """The tenth ID is A; a lower-case a is a finding."""
     table = b"<AttributeList><Name>t</Name></AttributeList></SW.Tags.PlcTagTable>"

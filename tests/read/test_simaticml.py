@@ -105,9 +105,7 @@ def test_sections_comments_views_and_start_values_of_a_function_block():
 def test_types_structures_and_instance_dbs():
     udt = (
         '<SW.Types.PlcStruct ID="0"><AttributeList>'
-        + sections(
-            **{"None": '<Member Name="s" Datatype="Struct"><Member Name="a" Datatype="Int" /></Member>'}
-        )
+        + sections(**{"None": '<Member Name="s" Datatype="Struct"><Member Name="a" Datatype="Int" /></Member>'})
         + "<Name>U</Name></AttributeList></SW.Types.PlcStruct>"
     )
     instance = (
@@ -127,9 +125,9 @@ def test_start_values_of_array_elements():
     """Listed by position; gaps keep the default; two dimensions count the last index fastest."""
     subs = "".join(
         f'<Subelement Path="{path}"><StartValue>{value}</StartValue></Subelement>'
-        for path, value in (("0,1", "5"), ("1,0", "6"))
+        for path, value in (("1,6", "5"), ("2,5", "6"))
     )
-    member = f'<Member Name="a" Datatype="Array[0..1,0..1] of Int">{subs}</Member>'
+    member = f'<Member Name="a" Datatype="Array[1..2,5..6] of Int">{subs}</Member>'
     assert image(one(global_db(member)), {}).hex() == "0000" + "0005" + "0006" + "0000"
 
 
@@ -192,6 +190,7 @@ def test_malformed_documents_are_refused_with_line_and_column(data, line):
         document(global_db("").replace("<Name>WR_DataBuffer</Name>", "")),
         document(global_db("").replace("<Number>3</Number>", "")),
         document(global_db("", number="x")),
+        document(global_db("").replace("GlobalDB", "InstanceDB")),
         document(global_db('<Member Datatype="Int" />')),
         document(global_db('<Member Name="a" />')),
         document(global_db('<Member Name="a" Datatype="Array[*] of Int" />')),

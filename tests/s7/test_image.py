@@ -100,9 +100,7 @@ def test_structure_initialisers_positional_and_named():
     outer = StructType((*members("n : INT"), Member("s", inner), *members("b : BOOL")))
 
     def data(start):
-        return image(
-            Block(BlockKind.DB, "d", (Section(SectionKind.STATIC, (Member("x", outer, start),)),)), {}
-        ).hex()
+        return image(Block(BlockKind.DB, "d", (Section(SectionKind.STATIC, (Member("x", outer, start),)),)), {}).hex()
 
     assert data(None) == "000000090000"
     assert data("(32, (), TRUE)") == "002000090100"
@@ -147,13 +145,9 @@ def test_a_wrong_assignment_names_its_path():
 def test_members_read_back_as_values_lists_and_dicts():
     member = Member(
         "s",
-        StructType(
-            members("x : BOOL := TRUE", "t : STRING[4] := 'ab'", "a : ARRAY[0..1,0..1] OF INT := [1,2,3]")
-        ),
+        StructType(members("x : BOOL := TRUE", "t : STRING[4] := 'ab'", "a : ARRAY[0..1,0..1] OF INT := [1,2,3]")),
     )
-    built = Block(
-        BlockKind.DB, "d", (Section(SectionKind.STATIC, (*members("f : BOOL", "g : BOOL"), member)),)
-    )
+    built = Block(BlockKind.DB, "d", (Section(SectionKind.STATIC, (*members("f : BOOL", "g : BOOL"), member)),))
     layout, memory = layout_block(built, {}), image(built, {})
     assert read_member(memory, layout, "s") == {"x": True, "t": "ab", "a": [1, 2, 3, 0]}
     assert read_member(memory, layout, "s.a[1,0]") == 3
@@ -174,9 +168,7 @@ def test_views_write_no_defaults_over_their_target():
 
 def test_a_structured_in_out_keeps_no_start_value():
     """It is a pointer, zero until the first call, whatever the declaration says."""
-    built = Block(
-        BlockKind.FB, "F", (Section(SectionKind.IN_OUT, members("a : ARRAY[0..1] OF INT := [1, 2]")),)
-    )
+    built = Block(BlockKind.FB, "F", (Section(SectionKind.IN_OUT, members("a : ARRAY[0..1] OF INT := [1, 2]")),))
     assert image(built, {}).hex() == "00" * 6
 
 

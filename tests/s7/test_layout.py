@@ -14,6 +14,7 @@ from s7.vectors import block, cases, db, members, to_type
 from plcgen.diagnostics import DiagnosticError, Span
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.layout import layout_block, layout_members, leaves, locate, split_path
+from plcgen.s7.system import s7_1500_types
 from plcgen.s7.types import ELEMENTARY, ArrayType, Elementary, Member, NamedType, StringType, StructType
 
 
@@ -187,9 +188,7 @@ def fb(name="Fb", **sections):
 
 def test_fb_sections_start_even_in_fixed_order_and_temp_takes_no_room():
     """Declared in another order; IN 1 bit, OUT 1 byte, IN_OUT 1 bit, STAT at 6."""
-    block_ = fb(
-        t=["t : DINT"], c=["k : INT"], s=["s : BYTE"], io=["q : BOOL"], o=["o : BYTE"], i=["i : BOOL"]
-    )
+    block_ = fb(t=["t : DINT"], c=["k : INT"], s=["s : BYTE"], io=["q : BOOL"], o=["o : BYTE"], i=["i : BOOL"])
     layout = layout_block(block_, {})
     assert offsets(layout) == {"i": 0, "o": 16, "q": 32, "s": 48}
     assert layout.size == 8
@@ -288,9 +287,7 @@ def test_entries_follow_their_parent_and_leaves_take_arrays_apart():
 
 
 def test_quoted_names_and_bad_paths():
-    layout = layout_members(
-        (Member("a.b", StructType(members("x y : INT"))), *members("v : ARRAY[1..2] OF INT")), {}
-    )
+    layout = layout_members((Member("a.b", StructType(members("x y : INT"))), *members("v : ARRAY[1..2] OF INT")), {})
     assert [e.path for e in layout.entries] == ['"a.b"', '"a.b"."x y"', "v"]
     assert locate(layout, '#"A.B"."X Y"').offset == 0
     for path in ("", "w", "v[3]", "v[0]", "v[1,1]", "v.x", "[1]", "v[", "v..x", "v[1]x"):
@@ -398,3 +395,17 @@ def test_members_never_overlap_stay_inside_and_are_aligned(types):
     for entry in tops:
         if isinstance(entry.type, ArrayType | StructType):
             assert (entry.offset % 16, entry.size % 16) == (0, 0)
+
+
+def test_the_s7_1500_record_blocks_can_be_merged_in_and_are_never_confirmed():
+    """INDEX is a DINT and RECORD a VARIANT there; REQ 0.0, ID 2, INDEX 4, LEN 8, DONE 10.0, STATUS 12."""
+    layout = layout_block(db("w : WRREC", "b : BYTE"), s7_1500_types())
+    expected = {"w.REQ": 0, "w.ID": 16, "w.INDEX": 32, "w.LEN": 64, "w.DONE": 80, "w.STATUS": 96}
+    assert expected == {path: locate(layout, path).offset for path in expected}
+    assert to_type("DINT") == locate(layout, "w.INDEX").type
+    assert [e.path for e in layout.entries if e.confirmed] == ["w"]
+
+
+def test_a_user_type_with_the_name_of_a_timer_is_an_ordinary_type():
+    layout = layout_block(db("t : TON", "b : BYTE"), {"TON": db("a : WORD", kind=BlockKind.UDT, name="TON")})
+    assert locate(layout, "b").confirmed

@@ -120,6 +120,8 @@ def test_wide_strings():
         ("B#(1,2,3)", "WORD", "2 bytes"),
         ("MAYBE", "BOOL", "TRUE"),
         ("2", "BOOL", "TRUE"),
+        ("10", "BOOL", "TRUE"),
+        ("-1", "BOOL", "TRUE"),
         ("1e39", "REAL", "too large"),
         ("1e999", "LREAL", "too large"),
         ("nan", "REAL", "looks like"),
@@ -209,9 +211,7 @@ def values(name):
     if name == "BOOL":
         return st.booleans()
     if name == "S5TIME":
-        return st.integers(0, 999).flatmap(
-            lambda n: st.sampled_from([10, 100, 1000, 10000]).map(lambda b: n * b)
-        )
+        return st.integers(0, 999).flatmap(lambda n: st.sampled_from([10, 100, 1000, 10000]).map(lambda b: n * b))
     if name in RANGES:
         return st.integers(*RANGES[name])
     if name in ("REAL", "LREAL"):
@@ -232,9 +232,7 @@ def values(name):
         st.integers(0, 9999),
         st.sampled_from(["BYTE 3", "REAL 1"]),
     )
-    return st.none() | (
-        places if name == "ANY" else places.map(lambda p: parse_pointer(str(p).split(" ")[0]))
-    )
+    return st.none() | (places if name == "ANY" else places.map(lambda p: parse_pointer(str(p).split(" ")[0])))
 
 
 @given(st.data())
