@@ -78,9 +78,7 @@ class Cursor:
         if self.kinds[index] == ERROR:
             message, text = lexical_error(self.texts[index])
         return Fault(
-            self.diagnostic(
-                message, self.starts[index], max(self.tokens.end(index), self.starts[index]), text=text
-            )
+            self.diagnostic(message, self.starts[index], max(self.tokens.end(index), self.starts[index]), text=text)
         )
 
     def expected(self, what: str) -> Fault:
@@ -102,9 +100,7 @@ class Cursor:
     def too_deep(self, message: str) -> NoReturn:
         """PG802, and the end of this file."""
         raise Abort(
-            self.diagnostic(
-                message, self.starts[self.pos], self.tokens.end(self.pos), code="PG802", text="split it up"
-            )
+            self.diagnostic(message, self.starts[self.pos], self.tokens.end(self.pos), code="PG802", text="split it up")
         )
 
     # --- moving on ------------------------------------------------------------------------------------

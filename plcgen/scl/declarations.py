@@ -51,6 +51,7 @@ _SECTIONS = {
     "VAR": SectionKind.STATIC, "VAR_TEMP": SectionKind.TEMP, "CONST": SectionKind.CONSTANT,
 }  # fmt: skip
 _DEFAULT_STRING = 254
+_BOUND_HELP = "write the number: without it the memory layout of the block is unknown"
 
 
 def blocks(result: ParseResult, dialect: Dialect | None = None) -> tuple[list[Block], list[Diagnostic]]:
@@ -71,6 +72,7 @@ class _Builder:
         self.strict = dialect is None or dialect.is_tia
         self.diagnostics: list[Diagnostic] = []
         self.constants: dict[str, int] = {}
+        self.instruction = False
 
     def error(self, code: str, message: str, node: ast.Node, text: str = "") -> None:
         """Keep a diagnostic at a node."""
@@ -94,9 +96,7 @@ class _Builder:
         elif body is not None:
             sections.append(Section(SectionKind.STATIC, self.body_members(body)))
         if unit.return_type is not None and not _is_void(unit.return_type):
-            result = Member(
-                "Ret_Val", self.data_type(unit.return_type), span=self.result.span(unit.return_type)
-            )
+            result = Member("Ret_Val", self.data_type(unit.return_type), span=self.result.span(unit.return_type))
             sections.append(Section(SectionKind.RETURN, (result,)))
         if kind in {BlockKind.DB, BlockKind.UDT}:
             sections = _merged(sections)
@@ -171,6 +171,7 @@ class _Builder:
     def declared_members(self, declaration: ast.Declaration) -> Iterator[Member]:
         """Expand one declaration: its names share type and start value."""
         if declaration.type is not None:
+            self.instruction = _is_instruction(a for name in declaration.names for a in name.attributes)
             data_type = self.data_type(declaration.type)
         elif declaration.initial is not None:
             data_type = type_of(declaration.initial, evaluate(declaration.initial, self.constants))
@@ -178,9 +179,7 @@ class _Builder:
             return
         start = self.text(declaration.initial) if declaration.initial is not None else None
         for name in declaration.names:
-            yield Member(
-                name.name, data_type, start, declaration.comment, declaration.at, self.result.span(name)
-            )
+            yield Member(name.name, data_type, start, declaration.comment, declaration.at, self.result.span(name))
 
     def check_duplicates(self, sections: Iterable[Section]) -> None:
         """PG805: names are unique within a block and within a structure, whatever their case."""
@@ -236,7 +235,8 @@ class _Builder:
         known = (
             upper in SYSTEM_TYPES
             or upper in self.declared
-            or any(a.name == "InstructionName" for a in spec.attributes)
+            or self.instruction
+            or _is_instruction(spec.attributes)
             or _NUMBERED.fullmatch(upper)
         )
         if not known:
@@ -256,7 +256,9 @@ class _Builder:
         values = [evaluate(low, self.constants), evaluate(high, self.constants)]
         for node, value in zip((low, high), values, strict=True):
             if value is None:
-                self.error("PG801", f"the array bound {self.text(node)} is no constant of this block", node)
+                self.error(
+                    "PG801", f"the array bound {self.text(node)} is no constant of this block", node, _BOUND_HELP
+                )
         first = values[0] if values[0] is not None else values[1] or 0
         last = values[1] if values[1] is not None else first
         if last < first:
@@ -274,6 +276,11 @@ class _Builder:
             self.error("PG801", f"{spec.name.upper()} needs a constant length from 1 to {limit}", spec.length)
             return _DEFAULT_STRING
         return value
+
+
+def _is_instruction(attributes: Iterable[ast.Attribute]) -> bool:
+    """Whether the attributes name a library instruction: then its type needs no declaration."""
+    return any(a.name == "InstructionName" for a in attributes)
 
 
 def _is_void(spec: ast.TypeSpec) -> bool:
@@ -313,9 +320,7 @@ def recursive_types(found: Iterable[Block]) -> Iterator[Diagnostic]:
                 circle = [by_name[n].name for n, _ in stack]
                 circle = [*circle[[n for n, _ in stack].index(inner) :], by_name[inner].name]
                 message = "a type must not contain itself: " + " -> ".join(circle)
-                yield Diagnostic(
-                    "PG807", message, member.span or Span(""), help="use a second type or an index"
-                )
+                yield Diagnostic("PG807", message, member.span or Span(""), help="use a second type or an index")
             elif inner in by_name and inner not in state:
                 state[inner] = 1
                 stack.append((inner, _uses(by_name[inner])))

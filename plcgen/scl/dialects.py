@@ -33,9 +33,7 @@ _KEYWORDS: dict[str, tuple[frozenset[Dialect], str, str]] = {
     "=>": (frozenset({_V5}), "=>", "read the output from the instance DB after the call"),
 }
 _COMBINED = frozenset({"+=", "-=", "*=", "/=", "&=", "**=", "?="})
-_PEEKS = frozenset(
-    {"PEEK", "PEEK_BOOL", "PEEK_BYTE", "PEEK_WORD", "PEEK_DWORD", "POKE", "POKE_BOOL", "POKE_BLK"}
-)
+_PEEKS = frozenset({"PEEK", "PEEK_BOOL", "PEEK_BYTE", "PEEK_WORD", "PEEK_DWORD", "POKE", "POKE_BOOL", "POKE_BLK"})
 _INDEXED = frozenset({"DB", "DX", "DW", "DD", "DBX", "DBB", "DBW", "DBD"})
 
 _Refusal = tuple[int, int, str, str, Severity]
@@ -50,9 +48,7 @@ def check(
         *islice(_tree(units, tokens, dialect), MAX_ERRORS),
     ]
     return [
-        Diagnostic(
-            "PG803", f"{dialect.label} does not know {what}", tokens.span(start, end), severity, help=text
-        )
+        Diagnostic("PG803", f"{dialect.label} does not know {what}", tokens.span(start, end), severity, help=text)
         for start, end, what, text, severity in found
     ]
 
@@ -73,9 +69,7 @@ def _tokens(tokens: Tokens, dialect: Dialect, free: Sequence[tuple[int, int]]) -
             current = next(ranges, None)
         if current is not None and current[0] <= start:
             continue
-        refusal = _token(
-            kind, tokens.texts[index], dialect, after_dot=index > 0 and tokens.kinds[index - 1] == "."
-        )
+        refusal = _token(kind, tokens.texts[index], dialect, after_dot=index > 0 and tokens.kinds[index - 1] == ".")
         if refusal is not None:
             what, text, severity = refusal
             yield start, tokens.end(index), what, text, severity
@@ -102,9 +96,7 @@ def _token(kind: str, text: str, dialect: Dialect, *, after_dot: bool) -> tuple[
 def _address(text: str, dialect: Dialect, *, after_dot: bool) -> tuple[str, str, Severity] | None:
     if after_dot:
         slices = text[0] == "%" and dialect in _CLASSIC
-        return (
-            (f"the slice .{text}", "lay a view over the variable with AT", Severity.ERROR) if slices else None
-        )
+        return (f"the slice .{text}", "lay a view over the variable with AT", Severity.ERROR) if slices else None
     if text[0] == "%":
         return (f"'%' in {text}", "leave the % out", Severity.ERROR) if dialect is _V5 else None
     if dialect.is_tia:
@@ -189,9 +181,7 @@ def _call_statement(node: ast.CallStatement, tokens: Tokens, dialect: Dialect) -
     if not dialect.is_tia or not isinstance(target, ast.Member) or not isinstance(target.base, ast.Name):
         return
     base = target.base
-    numbered = (
-        base.scope == "bare" and base.name.upper().startswith(("FB", "SFB")) and base.name[-1].isdigit()
-    )
+    numbered = base.scope == "bare" and base.name.upper().startswith(("FB", "SFB")) and base.name[-1].isdigit()
     second_quoted = tokens.source[target.end - 1] == '"'
     if numbered or (base.scope == QUOTED and second_quoted):
         what = "a call with function block and instance DB"

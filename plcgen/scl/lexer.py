@@ -30,14 +30,10 @@ KEYWORDS = frozenset(
 WORDS = KEYWORDS | {NAME, QUOTED, ADDRESS}
 """Kinds that may stand where only a name makes sense: after a dot, before ``:=`` in a call, before ``:``."""
 
-_MARKS = (
-    "\u0300-\u036f\u0483-\u0487\u0591-\u05c7\u064b-\u065f\u0900-\u0dff\u0e31-\u0e4e\u200c\u200d\u20d0-\u20ff"
-)
+_MARKS = "\u0300-\u036f\u0483-\u0487\u0591-\u05c7\u064b-\u065f\u0900-\u0dff\u0e31-\u0e4e\u200c\u200d\u20d0-\u20ff"
 _WORD = rf"[^\W\d][\w{_MARKS}]*+"
 _TEXT = r"'(?:[^'$\n]++|\$>[^$]*+\$<|\$.)*+'"
-_ADDRESS = (
-    r"(?i:DB\d++\.D(?:B[XBWD]?|[XBWD])?\d++(?:\.\d++)?|(?:P[IEQA]|[IEQAM])(?:[BWDL]\d++|X?\d++\.[0-7]))"
-)
+_ADDRESS = r"(?i:DB\d++\.D(?:B[XBWD]?|[XBWD])?\d++(?:\.\d++)?|(?:P[IEQA]|[IEQAM])(?:[BWDL]\d++|X?\d++\.[0-7]))"
 _DATE = (
     r"(?i:(?:D|DATE|DT|DATE_AND_TIME|L?TOD|L?TIME_OF_DAY|LDT|DATE_AND_LTIME|DTL)\#)"
     r"[0-9][0-9_]*+(?:[-:.][0-9]++)*+"

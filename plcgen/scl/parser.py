@@ -20,9 +20,7 @@ MAX_CHARACTERS = 8 * 1024 * 1024
 """Longer sources are refused with PG802."""
 
 _PROPERTIES = frozenset({"TITLE", "AUTHOR", "NAME", "FAMILY", "VERSION"})
-_FLAGS = frozenset(
-    {"NON_RETAIN", "RETAIN", "KNOW_HOW_PROTECT", "READ_ONLY", "UNLINKED", "CODE_VERSION1", "STANDARD"}
-)
+_FLAGS = frozenset({"NON_RETAIN", "RETAIN", "KNOW_HOW_PROTECT", "READ_ONLY", "UNLINKED", "CODE_VERSION1", "STANDARD"})
 _VERSION = re.compile(r"[ \t]*('[^'\n]*'|[0-9.]+)")
 _QUOTED_VALUE = re.compile(r"[ \t]*'([^'\n]*)'")
 _NUMBERED = frozenset({"DB", "FB", "FC", "OB", "UDT", "SFB", "SFC"})
@@ -132,7 +130,9 @@ class Parser(DeclarationParser, StatementParser):
 
     def missing_end(self, keyword: str) -> None:
         """Report it and go on at a place where a block can begin."""
-        self.report(self.expected("END_" + keyword).diagnostic)
+        open_comment = self.kinds[self.pos] == EOF and self.kinds[self.pos - 1] == ERROR
+        if not open_comment:
+            self.report(self.expected("END_" + keyword).diagnostic)
         if self.kinds[self.pos] in UNIT_ENDS:
             self.pos += 1
         elif self.kinds[self.pos] not in UNIT_KEYWORDS:

@@ -95,9 +95,7 @@ class DeclarationParser(ExpressionParser):
         pos = self.pos
         name = self.word("a declaration")
         attributes = self.attributes() if self.kinds[self.pos] == "{" else ()
-        return ast.DeclaredName(
-            self.starts[pos], self.tokens.end(pos), name, self.kinds[pos] == QUOTED, attributes
-        )
+        return ast.DeclaredName(self.starts[pos], self.tokens.end(pos), name, self.kinds[pos] == QUOTED, attributes)
 
     def declaration(self) -> ast.Declaration:
         """Read ``a, b AT x : type := value; // comment``."""

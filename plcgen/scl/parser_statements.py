@@ -89,9 +89,7 @@ class StatementParser(ExpressionParser):
             raise self.fault("'=' compares, it does not assign", text="write ':='")
         raise self.expected("':=' or '('")
 
-    def chained(
-        self, start: int, first: ast.Expression, operator: str, value: ast.Expression
-    ) -> ast.Statement:
+    def chained(self, start: int, first: ast.Expression, operator: str, value: ast.Expression) -> ast.Statement:
         """Read ``a := b := c := value;``."""
         also: list[ast.Expression] = []
         while self.accept(":="):

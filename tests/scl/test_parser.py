@@ -1,0 +1,191 @@
+"""Whole sources, bounds, and text that nobody would write."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scl import sexpr
+from scl.support import short, source
+
+from plcgen.read.text import read_text
+from plcgen.scl import ast, parser
+from plcgen.scl.cursor import MAX_ERRORS, MAX_NESTING
+from plcgen.scl.dialect import Dialect
+from plcgen.scl.parser import parse
+
+FB = "FUNCTION_BLOCK a\nBEGIN\n"
+WORDS = st.sampled_from(
+    """IF THEN ELSE END_IF CASE OF END_CASE FOR TO DO END_FOR REPEAT UNTIL END_REPEAT REGION END_REGION VAR VAR_INPUT
+    END_VAR STRUCT END_STRUCT CONST END_CONST LABEL END_LABEL TYPE END_TYPE FUNCTION_BLOCK END_FUNCTION_BLOCK
+    DATA_BLOCK END_DATA_BLOCK BEGIN ARRAY [ ] ( ) { } , ; : := => .. . + - NOT AND ** #x "y" z INT STRING 1 2.5 'a'
+    T#1s P#M0.0 %DB1.DBX0.0 %X1 M1.1 (* *) // ' " # TITLE = VERSION AT GOTO ^ &""".split()  # noqa: SIM905
+)
+
+
+def test_the_job_for_step7_v5_is_read_and_accepted() -> None:
+    """A complete V5 source has no diagnostics for V5, and every statement is in the tree."""
+    result = parse(source("job_v5.scl"), "job_v5.scl", Dialect.STEP7_V5)
+    assert [short(d) for d in result.diagnostics] == []
+    block, function = result.units
+    assert [s.keyword for s in block.sections] == [
+        "CONST", "VAR_INPUT", "VAR_OUTPUT", "VAR", "VAR_TEMP", "LABEL",
+    ]  # fmt: skip
+    texts = [sexpr.statement(s) for s in block.statements]
+    assert texts[0] == (
+        "(if ((NOT execute) (:= done FALSE) (:= error FALSE) (:= edge FALSE) (if ((= state IDLE) (goto finish)))))"
+    )
+    assert texts[2:] == ["(label finish)", "(:= OK (NOT error))"]
+    case = block.statements[1]
+    assert isinstance(case, ast.Case)
+    assert [sexpr.expression(b.labels[0].low) for b in case.branches] == ["IDLE", "WRITING", "READING"]
+    assert sexpr.statement(case.branches[1].body[0]) == (
+        "(call (. SFB53 DB53) (REQ := FALSE) (ID := id) (INDEX := 47) (LEN := 10) (RECORD := P#DB3.DBX0.0 BYTE 10))"
+    )
+    assert sexpr.body(function.statements) == ('(call (. "Read drive" DB471) (execute := go) (id := DW#16#100))')
+
+
+def test_the_job_for_s7_1500_is_read_and_accepted() -> None:
+    """A complete T15 source has no diagnostics for T15; REGION across CASE labels keeps its title."""
+    result = parse(source("job_t15.scl"), "job_t15.scl", Dialect.TIA_1200_1500)
+    assert [short(d) for d in result.diagnostics] == []
+    udt, block, main = result.units
+    assert (udt.keyword, block.comment, main.name) == ("TYPE", "One job at a time\nper drive", "Main")
+    region, case = block.statements
+    assert isinstance(region, ast.Region)
+    assert isinstance(case, ast.Case)
+    assert region.title == "Start // it's free text"
+    assert case.branches[0].regions == ("running",)
+    assert sexpr.statement(case.branches[0].body[0]) == (
+        "(call #wr (REQ := TRUE) (ID := #hwId) (INDEX := 47) (LEN := 10) (DONE => #done) (RECORD := #request))"
+    )
+    assert sexpr.body(case.branches[1].body[1:]) == (
+        "(:= (. ([] (. #result errors) 1) index) (* (call BYTE_TO_UINT ([] #answer #i)) 256))"
+        " (:= (slice (. #result status) X31) (<> (slice (. #rd STATUS) B3) 16#DE))"
+    )
+    assert sexpr.body(main.statements) == (
+        '(call "ReadParameters_DB" (execute := (:P "start")) (hwId := 270) (result := ([] (. "results" drive) 1)))'
+    )
+
+
+def test_each_job_is_refused_by_the_other_target() -> None:
+    """The V5 source shows TIA's refusals and the other way round, all PG803."""
+    for name, dialect in (("job_v5.scl", Dialect.TIA_1200_1500), ("job_t15.scl", Dialect.STEP7_V5)):
+        codes = {d.code for d in parse(source(name), name, dialect).diagnostics}
+        assert codes == {"PG803"}
+
+
+def test_a_node_knows_its_place() -> None:
+    """Spans of nodes are the text they came from."""
+    result = parse(FB + "  x := y +\n z(1);\nEND_FUNCTION_BLOCK", "t.scl")
+    (statement,) = result.units[0].statements
+    assert isinstance(statement, ast.Assign)
+    span = result.span(statement.value)
+    assert (span.line, span.column, span.end_line, span.end_column) == (3, 8, 4, 6)
+
+
+def test_trees_that_say_the_same_are_equal() -> None:
+    """Places take no part in comparisons."""
+    one = parse(FB + "x:=1;END_FUNCTION_BLOCK", "t.scl").units
+    two = parse(FB + "\n\n  x  :=  1 ; END_FUNCTION_BLOCK", "t.scl").units
+    assert one == two
+
+
+def test_an_open_statement_is_noted() -> None:
+    """The diagnostic about a wrong END also points to the statement that is open."""
+    (found,) = parse(FB + "IF x THEN\nEND_WHILE;\nEND_FUNCTION_BLOCK", "t.scl").diagnostics
+    assert [(n.message, n.span.line, n.span.column) for n in found.notes] == [("this IF is open", 3, 1)]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        FB + "x := " + "(" * 5000,
+        FB + "x := " + "NOT " * 5000,
+        FB + "x := " + "f(" * 5000,
+        FB + "x" + "[x" * 5000,
+        FB + "IF a THEN " * 5000,
+        FB + "CASE a OF 1: " * 5000,
+        FB + "REGION a\n" * 5000,
+        "TYPE a STRUCT " + "b : STRUCT " * 5000,
+        "TYPE a STRUCT b : " + "ARRAY[0..1] OF " * 5000,
+        "TYPE a STRUCT b : INT := " + "[" * 5000,
+        FB + "x := " + "1+" * 5000 + "1;",
+        FB + "x" + ".y" * 5000 + " := 1;",
+    ],
+)
+def test_nesting_is_bounded(text: str) -> None:
+    """Depth and chains beyond the limit give one PG802 and never a RecursionError."""
+    limit = sys.getrecursionlimit()
+    _, diagnostics = read_text(text, "t.scl")
+    assert [d.code for d in diagnostics] == ["PG802"]
+    assert sys.getrecursionlimit() == limit
+
+
+def test_nesting_up_to_the_limit_is_fine() -> None:
+    """Code as deep as the limit allows is read, also for a target."""
+    depth = MAX_NESTING - 1
+    text = FB + "x := " + "(" * depth + "1" + ")" * depth + ";\nEND_FUNCTION_BLOCK"
+    assert parse(text, "t.scl", Dialect.STEP7_V5).diagnostics == ()
+    deeper = FB + "x := " + "(" * (depth + 1) + "1" + ")" * (depth + 1) + ";\nEND_FUNCTION_BLOCK"
+    assert [d.code for d in parse(deeper, "t.scl").diagnostics] == ["PG802"]
+
+
+def test_a_call_may_have_many_arguments() -> None:
+    """The bound on operators counts per argument of a call statement, not for all of them."""
+    text = FB + "f(" + ", ".join(["a + b + c"] * 300) + ");\nEND_FUNCTION_BLOCK"
+    assert parse(text, "t.scl").diagnostics == ()
+
+
+def test_the_number_of_errors_is_bounded() -> None:
+    """After so many errors the rest is not read, and that is said."""
+    found = parse(FB + "x := ;\n" * 5000 + "END_FUNCTION_BLOCK", "t.scl").diagnostics
+    assert len(found) == MAX_ERRORS + 1
+    assert any(d.message.startswith("too many errors") for d in found)
+
+
+def test_a_source_that_is_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """PG802 for the file as a whole."""
+    monkeypatch.setattr(parser, "MAX_CHARACTERS", 10)
+    (found,) = parse("x" * 11, "t.scl").diagnostics
+    assert (found.code, found.span.line) == ("PG802", 0)
+
+
+def test_walk_visits_everything_in_source_order() -> None:
+    """No node is missed, however it is nested."""
+    unit = parse(FB + "IF a THEN b := c[1]; END_IF; d(e := 2);\nEND_FUNCTION_BLOCK", "t.scl").units[0]
+    names = [n.name for n in ast.walk(unit) if isinstance(n, ast.Name)]
+    literals = [n.text for n in ast.walk(unit) if isinstance(n, ast.Literal)]
+    assert (names, literals) == (["a", "b", "c", "d"], ["1", "2"])
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(WORDS, max_size=80).map(" ".join), st.sampled_from([None, *Dialect]))
+def test_any_sequence_of_words_is_survived(text: str, dialect: Dialect | None) -> None:
+    """Words in any order give units and diagnostics with places inside the text, never an exception."""
+    for prefix in ("", FB, "DATA_BLOCK a STRUCT "):
+        blocks, diagnostics = read_text(prefix + text, "t.scl", dialect)
+        lines = (prefix + text).count("\n") + 1
+        assert all(0 <= d.span.line <= lines for d in diagnostics)
+        assert all(d.code.startswith("PG80") for d in diagnostics)
+        assert len(blocks) < len(text) + 2
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.text(max_size=200))
+def test_any_text_is_survived(text: str) -> None:
+    """Arbitrary Unicode never raises."""
+    read_text(text, "t.scl", Dialect.TIA_1200_1500)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.data())
+def test_a_damaged_source_is_survived(data: st.DataObject) -> None:
+    """A cut or a doubled piece anywhere in a good source never raises, whatever the dialect."""
+    text = source(data.draw(st.sampled_from(["job_v5.scl", "job_t15.scl", "faq_buffers.db"])))
+    start = data.draw(st.integers(0, len(text)))
+    end = data.draw(st.integers(start, min(len(text), start + 60)))
+    damaged = data.draw(st.sampled_from([text[:start] + text[end:], text[:end] + text[start:], text[:start]]))
+    read_text(damaged, "t.scl", data.draw(st.sampled_from(list(Dialect))))
