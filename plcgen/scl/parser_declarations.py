@@ -127,6 +127,8 @@ class DeclarationParser(ExpressionParser):
     def comment_of(self, spec: ast.TypeSpec) -> str:
         """Behind the semicolon; for a structure behind STRUCT if there is none."""
         comment = self.trailing_comment()
+        while isinstance(spec, ast.ArraySpec):
+            spec = spec.element
         if comment or not isinstance(spec, ast.StructSpec):
             return comment
         saved, self.pos = self.pos, self.index_at(spec.start) + 1

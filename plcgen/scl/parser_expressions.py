@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from plcgen.scl import ast
 from plcgen.scl.cursor import MAX_OPERATORS, Cursor, unquote
 from plcgen.scl.lexer import ADDRESS, INT, LOCAL, NAME, POINTER, QUOTED, REAL, STRING, TYPED, WORDS
@@ -95,7 +97,7 @@ class ExpressionParser(Cursor):
             inner = self.binary(0)
             self.expect(")")
             self.depth -= 1
-            return inner
+            return replace(inner, start=start, end=self.last_end)
         raise self.expected("an expression")
 
     def variable(self) -> ast.Expression:
@@ -241,7 +243,8 @@ class ExpressionParser(Cursor):
             self.pos += 1
             items = self.initial_items("]" if kind == "[" else ")")
             if kind == "(" and len(items) == 1 and self.kinds[self.pos] in PRECEDENCE:
-                return self.climb(items[0].value, 0)
+                group = replace(items[0].value, start=start, end=self.last_end)
+                return self.climb(group, 0)
             return ast.Aggregate(start, self.last_end, kind, items)
         if kind == INT and self.kinds[self.pos + 1] == "(":
             count = ast.Literal(start, self.tokens.end(self.pos), self.texts[self.pos], "int")

@@ -86,6 +86,17 @@ def test_a_node_knows_its_place() -> None:
     assert (span.line, span.column, span.end_line, span.end_column) == (3, 8, 4, 6)
 
 
+def test_parentheses_belong_to_the_place_of_what_they_hold() -> None:
+    """The text of an operand or of a whole expression includes its parentheses."""
+    result = parse(FB + "x := ((a + b) * (c));\nEND_FUNCTION_BLOCK", "t.scl")
+    (statement,) = result.units[0].statements
+    assert isinstance(statement, ast.Assign)
+    value = statement.value
+    assert isinstance(value, ast.Binary)
+    texts = [result.tokens.source[n.start : n.end] for n in (value, value.left, value.right)]
+    assert texts == ["((a + b) * (c))", "(a + b)", "(c)"]
+
+
 def test_trees_that_say_the_same_are_equal() -> None:
     """Places take no part in comparisons."""
     one = parse(FB + "x:=1;END_FUNCTION_BLOCK", "t.scl").units
