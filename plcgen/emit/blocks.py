@@ -75,7 +75,9 @@ def job_documents(project: Project, job: PlannedJob) -> Iterator[Document]:
                 "title": f"{which}: {label}",
                 "retain": True,
                 "fields": rows,
-                "assignments": [line for field in fields for line in _assignments(project, field)],
+                "assignments": []
+                if which == "Response"
+                else [line for field in fields for line in _assignments(project, field)],
             }
             yield _document(project, f"db/{block.name}.{extension(project, 'db')}", "db/buffer.j2", view)
     yield _instance(project, job.instance, f'"{job.block.name}"')

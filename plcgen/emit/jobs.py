@@ -28,9 +28,7 @@ def job_document(project: Project, job: PlannedJob) -> Document:
         "stat_id": "statHardwareId" if where.t15 else "statDriveAddress",
         "diagnostics_type": project.diagnostics_type.name,
         "states": STATES,
-        "statuses": [
-            (n, f"W#16#{v:04X}", text) for n, v, text in (_T15_STATUS if where.t15 else STATUS_WORDS)
-        ],
+        "statuses": [(n, f"W#16#{v:04X}", text) for n, v, text in (_T15_STATUS if where.t15 else STATUS_WORDS)],
     }
     return Document(f"scl/{job.block.name}.scl", "scl/job.scl.j2", view, where.encoding, newline(project))
 
@@ -179,9 +177,7 @@ def _telegram(project: Project, telegram: Telegram, first: int, *, many: bool) -
         view = f"#statRequestView{suffix}"
         build += [_move(f"{view}.{f.name}", f'"{request_db.name}".{f.name}') for f in telegram.request_fields]
         view = f"#statResponseView{suffix}"
-        store = [
-            _move(f'"{response_db.name}".{f.name}', f"{view}.{f.name}") for f in telegram.response_fields
-        ]
+        store = [_move(f'"{response_db.name}".{f.name}', f"{view}.{f.name}") for f in telegram.response_fields]
     return {
         "index": telegram.index,
         "suffix": suffix,

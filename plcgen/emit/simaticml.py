@@ -50,9 +50,7 @@ def simaticml_documents(project: Project) -> Iterator[Document]:
                 (telegram.response_type, telegram.response_db, telegram.response_fields, True),
             ):
                 members = [_member(project, field, response=response) for field in fields]
-                yield _type(
-                    project, type_block, [{**m, "start": "", "subs": ()} for m in members], job.comment
-                )
+                yield _type(project, type_block, [{**m, "start": "", "subs": ()} for m in members], job.comment)
                 yield _db(project, db, members, job.comment)
         yield _watch(project, job)
     yield _db(project, project.control_db, _control(project), {})
@@ -74,11 +72,10 @@ def _plain(name: str, type_: str, text: str, start: str = "") -> dict[str, Any]:
 def _member(project: Project, field: Field, *, response: bool) -> dict[str, Any]:
     start = ""
     subs: list[tuple[int, str]] = []
-    if any(field.data):
-        if isinstance(field.type, Elementary):
-            start = literal(field.type, field.data, v5=False)
-        elif isinstance(field.type, ArrayType):
-            subs = elements(field.type, field.data, v5=False)
+    if isinstance(field.type, Elementary) and any(field.data):
+        start = literal(field.type, field.data, v5=False)
+    elif isinstance(field.type, ArrayType) and not response:
+        subs = elements(field.type, field.data, v5=False)
     texts = field_texts(field, project.languages, response=response)
     return {
         "name": field.name,
@@ -132,9 +129,7 @@ def _document(path: str, template: str, view: dict[str, Any], experimental: str 
     return Document(path, template, view, "utf-8-sig", "\n", experimental)
 
 
-def _type(
-    project: Project, block: BlockRef, members: list[dict[str, Any]], comment: dict[str, str]
-) -> Document:
+def _type(project: Project, block: BlockRef, members: list[dict[str, Any]], comment: dict[str, str]) -> Document:
     ids = _Ids()
     view = {
         **_base(project),
@@ -146,9 +141,7 @@ def _type(
     return _document(f"xml/{block.name}.xml", "simaticml/type.xml.j2", view)
 
 
-def _db(
-    project: Project, block: BlockRef, members: list[dict[str, Any]], comment: dict[str, str]
-) -> Document:
+def _db(project: Project, block: BlockRef, members: list[dict[str, Any]], comment: dict[str, str]) -> Document:
     ids = _Ids()
     view = {
         **_base(project),
@@ -164,10 +157,8 @@ def _db(
 def _tags(project: Project, rows: list[dict[str, Any]]) -> Document:
     ids = _Ids()
     table_id = ids()
-    entries = []
     language = culture(project.languages[0])
-    for row in rows:
-        entries.append({**row, "id": ids(), "text_id": ids(), "item_id": ids(), "culture": language})
+    entries = [{**row, "id": ids(), "text_id": ids(), "item_id": ids(), "culture": language} for row in rows]
     view = {**_base(project), "name": "DriveJobTags", "id": table_id, "tags": entries}
     return _document("xml/DriveJobTags.xml", "simaticml/tags.xml.j2", view)
 

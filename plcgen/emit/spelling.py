@@ -41,16 +41,15 @@ def literal(type_: Elementary, data: bytes, *, v5: bool) -> str:
 
 
 def elements(type_: ArrayType, data: bytes, *, v5: bool) -> list[tuple[int, str]]:
-    """Index and literal of every array element whose bytes are not all zero."""
+    """Index and literal of every array element that differs from its type's default: a blank for CHAR, else zero."""
     element = type_.element
     if not isinstance(element, Elementary):
         raise TypeError(f"buffers hold no array of {element!r}")
     step = element.bits // 8
     low, high = type_.bounds[0]
-    pieces = [
-        (index, data[(index - low) * step : (index - low + 1) * step]) for index in range(low, high + 1)
-    ]
-    return [(index, literal(element, piece, v5=v5)) for index, piece in pieces if any(piece)]
+    pieces = [(index, data[(index - low) * step : (index - low + 1) * step]) for index in range(low, high + 1)]
+    default = b" " if element.name == "CHAR" else bytes(step)
+    return [(index, literal(element, piece, v5=v5)) for index, piece in pieces if piece != default]
 
 
 def encodable(text: str, where: Target) -> bool:

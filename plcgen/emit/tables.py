@@ -73,9 +73,7 @@ def _watch_row(project: Project, db: BlockRef, field: Field, *, response: bool) 
         name = f"{name}[{type_.bounds[0][0]}]"
         data = data[: type_.element.bits // 8]
         type_ = type_.element
-    modify = (
-        literal(type_, data, v5=project.target.v5) if isinstance(type_, Elementary) and not response else ""
-    )
+    modify = literal(type_, data, v5=project.target.v5) if isinstance(type_, Elementary) and not response else ""
     shown = "Hex"
     if isinstance(type_, Elementary) and type_.name in {"REAL", "LREAL"}:
         shown = "FloatingPoint"
@@ -112,14 +110,10 @@ def table_documents(project: Project) -> Iterator[Document]:
     """Watch tables as CSV, the STEP 7 V5 symbol table and compile order, the guide and the layout sheet."""
     for job in project.jobs:
         rows = watch_rows(project, job)
-        text = _csv(
-            ("name", "address", "display format", "modify value"), [list(row.values()) for row in rows]
-        )
+        text = _csv(("name", "address", "display format", "modify value"), [list(row.values()) for row in rows])
         yield Document(f"watch/{job.block.name}.csv", RAW, {"text": text})
     if project.target.v5:
-        yield Document(
-            "symbols.sdf", RAW, {"text": _symbols(project)}, project.target.encoding, newline(project)
-        )
+        yield Document("symbols.sdf", RAW, {"text": _symbols(project)}, project.target.encoding, newline(project))
         order = "".join(f"{path.rsplit('/', 1)[1].removesuffix('.scl')}\n" for path in import_order(project))
         yield Document("compile.inp", RAW, {"text": order}, project.target.encoding, newline(project))
     yield Document("IMPORT.md", "text/import.md.j2", _import_view(project))
@@ -165,9 +159,7 @@ def _import_view(project: Project) -> dict[str, Any]:
         "xml": where.xml_version,
         "toolchain": where.toolchain,
         "order": import_order(project),
-        "numbered": [
-            block for job in project.jobs for t in job.telegrams for block in (t.request_db, t.response_db)
-        ],
+        "numbered": [block for job in project.jobs for t in job.telegrams for block in (t.request_db, t.response_db)],
         "writes": [_write_row(project, job, use) for job in project.jobs if job.write for use in job.uses],
     }
 

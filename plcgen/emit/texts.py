@@ -50,11 +50,7 @@ def field_texts(field: Field, languages: tuple[str, ...], *, response: bool) -> 
             parameter = part.use.parameter
             unit = f" [{parameter.unit}]" if parameter.unit else ""
             own = part.use.comment.get(language) or parameter.title
-            text = (
-                f"{part.use.label} {own}{unit}".replace("  ", " ")
-                if own
-                else f"{part.use.label} {text}{unit}"
-            )
+            text = f"{part.use.label} {own}{unit}".replace("  ", " ") if own else f"{part.use.label} {text}{unit}"
         elif part is not None:
             text = f"{part.use.label} {text}"
         texts[language] = text

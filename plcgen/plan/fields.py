@@ -18,22 +18,22 @@ from plcgen.s7.types import ELEMENTARY, ArrayType, DataType
 _FAQ_REQUEST = {
     "reference": "Request_Ref", "request_id": "Request_ID", "drive_object": "Axis", "count": "Num_of_Para",
     "attribute": "Para_Attribute", "elements": "Num_of_Element", "pnu": "Para_No", "subindex": "Subindex",
-    "format": "Value_Format", "value_count": "No_of_Element", "value": "Value", "pad": "Pad",
+    "format": "Value_Format", "value_count": "No_of_Element", "value": "Value", "pad": "Padding",
 }  # fmt: skip
 _FAQ_RESPONSE = {
     "reference": "Request_Ref_Mirror", "request_id": "Request_ID", "drive_object": "Axis_Mirror",
-    "format": "Para_Format", "value_count": "Num_of_Element", "value": "ParameterValue", "pad": "Pad",
+    "format": "Para_Format", "value_count": "Num_of_Element", "value": "ParameterValue", "pad": "Padding",
     "error_format": "Error_Format", "error_count": "Num_of_Error_Word", "error_number": "Error_Number",
     "error_info": "Error_Info", "reserve": "Reserve",
 }  # fmt: skip
 _STYLE_REQUEST = {
     "reference": "requestReference", "request_id": "requestId", "drive_object": "driveObject",
     "count": "parameterCount", "attribute": "attribute", "elements": "elementCount", "pnu": "parameterNumber",
-    "subindex": "subindex", "format": "valueFormat", "value_count": "valueCount", "pad": "pad",
+    "subindex": "subindex", "format": "valueFormat", "value_count": "valueCount", "pad": "padding",
 }  # fmt: skip
 _STYLE_RESPONSE = {
     "reference": "referenceMirror", "request_id": "responseId", "drive_object": "driveObjectMirror",
-    "count": "parameterCount", "format": "valueFormat", "value_count": "valueCount", "pad": "pad",
+    "count": "parameterCount", "format": "valueFormat", "value_count": "valueCount", "pad": "padding",
     "error_format": "errorFormat", "error_count": "errorWordCount", "error_number": "errorNumber",
     "error_info": "errorInfo", "reserve": "reserve",
 }  # fmt: skip
@@ -139,9 +139,7 @@ def response_fields(
     """Members of the response DB, ``size`` bytes long; what the positive answer leaves free is a reserve."""
     names = dict(_FAQ_RESPONSE if faq else _STYLE_RESPONSE)
     if faq:
-        names["count"] = (
-            "Num_of_Para" if write else "Num_of_para"
-        )  # figures 4-10 and 4-6 differ in this letter
+        names["count"] = "Num_of_Para" if write else "Num_of_para"  # figures 4-10 and 4-6 differ in this letter
     layout = _Layout(names, own, len(parts) == 1, not faq, [])
     for role in ("reference", "request_id", "drive_object", "count"):
         layout.byte(role)

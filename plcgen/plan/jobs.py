@@ -101,9 +101,7 @@ def _uses(job: Job, key: str, loaded: LoadedSpec, resolver: UseResolver, report:
     if (job.read is None) == (job.write is None):
         what = "either read or write, not both" if job.read is not None else "what to read or what to write"
         report.add(
-            Diagnostic(
-                "PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help="use two jobs"
-            )
+            Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help="use two jobs")
         )
         return ()
     verb = "read" if job.read is not None else "write"
@@ -131,9 +129,7 @@ def _report_unsplittable(
         report.add(Diagnostic("PG302", message, place, help=help_))
     else:
         request, response = pack.request_length(parts, write=write), pack.longest_response(parts, write=write)
-        message = (
-            f"request {request} bytes, response up to {response}: the record holds {device.record_limit}"
-        )
+        message = f"request {request} bytes, response up to {response}: the record holds {device.record_limit}"
         report.add(Diagnostic("PG301", message, place, help=help_))
 
 
@@ -175,9 +171,7 @@ def _telegram(index: int, parts: tuple[Part, ...], job: Job, name: str, context:
         request=_request_bytes(parts, header, write=write),
         request_db=request_db,
         request_type=numbering.block("UDT", f"type{_upper(request_db.name)}", request_db.path),
-        request_fields=request_fields(
-            parts, header, where, job.request.members, write=write, faq=context.faq
-        ),
+        request_fields=request_fields(parts, header, where, job.request.members, write=write, faq=context.faq),
         positive_length=pack.positive_length(parts, write=write),
         negative_length=pack.negative_length(parts),
         response_size=longest if pinned is None else pinned,
@@ -207,9 +201,7 @@ def _buffer(given: Buffer, which: str, default: str, index: int, context: _Conte
 
 
 def _request_bytes(parts: tuple[Part, ...], header: tuple[int, int, int], *, write: bool) -> bytes:
-    addresses = tuple(
-        ParameterAddress(part.use.parameter.pnu, part.subindex, part.elements) for part in parts
-    )
+    addresses = tuple(ParameterAddress(part.use.parameter.pnu, part.subindex, part.elements) for part in parts)
     values = tuple(ValueBlock(part.use.format.code, part.count, part.data) for part in parts) if write else ()
     return encode_request(Request(*header, addresses, values))
 
@@ -232,9 +224,7 @@ def _trigger(job: Job, key: str, loaded: LoadedSpec, report: Report) -> PlannedT
             continue
         if address.area != "M" or address.width_bits != width:
             report.add(
-                Diagnostic(
-                    "PG404", f'"{text}" cannot be the {signal} flag', place, help=f"{signal} is {wanted}"
-                )
+                Diagnostic("PG404", f'"{text}" cannot be the {signal} flag', place, help=f"{signal} is {wanted}")
             )
             continue
         found[signal] = address

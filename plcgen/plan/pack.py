@@ -66,9 +66,7 @@ class _Open:
         self.response = longest_response(self.parts, write=self.write)
 
 
-def _fill(
-    uses: Sequence[Use], limit: int, most: int, *, write: bool, eager: bool
-) -> list[tuple[Part, ...]] | None:
+def _fill(uses: Sequence[Use], limit: int, most: int, *, write: bool, eager: bool) -> list[tuple[Part, ...]] | None:
     """Fill telegrams front to back; ``eager`` splits arrays to use the room left. None: one value is too long."""
     done: list[tuple[Part, ...]] = []
     current = _Open(limit, most, write=write)

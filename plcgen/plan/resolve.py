@@ -26,9 +26,7 @@ def resolve(loaded: LoadedSpec, report: Report) -> Project:
     spec = loaded.spec
     problem = combination_problem(spec.plc.family, spec.plc.toolchain)
     if problem:
-        report.add(
-            Diagnostic("PG214", problem, loaded.span(("plc", "toolchain")), help="use a tia-v.. toolchain")
-        )
+        report.add(Diagnostic("PG214", problem, loaded.span(("plc", "toolchain")), help="use a tia-v.. toolchain"))
     where = target(spec.plc.family, spec.plc.toolchain)
     numbers = spec.plc.numbers
     numbering = Numbering(where, {"FB": numbers.fb, "DB": numbers.db, "UDT": numbers.udt}, _pinned(spec))
@@ -47,17 +45,13 @@ def resolve(loaded: LoadedSpec, report: Report) -> Project:
         if job.drive not in spec.drives:
             hint = did_you_mean(job.drive, spec.drives) or f"drives of this spec: {', '.join(spec.drives)}"
             report.add(
-                Diagnostic(
-                    "PG202", f'unknown drive "{job.drive}"', loaded.span(("jobs", key, "drive")), help=hint
-                )
+                Diagnostic("PG202", f'unknown drive "{job.drive}"', loaded.span(("jobs", key, "drive")), help=hint)
             )
             continue
         if job.drive not in planned:
             continue
         owners[job.drive] = owners.get(job.drive, 0) + 1
-        found = plan_job(
-            key, loaded, planned[job.drive], owners[job.drive], resolvers[job.drive], numbering, report
-        )
+        found = plan_job(key, loaded, planned[job.drive], owners[job.drive], resolvers[job.drive], numbering, report)
         if found is not None:
             jobs.append(found)
     return Project(
@@ -90,36 +84,21 @@ def _own_parameters(loaded: LoadedSpec, key: str, report: Report) -> dict[int, P
     for text, definition in loaded.spec.drives[key].parameters.items():
         path = ("drives", key, "parameters", text)
         reference = parse_reference(text)
-        if (
-            reference is None
-            or reference.pnu is None
-            or reference.first is not None
-            or not 1 <= reference.pnu <= 65535
-        ):
-            report.add(
-                Diagnostic(
-                    "PG203", f'"{text}" is not a parameter number', loaded.key_span(path), help="P50303"
-                )
-            )
+        if reference is None or reference.pnu is None or reference.first is not None or not 1 <= reference.pnu <= 65535:
+            report.add(Diagnostic("PG203", f'"{text}" is not a parameter number', loaded.key_span(path), help="P50303"))
             continue
         own[reference.pnu] = catalog.parameter_from(reference.pnu, definition.model_dump())
     return own
 
 
-def _drive(
-    key: str, drive: Drive, loaded: LoadedSpec, numbering: Numbering, report: Report
-) -> PlannedDrive | None:
+def _drive(key: str, drive: Drive, loaded: LoadedSpec, numbering: Numbering, report: Report) -> PlannedDrive | None:
     path = ("drives", key)
     device = catalog.device(drive.device)
     if device is None:
         names = catalog.device_names()
         hint = did_you_mean(drive.device, names)
         help_ = f"{hint} known devices: {', '.join(names)}".strip()
-        report.add(
-            Diagnostic(
-                "PG201", f'unknown device "{drive.device}"', loaded.span((*path, "device")), help=help_
-            )
-        )
+        report.add(Diagnostic("PG201", f'unknown device "{drive.device}"', loaded.span((*path, "device")), help=help_))
         return None
     classic = numbering.where.classic
     id_value = drive.address if classic else drive.hardware_id

@@ -67,9 +67,7 @@ def target(family: str, toolchain: str) -> Target:
     dialect = Dialect.T15 if new else Dialect.V5 if v5 else Dialect.T3
     version = toolchain.removeprefix("tia-v")
     xml = f"V{version}" if not v5 and version.isdigit() and int(version) >= 16 else None
-    return Target(
-        family, toolchain, dialect, "cp1252" if v5 else "utf-8-sig", xml, _NUMBERS[family], _FLAGS[family]
-    )
+    return Target(family, toolchain, dialect, "cp1252" if v5 else "utf-8-sig", xml, _NUMBERS[family], _FLAGS[family])
 
 
 def combination_problem(family: str, toolchain: str) -> str | None:

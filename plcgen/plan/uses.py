@@ -34,9 +34,7 @@ class UseResolver:
         """Report an error at a place of the spec."""
         self.report.add(Diagnostic(code, message, self.loaded.span(path), help=help_))
 
-    def resolve(
-        self, item: ReadItem | WriteItem, position: int, path: SpecPath, *, write: bool
-    ) -> Use | None:
+    def resolve(self, item: ReadItem | WriteItem, position: int, path: SpecPath, *, write: bool) -> Use | None:
         """Turn one item of a job into a use; None if something about it is wrong."""
         place: SpecPath = (*path, "parameter")
         reference = parse_reference(item.parameter)
@@ -55,9 +53,7 @@ class UseResolver:
         if settled is None or not self._index_fits(reference, parameter, place):
             return None
         fmt, octets = settled
-        values = (
-            1 if reference.first is None or reference.last is None else reference.last - reference.first + 1
-        )
+        values = 1 if reference.first is None or reference.last is None else reference.last - reference.first + 1
         if octets and values > 1:
             self.problem("PG206", f"{item.parameter}: several indexes of a string are several reads", place)
             return None
@@ -96,9 +92,7 @@ class UseResolver:
             if found is None:
                 names = [p.name for p in self.known.values() if p.name]
                 hint = did_you_mean(reference.name, names) or "use its number, for example P50303"
-                self.problem(
-                    "PG203", f'{self.device.title} has no parameter called "{reference.name}"', place, hint
-                )
+                self.problem("PG203", f'{self.device.title} has no parameter called "{reference.name}"', place, hint)
             return found
         if not 1 <= reference.pnu <= 0xFFFF:
             self.problem("PG203", f"parameter number {reference.pnu} is outside 1..65535", place)
@@ -149,9 +143,7 @@ class UseResolver:
             return True
         label = f"P{parameter.pnu}"
         if reference.last < reference.first:
-            self.problem(
-                "PG206", f"{label}[{reference.first}..{reference.last}]: the range runs backwards", place
-            )
+            self.problem("PG206", f"{label}[{reference.first}..{reference.last}]: the range runs backwards", place)
         elif reference.last > 0xFFFE:
             self.problem("PG206", f"{label}: subindex {reference.last} is outside 0..65534", place)
         elif parameter.array is not None and reference.last >= parameter.array:
@@ -167,9 +159,7 @@ class UseResolver:
             return True
         return False
 
-    def _pack(
-        self, given: Any, parameter: Parameter, fmt: Format, count: int, path: SpecPath
-    ) -> bytes | None:
+    def _pack(self, given: Any, parameter: Parameter, fmt: Format, count: int, path: SpecPath) -> bytes | None:
         """Wire bytes of a constant or start value; None after a diagnostic."""
         values: Sequence[Any] = given if isinstance(given, tuple) else (given,)
         if fmt.is_string:

@@ -1,1 +1,72 @@
-"""verify"""
+"""Verification of what lies on disk: files, offsets, telegrams, exchanges with a simulated drive.
+
+The second way of the data: it knows the files, the spec and DS47, never the generator's output objects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
+from plcgen.verify.model import Check, CheckGroup, Outcome, Verification
+
+
+def verify(
+    spec: Path, folder: Path, drive: Path | None = None, progress: Callable[[str, int, int], None] | None = None
+) -> Verification:
+    """Verify a folder against its spec; ``drive`` is a drive file that replaces the profile's simulated drive."""
+    report = Report()
+    try:
+        return _verify(spec, folder, drive, progress, report)
+    except DiagnosticError as problem:
+        report.extend(problem.diagnostics)
+    return Verification(str(spec), str(folder), "", "", (), tuple(report))
+
+
+def _verify(
+    spec: Path,
+    folder: Path,
+    drive_file: Path | None,
+    progress: Callable[[str, int, int], None] | None,
+    report: Report,
+) -> Verification:
+    from plcgen.plan.resolve import resolve
+    from plcgen.rules import apply_rules
+    from plcgen.sim.load import load_drive
+    from plcgen.spec.load import load_spec
+    from plcgen.spec.source import read_text
+    from plcgen.verify.exchanges import check_drive, check_telegrams
+    from plcgen.verify.files import check_files
+    from plcgen.verify.folder import read_folder
+    from plcgen.verify.layouts import check_layouts
+
+    loaded = load_spec(spec, report)
+    report.raise_on_errors()
+    assert loaded is not None  # noqa: S101 - without errors there is a spec
+    project = resolve(loaded, report)
+    apply_rules(project, report)
+    report.raise_on_errors()
+    if not folder.is_dir():
+        report.add(Diagnostic("PG507", "there is no such folder", Span(str(folder)), help="run plcgen generate first"))
+        report.raise_on_errors()
+    own = load_drive(read_text(drive_file), str(drive_file)) if drive_file is not None else None
+    files = read_folder(folder, project.target, progress)
+    groups = (
+        CheckGroup("files", "Files", tuple(check_files(project, files))),
+        CheckGroup("layout", "Layout", tuple(check_layouts(project, files))),
+        CheckGroup("telegrams", "Telegrams", tuple(check_telegrams(project, files))),
+        CheckGroup("drive", "Simulated drive", tuple(check_drive(project, files, own, progress))),
+        CheckGroup("execution", "Execution", (_NOT_RUN,)),
+    )
+    target = f"{project.target.family} / {project.target.toolchain}"
+    return Verification(str(spec), str(folder), project.name, target, groups, tuple(report))
+
+
+_NOT_RUN = Check(
+    "execution.scl",
+    "run",
+    "generated SCL in the soft CPU",
+    Outcome.NOT_RUN,
+    "not run: the soft CPU is not part of this version",
+)

@@ -1,0 +1,63 @@
+"""What lies in an output folder: manifest, blocks from the text sources, blocks from SimaticML. Nothing else is used."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, Span
+from plcgen.plan.target import Dialect as TargetDialect
+from plcgen.plan.target import Target
+from plcgen.read.simaticml import read_simaticml
+from plcgen.read.text import read_source
+from plcgen.s7.blocks import Block
+from plcgen.scl.dialect import Dialect
+
+SOURCES = (".scl", ".udt", ".db", ".awl")
+DIALECTS = {
+    TargetDialect.V5: Dialect.STEP7_V5,
+    TargetDialect.T3: Dialect.TIA_300_400,
+    TargetDialect.T15: Dialect.TIA_1200_1500,
+}
+
+
+@dataclass(slots=True)
+class Folder:
+    """Blocks by upper-case name, with the file each came from; ``problems`` is what could not be read."""
+
+    path: Path
+    text: dict[str, Block] = field(default_factory=dict)
+    xml: dict[str, Block] = field(default_factory=dict)
+    files: dict[str, Path] = field(default_factory=dict)
+    problems: list[Diagnostic] = field(default_factory=list)
+
+    def place(self, name: str) -> Span:
+        """Where a block of the text sources stands."""
+        block = self.text.get(name.upper())
+        if block is not None and block.span is not None:
+            return block.span
+        return Span(str(self.files.get(name.upper(), self.path)))
+
+
+def read_folder(path: Path, where: Target, progress: Callable[[str, int, int], None] | None = None) -> Folder:
+    """Read every source and every SimaticML block document below a folder."""
+    folder = Folder(path)
+    sources = sorted(p for p in path.rglob("*") if p.suffix.lower() in SOURCES and p.is_file())
+    documents = sorted(p for p in path.glob("xml/*.xml") if p.is_file())
+    total = len(sources) + len(documents)
+    for number, source in enumerate(sources):
+        blocks, found = read_source(source, DIALECTS[where.dialect], encoding="cp1252" if where.v5 else None)
+        folder.problems += found
+        for block in blocks:
+            folder.text[block.name.upper()] = block
+            folder.files[block.name.upper()] = source
+        if progress is not None and number % 50 == 0:
+            progress("read", number, total)
+    for number, document in enumerate(documents, len(sources)):
+        blocks, found = read_simaticml(document, classic=where.classic)
+        folder.problems += found
+        folder.xml.update((block.name.upper(), block) for block in blocks)
+        if progress is not None and number % 50 == 0:
+            progress("read", number, total)
+    return folder
