@@ -13,7 +13,7 @@ from plcgen.emit.jobs import newline, title
 from plcgen.emit.spelling import comment_text, elements, encodable, literal, one_line, type_text
 from plcgen.emit.texts import field_texts
 from plcgen.plan.fields import interface_type
-from plcgen.plan.model import BlockRef, Field, PlannedJob, Project, Use
+from plcgen.plan.model import BlockRef, Field, PlannedJob, Project, Telegram, Use
 from plcgen.s7.types import ArrayType, Elementary
 from plcgen.s7.values import SIGNED, UNSIGNED
 
@@ -226,6 +226,15 @@ def _sheet(project: Project, job: PlannedJob) -> dict[str, Any]:
     return {
         "title": title(project, job),
         "block": job.block,
-        "telegrams": [{"hex": t.request.hex(" ").upper(), "length": len(t.request), "positive": t.positive_length, "longest": t.response_size} for t in job.telegrams],
+        "telegrams": [_telegram(telegram) for telegram in job.telegrams],
         "blocks": blocks,
-    }  # fmt: skip
+    }
+
+
+def _telegram(telegram: Telegram) -> dict[str, Any]:
+    return {
+        "hex": telegram.request.hex(" ").upper(),
+        "length": len(telegram.request),
+        "positive": telegram.positive_length,
+        "longest": telegram.response_size,
+    }

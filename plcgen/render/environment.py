@@ -31,7 +31,7 @@ def environment() -> jinja2.Environment:
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(templates_dir()),
         undefined=jinja2.StrictUndefined,
-        autoescape=lambda name: name is not None and name.endswith(".xml.j2"),
+        autoescape=lambda name: name is not None and name.endswith(".xml.j2"),  # noqa: S701 - SCL is no markup
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,

@@ -71,12 +71,10 @@ def compare_folder(files: Sequence[RenderedFile], folder: Path) -> tuple[str, li
                 continue
             found.append(_stale(path, "file is missing" if old is None else "file is out of date"))
             diff += _diff(file, old)
-        for name in _obsolete(files, folder, _known(folder)):
-            found.append(_stale(folder / name, "file is no longer generated"))
+        obsolete = _obsolete(files, folder, _known(folder))
+        found += [_stale(folder / name, "file is no longer generated") for name in obsolete]
     except OSError as problem:
-        found.append(
-            Diagnostic("PG503", f"cannot read the folder: {problem.strerror or problem}", Span(str(folder)))
-        )
+        found.append(Diagnostic("PG503", f"cannot read the folder: {problem.strerror or problem}", Span(str(folder))))
     return "".join(diff), found
 
 
@@ -116,7 +114,7 @@ def _finish(folder: Path, stage: Path, moves: dict[str, str], removals: Sequence
         if source.is_file() and digest(source.read_bytes()) == expected:
             target = _inside(folder, path)
             target.parent.mkdir(parents=True, exist_ok=True)
-            os.replace(source, target)
+            source.replace(target)
     for path in removals:
         target = _inside(folder, path)
         target.unlink(missing_ok=True)
@@ -187,9 +185,7 @@ def _plan(
 def _conflict(target: Path, path: str, old: bytes | None, known: dict[str, str]) -> Diagnostic | None:
     place = Span(str(target))
     if old is None:
-        return Diagnostic(
-            "PG501", "a folder has the name of a file to be generated", place, help="move it away"
-        )
+        return Diagnostic("PG501", "a folder has the name of a file to be generated", place, help="move it away")
     if path == MANIFEST:
         if known:
             return None
@@ -220,9 +216,7 @@ def _obsolete(files: Sequence[RenderedFile], folder: Path, known: dict[str, str]
     return found
 
 
-def _commit(
-    changed: Sequence[RenderedFile], removed: Sequence[str], folder: Path, progress: Progress | None
-) -> None:
+def _commit(changed: Sequence[RenderedFile], removed: Sequence[str], folder: Path, progress: Progress | None) -> None:
     fresh = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
     stage = Path(tempfile.mkdtemp(prefix=STAGE, dir=folder))
@@ -238,7 +232,7 @@ def _commit(
             out.write(json.dumps({"stage": stage.name, "moves": moves, "removals": list(removed)}).encode())
             out.flush()
             os.fsync(out.fileno())
-        os.replace(draft, journal)
+        draft.replace(journal)
     except BaseException:
         shutil.rmtree(stage, ignore_errors=True)
         if fresh:
@@ -252,13 +246,9 @@ def _commit(
 def _cannot_write(problem: OSError, folder: Path) -> Diagnostic:
     why = problem.strerror or str(problem)
     help_ = (
-        "free some space; nothing was changed"
-        if problem.errno == errno.ENOSPC
-        else "check the folder's permissions"
+        "free some space; nothing was changed" if problem.errno == errno.ENOSPC else "check the folder's permissions"
     )
-    return Diagnostic(
-        "PG503", f"cannot write the output: {why}", Span(str(problem.filename or folder)), help=help_
-    )
+    return Diagnostic("PG503", f"cannot write the output: {why}", Span(str(problem.filename or folder)), help=help_)
 
 
 def _stale(path: Path, message: str) -> Diagnostic:

@@ -103,9 +103,7 @@ def _device(key: str, data: dict[str, Any]) -> Device:
         error_table=data["error_table"],
         parameters={
             parameter.pnu: parameter
-            for parameter in (
-                parameter_from(int(ref[1:]), entry) for ref, entry in data["parameters"].items()
-            )
+            for parameter in (parameter_from(int(ref[1:]), entry) for ref, entry in data["parameters"].items())
         },
     )
 

@@ -55,14 +55,10 @@ def parse_spec(text: str, file: str, report: Report) -> LoadedSpec | None:
     root = parse_yaml(text, file, report)
     if root is None:
         if not report.has_errors:
-            report.add(
-                Diagnostic("PG101", "the file is empty", Span(file, 1, 1, 1, 1), help="run plcgen new")
-            )
+            report.add(Diagnostic("PG101", "the file is empty", Span(file, 1, 1, 1, 1), help="run plcgen new"))
         return None
     if root.kind != "map":
-        report.add(
-            Diagnostic("PG106", "a spec is a mapping with plc, drives and jobs", root.span, help=_SHAPE)
-        )
+        report.add(Diagnostic("PG106", "a spec is a mapping with plc, drives and jobs", root.span, help=_SHAPE))
         return None
     try:
         spec = schema.validate(root.data())
@@ -104,9 +100,7 @@ def _one(group: list[Any], root: Node) -> Diagnostic:
     if error["type"] == "missing":
         node = root.find(path[:-1])
         keys = ", ".join(schema.field_names(path[:-1]))
-        return Diagnostic(
-            "PG105", f'{where} lacks the key "{path[-1]}"', node.span, help=f"keys here: {keys}"
-        )
+        return Diagnostic("PG105", f'{where} lacks the key "{path[-1]}"', node.span, help=f"keys here: {keys}")
     node = root.find(path)
     given = f" instead of {_shown(node)}"
     if len(group) > 1 and all(e["type"] in _EXPECTED for e in group):
@@ -129,9 +123,7 @@ def _unknown_key(path: SpecPath, where: str, root: Node) -> Diagnostic:
     allowed = schema.field_names(path[:-1])
     hint = did_you_mean(name, allowed) or "remove the key"
     help_ = f"{hint} keys here: {', '.join(allowed)}" if allowed else hint
-    return Diagnostic(
-        "PG104", f'unknown key "{name}" in {where}', root.find(path[:-1]).key_span(name), help=help_
-    )
+    return Diagnostic("PG104", f'unknown key "{name}" in {where}', root.find(path[:-1]).key_span(name), help=help_)
 
 
 def _key(path: SpecPath) -> str:

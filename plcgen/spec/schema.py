@@ -107,7 +107,7 @@ class ParameterDef(_Model):
     min: float | None = None
     max: float | None = None
     default: Value | None = None
-    bico: bool = Field(False, description="value is a BICO source such as r0722.0")
+    bico: bool = Field(default=False, description="value is a BICO source such as r0722.0")
 
 
 class Drive(_Model):
@@ -116,18 +116,14 @@ class Drive(_Model):
     device: str = Field(description="device profile, see plcgen schema --devices")
     address: int | None = Field(None, ge=0, le=65535, description="logical base address (S7-300/400)")
     output_address: bool = Field(
-        False, description="the address belongs to an output-only module (sets bit 15)"
+        default=False, description="the address belongs to an output-only module (sets bit 15)"
     )
     hardware_id: int | None = Field(None, ge=0, le=65535, description="hardware identifier (S7-1200/1500)")
-    drive_object: int | None = Field(
-        None, ge=0, le=255, description="drive object / axis; default of the device"
-    )
+    drive_object: int | None = Field(None, ge=0, le=255, description="drive object / axis; default of the device")
     record_index: int | Literal["profibus", "profinet-local", "profinet-global"] | None = Field(
         None, description="data record index; default of the device: 47, 16#B02E or 16#B02F"
     )
-    parameters: dict[str, ParameterDef] = Field(
-        default_factory=dict, description="parameters outside the catalogue"
-    )
+    parameters: dict[str, ParameterDef] = Field(default_factory=dict, description="parameters outside the catalogue")
     comment: Text | None = None
 
 
@@ -155,13 +151,9 @@ class Buffer(_Model):
     """A request or response data block."""
 
     db: int | None = Field(None, ge=1, le=65535, description="DB number; absent: automatic")
-    name: str | None = Field(
-        None, min_length=1, max_length=125, description="DB name; absent: from the job's name"
-    )
+    name: str | None = Field(None, min_length=1, max_length=125, description="DB name; absent: from the job's name")
     size: int | None = Field(None, ge=1, le=65534, description="pinned length in bytes; absent: as needed")
-    members: dict[str, str] = Field(
-        default_factory=dict, description="own member names: generated name -> yours"
-    )
+    members: dict[str, str] = Field(default_factory=dict, description="own member names: generated name -> yours")
 
 
 class BlockName(_Model):

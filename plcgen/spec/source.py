@@ -141,9 +141,7 @@ class _Builder:
         start, end = event.start_mark, event.end_mark
         return Span(self.file, start.line + 1, start.column + 1, end.line + 1, end.column + 1)
 
-    def error(
-        self, code: str, message: str, span: Span, help_: str = "", notes: tuple[Note, ...] = ()
-    ) -> None:
+    def error(self, code: str, message: str, span: Span, help_: str = "", notes: tuple[Note, ...] = ()) -> None:
         self.report.add(Diagnostic(code, message, span, help=help_, notes=notes))
 
     def grow(self, amount: int, span: Span) -> None:
@@ -242,9 +240,7 @@ class _Builder:
                 return
 
     def tag(self, tag: str, span: Span) -> None:
-        self.error(
-            "PG109", f"YAML tag {tag} is not accepted", span, "a spec holds plain values only: remove the tag"
-        )
+        self.error("PG109", f"YAML tag {tag} is not accepted", span, "a spec holds plain values only: remove the tag")
 
     def alias(self, event: Any) -> None:
         span = self.span(event)
@@ -278,9 +274,7 @@ def parse_yaml(text: str, file: str, report: Report) -> Node | None:
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
         what = problem.problem or "not readable as YAML"
         context = f" ({problem.context})" if problem.context else ""
-        builder.error(
-            "PG101", f"{what}{context}", Span(file, line, column, line, column + 1), _syntax_help(what)
-        )
+        builder.error("PG101", f"{what}{context}", Span(file, line, column, line, column + 1), _syntax_help(what))
         return None
     except yaml.reader.ReaderError as problem:
         position = max(0, min(problem.position, len(text)))
@@ -328,9 +322,7 @@ def _feed(builder: _Builder, event: Any) -> bool:
     elif isinstance(event, yaml.DocumentStartEvent):
         builder.documents += 1
         if builder.documents > 1:
-            builder.error(
-                "PG101", "a second YAML document starts here", builder.span(event), "one file, one document"
-            )
+            builder.error("PG101", "a second YAML document starts here", builder.span(event), "one file, one document")
             return False
     return True
 

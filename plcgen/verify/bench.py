@@ -18,7 +18,7 @@ from plcgen.spec import catalog
 def build_drive(
     project: Project, drive: PlannedDrive, faults: Iterable[Fault] = (), *, distinct: bool = False
 ) -> Drive:
-    """A drive with the profile's habits. ``distinct`` gives every value another content, so that none can be mixed up."""
+    """A drive with the profile's habits. ``distinct`` gives every value another content."""
     uses = [use for job in project.jobs if job.drive is drive for use in job.uses]
     by_pnu: dict[int, list[Use]] = {}
     for use in uses:
@@ -49,9 +49,7 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> Parameter:
     highest = max(u.subindex + (1 if fmt.is_string else u.count) for u in group)
     array = definition.array is not None or highest > 1
     count = max(definition.array or 1, highest)
-    values: list[Value] = []
-    for index in range(count):
-        values.append(_value(use, definition, seed * 16 + index, distinct=distinct))
+    values = [_value(use, definition, seed * 16 + index, distinct=distinct) for index in range(count)]
     limits = Limits(definition.minimum, definition.maximum) if fmt.kind in _NUMERIC else Limits()
     return Parameter(
         pnu=definition.pnu,

@@ -23,7 +23,7 @@ from plcgen.verify.folder import Folder
 from plcgen.verify.model import Check, Outcome
 
 
-class _Wrong(Exception):
+class _FindingError(Exception):
     """A finding that ends the check of one telegram."""
 
     def __init__(self, code: str, message: str) -> None:
@@ -76,8 +76,8 @@ def _guard(id_: str, subject: str, text: str, folder: Folder, telegram: Telegram
     """Run one check; a finding becomes its outcome."""
     try:
         return Check(id_, subject, text, Outcome.OK, run())
-    except _Wrong as wrong:
-        code, message = wrong.code, str(wrong)
+    except _FindingError as finding:
+        code, message = finding.code, str(finding)
     except DiagnosticError as problem:
         code, message = problem.diagnostics[0].code, problem.diagnostics[0].message
     except LiteralError as problem:
@@ -93,13 +93,13 @@ def _name(job: PlannedJob, telegram: Telegram) -> str:
 
 
 def _short(text: str) -> str:
-    return text if len(text) <= 96 else f"{text[:92]} .."  # noqa: PLR2004 - one line of a terminal
+    return text if len(text) <= 96 else f"{text[:92]} .."
 
 
 def _block(folder: Folder, blocks: dict[str, Block], name: str) -> Block:
     block = blocks.get(name.upper())
     if block is None:
-        raise _Wrong("PG608", f'DB "{name}" is missing in {folder.path.name}')
+        raise _FindingError("PG608", f'DB "{name}" is missing in {folder.path.name}')
     return block
 
 
@@ -110,7 +110,7 @@ def request_image(project: Project, folder: Folder, telegram: Telegram) -> bytes
     if project.target.xml_version:
         twin = bytes(image(_block(folder, folder.xml, name), folder.xml))
         if twin != data:
-            raise _Wrong("PG604", f"text source and SimaticML differ: {data.hex(' ')} and {twin.hex(' ')}")
+            raise _FindingError("PG604", f"text source and SimaticML differ: {data.hex(' ')} and {twin.hex(' ')}")
     return data
 
 
@@ -121,16 +121,16 @@ def _check_request(job: PlannedJob, telegram: Telegram, data: bytes) -> None:
             (i for i, (a, b) in enumerate(zip(data, telegram.request, strict=False)) if a != b),
             min(len(data), len(telegram.request)),
         )
-        raise _Wrong(
+        raise _FindingError(
             "PG604", f"byte {at} differs: DB {data.hex(' ').upper()}, telegram {telegram.request.hex(' ').upper()}"
         )
     request = decode_request(data)
     if request.request_id != (RequestId.CHANGE if job.write else RequestId.READ) or request.reference == 0:
-        raise _Wrong("PG604", "request id or reference is wrong")
+        raise _FindingError("PG604", "request id or reference is wrong")
     if request.drive_object != job.drive.drive_object:
-        raise _Wrong("PG604", f"drive object {request.drive_object} instead of {job.drive.drive_object}")
+        raise _FindingError("PG604", f"drive object {request.drive_object} instead of {job.drive.drive_object}")
     if len(request.addresses) != len(telegram.parts):
-        raise _Wrong("PG604", f"{len(request.addresses)} parameters instead of {len(telegram.parts)}")
+        raise _FindingError("PG604", f"{len(request.addresses)} parameters instead of {len(telegram.parts)}")
     for position, part in enumerate(telegram.parts):
         _check_part(request, position, part, job)
 
@@ -139,9 +139,11 @@ def _check_part(request: Request, position: int, part: Part, job: PlannedJob) ->
     address = request.addresses[position]
     use = part.use
     if (address.pnu, address.subindex) != (use.parameter.pnu, part.subindex):
-        raise _Wrong("PG604", f"parameter {position + 1} is P{address.pnu}[{address.subindex}] instead of {use.label}")
+        raise _FindingError(
+            "PG604", f"parameter {position + 1} is P{address.pnu}[{address.subindex}] instead of {use.label}"
+        )
     if job.write and request.values[position].data != part.data:
-        raise _Wrong(
+        raise _FindingError(
             "PG604", f"value of {use.label} is {request.values[position].data.hex(' ')}, not {part.data.hex(' ')}"
         )
 
@@ -150,20 +152,21 @@ def _exchange(project: Project, folder: Folder, job: PlannedJob, telegram: Teleg
     """Send the image, fetch the answer, read it back through the declared members."""
     answer = _talk(project, folder, job, telegram, drive)
     if answer[1] & 0x80:
-        block = errors.error_text(answer[7] if len(answer) > 7 else 0)  # noqa: PLR2004 - low byte of the error word
-        raise _Wrong("PG606", f"the drive answered error {block.number:02X}h: {block.meaning}")
+        block = errors.error_text(answer[7] if len(answer) > 7 else 0)
+        raise _FindingError("PG606", f"the drive answered error {block.number:02X}h: {block.meaning}")
     if len(answer) != telegram.positive_length:
-        raise _Wrong("PG606", f"the answer has {len(answer)} bytes, {telegram.positive_length} were planned")
+        raise _FindingError("PG606", f"the answer has {len(answer)} bytes, {telegram.positive_length} were planned")
     memory = _store(folder, telegram, answer)
-    shown = []
-    for field in telegram.response_fields:
-        if field.role == "value" and field.part is not None:
-            shown.append(_read_back(folder, telegram, job, field, field.part, memory, drive))
+    shown = [
+        _read_back(folder, telegram, job, field, field.part, memory, drive)
+        for field in telegram.response_fields
+        if field.role == "value" and field.part is not None
+    ]
     if job.write:
         for part in telegram.parts:
             _written(job, part, drive)
             shown.append(f"{part.use.label} accepted")
-    values = ", ".join(shown[:6]) + (f", .. ({len(shown)})" if len(shown) > 6 else "")  # noqa: PLR2004 - one line
+    values = ", ".join(shown[:6]) + (f", .. ({len(shown)})" if len(shown) > 6 else "")
     return f"{_short(answer.hex(' ').upper())}  {values}"
 
 
@@ -171,11 +174,11 @@ def _talk(project: Project, folder: Folder, job: PlannedJob, telegram: Telegram,
     index = job.drive.record_index
     code = drive.write_record(index, request_image(project, folder, telegram))
     if code:
-        raise _Wrong("PG606", f"WRREC ends with {code:08X}: {status.explain(code).meaning}")
+        raise _FindingError("PG606", f"WRREC ends with {code:08X}: {status.explain(code).text}")
     drive.advance(drive.habits.processing)
     code, answer = drive.read_record(index, 240)
     if code:
-        raise _Wrong("PG606", f"RDREC ends with {code:08X}: {status.explain(code).meaning}")
+        raise _FindingError("PG606", f"RDREC ends with {code:08X}: {status.explain(code).text}")
     return answer
 
 
@@ -185,7 +188,7 @@ def _store(folder: Folder, telegram: Telegram, answer: bytes) -> bytearray:
     memory = image(block, folder.text)
     if len(answer) > len(memory):
         short = len(answer) - len(memory)
-        raise _Wrong("PG605", f"response buffer {short} bytes too small: the answer has {len(answer)}")
+        raise _FindingError("PG605", f"response buffer {short} bytes too small: the answer has {len(answer)}")
     memory[: len(answer)] = answer
     return memory
 
@@ -201,31 +204,29 @@ def _read_back(
     expected = formats.pack_values(part.use.format, values)
     found = bytes(memory[entry.byte : entry.byte + len(expected)])
     if found != expected:
-        raise _Wrong("PG607", f'"{block.name}".{field.name} holds {found.hex(" ")}, the drive has {expected.hex(" ")}')
+        raise _FindingError(
+            "PG607", f'"{block.name}".{field.name} holds {found.hex(" ")}, the drive has {expected.hex(" ")}'
+        )
     value = read_member(memory, layout, field.name)
     unit = f" {part.use.parameter.unit}" if part.use.parameter.unit else ""
-    address = f" at DB{telegram.response_db.number}.DBD{entry.byte}" if entry.size == 32 else ""  # noqa: PLR2004 - DBD
+    address = f" at DB{telegram.response_db.number}.DBD{entry.byte}" if entry.size == 32 else ""
     return f"{part.use.label} = {_value(value)}{unit}{address}"
 
 
 def _value(value: object) -> str:
     if isinstance(value, list | tuple):
         inner = ", ".join(_value(item) for item in value[:4])
-        return f"[{inner}{', ..' if len(value) > 4 else ''}]"  # noqa: PLR2004 - one line
-    if isinstance(value, dict):
-        return "{..}"
-    return (
-        f"{value:.7g}" + (".0" if isinstance(value, float) and value.is_integer() else "")
-        if isinstance(value, float)
-        else str(value)
-    )
+        return f"[{inner}{', ..' if len(value) > 4 else ''}]"
+    if isinstance(value, float):
+        return f"{value:.7g}.0" if value.is_integer() and abs(value) < 1e7 else f"{value:.7g}"
+    return str(value)
 
 
 def _written(job: PlannedJob, part: Part, drive: Drive) -> None:
     parameter = drive.objects[job.drive.drive_object].parameters[part.use.parameter.pnu]
     values = [parameter.values[0]] if part.use.format.is_string else parameter.values[part.subindex :][: part.count]
     if formats.pack_values(part.use.format, values) != part.data:
-        raise _Wrong("PG607", f"{part.use.label}: the drive has {values} after the write")
+        raise _FindingError("PG607", f"{part.use.label}: the drive has {values} after the write")
 
 
 def _negative(project: Project, folder: Folder, job: PlannedJob, telegram: Telegram) -> int:
@@ -240,18 +241,18 @@ def _negative(project: Project, folder: Folder, job: PlannedJob, telegram: Teleg
         for words in (1, 2)
     ]
     for number, position, words in cases:
-        fault = Fault(FaultKind.ERROR, number=number, position=position, words=2 if words == 2 else 1, info=position)  # noqa: PLR2004
+        fault = Fault(FaultKind.ERROR, number=number, position=position, words=2 if words == 2 else 1, info=position)
         drive.faults = [fault]
         answer = _talk(project, folder, job, telegram, drive)
         longest = max(longest, len(answer))
         if len(answer) > size:
-            raise _Wrong(
+            raise _FindingError(
                 "PG605", f"response buffer {len(answer) - size} bytes too small: DB has {size}, an answer {len(answer)}"
             )
         if not answer[1] & 0x80:
-            raise _Wrong("PG606", f"error {number:02X}h at parameter {position} was not answered")
+            raise _FindingError("PG606", f"error {number:02X}h at parameter {position} was not answered")
     drive.faults = [Fault(FaultKind.ERROR, number=2, position=p, words=2) for p in range(1, len(telegram.parts) + 1)]
     answer = _talk(project, folder, job, telegram, drive)
     if len(answer) > size:
-        raise _Wrong("PG605", f"response buffer {len(answer) - size} bytes too small: every parameter may fail")
+        raise _FindingError("PG605", f"response buffer {len(answer) - size} bytes too small: every parameter may fail")
     return max(longest, len(answer))

@@ -1,4 +1,4 @@
-"""What lies in an output folder: manifest, blocks from the text sources, blocks from SimaticML. Nothing else is used."""
+"""What lies in an output folder: manifest, blocks from the text sources, blocks from SimaticML."""
 
 from __future__ import annotations
 

@@ -91,8 +91,9 @@ def _one(
     found = rows(layout)
     for expected, actual in zip(planned, found, strict=False):
         if expected != actual:
-            return "PG603", f"{what}: {actual.name}@{actual.offset} ({actual.size} B), the telegram has " \
-                f"{expected.name}@{expected.offset} ({expected.size} B)"  # fmt: skip
+            there = f"{actual.name}@{actual.offset} ({actual.size} B)"
+            wanted = f"{expected.name}@{expected.offset} ({expected.size} B)"
+            return "PG603", f"{what}: {there}, the telegram has {wanted}"
     if len(found) != len(planned):
         return "PG603", f"{what}: {len(found)} members, the telegram has {len(planned)}"
     if layout.size != size + size % 2:
