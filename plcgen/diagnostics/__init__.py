@@ -4,8 +4,8 @@
 """
 
 from plcgen.diagnostics.model import (
-    DiagnosticError,
     Diagnostic,
+    DiagnosticError,
     Note,
     Report,
     Severity,

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from operator import itemgetter
+from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Span
 from plcgen.rules.places import node_at
 from plcgen.s7.address import Address
 from plcgen.spec.load import SpecPath
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from plcgen.plan.model import Project
     from collections.abc import Iterator
+
+    from plcgen.plan.model import Project
 
 _Flag = tuple[int, int, str, SpecPath, Address]
 
@@ -31,10 +32,7 @@ def overlap(project: Project) -> Iterator[Diagnostic]:
                 help="one signal would overwrite the other: use another address",
                 notes=(Note(f"{earlier[4]} is used here", _span(project, earlier[3])),),
             )
-        if (
-            furthest is None
-            or flag[4].offset + flag[4].width_bits > furthest[4].offset + furthest[4].width_bits
-        ):
+        if furthest is None or flag[4].offset + flag[4].width_bits > furthest[4].offset + furthest[4].width_bits:
             furthest = flag
 
 

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.plan.fields import request_fields, response_fields
 from plcgen.rules.places import member_span, name_span, parameter_span
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from plcgen.plan.model import Field, PlannedJob, Project, Telegram, Use
     from collections.abc import Iterator
+
+    from plcgen.plan.model import Field, PlannedJob, Project, Telegram, Use
 
 _OWN = frozenset(
     {
-        "execute", "busy", "done", "error", "status", "errors", "errorinfos", "diagnostics", "hardwareid", "driveaddress",
-        "own_number", "record_index", "response_size", "max_retries", "timeout", "drain_limit",
+        "execute", "busy", "done", "error", "status", "errors", "errorinfos", "diagnostics", "hardwareid",
+        "driveaddress", "own_number", "record_index", "response_size", "max_retries", "timeout", "drain_limit",
         "retry_pause", "lease", "clock_end",
     }
 )  # fmt: skip
@@ -40,9 +41,7 @@ def block_names(project: Project) -> Iterator[Diagnostic]:
         reported.add((span, earlier))
         yield Diagnostic(
             "PG406",
-            f'block name "{block.name}" is used twice'
-            if earlier
-            else f'"{block.name}" is the name of the example OB1',
+            f'block name "{block.name}" is used twice' if earlier else f'"{block.name}" is the name of the example OB1',
             span,
             help="rename one of them: letter case makes no difference",
             notes=(Note(f'first use: "{name}"', earlier),) if earlier else (),
@@ -143,9 +142,7 @@ def overrides(project: Project) -> Iterator[Diagnostic]:
         for which, buffer in (("request", spec.request), ("response", spec.response)):
             if not buffer.members:
                 continue
-            generated = list(
-                dict.fromkeys(name for t in job.telegrams for name in _generated(project, job, t, which))
-            )
+            generated = list(dict.fromkeys(name for t in job.telegrams for name in _generated(project, job, t, which)))
             known = set(generated)
             for old in buffer.members:
                 if old in known:

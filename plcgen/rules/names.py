@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.rules.places import key_or_value, member_span, name_span, node_at
 from plcgen.s7.names import check_name
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from plcgen.spec.load import SpecPath
-    from plcgen.plan.model import Project
     from collections.abc import Iterator
+
+    from plcgen.plan.model import Project
+    from plcgen.spec.load import SpecPath
 
 _KEY = re.compile(r"[^\W\d_][\w-]*\Z")
 _PARAMETER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
@@ -111,11 +112,7 @@ def _reason(named: Named, *, v5: bool) -> str | None:
         return None if odd is None else f"the character U+{ord(odd):04X} is not allowed"
     if named.role == "key":
         fits = _KEY.match(named.name) is not None
-        return (
-            None
-            if fits
-            else "a key is a letter, then letters, digits, _ and -: blocks and files are named after it"
-        )
+        return None if fits else "a key is a letter, then letters, digits, _ and -: blocks and files are named after it"
     if named.role == "parameter":
         if _PARAMETER.match(named.name) is None:
             return "a parameter name is a letter A-Z or a-z, then letters, digits and _"

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note
 from plcgen.rules.places import key_or_value, number_span
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from plcgen.plan.model import BlockRef, Project
     from collections.abc import Iterator
+
+    from plcgen.plan.model import BlockRef, Project
 
 
 def used_twice(project: Project) -> Iterator[Diagnostic]:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Severity
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.plan.references import parse_reference
 from plcgen.plan.target import element_type
 from plcgen.rules.places import parameter_span, spelling
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from plcgen.spec.catalog import Parameter
-    from plcgen.plan.model import PlannedJob, Project, Use
     from collections.abc import Iterator
+
+    from plcgen.plan.model import PlannedJob, Project, Use
+    from plcgen.spec.catalog import Parameter
 
 _OPAQUE = frozenset({"BinaryDate", "TimeOfDay"})
 
@@ -27,11 +28,7 @@ def access(project: Project) -> Iterator[Diagnostic]:
             if job.write and use.parameter.access == "r":
                 message = f"{name} can only be read"
                 help_ = "the drive would answer error 01h: remove it from write, or read it in another job"
-            elif (
-                job.write
-                and not use.parameter.source
-                and spelling(project, job, use).strip()[:1] in {"r", "R"}
-            ):
+            elif job.write and not use.parameter.source and spelling(project, job, use).strip()[:1] in {"r", "R"}:
                 if use.parameter.pnu in _own(project, job):
                     continue
                 message = f"{name} is written with r, which marks a parameter that can only be read"

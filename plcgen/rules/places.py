@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from itertools import islice
-
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from plcgen.spec.source import Node
-    from plcgen.spec.load import SpecPath
-    from plcgen.plan.model import BlockRef, PlannedJob, Project, Use
     from plcgen.diagnostics import Span
+    from plcgen.plan.model import BlockRef, PlannedJob, Project, Use
+    from plcgen.spec.load import SpecPath
+    from plcgen.spec.source import Node
 
 _NUMBER_KEYS = {"request": "db", "response": "db", "block": "number", "instance": "number"}
 

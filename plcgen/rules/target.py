@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.rules.places import key_or_value, node_at
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from plcgen.spec.load import SpecPath
-    from plcgen.plan.model import Project
     from collections.abc import Iterator
+
+    from plcgen.plan.model import Project
+    from plcgen.spec.load import SpecPath
 
 _LANGUAGE = re.compile(r"[a-z]{2,3}(?:-[A-Z][a-z]{3})?-[A-Z]{2}\Z")
 _COMMON = (
-    "en-US", "en-GB", "de-DE", "de-AT", "de-CH", "zh-CN", "zh-TW", "fr-FR", "it-IT", "es-ES", "pt-BR", "pt-PT", 
-    "nl-NL", "pl-PL", "cs-CZ", "sv-SE", "da-DK", "fi-FI", "nb-NO", "hu-HU", "tr-TR", "ru-RU", "ja-JP", "ko-KR",
+    "en-US", "en-GB", "de-DE", "de-AT", "de-CH", "zh-CN", "zh-TW", "fr-FR", "it-IT", "es-ES", "pt-BR",
+    "pt-PT", "nl-NL", "pl-PL", "cs-CZ", "sv-SE", "da-DK", "fi-FI", "nb-NO", "hu-HU", "tr-TR", "ru-RU", "ja-JP",
+    "ko-KR",
 )  # fmt: skip
 _SHOWN = 12
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Severity
 from plcgen.plan.pack import longest_response
 from plcgen.rules.places import key_or_value, owner_span, value_span
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from plcgen.plan.model import BlockRef, PlannedJob, Project, Telegram
     from collections.abc import Iterator
+
+    from plcgen.plan.model import BlockRef, PlannedJob, Project, Telegram
 
 
 def response_buffer(project: Project) -> Iterator[Diagnostic]:
@@ -36,16 +37,14 @@ def response_buffer(project: Project) -> Iterator[Diagnostic]:
             elif size > limit:
                 yield Diagnostic(
                     "PG303",
-                    f"response buffer too large: "
-                    f"{block} has {size} bytes, a record of this drive at most {limit}",
+                    f"response buffer too large: {block} has {size} bytes, a record of this drive at most {limit}",
                     span,
                     help=f"set size to {needed}..{limit}, or leave size out",
                 )
             elif size % 2:
                 yield Diagnostic(
                     "PG303",
-                    f"response buffer has an odd size: "
-                    f"{block} has {size} bytes, a data block ends with a whole word",
+                    f"response buffer has an odd size: {block} has {size} bytes, a data block ends with a whole word",
                     span,
                     help=f"set size: {size + 1}, or leave size out",
                 )
