@@ -220,7 +220,7 @@ def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
         names = [planned.key for planned in checked.project.jobs]
         hint = f"{did_you_mean(job or '', names)} jobs of this spec: {', '.join(names)}".strip()
         span = checked.project.loaded.key_span(("jobs",))
-        unknown = Diagnostic("PG701", f'the spec has no job "{job}"', span, help=hint)
+        unknown = Diagnostic("PG703", f'the spec has no job "{job}"', span, help=hint)
         return EncodeResult((), (*checked.diagnostics, unknown))
     telegrams = [
         EncodedTelegram(planned.key, telegram.index + 1, _block_text(telegram.request_db), telegram.request)

@@ -1,0 +1,26 @@
+"""Start of the command line; ``--version`` answers before anything else is imported."""
+
+from __future__ import annotations
+
+import sys
+
+from plcgen._version import __version__
+
+
+def main() -> int:
+    """Run the command line and return its exit code."""
+    if sys.argv[1:] in (["--version"], ["-V"]) and sys.stdout is not None:
+        try:
+            sys.stdout.write(f"plcgen {__version__}\n")
+            sys.stdout.flush()
+        except OSError:
+            pass
+        else:
+            return 0
+    from plcgen.cli.main import run
+
+    return run()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

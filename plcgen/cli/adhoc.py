@@ -1,0 +1,150 @@
+"""Parameters and values on the command line: ``P50303``, ``P2155[1..2]``, ``P50304=100.0:FloatingPoint``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.ds47 import formats
+from plcgen.ds47.formats import Format, FormatValueError, Kind, Value
+from plcgen.ds47.model import ParameterAddress, ValueBlock
+from plcgen.plan.references import Reference, parse_bico, parse_reference
+
+if TYPE_CHECKING:
+    from plcgen.spec.catalog import Device
+
+ARGUMENTS = "<arguments>"
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """One argument and where it stands in the joined command line (column from 1)."""
+
+    text: str
+    column: int
+
+    def problem(self, code: str, message: str, help_: str = "") -> DiagnosticError:
+        """Build the error that points at this argument."""
+        span = Span(ARGUMENTS, 1, self.column, 1, self.column + len(self.text))
+        return DiagnosticError([Diagnostic(code, message, span, help=help_)])
+
+
+def arguments(words: tuple[str, ...]) -> list[Argument]:
+    """Give every word its column in ``" ".join(words)``."""
+    placed: list[Argument] = []
+    column = 1
+    for word in words:
+        placed.append(Argument(word, column))
+        column += len(word) + 1
+    return placed
+
+
+def find_device(key: str | None) -> Device | None:
+    """Return the profile of ``--device``. Raises DiagnosticError if there is none of that name."""
+    from plcgen.spec import catalog
+
+    if key is None:
+        return None
+    device = catalog.device(key)
+    if device is None:
+        names = catalog.device_names()
+        hint = f"{did_you_mean(key, names)} known devices: {', '.join(names)}".strip()
+        raise DiagnosticError([Diagnostic("PG201", f'unknown device "{key}"', Span(ARGUMENTS), help=hint)])
+    return device
+
+
+def address(argument: Argument, text: str, device: Device | None, count: int | None = None) -> ParameterAddress:
+    """Read one parameter reference; ``count`` values are written to it, None means it is read."""
+    reference = parse_reference(text)
+    if reference is None:
+        raise argument.problem("PG703", f'"{text}" is not a parameter', "write P50303, P2155[1..2] or 50303")
+    pnu = _number(argument, reference, device)
+    if not 1 <= pnu <= 65535:
+        raise argument.problem("PG703", f"parameter number {pnu} is outside 1..65535")
+    if reference.first is None or reference.last is None:
+        scalar = 1 if device is None else device.scalar_elements[0 if count is None else 1]
+        return ParameterAddress(pnu, 0, scalar if count in {None, 1} else count or 1)
+    values = reference.last - reference.first + 1
+    if values < 1 or reference.last > 0xFFFE:
+        raise argument.problem("PG703", f'"{text}": the index range is empty or over 65534')
+    return ParameterAddress(pnu, reference.first, values)
+
+
+def _number(argument: Argument, reference: Reference, device: Device | None) -> int:
+    if reference.pnu is not None:
+        return reference.pnu
+    found = device.by_name(reference.name) if device is not None else None
+    if found is None:
+        known = [p.name for p in device.parameters.values() if p.name] if device else []
+        hint = did_you_mean(reference.name, known) or "use its number, or --device for names"
+        raise argument.problem("PG703", f'unknown parameter "{reference.name}"', hint)
+    return found.pnu
+
+
+def change(argument: Argument, device: Device | None) -> tuple[ParameterAddress, ValueBlock]:
+    """Read ``P50304=100.0:FloatingPoint``; with a device from the catalogue the type may be left out."""
+    name, equals, rest = argument.text.partition("=")
+    if not equals or not rest:
+        raise argument.problem("PG703", f'"{argument.text}" has no value', "P50304=100.0:FloatingPoint")
+    text, type_ = _split(rest)
+    place = address(argument, name, device)
+    if type_ is None:
+        known = device.parameters.get(place.pnu) if device is not None else None
+        if known is None:
+            example = f"{argument.text}:FloatingPoint"
+            raise argument.problem("PG703", f'the data type of "{name}" is missing', example)
+        type_ = known.type.partition("[")[0]
+    fmt = _format(argument, type_)
+    block = _block(argument, text, fmt)
+    indexed = "[" in name
+    asked = place.elements
+    if indexed and block.count != asked and not fmt.is_string:
+        raise argument.problem("PG703", f"{block.count} values for {asked} elements")
+    return address(argument, name, device, None if indexed else block.count), block
+
+
+def _split(rest: str) -> tuple[str, str | None]:
+    """Separate value and type at the last colon, if what follows looks like a type."""
+    value, colon, type_ = rest.rpartition(":")
+    if colon and type_[:1].isalpha() and type_.isalnum():
+        return value, type_
+    return rest, None
+
+
+def _format(argument: Argument, name: str) -> Format:
+    names = [f.name for f in formats.FORMATS if f.writable]
+    try:
+        fmt = formats.by_name(name)
+    except KeyError:
+        fmt = None
+    if fmt is None or not fmt.writable:
+        hint = f"{did_you_mean(name, names)} data types: {', '.join(names)}".strip()
+        raise argument.problem("PG703", f'"{name}" is not a DS47 data type', hint)
+    return fmt
+
+
+def _block(argument: Argument, text: str, fmt: Format) -> ValueBlock:
+    try:
+        pieces = [text] if fmt.is_string else text.split(",")
+        return ValueBlock.of(fmt, [_value(piece.strip(), fmt) for piece in pieces])
+    except (FormatValueError, ValueError) as problem:
+        raise argument.problem("PG703", str(problem)) from problem
+
+
+def _value(text: str, fmt: Format) -> Value:
+    """Read one value: S7 and YAML numbers, ``true``, BICO sources for Unsigned32, hex for octets."""
+    from plcgen.spec.source import resolve_plain
+
+    if fmt.kind is Kind.TEXT:
+        return text
+    if fmt.kind in {Kind.OCTETS, Kind.OPAQUE}:
+        return bytes.fromhex(text)
+    value = resolve_plain(text)
+    if isinstance(value, str) and fmt.name in {"Unsigned32", "DoubleWord"}:
+        bico = parse_bico(value)
+        value = value if bico is None else bico
+    if value is None or isinstance(value, str):
+        raise FormatValueError(f'"{text}" is not a value of type {fmt.name}')
+    return value

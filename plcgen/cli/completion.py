@@ -1,0 +1,35 @@
+"""``plcgen completion``: the completion script of a shell."""
+
+from __future__ import annotations
+
+import click
+
+from plcgen.cli.options import CONTEXT, Verb, common_options, console
+from plcgen.cli.output import OK
+
+
+@click.command(
+    "completion",
+    cls=Verb,
+    context_settings=CONTEXT,
+    examples=(
+        'bash:  eval "$(plcgen completion bash)"          in ~/.bashrc',
+        'zsh:   eval "$(plcgen completion zsh)"           in ~/.zshrc',
+        "fish:  plcgen completion fish > ~/.config/fish/completions/plcgen.fish",
+    ),
+)
+@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
+@common_options
+@click.pass_context
+def command(ctx: click.Context, shell: str) -> int:
+    """Print the script that completes verbs, options and files with the Tab key."""
+    from click.shell_completion import get_completion_class
+
+    from plcgen.cli.main import cli
+
+    made = get_completion_class(shell)
+    if made is None:
+        raise click.UsageError(f"no completion for {shell}", ctx)
+    script = made(cli, {}, "plcgen", "_PLCGEN_COMPLETE")
+    console(ctx).result(script.source_template % script.source_vars())
+    return OK

@@ -1,0 +1,157 @@
+"""``plcgen decode``: telegrams and STATUS values, byte by byte."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Literal
+
+import click
+
+from plcgen.cli.hexbytes import HexError, HexText, parse_hex, strip_comment
+from plcgen.cli.options import CONTEXT, Verb, common_options, console, json_option
+from plcgen.cli.output import OK, PROBLEMS, Console, is_terminal
+from plcgen.diagnostics import Diagnostic, Span
+
+if TYPE_CHECKING:
+    from plcgen.report.telegram import DecodedTelegram
+
+ARGUMENTS, STDIN, REQUEST = "<arguments>", "<stdin>", "<request>"
+_MAX_INPUT = 16 * 1024 * 1024
+_SPELLINGS = "write bytes as 03 01, 0301, 16#03, 0x03, 03h or W#16#0101, one telegram a line"
+
+
+@click.command(
+    "decode",
+    cls=Verb,
+    context_settings=CONTEXT,
+    examples=(
+        "plcgen decode 03 01 02 01 10 01 C4 7F 00 00",
+        'plcgen decode 0301020108014120 0000 --request "0301020110 01C47F0000"',
+        "plcgen encode job.yaml | plcgen decode",
+        "plcgen decode --status DF80B500",
+    ),
+)
+@click.argument("hex_", nargs=-1, metavar="[HEX...]")
+@click.option("--as", "kind", type=click.Choice(["request", "response"]), help="Do not guess what it is.")
+@click.option("--request", metavar="HEX", help="The request that the response answers: names and checks.")
+@click.option("--status", is_flag=True, help="HEX is a STATUS double word of WRREC or RDREC.")
+@json_option
+@common_options
+@click.pass_context
+def command(
+    ctx: click.Context,
+    hex_: tuple[str, ...],
+    kind: Literal["request", "response"] | None,
+    request: str | None,
+    status: bool,  # noqa: FBT001 - click's signature
+    as_json: bool,  # noqa: FBT001
+) -> int:
+    """Explain telegrams of data set 47 byte by byte, from arguments or from stdin.
+
+    All arguments together are one telegram; on stdin every line is one. Requests and responses are told
+    apart by their bytes. Exit code 1 if a telegram is malformed.
+    """
+    out = console(ctx)
+    if status:
+        return _status(ctx, hex_, as_json=as_json)
+    known = {ARGUMENTS: " ".join(hex_), REQUEST: request or ""}
+    found: list[Diagnostic] = []
+    context = _read(known[REQUEST], REQUEST, 1, found) if request is not None else None
+    if hex_:
+        lines, name = [known[ARGUMENTS]], ARGUMENTS
+    else:
+        lines, name = _stdin(ctx, known), STDIN
+    telegrams: list[DecodedTelegram] = []
+    for number, line in enumerate(lines, 1):
+        body = strip_comment(line)
+        if not body.strip():
+            continue
+        parsed = _read(body, name, number, found)
+        if parsed is not None:
+            telegrams.append(_decode(parsed, name, number, kind, context, found))
+    if not telegrams and not found:
+        found.append(Diagnostic("PG701", "there are no bytes to decode", Span(name), help=_SPELLINGS))
+    _show(out, telegrams, found, known, as_json=as_json)
+    return PROBLEMS if found else OK
+
+
+def _stdin(ctx: click.Context, known: dict[str, str]) -> list[str]:
+    if sys.stdin is None or is_terminal(sys.stdin):
+        raise click.UsageError("give the bytes as arguments or on stdin", ctx)
+    stream = getattr(sys.stdin, "buffer", None)
+    data = stream.read(_MAX_INPUT + 1) if stream is not None else sys.stdin.read(_MAX_INPUT + 1).encode()
+    if len(data) > _MAX_INPUT:
+        raise click.UsageError(f"more than {_MAX_INPUT // 1024 // 1024} MiB on stdin", ctx)
+    known[STDIN] = data.decode("utf-8-sig", "replace").replace("\r\n", "\n").replace("\r", "\n")
+    return known[STDIN].split("\n")
+
+
+def _read(text: str, name: str, line: int, found: list[Diagnostic]) -> HexText | None:
+    try:
+        return parse_hex(text)
+    except HexError as problem:
+        start = problem.column + 1
+        span = Span(name, line, start, line, start + problem.length)
+        found.append(Diagnostic("PG701", problem.reason, span, help=_SPELLINGS))
+        return None
+
+
+def _decode(
+    parsed: HexText,
+    name: str,
+    line: int,
+    kind: Literal["request", "response"] | None,
+    context: HexText | None,
+    found: list[Diagnostic],
+) -> DecodedTelegram:
+    from plcgen import api
+
+    telegram = api.decode(parsed.data, kind=kind, request=context.data if context else None)
+    for offset, message in telegram.problems:
+        column, length = parsed.place(offset)
+        span = Span(name, line, column + 1, line, column + 1 + length)
+        found.append(Diagnostic("PG702", f"byte {offset}: {message}", span))
+    return telegram
+
+
+def _show(
+    out: Console,
+    telegrams: list[DecodedTelegram],
+    found: list[Diagnostic],
+    known: dict[str, str],
+    *,
+    as_json: bool,
+) -> None:
+    from plcgen.report import telegram as report
+
+    if as_json:
+        from plcgen.report.json import diagnostic_data
+
+        out.result(report.telegrams_json(telegrams, [diagnostic_data(d) for d in found]))
+        return
+    if telegrams:
+        texts = [report.telegram_text(t, color=out.out_color, width=out.out_width) for t in telegrams]
+        out.result("\n".join(texts))
+    out.complain(found, known)
+
+
+def _status(ctx: click.Context, hex_: tuple[str, ...], *, as_json: bool) -> int:
+    from plcgen import api
+    from plcgen.report.telegram import status_json, status_text
+
+    out = console(ctx)
+    text = " ".join(hex_)
+    if not text:
+        raise click.UsageError("--status needs a value, for example DF80B500", ctx)
+    found: list[Diagnostic] = []
+    parsed = _read(text, ARGUMENTS, 1, found)
+    if parsed is not None and len(parsed.data) != 4:
+        span = Span(ARGUMENTS, 1, 1, 1, len(text) + 1)
+        message = f"a STATUS has 4 bytes, not {len(parsed.data)}"
+        found.append(Diagnostic("PG701", message, span, help="for example DF80B500 or DW#16#DF80B500"))
+    if found or parsed is None:
+        out.complain(found, {ARGUMENTS: text})
+        return PROBLEMS
+    status = api.decode_status(int.from_bytes(parsed.data))
+    out.result(status_json(status) if as_json else status_text(status, color=out.out_color))
+    return OK

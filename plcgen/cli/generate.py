@@ -1,0 +1,108 @@
+"""``plcgen generate``: from a spec to a folder of PLC sources."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from plcgen.cli.options import CONTEXT, FORMATS, PATH, Verb, common_options, console, format_options
+from plcgen.cli.output import OK, PROBLEMS, Console
+
+if TYPE_CHECKING:
+    from plcgen.api import GenerateResult
+
+
+def default_folder(spec: Path) -> Path:
+    """``machines/press.yaml`` -> ``machines/press_generated``."""
+    return spec.with_name(f"{spec.stem}_generated")
+
+
+@click.command(
+    "generate",
+    cls=Verb,
+    context_settings=CONTEXT,
+    examples=(
+        "plcgen generate job.yaml",
+        "plcgen generate job.yaml --out plc/drives",
+        "plcgen generate job.yaml --check",
+    ),
+)
+@click.argument("spec", type=PATH)
+@click.option(
+    "--out", "folder", type=PATH, metavar="DIR", help="Output folder.  [default: <spec>_generated beside the spec]"
+)
+@click.option("--check", "check_only", is_flag=True, help="Write nothing; exit 1 if the folder is not up to date.")
+@click.option("--diff", is_flag=True, help="Show what would change as a unified diff; write nothing.")
+@click.option("--force", is_flag=True, help="Overwrite files that were changed by hand.")
+@format_options(*FORMATS)
+@common_options
+@click.pass_context
+def command(
+    ctx: click.Context,
+    spec: Path,
+    folder: Path | None,
+    check_only: bool,  # noqa: FBT001 - click's signature
+    diff: bool,  # noqa: FBT001
+    force: bool,  # noqa: FBT001
+    format_: str,
+) -> int:
+    """Generate the PLC sources of a spec into a folder.
+
+    The folder is replaced as a whole or not at all. Files that you changed by hand are never overwritten
+    without --force. With --check the folder is compared, the diff printed, and the exit code is 1 if it is
+    stale: commit the folder and run this in CI. --diff prints the same diff but only looks (exit code 0).
+    """
+    from plcgen import api
+
+    out = console(ctx)
+    target = folder or default_folder(spec)
+    with out.progress() as progress:
+        result = api.generate(spec, target, check_only=check_only or diff, force=force, progress=progress)
+    if diff and not check_only:
+        found = tuple(d for d in result.diagnostics if d.code != STALE)
+        result = dataclasses.replace(result, diagnostics=found)
+    if format_ == "text":
+        _show(out, result, looking=check_only or diff)
+    else:
+        _machine(out, result, format_)
+    return OK if result.ok else PROBLEMS
+
+
+STALE = "PG504"
+"""What ``--check`` calls an error and ``--diff`` does not: a file that differs from what would be generated."""
+
+
+def _show(out: Console, result: GenerateResult, *, looking: bool) -> None:
+    from plcgen.report.paint import paint_diff
+    from plcgen.report.text import count_text
+
+    out.complain(result.diagnostics)
+    if result.diff:
+        out.result(paint_diff(result.diff, color=out.out_color))
+    if looking and all(d.code == STALE for d in result.diagnostics if d.severity.label == "error"):
+        out.say(f"{result.folder} is {'not up to date' if result.diff or not result.ok else 'up to date'}")
+    elif not result.ok:
+        out.say(f"{count_text(result.diagnostics)}; nothing was written")
+    else:
+        count = len(result.written)
+        parts = [f"{count} file{'' if count == 1 else 's'} written"] if count else []
+        parts += [f"{len(result.unchanged)} unchanged"] if result.unchanged else []
+        parts += [f"{len(result.removed)} removed"] if result.removed else []
+        out.say(f"{result.folder}: {', '.join(parts) or 'nothing to do'}")
+
+
+def _machine(out: Console, result: GenerateResult, format_: str) -> None:
+    from plcgen.cli.formats import diagnostics_in
+
+    more = {
+        "folder": result.folder.as_posix(),
+        "written": list(result.written),
+        "unchanged": list(result.unchanged),
+        "removed": list(result.removed),
+        "diff": result.diff,
+    }
+    subjects = [(result.spec.as_posix(), result.diagnostics)]
+    out.result(diagnostics_in(format_, "generate", subjects, **more))

@@ -1,0 +1,177 @@
+"""The group of verbs: static help, verbs imported when called, one place that turns every end into an exit code."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+
+import click
+
+from plcgen._version import __version__
+from plcgen.cli import output
+from plcgen.cli.options import CONTEXT, Examples, common_options
+
+SECTIONS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
+    (
+        "Write a job",
+        (
+            ("new", "Write a commented starter spec."),
+            ("check", "Check specs and show every problem at its place."),
+            ("schema", "Print the JSON schema of a spec, or the known devices."),
+        ),
+    ),
+    (
+        "Make the blocks",
+        (
+            ("generate", "Generate the PLC sources of a spec."),
+            ("layout", "Show where every byte of the data blocks lies."),
+            ("verify", "Run the generated files against a simulated drive."),
+        ),
+    ),
+    (
+        "Read telegrams and codes",
+        (
+            ("encode", "Print the request telegrams of a spec or of one parameter."),
+            ("decode", "Explain telegrams and STATUS values byte by byte."),
+            ("explain", "Explain a diagnostic code, error number or status word."),
+        ),
+    ),
+    (
+        "Get to know it",
+        (
+            ("demo", "Generate and verify the shipped examples."),
+            ("completion", "Print the completion script of a shell."),
+        ),
+    ),
+)
+VERBS: tuple[str, ...] = tuple(verb for _, verbs in SECTIONS for verb, _ in verbs)
+
+_REPORT = "please report this with the command and the spec: it is a bug in plcgen, not in your input"
+
+
+class VerbGroup(Examples, click.Group):
+    """A group whose verbs live in modules of the same name and whose help needs none of them."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+        """Verbs in the order of the workflow."""
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        """Import the verb's module."""
+        if cmd_name not in VERBS:
+            return None
+        found: click.Command = import_module(f"plcgen.cli.{cmd_name}").command
+        return found
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        """Write the static table of verbs."""
+        for title, verbs in SECTIONS:
+            with formatter.section(title):
+                formatter.write_dl(list(verbs), col_spacing=3)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the verb, or say which one was probably meant."""
+        name = str(args[0])
+        if name not in VERBS and not name.startswith("-"):
+            raise click.UsageError(f'there is no verb "{name}"{_hint(name)}', ctx)
+        return super().resolve_command(ctx, args)
+
+
+def _hint(name: str) -> str:
+    from plcgen.diagnostics.suggest import did_you_mean
+
+    if name.lower().endswith((".yaml", ".yml")) or Path(name).is_file():
+        return f": a verb comes first, for example plcgen check {name}"
+    hint = did_you_mean(name, VERBS)
+    return f", {hint}" if hint else f"; the verbs are {', '.join(VERBS)}"
+
+
+@click.command(
+    cls=VerbGroup,
+    context_settings=CONTEXT,
+    invoke_without_command=True,
+    examples=(
+        "plcgen new job.yaml             a commented spec to start from",
+        "plcgen check job.yaml           every problem, with line and remedy",
+        "plcgen generate job.yaml        SCL, data blocks, tags, texts",
+        "plcgen verify job.yaml          run them against a simulated drive",
+    ),
+)
+@common_options
+@click.version_option(__version__, "-V", "--version", message="plcgen %(version)s")
+@click.pass_context
+def cli(ctx: click.Context) -> int:
+    """Generate and verify S7 blocks that read and write drive parameters (PROFIdrive data set 47)."""
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())
+    return output.OK
+
+
+def run(args: Sequence[str] | None = None) -> int:
+    """Run the command line; every way it can end becomes an exit code here and nowhere else."""
+    output.prepare_streams()
+    try:
+        code = cli.main(args=None if args is None else list(args), prog_name="plcgen", standalone_mode=False)
+    except click.UsageError as problem:
+        return _usage(problem)
+    except click.ClickException as problem:
+        output.error_line(problem.format_message())
+        return output.PROBLEMS
+    except (click.Abort, KeyboardInterrupt):
+        output.error_line("interrupted")
+        return output.INTERRUPTED
+    except (output.ClosedOutputError, BrokenPipeError):
+        output.abandon_stdout()
+        return output.CLOSED
+    except output.OutputError as problem:
+        output.error_line(str(problem))
+        output.abandon_stdout()
+        return output.PROBLEMS
+    except SystemExit as end:
+        return _system_exit(end)
+    except Exception as problem:  # noqa: BLE001 - the outermost frame: told apart, reported, ended
+        return _unexpected(problem)
+    return code if isinstance(code, int) else output.OK
+
+
+def _system_exit(end: SystemExit) -> int:
+    """Click leaves this way after a broken pipe of its own (help) and after shell completion."""
+    output.abandon_stdout()
+    return end.code if isinstance(end.code, int) else output.OK
+
+
+def _usage(problem: click.UsageError) -> int:
+    message = problem.format_message()
+    output.error_line(message[:1].lower() + message[1:], "PG901")
+    if problem.ctx is not None:
+        output.help_line(f"{problem.ctx.command_path} -h")
+    return output.USAGE
+
+
+def _unexpected(problem: Exception) -> int:
+    """Tell a user's problem (diagnostics, files) from a bug."""
+    from plcgen.diagnostics import DiagnosticError
+
+    if isinstance(problem, DiagnosticError):
+        output.Console().complain(problem.diagnostics)
+        return output.PROBLEMS
+    if os.environ.get("PLCGEN_DEBUG") == "1":
+        import traceback
+
+        traceback.print_exception(problem)
+    if isinstance(problem, OSError) and problem.filename is not None:
+        output.error_line(f"{problem.filename}: {problem.strerror or problem}")
+        return output.PROBLEMS
+    detail = " ".join(str(problem).split())[:200]
+    output.error_line(f"internal error: {type(problem).__name__}: {detail}", "PG902")
+    output.help_line(f"{_REPORT}; PLCGEN_DEBUG=1 shows the traceback; plcgen {__version__}, {_python()}")
+    return output.INTERNAL
+
+
+def _python() -> str:
+    return f"Python {sys.version.split()[0]} on {sys.platform}"

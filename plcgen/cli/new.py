@@ -1,0 +1,163 @@
+"""``plcgen new``: a commented spec to start from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console
+from plcgen.cli.output import OK, PROBLEMS, OutputError, error_line, help_line
+
+if TYPE_CHECKING:
+    from plcgen.spec.catalog import Device, Parameter
+
+FAMILIES = ("s7-300", "s7-400", "s7-1200", "s7-1500")
+
+STARTER = """\
+# A job spec of plcgen. Check it with    plcgen check {file}
+# and make the PLC sources with          plcgen generate {file}
+# All keys, for your editor:             plcgen schema
+
+plc:
+  name: {name}
+  family: {family}                # {families}
+  toolchain: {toolchain}{pad}# step7-v5, tia-v13sp1, tia-v14 .. tia-v21
+  # names: faq                  # member names as in Siemens FAQ 109750712 (default: style guide)
+  # languages: [en-US, de-DE]   # languages of comments, the first is the main one
+
+drives:
+  {drive}:
+    device: {device}     # {title}; others: plcgen schema --devices
+    {address}
+    drive_object: {drive_object}             # {rule}
+
+jobs:
+  read_{read_name}:
+    drive: {drive}
+    read:
+      - P{read_pnu}                  # {read_title}
+    # - P1234[0..3]             # an array: indexes 0 to 3
+    # - {{parameter: P1234, type: Unsigned16, as: myValue}}   # a parameter the catalogue does not know
+    # trigger: M50.0            # start by this flag; without it: a member of DB DriveJobs
+
+  write_{write_name}:
+    drive: {drive}
+    write:
+      P{write_pnu}:{no_value}                  # {write_title}; no value here: it becomes an input of the block
+    # P1234: 10.0               # a constant
+    # timeout: 10s              # for the whole job, all retries included
+"""
+
+
+@click.command(
+    "new",
+    cls=Verb,
+    context_settings=CONTEXT,
+    examples=(
+        "plcgen new",
+        "plcgen new press.yaml --device sinamics-dcm --family s7-300",
+    ),
+)
+@click.argument("path", type=PATH, default="job.yaml", metavar="[PATH]")
+@click.option("--device", default="sinamics-s120", metavar="DEVICE", help="Device profile.  [default: sinamics-s120]")
+@click.option("--family", type=click.Choice(FAMILIES), default="s7-1500", help="CPU family.  [default: s7-1500]")
+@click.option("--toolchain", metavar="TOOL", help="step7-v5 or tia-v13sp1 .. tia-v21.  [default: by family]")
+@click.option("--force", is_flag=True, help="Overwrite an existing file.")
+@common_options
+@click.pass_context
+def command(
+    ctx: click.Context,
+    path: Path,
+    device: str,
+    family: str,
+    toolchain: str | None,
+    force: bool,  # noqa: FBT001 - click's signature
+) -> int:
+    """Write a commented starter spec (job.yaml); PATH - writes to stdout."""
+    out = console(ctx)
+    tool = _toolchain(ctx, family, toolchain)
+    text = starter(path, _device(ctx, device), family, tool)
+    if path == Path("-"):
+        out.result(text)
+        return OK
+    try:
+        with path.open("w" if force else "x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except FileExistsError:
+        error_line(f"{path} exists")
+        help_line("choose another name, or overwrite it with --force")
+        return PROBLEMS
+    except OSError as problem:
+        raise OutputError(f"cannot write {path}: {problem.strerror or problem}") from problem
+    out.say(f"wrote {path}\nnext: plcgen check {path}")
+    return OK
+
+
+def _toolchain(ctx: click.Context, family: str, given: str | None) -> str:
+    from typing import get_args
+
+    from plcgen.diagnostics.suggest import did_you_mean
+    from plcgen.plan.target import combination_problem
+    from plcgen.spec.schema import Toolchain
+
+    known = get_args(Toolchain)
+    tool = given or "tia-v17"
+    if tool not in known:
+        hint = did_you_mean(tool, known)
+        message = f'unknown toolchain "{tool}"{f", {hint}" if hint else ""}; known: {", ".join(known)}'
+        raise click.UsageError(message, ctx)
+    problem = combination_problem(family, tool)
+    if problem:
+        raise click.UsageError(problem, ctx)
+    return tool
+
+
+def _device(ctx: click.Context, key: str) -> Device:
+    from plcgen.diagnostics.suggest import did_you_mean
+    from plcgen.spec import catalog
+
+    device = catalog.device(key)
+    if device is None:
+        hint = did_you_mean(key, catalog.device_names())
+        known = ", ".join(catalog.device_names())
+        raise click.UsageError(f'unknown device "{key}"{f", {hint}" if hint else ""}; known: {known}', ctx)
+    return device
+
+
+def starter(path: Path, device: Device, family: str, toolchain: str) -> str:
+    """Return the text of a starter spec that passes every check."""
+    read, write = _examples(device)
+    classic = family in {"s7-300", "s7-400"}
+    hint = "logical address, see the hardware configuration" if classic else "hardware identifier, see the tag table"
+    file = "job.yaml" if path == Path("-") else path.name
+    return STARTER.format(
+        file=file,
+        name="My station",
+        family=family,
+        families=", ".join(FAMILIES),
+        toolchain=toolchain,
+        pad=" " * max(2, 19 - len(toolchain)),
+        drive="drive1",
+        device=device.key,
+        title=device.title,
+        address=f"{'address: 256' if classic else 'hardware_id: 270'}            # {hint}",
+        drive_object=device.drive_object,
+        rule=device.drive_object_rule,
+        read_name=read.name or f"p{read.pnu}",
+        read_pnu=read.pnu,
+        read_title=read.title,
+        write_name=write.name or f"p{write.pnu}",
+        write_pnu=write.pnu,
+        write_title=write.title,
+        no_value="",
+    )
+
+
+def _examples(device: Device) -> tuple[Parameter, Parameter]:
+    """One parameter to read and one to write: harmless, single value, preferably a REAL with limits."""
+    known = sorted(device.parameters.values(), key=lambda p: p.pnu)
+    writable = [p for p in known if "w" in p.access and not p.dangerous and not p.bico]
+    best = [p for p in writable if p.type == "FloatingPoint" and p.maximum is not None] or writable or known
+    return best[0], best[min(1, len(best) - 1)]

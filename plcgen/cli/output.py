@@ -1,0 +1,206 @@
+"""Streams and exit codes, decided once: results own stdout, everything said about them goes to stderr."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, TextIO
+
+if TYPE_CHECKING:
+    from plcgen.diagnostics import Diagnostic
+
+OK = 0
+PROBLEMS = 1
+USAGE = 2
+INTERNAL = 70
+INTERRUPTED = 130
+CLOSED = 141
+
+ColorMode = Literal["auto", "always", "never"]
+FALLBACK_WIDTH = 100
+_WIDEST = 160
+_BAR = 24
+_PROGRESS_PAUSE = 0.08
+
+
+class ClosedOutputError(Exception):
+    """Whoever read our output has gone: ``plcgen layout x.yaml | head``."""
+
+
+class OutputError(Exception):
+    """A result could not be delivered: the message says where and why."""
+
+
+def prepare_streams() -> None:
+    """Make every character printable somewhere: UTF-8 into files and pipes, ``?`` where a console lacks one."""
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is None:
+            continue
+        if stream.isatty():
+            reconfigure(errors="replace")
+        else:
+            reconfigure(encoding="utf-8", errors="replace", newline="\n")
+
+
+def is_terminal(stream: TextIO | None) -> bool:
+    """Whether a stream is an open terminal."""
+    try:
+        return stream is not None and stream.isatty()
+    except ValueError:
+        return False
+
+
+def wants_color(mode: ColorMode, stream: TextIO | None) -> bool:
+    """Resolve ``auto``: a terminal that understands colours, and no NO_COLOR."""
+    if mode != "auto":
+        return mode == "always"
+    if os.environ.get("NO_COLOR") or not is_terminal(stream):
+        return False
+    if sys.platform == "win32":
+        return any(name in os.environ for name in ("WT_SESSION", "ANSICON", "ConEmuANSI", "TERM"))
+    return os.environ.get("TERM", "") not in {"", "dumb"}
+
+
+def terminal_width(stream: TextIO | None) -> int:
+    """Columns to write for: COLUMNS, else the terminal, else a fixed width so that files are reproducible."""
+    columns = os.environ.get("COLUMNS", "")
+    if columns.isdigit() and int(columns) > 0:
+        return min(int(columns), _WIDEST)
+    if stream is not None and is_terminal(stream):
+        with contextlib.suppress(OSError, ValueError):
+            return min(os.get_terminal_size(stream.fileno()).columns or FALLBACK_WIDTH, _WIDEST)
+    return FALLBACK_WIDTH
+
+
+@dataclass(slots=True)
+class Console:
+    """Where a verb writes: results, chatter, problems, progress."""
+
+    quiet: bool = False
+    color: ColorMode = "auto"
+
+    @property
+    def out_color(self) -> bool:
+        """Whether results may be coloured."""
+        return wants_color(self.color, sys.stdout)
+
+    @property
+    def out_width(self) -> int:
+        """Columns for results."""
+        return terminal_width(sys.stdout)
+
+    def result(self, text: str, output: Path | None = None) -> None:
+        """Deliver a result to stdout, or to a file if one is given (UTF-8, LF)."""
+        if output is not None:
+            _write_file(output, text)
+            self.say(f"wrote {output}")
+            return
+        if sys.stdout is None:
+            raise OutputError("cannot write the result: standard output is closed")
+        try:
+            sys.stdout.write(text)
+            sys.stdout.flush()
+        except (OSError, ValueError) as problem:
+            raise _failed(problem) from problem
+
+    def say(self, text: str) -> None:
+        """Tell the person at the terminal something; ``--quiet`` drops it."""
+        if not self.quiet:
+            _to_stderr(text + "\n")
+
+    def complain(self, diagnostics: Sequence[Diagnostic], known: dict[str, str] | None = None) -> None:
+        """Show diagnostics on stderr, for verbs whose result is something else.
+
+        ``known`` holds texts that are no files, for the excerpts.
+        """
+        if diagnostics:
+            from plcgen.cli.sources import SourceCache
+            from plcgen.report.text import diagnostics_text
+
+            color, width = wants_color(self.color, sys.stderr), terminal_width(sys.stderr)
+            _to_stderr(diagnostics_text(diagnostics, SourceCache(known).line, color=color, width=width))
+
+    @contextlib.contextmanager
+    def progress(self) -> Iterator[Callable[[str, int, int], None] | None]:
+        """Give long work a progress bar on stderr; None where nobody would see it."""
+        if self.quiet or not is_terminal(sys.stderr):
+            yield None
+            return
+        bar = _Bar(terminal_width(sys.stderr))
+        try:
+            yield bar.show
+        finally:
+            bar.clear()
+
+
+@dataclass(slots=True)
+class _Bar:
+    """One line on stderr, redrawn at most a dozen times a second."""
+
+    width: int
+    last: float = 0.0
+    drawn: bool = False
+
+    def show(self, what: str, done: int, total: int) -> None:
+        now = time.monotonic()
+        if now - self.last < _PROGRESS_PAUSE:
+            return
+        from plcgen.report.cells import clean, cut, pad
+
+        self.last, self.drawn = now, True
+        filled = _BAR * min(done, total) // total if total > 0 else 0
+        count = f"[{'#' * filled}{'.' * (_BAR - filled)}] {done}/{total}" if total > 0 else str(done)
+        text = f"{count} {clean(what)}"
+        _to_stderr("\r" + pad(cut(text, self.width - 1), self.width - 1))
+
+    def clear(self) -> None:
+        if self.drawn:
+            _to_stderr("\r" + " " * (self.width - 1) + "\r")
+
+
+def error_line(text: str, code: str = "") -> None:
+    """Write an error without a place to stderr, whatever ``--quiet`` says."""
+    _to_stderr(f"error{f'[{code}]' if code else ''}: {text}\n")
+
+
+def help_line(text: str) -> None:
+    """Write the way out below an error."""
+    _to_stderr(f"help: {text}\n")
+
+
+def _to_stderr(text: str) -> None:
+    if sys.stderr is not None:
+        with contextlib.suppress(OSError, ValueError):
+            sys.stderr.write(text)
+            sys.stderr.flush()
+
+
+def _failed(problem: OSError | ValueError) -> Exception:
+    """Sort a failed write: a closed pipe is quiet (Windows says EINVAL), everything else is told."""
+    import errno
+
+    if isinstance(problem, OSError) and problem.errno in {errno.EPIPE, errno.EINVAL, errno.ESHUTDOWN}:
+        return ClosedOutputError()
+    reason = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
+    return OutputError(f"cannot write the result: {reason}")
+
+
+def abandon_stdout() -> None:
+    """Point stdout at nothing, so that the interpreter's last flush cannot fail again."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        descriptor = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(descriptor, sys.stdout.fileno())
+        os.close(descriptor)
+
+
+def _write_file(path: Path, text: str) -> None:
+    try:
+        path.write_bytes(text.encode("utf-8", "replace"))
+    except OSError as problem:
+        raise OutputError(f"cannot write {path}: {problem.strerror or problem}") from problem

@@ -1,0 +1,56 @@
+"""Plain tables in four spellings: aligned text, Markdown, CSV and (through ``json``) data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from plcgen.report.cells import clean, cut, pad, width
+
+Row = Sequence[str]
+
+
+def text_table(
+    header: Row, rows: Sequence[Row], *, right: frozenset[int] = frozenset(), indent: int = 2, limit: int = 0
+) -> list[str]:
+    """Align columns; those in ``right`` to the right; ``limit`` cuts the last column (0: no limit)."""
+    cleaned = [[clean(cell) for cell in row] for row in [header, *rows]]
+    widths = [max(width(row[n]) for row in cleaned) for n in range(len(header))]
+    lines = []
+    for row in cleaned:
+        cells = [
+            " " * (widths[n] - width(cell)) + cell if n in right else pad(cell, widths[n]) for n, cell in enumerate(row)
+        ]
+        line = (" " * indent + "  ".join(cells)).rstrip()
+        lines.append(cut(line, limit) if limit else line)
+    return lines
+
+
+def markdown_table(header: Row, rows: Sequence[Row], *, right: frozenset[int] = frozenset()) -> list[str]:
+    """Write a GitHub Markdown table."""
+    rule = ["---:" if n in right else "---" for n in range(len(header))]
+    return [_markdown(header), "|" + "|".join(rule) + "|", *(_markdown(row) for row in rows)]
+
+
+def _markdown(row: Row) -> str:
+    cells = [clean(cell).replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;") for cell in row]
+    return "| " + " | ".join(cells) + " |"
+
+
+def csv_table(header: Row, rows: Sequence[Row]) -> str:
+    """Write CSV (RFC 4180 quoting, LF line ends); a leading = + - @ is quoted so that no sheet computes it."""
+    return "".join(",".join(_csv(cell) for cell in row) + "\n" for row in [header, *rows])
+
+
+def _csv(cell: str) -> str:
+    if cell[:1] in {"=", "@"} or (cell[:1] in {"+", "-"} and not _number(cell)):
+        cell = f"'{cell}"
+    quoted = any(character in cell for character in ',"\r\n')
+    return '"' + cell.replace('"', '""') + '"' if quoted else cell
+
+
+def _number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
