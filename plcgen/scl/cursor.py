@@ -48,6 +48,7 @@ class Cursor:
         self.diagnostics: list[Diagnostic] = []
         self.open: list[str] = []
         self.case_depth = -1
+        self.open_regions = 0
         self.free_text: list[tuple[int, int]] = []
 
     # --- errors ---------------------------------------------------------------------------------------

@@ -70,7 +70,7 @@ class Parser(DeclarationParser, StatementParser):
         """One unit; a fault that nothing inside could catch costs the unit."""
         self.depth = 0
         self.open.clear()
-        self.case_depth = -1
+        self.case_depth, self.open_regions = -1, 0
         try:
             units.append(self.unit())
         except Abort:
@@ -256,11 +256,10 @@ def parse(text: str, file: str, dialect: Dialect | None = None, *, bodies: bool 
 
 
 def _lexical(parser: Parser) -> list[Diagnostic]:
-    """Tokens that are none and that the parser skipped without a message, outside free text."""
+    """Report what is no token outside free text, also where the parser skipped it."""
     if ERROR not in parser.kinds:
         return []
     tokens = parser.tokens
-    seen = {(d.span.line, d.span.column) for d in parser.diagnostics}
     free = iter(sorted(parser.free_text))
     current = next(free, None)
     found: list[Diagnostic] = []
@@ -270,9 +269,8 @@ def _lexical(parser: Parser) -> list[Diagnostic]:
             current = next(free, None)
         if kind != ERROR or (current is not None and current[0] <= start) or len(found) > 100:
             continue
-        if tokens.position(start) not in seen:
-            message, text = lexical_error(tokens.texts[index])
-            found.append(parser.diagnostic(message, start, tokens.end(index), text=text))
+        message, text = lexical_error(tokens.texts[index])
+        found.append(parser.diagnostic(message, start, tokens.end(index), text=text))
     return found
 
 

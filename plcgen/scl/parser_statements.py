@@ -20,6 +20,7 @@ _STARTS = frozenset({"IF", "CASE", "FOR", "WHILE", "REPEAT", "EXIT", "CONTINUE",
 _VARIABLES = frozenset({LOCAL, NAME, QUOTED, ADDRESS})
 _LITERAL_LABELS = frozenset({INT, REAL, STRING, TYPED, "-", "+", "TRUE", "FALSE"})
 _ASSIGNMENTS = frozenset({":=", "+=", "-=", "*=", "/=", "&=", "**=", "?="})
+_REGIONS_AHEAD = 16
 _NOT_A_REGION = _ASSIGNMENTS | {".", "[", "(", ":", ";", ",", ")"}
 
 
@@ -245,11 +246,15 @@ class StatementParser(ExpressionParser):
         return ast.Repeat(self.starts[opener], self.last_end, body, condition)
 
     def region(self) -> ast.Statement:
-        """REGION title .. END_REGION."""
+        """REGION title .. END_REGION; inside CASE it may end behind a later label."""
         opener = self.pos
         self.pos += 1
         title = self.rest_of_line()
-        body = self.nested("END_REGION", in_case=self.case_depth == self.depth)
+        in_case = self.case_depth == self.depth
+        body = self.nested("END_REGION", in_case=in_case)
+        if in_case and self.kinds[self.pos] not in _STOPS and self.at_case_label():
+            self.open_regions += 1
+            return ast.Region(self.starts[opener], self.last_end, title, body)
         self.close("END_REGION", opener)
         return ast.Region(self.starts[opener], self.last_end, title, body)
 
@@ -261,40 +266,61 @@ class StatementParser(ExpressionParser):
         self.pos += 1
         selector = self.expression()
         self.keyword("OF")
-        branches: list[ast.CaseBranch] = []
-        regions: list[str] = []
-        open_regions = 0
-        outer, self.case_depth = self.case_depth, self.depth + 1
-        self.open.append("END_REGION")
-        while True:
-            kind = self.kinds[self.pos]
-            if kind == "REGION":
-                self.pos += 1
-                regions.append(self.rest_of_line())
-                open_regions += 1
-            elif kind == "END_REGION" and open_regions:
-                self.pos += 1
-                self.accept(";")
-                open_regions -= 1
-            elif self.at_case_label():
-                branches.append(self.case_branch(tuple(regions)))
-                regions.clear()
-            elif kind == ";":
-                self.pos += 1
-            else:
-                break
-        self.open.pop()
+        outer = self.case_depth, self.open_regions
+        self.case_depth, self.open_regions = self.depth + 1, 0
+        branches = self.case_branches()
         otherwise = None
         if self.accept("ELSE"):
             self.accept(":")
             otherwise = self.nested("END_CASE")
-        elif self.kinds[self.pos] != "END_CASE":
-            raise self.expected("a CASE label, ELSE or END_CASE")
-        while open_regions and self.accept("END_REGION"):
-            open_regions -= 1
-        self.case_depth = outer
+        while self.open_regions and self.accept("END_REGION"):
+            self.accept(";")
+            self.open_regions -= 1
+        if self.open_regions:
+            self.report(self.expected("END_REGION").diagnostic)
+        self.case_depth, self.open_regions = outer
         self.close("END_CASE", opener)
-        return ast.Case(self.starts[opener], self.last_end, selector, tuple(branches), otherwise)
+        return ast.Case(self.starts[opener], self.last_end, selector, branches, otherwise)
+
+    def case_branches(self) -> tuple[ast.CaseBranch, ...]:
+        """Everything up to ELSE or END_CASE; what has no label is reported once and left out."""
+        branches: list[ast.CaseBranch] = []
+        regions: list[str] = []
+        while True:
+            kind = self.kinds[self.pos]
+            if kind == "REGION" and self.at_case_label():
+                self.pos += 1
+                regions.append(self.rest_of_line())
+                self.open_regions += 1
+            elif kind == "END_REGION" and self.open_regions:
+                self.pos += 1
+                self.accept(";")
+                self.open_regions -= 1
+            elif kind == ";":
+                self.pos += 1
+            elif kind in _STOPS:
+                return tuple(branches)
+            elif self.at_case_label():
+                if branch := self.recover_branch(tuple(regions)):
+                    branches.append(branch)
+                regions.clear()
+            else:
+                self.report(self.expected("a CASE label, ELSE or END_CASE").diagnostic)
+                self.nested("END_CASE", in_case=True)
+
+    def recover_branch(self, regions: tuple[str, ...]) -> ast.CaseBranch | None:
+        """One branch; a fault in its labels costs the branch."""
+        began, depth = self.pos, self.depth
+        try:
+            return self.case_branch(regions)
+        except Fault as fault:
+            if type(fault) is not Fault:
+                raise
+            self.depth = depth
+            self.report(fault.diagnostic)
+            self.skip_statement(began)
+            self.nested("END_CASE", in_case=True)
+            return None
 
     def case_branch(self, regions: tuple[str, ...]) -> ast.CaseBranch:
         """``1, 3..5:`` and its statements."""
@@ -328,14 +354,17 @@ class StatementParser(ExpressionParser):
         return following in {",", ".."}
 
     def region_opens_label(self, pos: int) -> bool:
-        """Whether the first token on the lines below ``REGION title`` is a label."""
-        end = self.tokens.source.find("\n", self.starts[pos])
-        while self.kinds[pos] != EOF and self.starts[pos] < end:
-            pos += 1
-        saved, self.pos = self.pos, pos
-        found = self.kinds[pos] != "REGION" and self.at_case_label()
-        self.pos = saved
-        return found
+        """Whether the first token below ``REGION title`` and further REGION lines is a label."""
+        for _ in range(_REGIONS_AHEAD):
+            end = self.tokens.source.find("\n", self.starts[pos])
+            while self.kinds[pos] != EOF and self.starts[pos] < end:
+                pos += 1
+            if self.kinds[pos] != "REGION":
+                saved, self.pos = self.pos, pos
+                found = self.at_case_label()
+                self.pos = saved
+                return found
+        return False
 
 
 _COMPOUND: dict[str, Callable[[StatementParser], ast.Statement]] = {

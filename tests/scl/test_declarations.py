@@ -167,10 +167,23 @@ def test_comments_at_the_end_of_a_line_belong_to_the_member() -> None:
 def test_members_named_like_keywords() -> None:
     """NAME, VERSION, TO and quoted words are fine as members; header words are properties only in the header."""
     (block,) = _blocks(
-        'TYPE a\nNAME : x\nSTRUCT Name : STRING[4]; Version : INT; To : INT; "END_IF" : INT; END_STRUCT; END_TYPE'
+        "TYPE a\nNAME : x; // y\n"
+        'STRUCT Begin : INT; Name : STRING[4]; Version : INT; To : INT; "END_IF" : INT; END_STRUCT; END_TYPE'
     )
     assert block.attributes == {"NAME": "x"}
-    assert [m.name for m in block.section(SectionKind.STATIC)] == ["Name", "Version", "To", "END_IF"]
+    assert [m.name for m in block.section(SectionKind.STATIC)] == ["Begin", "Name", "Version", "To", "END_IF"]
+
+
+def test_words_of_a_section_header_may_be_members() -> None:
+    """RETAIN behind VAR is a modifier unless it is declared."""
+    (block,) = _blocks("FUNCTION_BLOCK a\nVAR Retain : INT; END_VAR\nVAR RETAIN x : INT; END_VAR\nEND_FUNCTION_BLOCK")
+    assert [m.name for m in block.section(SectionKind.STATIC)] == ["Retain", "x"]
+
+
+def test_a_title_is_free_to_the_end_of_its_line() -> None:
+    """Slashes belong to the title and not to the comment of the block."""
+    (block,) = _blocks("FUNCTION_BLOCK a\nTITLE = x // y\n// z\nVERSION : 0.1\nEND_FUNCTION_BLOCK")
+    assert (block.title, block.comment, block.attributes) == ("x // y", "z", {"VERSION": "0.1"})
 
 
 def test_blocks_survive_errors_in_their_neighbourhood() -> None:

@@ -144,6 +144,12 @@ def test_nesting_up_to_the_limit_is_fine() -> None:
     assert [d.code for d in parse(deeper, "t.scl").diagnostics] == ["PG802"]
 
 
+def test_errors_do_not_add_up_to_nesting() -> None:
+    """Statements that fail inside parentheses leave no depth behind."""
+    found = parse(FB + "x := ((1;\n" * 80 + "END_FUNCTION_BLOCK", "t.scl").diagnostics
+    assert [d.code for d in found] == ["PG801"] * 80
+
+
 def test_a_call_may_have_many_arguments() -> None:
     """The bound on operators counts per argument of a call statement, not for all of them."""
     text = FB + "f(" + ", ".join(["a + b + c"] * 300) + ");\nEND_FUNCTION_BLOCK"
