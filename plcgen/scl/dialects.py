@@ -176,14 +176,18 @@ def _type(node: ast.TypeName | ast.StringSpec, dialect: Dialect) -> Iterator[_Re
 
 
 def _call_statement(node: ast.CallStatement, tokens: Tokens, dialect: Dialect) -> Iterator[_Refusal]:
-    """``"FB"."DB"(..)`` and ``SFB53.DB53(..)`` in the TIA Portal."""
+    """Find ``"FB"."DB"(..)`` and ``SFB53.DB53(..)`` in the TIA Portal.
+
+    An instance inside a DB is called like that too, but has quotes only where its name needs them.
+    """
     target = node.call.target
     if not dialect.is_tia or not isinstance(target, ast.Member) or not isinstance(target.base, ast.Name):
         return
     base = target.base
     numbered = base.scope == "bare" and base.name.upper().startswith(("FB", "SFB")) and base.name[-1].isdigit()
-    second_quoted = tokens.source[target.end - 1] == '"'
-    if numbered or (base.scope == QUOTED and second_quoted):
+    quoted = tokens.source[target.end - 1] == '"'
+    instance = (quoted and target.name.isidentifier()) or (not quoted and _is_db(target.name))
+    if numbered or (base.scope == QUOTED and instance):
         what = "a call with function block and instance DB"
         yield target.start, target.end, what, f'write "{target.name}"(..)', Severity.ERROR
 
@@ -208,6 +212,9 @@ def _is_indexed(inner: ast.Expression) -> bool:
         and inner.name.upper() in _INDEXED
         and isinstance(inner.base, ast.Name)
         and inner.base.scope == "bare"
-        and inner.base.name[:2].upper() == "DB"
-        and inner.base.name[2:].isdigit()
+        and _is_db(inner.base.name)
     )
+
+
+def _is_db(name: str) -> bool:
+    return name[:2].upper() == "DB" and name[2:].isdigit()
