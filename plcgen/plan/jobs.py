@@ -35,7 +35,6 @@ def plan_job(
     device = drive.device
     packed = pack.pack(uses, device.record_limit, device.max_parameters, write=write)
     if packed is None:
-        packed = [(Part(use, 0, use.count),) for use in uses]
         long = max(uses, key=lambda use: use.count * use.format.size)
         report.add(
             Diagnostic(
@@ -45,6 +44,7 @@ def plan_job(
                 help="shorten the string",
             )
         )
+        return None
     reference = job.reference if job.reference is not None else (owner - 1) % 255 + 1
     name = pascal_case(key)
     faq = (job.names or loaded.spec.plc.names) == "faq"
@@ -99,10 +99,10 @@ def plan_job(
 
 def _uses(job: Job, key: str, loaded: LoadedSpec, resolver: UseResolver, report: Report) -> tuple[Use, ...]:
     if (job.read is None) == (job.write is None):
-        what = "either read or write, not both" if job.read is not None else "what to read or what to write"
-        report.add(
-            Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help="use two jobs")
-        )
+        both = job.read is not None
+        what = "either read or write, not both" if both else "what to read or what to write"
+        help_ = "make two jobs of it" if both else "add read: [P50303] or write: {P50303: 10.0}"
+        report.add(Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help=help_))
         return ()
     verb = "read" if job.read is not None else "write"
     items: tuple[ReadItem | WriteItem, ...] = job.read if job.read is not None else job.write or ()

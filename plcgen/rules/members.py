@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from plcgen.diagnostics import Diagnostic, Note, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.plan.fields import request_fields, response_fields
-from plcgen.rules.places import member_span, name_span, parameter_span
+from plcgen.rules.places import by_importance, member_span, name_span, parameter_span
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,7 +33,7 @@ def block_names(project: Project) -> Iterator[Diagnostic]:
     """PG406: two blocks have the same name; letter case does not matter."""
     first: dict[str, tuple[str, Span | None]] = {_MAIN.lower(): (_MAIN, None)}
     reported: set[tuple[Span, Span | None]] = set()
-    for block in project.blocks:
+    for block in by_importance(project):
         span = name_span(project, block)
         name, earlier = first.setdefault(block.name.lower(), (block.name, span))
         if name is block.name or (span, earlier) in reported:

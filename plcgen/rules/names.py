@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
-from plcgen.rules.places import key_or_value, member_span, name_span, node_at
+from plcgen.rules.places import by_importance, key_or_value, member_span, name_span, node_at
 from plcgen.s7.names import check_name
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def _names(project: Project) -> Iterator[Named]:
                 yield Named("parameter name", parameter.name, "parameter", span)
     for key in loaded.spec.jobs:
         yield Named("job key", key, "key", loaded.key_span(("jobs", key)))
-    for block in project.blocks:
+    for block in by_importance(project):
         yield Named("block", block.name, "symbol", name_span(project, block))
     for job in project.jobs:
         yield Named("member", job.member, "identifier", loaded.key_span(job.path))

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from plcgen.spec.load import SpecPath
     from plcgen.spec.source import Node
 
+_IMPORTANCE = {"FB": 0, "DB": 1, "UDT": 2}
 _NUMBER_KEYS = {"request": "db", "response": "db", "block": "number", "instance": "number"}
 
 
@@ -74,3 +75,8 @@ def spelling(project: Project, job: PlannedJob, use: Use) -> str:
     """Quote the parameter as the spec writes it."""
     items = project.loaded.spec.jobs[job.key].write if job.write else project.loaded.spec.jobs[job.key].read
     return items[use.position - 1].parameter if items else ""
+
+
+def by_importance(project: Project) -> list[BlockRef]:
+    """Sort the blocks so that those a person named come before the types made from them."""
+    return sorted(project.blocks, key=lambda block: _IMPORTANCE[block.kind])

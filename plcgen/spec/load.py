@@ -53,6 +53,7 @@ def load_spec(path: Path, report: Report) -> LoadedSpec | None:
 def parse_spec(text: str, file: str, report: Report) -> LoadedSpec | None:
     """Validate spec text; problems go to ``report``; None if it cannot be used."""
     root = parse_yaml(text, file, report)
+    ambiguous = {(d.span.line, d.span.column) for d in report}
     if root is None:
         if not report.has_errors:
             report.add(Diagnostic("PG101", "the file is empty", Span(file, 1, 1, 1, 1), help="run plcgen new"))
@@ -63,7 +64,10 @@ def parse_spec(text: str, file: str, report: Report) -> LoadedSpec | None:
     try:
         spec = schema.validate(root.data())
     except schema.ValidationError as problems:
-        report.extend(_diagnose(problems.errors(include_url=False, include_context=True), root))
+        found = _diagnose(problems.errors(include_url=False, include_context=True), root)
+        report.extend(d for d in found if (d.span.line, d.span.column) not in ambiguous)
+        return None
+    if report.has_errors:
         return None
     return LoadedSpec(file, text, spec, root)
 

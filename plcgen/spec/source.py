@@ -219,7 +219,7 @@ class _Builder:
     def scalar(self, event: Any) -> None:
         span = self.span(event)
         text: str = event.value
-        plain = event.style is None and event.implicit[0]
+        plain = not event.style and event.implicit[0]
         value: Scalar = text
         if event.tag is not None:
             self.tag(event.tag, span)
@@ -262,7 +262,7 @@ def parse_yaml(text: str, file: str, report: Report) -> Node | None:
     """Parse one YAML document; problems go to ``report``; None if nothing usable was found."""
     import yaml
 
-    loader: Any = getattr(yaml, "CParser", None)
+    loader: Any = getattr(yaml, "CSafeLoader", None)
     builder = _Builder(file, report)
     try:
         parser = loader(text) if loader else yaml.SafeLoader(text)
@@ -274,22 +274,31 @@ def parse_yaml(text: str, file: str, report: Report) -> Node | None:
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
         what = problem.problem or "not readable as YAML"
         context = f" ({problem.context})" if problem.context else ""
-        builder.error("PG101", f"{what}{context}", Span(file, line, column, line, column + 1), _syntax_help(what))
+        place = Span(file, line, column, line, column + 1)
+        builder.error("PG101", f"{what}{context}", place, _syntax_help(text, problem.problem_mark))
         return None
     except yaml.reader.ReaderError as problem:
-        position = max(0, min(problem.position, len(text)))
+        position = _reader_position(problem, text)
         line = text.count("\n", 0, position) + 1
         column = position - (text.rfind("\n", 0, position) + 1) + 1
-        builder.error("PG101", f"character {problem.character!r} is not allowed: {problem.reason}",
-                      Span(file, line, column, line, column + 1))  # fmt: skip
+        shown = f"the character U+{ord(text[position]):04X} is not allowed" if position < len(text) else "not readable"
+        builder.error("PG101", shown, Span(file, line, column, line, column + 1), "remove it, or write it as an escape")
         return None
     except DiagnosticError:
         return None
     return builder.root
 
 
-def _syntax_help(what: str) -> str:
-    if "tab" in what or "\\t" in what:
+def _reader_position(problem: Any, text: str) -> int:
+    """Index of the character YAML does not allow; libyaml counts bytes, the Python reader characters."""
+    if isinstance(problem.character, int):
+        return len(text.encode()[: problem.position].decode(errors="ignore"))
+    return max(0, min(int(problem.position), len(text)))
+
+
+def _syntax_help(text: str, mark: Any) -> str:
+    lines = text.splitlines() if mark is not None else []
+    if mark is not None and mark.line < len(lines) and "\t" in lines[mark.line][: mark.column + 1]:
         return "indent with spaces: YAML does not allow tabs"
     return "check the indentation and the brackets on this line and the one before"
 
