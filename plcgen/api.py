@@ -170,7 +170,8 @@ SPEC_SUFFIXES = frozenset({".yaml", ".yml"})
 def layout(*paths: Path | str) -> LayoutResult:
     """Lay out the telegram buffers of specs (``.yaml``) and the blocks of text sources (all others).
 
-    Types may stand in any of the files, in any order; ``*.udt`` files beside a source are looked at too.
+    Types may stand in any of the files, in any order; ``*.udt`` files beside a source or in
+    ``../udt`` are looked at too.
     """
     from plcgen.report.planned import block_tables, project_tables
 
@@ -197,7 +198,8 @@ def _read_sources(paths: Sequence[Path], report: Report) -> tuple[list[Any], dic
 
     blocks: list[Any] = []
     types: dict[str, Any] = {}
-    siblings = {near for path in paths if path.is_file() for near in path.parent.glob("*.udt")}
+    folders = {near for path in paths if path.is_file() for near in (path.parent, path.parent.parent / "udt")}
+    siblings = {near for folder in folders for near in folder.glob("*.udt")}
     for path in sorted(siblings - set(paths)):
         types |= {block.name: block for block in read_source(path)[0]}
     for path in paths:
@@ -223,9 +225,9 @@ def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
         unknown = Diagnostic("PG703", f'the spec has no job "{job}"', span, help=hint)
         return EncodeResult((), (*checked.diagnostics, unknown))
     telegrams = [
-        EncodedTelegram(planned.key, telegram.index + 1, _block_text(telegram.request_db), telegram.request)
+        EncodedTelegram(planned.key, number, _block_text(telegram.request_db), telegram.request)
         for planned in jobs
-        for telegram in planned.telegrams
+        for number, telegram in enumerate(planned.telegrams, 1)
     ]
     return EncodeResult(tuple(telegrams), checked.diagnostics)
 

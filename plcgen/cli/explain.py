@@ -44,16 +44,18 @@ def command(
     from plcgen import api
     from plcgen.report.page import page_json, page_text
 
-    pages = []
-    for key in codes:
-        page = api.explain(key)
+    pages = [api.explain(key) for key in codes]
+    known = [page for page in pages if page is not None]
+    if as_json:
+        texts = [page_json(page) for page in known]
+    else:
+        texts = [page_text(page, color=out.out_color, width=out.out_width) for page in known]
+    if texts:
+        out.result("\n".join(texts))
+    for key, page in zip(codes, pages, strict=True):
         if page is None:
             _unknown(key)
-            return PROBLEMS
-        pages.append(page)
-    texts = [page_json(p) if as_json else page_text(p, color=out.out_color, width=out.out_width) for p in pages]
-    out.result("\n".join(texts))
-    return OK
+    return OK if len(known) == len(codes) else PROBLEMS
 
 
 def _unknown(key: str) -> None:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.options import CONTEXT, FORMATS, PATH, Verb, common_options, console, format_options
-from plcgen.cli.output import OK, PROBLEMS, Console
+from plcgen.cli.output import OK, PROBLEMS, Console, error_detail, error_line, help_line
 
 if TYPE_CHECKING:
     from plcgen.api import GenerateResult
+    from plcgen.diagnostics import Diagnostic
 
 
 def default_folder(spec: Path) -> Path:
@@ -79,11 +80,16 @@ def _show(out: Console, result: GenerateResult, *, looking: bool) -> None:
     from plcgen.report.paint import paint_diff
     from plcgen.report.text import count_text
 
-    out.complain(result.diagnostics)
+    out.complain([d for d in result.diagnostics if d.code != STALE])
+    stale = [d for d in result.diagnostics if d.code == STALE]
+    if stale:
+        _stale(result, stale)
     if result.diff:
         out.result(paint_diff(result.diff, color=out.out_color))
+    if stale:
+        return
     if looking and all(d.code == STALE for d in result.diagnostics if d.severity.label == "error"):
-        out.say(f"{result.folder} is {'not up to date' if result.diff or not result.ok else 'up to date'}")
+        out.say(f"{result.folder} is {'not up to date' if result.diff else 'up to date'}")
     elif not result.ok:
         out.say(f"{count_text(result.diagnostics)}; nothing was written")
     else:
@@ -92,6 +98,16 @@ def _show(out: Console, result: GenerateResult, *, looking: bool) -> None:
         parts += [f"{len(result.unchanged)} unchanged"] if result.unchanged else []
         parts += [f"{len(result.removed)} removed"] if result.removed else []
         out.say(f"{result.folder}: {', '.join(parts) or 'nothing to do'}")
+
+
+def _stale(result: GenerateResult, stale: list[Diagnostic]) -> None:
+    """Say once what is stale, then name the files; what differs is in the diff."""
+    error_line(f"{len(stale)} file{'' if len(stale) == 1 else 's'} of {result.folder} differ from the spec", STALE)
+    for diagnostic in stale:
+        path = Path(diagnostic.span.file)
+        name = path.relative_to(result.folder) if path.is_relative_to(result.folder) else path
+        error_detail(f"{name.as_posix()}: {diagnostic.message}")
+    help_line(f"plcgen generate {result.spec}")
 
 
 def _machine(out: Console, result: GenerateResult, format_: str) -> None:

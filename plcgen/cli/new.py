@@ -21,34 +21,36 @@ STARTER = """\
 # All keys, for your editor:             plcgen schema
 
 plc:
-  name: {name}
-  family: {family}                # {families}
-  toolchain: {toolchain}{pad}# step7-v5, tia-v13sp1, tia-v14 .. tia-v21
-  # names: faq                  # member names as in Siemens FAQ 109750712 (default: style guide)
-  # languages: [en-US, de-DE]   # languages of comments, the first is the main one
+  name: My station
+  family: {family} | {families}
+  toolchain: {toolchain} | step7-v5, tia-v13sp1, tia-v14 .. tia-v21
+  # names: faq | member names as in Siemens FAQ 109750712; default: style guide
+  # languages: [en-US, de-DE] | languages of comments, the first is the main one
 
 drives:
-  {drive}:
-    device: {device}     # {title}; others: plcgen schema --devices
-    {address}
-    drive_object: {drive_object}             # {rule}
+  drive1:
+    device: {device} | {title}; others: plcgen schema --devices
+    {address} | {address_hint}
+    drive_object: {drive_object} | {rule}
 
 jobs:
   read_{read_name}:
-    drive: {drive}
+    drive: drive1
     read:
-      - P{read_pnu}                  # {read_title}
-    # - P1234[0..3]             # an array: indexes 0 to 3
-    # - {{parameter: P1234, type: Unsigned16, as: myValue}}   # a parameter the catalogue does not know
-    # trigger: M50.0            # start by this flag; without it: a member of DB DriveJobs
+      - P{read_pnu} | {read_title}
+    # - P1234[0..3] | an array: indexes 0 to 3
+    # - {{parameter: P1234, type: Unsigned16}} | a parameter that the catalogue does not know
+    # trigger: M50.0 | start by this flag; default: a member of DB DriveJobs
 
   write_{write_name}:
-    drive: {drive}
+    drive: drive1
     write:
-      P{write_pnu}:{no_value}                  # {write_title}; no value here: it becomes an input of the block
-    # P1234: 10.0               # a constant
-    # timeout: 10s              # for the whole job, all retries included
+      P{write_pnu}: | {write_title}; without a value: an input of the block
+    # P1234: 10.0 | a constant
+    # timeout: 10s | for the whole job, all retries included
 """
+_COMMENT = 36
+"""Column of the comments."""
 
 
 @click.command(
@@ -132,17 +134,15 @@ def starter(path: Path, device: Device, family: str, toolchain: str) -> str:
     classic = family in {"s7-300", "s7-400"}
     hint = "logical address, see the hardware configuration" if classic else "hardware identifier, see the tag table"
     file = "job.yaml" if path == Path("-") else path.name
-    return STARTER.format(
+    text = STARTER.format(
         file=file,
-        name="My station",
         family=family,
         families=", ".join(FAMILIES),
         toolchain=toolchain,
-        pad=" " * max(2, 19 - len(toolchain)),
-        drive="drive1",
         device=device.key,
         title=device.title,
-        address=f"{'address: 256' if classic else 'hardware_id: 270'}            # {hint}",
+        address="address: 256" if classic else "hardware_id: 270",
+        address_hint=hint,
         drive_object=device.drive_object,
         rule=device.drive_object_rule,
         read_name=read.name or f"p{read.pnu}",
@@ -151,8 +151,13 @@ def starter(path: Path, device: Device, family: str, toolchain: str) -> str:
         write_name=write.name or f"p{write.pnu}",
         write_pnu=write.pnu,
         write_title=write.title,
-        no_value="",
     )
+    return "".join(_aligned(line) for line in text.splitlines())
+
+
+def _aligned(line: str) -> str:
+    body, bar, comment = line.partition(" | ")
+    return f"{body:<{_COMMENT - 1}} # {comment}\n" if bar else f"{line}\n"
 
 
 def _examples(device: Device) -> tuple[Parameter, Parameter]:

@@ -169,6 +169,11 @@ def error_line(text: str, code: str = "") -> None:
     _to_stderr(f"error{f'[{code}]' if code else ''}: {text}\n")
 
 
+def error_detail(text: str) -> None:
+    """Write one line of a list below an error."""
+    _to_stderr(f"  {text}\n")
+
+
 def help_line(text: str) -> None:
     """Write the way out below an error."""
     _to_stderr(f"help: {text}\n")

@@ -24,8 +24,8 @@ def project_tables(project: Project) -> list[BlockTable]:
 
 
 def _job_tables(job: PlannedJob, *, v5: bool) -> Iterator[BlockTable]:
-    for telegram in job.telegrams:
-        which = f" telegram {telegram.index + 1}" if len(job.telegrams) > 1 else ""
+    for number, telegram in enumerate(job.telegrams, 1):
+        which = f" telegram {number}" if len(job.telegrams) > 1 else ""
         ref = telegram.request_db
         rows = tuple(_planned(field, ref.number, v5=v5, start=True) for field in telegram.request_fields)
         role = f"request of {job.key}{which}, LEN {len(telegram.request)}"

@@ -4,24 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from plcgen.report.cells import clean, cut, pad, width
+from plcgen.report.cells import clean, pad, width, wrap
 
 Row = Sequence[str]
+
+_NARROW = 16
 
 
 def text_table(
     header: Row, rows: Sequence[Row], *, right: frozenset[int] = frozenset(), indent: int = 2, limit: int = 0
 ) -> list[str]:
-    """Align columns; those in ``right`` to the right; ``limit`` cuts the last column (0: no limit)."""
+    """Align columns; those in ``right`` to the right. ``limit`` (0: none) wraps the last column.
+
+    One item a row, header first; a wrapped row has line ends inside.
+    """
     cleaned = [[clean(cell) for cell in row] for row in [header, *rows]]
     widths = [max(width(row[n]) for row in cleaned) for n in range(len(header))]
+    margin = indent + sum(widths[:-1]) + 2 * (len(widths) - 1)
     lines = []
     for row in cleaned:
         cells = [
-            " " * (widths[n] - width(cell)) + cell if n in right else pad(cell, widths[n]) for n, cell in enumerate(row)
+            " " * (widths[n] - width(cell)) + cell if n in right else pad(cell, widths[n])
+            for n, cell in enumerate(row[:-1])
         ]
-        line = (" " * indent + "  ".join(cells)).rstrip()
-        lines.append(cut(line, limit) if limit else line)
+        last = wrap(row[-1], max(limit - margin, _NARROW)) if limit else [row[-1]]
+        first = (" " * indent + "  ".join([*cells, last[0]])).rstrip()
+        lines.append("\n".join([first, *(" " * margin + line for line in last[1:])]))
     return lines
 
 

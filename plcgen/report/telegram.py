@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 HEADER = ("offset", "bytes", "field", "value", "meaning")
 _SHOWN = 8
+_PARAMETER = re.compile(r"(parameter [0-9]+(?: \(P[0-9]+\))?) (.+)")
 _RETRY = {
     "none": "no error: nothing to repeat",
     "wait": "the job is running: call again with the same inputs",
@@ -109,30 +111,29 @@ def _field(found: Field, data: bytes, labels: dict[int, str]) -> TelegramField:
 
 def telegram_text(telegram: DecodedTelegram, *, color: bool = False, width: int = 0) -> str:
     """Table of all fields; ``!`` marks the wrong ones."""
-    title = paint(telegram.kind, "bold", color=color)
-    rows = [
-        (f"{'! ' if f.problem else ''}{f.offset}", _bytes(f.data), f.name, _short(f.value), f.note)
-        for f in telegram.fields
-    ]
+    rows: list[tuple[str, ...]] = []
+    wrong: list[bool] = []
+    section = ""
+    for field in telegram.fields:
+        found = _PARAMETER.match(field.name)
+        if found and found[1] != section:
+            section = found[1]
+            rows.append(("", "", section, "", ""))
+            wrong.append(False)
+        name = f"  {found[2]}" if found else field.name
+        offset = f"{'! ' if field.problem else ''}{field.offset}"
+        rows.append((offset, _bytes(field.data), name, cut(clean(field.value), 40), field.note))
+        wrong.append(field.problem)
     header, *lines = text_table(HEADER, rows, right=frozenset({0}), limit=width)
-    marked = [
-        paint(line, "error", color=color) if field.problem else line
-        for line, field in zip(lines, telegram.fields, strict=True)
-    ]
+    shown = [paint(line, "error", color=color) if bad else line for line, bad in zip(lines, wrong, strict=True)]
     count = len(telegram.data)
-    return (
-        "\n".join([f"{title}, {count} byte{'' if count == 1 else 's'}", paint(header, "dim", color=color), *marked])
-        + "\n"
-    )
+    title = f"{paint(telegram.kind, 'bold', color=color)}, {count} byte{'' if count == 1 else 's'}"
+    return "\n".join([title, paint(header, "dim", color=color), *shown]) + "\n"
 
 
 def _bytes(data: bytes) -> str:
     text = data[:_SHOWN].hex(" ").upper()
     return f"{text} ..." if len(data) > _SHOWN else text
-
-
-def _short(text: str) -> str:
-    return cut(clean(text), 40)
 
 
 def telegram_data(telegram: DecodedTelegram) -> dict[str, Any]:

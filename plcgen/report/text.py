@@ -33,7 +33,8 @@ def diagnostic_text(
     if diagnostic.help:
         out += _help(clean(diagnostic.help), gutter, color=color, width=width)
     for note in diagnostic.notes:
-        out.append(f"{' ' * gutter} {paint('note', 'note', color=color)}: {clean(note.message)}")
+        head = f"{' ' * gutter} {paint('=', 'gutter', color=color)} {paint('note', 'note', color=color)}"
+        out.append(f"{head}: {clean(note.message)}")
         out += _place(note.span, lines, gutter, "note", color=color, width=width)
     return "\n".join(out) + "\n"
 

@@ -14,9 +14,8 @@ from plcgen.report.text import DEFAULT_WIDTH, MIN_WIDTH, SourceLine, diagnostics
 if TYPE_CHECKING:
     from plcgen.verify.model import Check, CheckGroup, Verification
 
-_SUBJECT_LIMIT = 30
-_MIN_FIGURES = 24
 _GAP = 2
+_INDENT = 6
 
 
 def problems(verification: Verification) -> list[Diagnostic]:
@@ -31,9 +30,8 @@ def verification_text(
     """The whole report: checks by group, what is wrong in detail, the summary."""
     width = max(width, MIN_WIDTH)
     out = [f"{clean(verification.project)}, {clean(verification.target)}: {clean(verification.folder)}"]
-    subjects = max((cells(clean(c.subject)) for c in verification.checks()), default=0)
     for group in verification.groups:
-        out += ["", *_group(group, min(subjects, _SUBJECT_LIMIT, width // 3), color=color, width=width)]
+        out += ["", *_group(group, color=color, width=width)]
     text = "\n".join(out) + "\n\n"
     found = problems(verification)
     if found:
@@ -41,12 +39,23 @@ def verification_text(
     return text + summary(verification, color=color) + "\n"
 
 
-def _group(group: CheckGroup, subject: int, *, color: bool, width: int) -> list[str]:
+def _group(group: CheckGroup, *, color: bool, width: int) -> list[str]:
+    """Lines of a group: one line a check, or subject and verdict above the figures if these are long."""
     out = [paint(clean(group.title), "bold", color=color)]
+    subject = max((cells(clean(check.subject)) for check in group.checks), default=0)
+    figures = max((cells(clean(check.text)) for check in group.checks), default=0)
     verdict = max((cells(_verdict(check)) for check in group.checks), default=0)
-    figures = width - _GAP - subject - _GAP - _GAP - min(verdict, width // 3)
+    fits = 3 * _GAP + subject + figures + min(verdict, width // 3) <= width
     for check in group.checks:
-        out += _check(check, subject, max(figures, _MIN_FIGURES), color=color, width=width)
+        if fits and not check.text and 3 * _GAP + subject + figures + cells(_verdict(check)) > width:
+            out += _row(pad(clean(check.subject), subject), check, color=color, width=width)
+        elif fits:
+            left = f"{pad(clean(check.subject), subject)}{' ' * _GAP}{pad(clean(check.text), figures)}"
+            out += _row(left if figures else left[: -_GAP or None], check, color=color, width=width)
+        else:
+            out += _row(pad(clean(check.subject), subject), check, color=color, width=width)
+            lines = wrap(clean(check.text), width - _INDENT)
+            out += [f"{' ' * _INDENT}{line}" for line in lines if line]
     return out
 
 
@@ -57,24 +66,22 @@ def _verdict(check: Check) -> str:
     return verdict if verdict.lower().startswith(word) else f"{word}: {verdict}"
 
 
-def _check(check: Check, subject: int, figures: int, *, color: bool, width: int) -> list[str]:
-    """Lines of one check: the verdict ends the last line of figures, or stands alone where it does not fit."""
-    margin = " " * (_GAP + subject + _GAP)
-    name = clean(check.subject)
-    lines = [f"{margin}{line}" for line in wrap(clean(check.text), figures)]
-    if cells(name) <= subject:
-        lines[0] = f"{' ' * _GAP}{pad(name, subject)}{' ' * _GAP}{lines[0][len(margin) :]}"
-    else:
-        lines = [f"{' ' * _GAP}{name}", *(line for line in lines if line.strip())]
-    verdict = _verdict(check)
-    column = len(margin) + figures + _GAP
-    style = check.outcome.value
-    if column + cells(verdict) <= width and cells(lines[-1]) + _GAP <= column:
-        lines[-1] = f"{pad(lines[-1], column)}{paint(verdict, style, color=color)}"
-    else:
-        pieces = wrap(verdict, width - len(margin))
-        lines += [margin + paint(piece, style, color=color) for piece in pieces]
-    return [line.rstrip() for line in lines]
+def _row(left: str, check: Check, *, color: bool, width: int) -> list[str]:
+    """What was looked at and the verdict behind it, or below it where it does not fit."""
+    verdict, style = _verdict(check), check.outcome.value
+    room = width - 2 * _GAP - cells(left)
+    head = f"{' ' * _GAP}{left}"
+    if cells(verdict) <= room:
+        return [f"{head}{' ' * _GAP}{paint(verdict, style, color=color)}"]
+    if room > width // 3:
+        first, *more = wrap(verdict, room)
+        margin = " " * (cells(head) + _GAP)
+        return [
+            f"{head}{' ' * _GAP}{paint(first, style, color=color)}",
+            *(f"{margin}{paint(line, style, color=color)}" for line in more),
+        ]
+    below = wrap(verdict, width - _INDENT)
+    return [head.rstrip(), *(f"{' ' * _INDENT}{paint(line, style, color=color)}" for line in below)]
 
 
 def summary(verification: Verification, *, color: bool = False) -> str:
