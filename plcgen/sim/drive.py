@@ -82,6 +82,8 @@ class Drive:
 
     def advance(self, milliseconds: int) -> None:
         """Let time pass: requests finish and self-clearing parameters return to 0 in order."""
+        if milliseconds < 0:
+            raise ValueError(f"time does not run backwards: {milliseconds} ms")
         end = self.time + milliseconds
         while True:
             due = [at for at, _, _ in self._clearing]

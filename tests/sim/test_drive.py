@@ -1,4 +1,4 @@
-"""The state machine, STATUS codes, virtual time, saving, and the seeds' examples from end to end."""
+"""The state machine, STATUS codes, virtual time, saving, and the manuals' examples from end to end."""
 
 import pytest
 
@@ -219,3 +219,9 @@ def test_dcm_negative_answer_overruns_four_bytes():
     unit.write_record(47, bytes.fromhex("04 02 02 01 10 01 C4 80 00 00 08 01 44 7A 00 00"))
     assert unit.read_record(47, 4) == (0xDE80B100, b"")
     assert unit.read_record(47, 10) == (0, bytes.fromhex("04 82 02 01 44 02 00 02 00 00"))
+
+
+def test_time_does_not_run_backwards():
+    """A negative step is refused."""
+    with pytest.raises(ValueError, match="-1 ms"):
+        drive().advance(-1)

@@ -72,9 +72,7 @@ def test_reference_wraps():
 @pytest.mark.parametrize("code", [0xB5, 0xA7, 0xC0, 0xC3])
 def test_busy(code):
     """Busy n times: the calls end with the code, the next one succeeds and nothing is lost."""
-    unit = drive(
-        Fault(FaultKind.BUSY, times=2, call="write", code=code), Fault(FaultKind.BUSY, times=2, code=code)
-    )
+    unit = drive(Fault(FaultKind.BUSY, times=2, call="write", code=code), Fault(FaultKind.BUSY, times=2, code=code))
     assert [unit.write_record(47, READ) for _ in range(3)] == [0xDF800000 | code << 8] * 2 + [0]
     assert [unit.read_record(47, 240)[0] for _ in range(3)] == [0xDE800000 | code << 8] * 2 + [0]
 
@@ -151,3 +149,11 @@ def test_several_faults():
     """Two faults on one response both show."""
     unit = drive(Fault(FaultKind.DRIVE_OBJECT, value=9), Fault(FaultKind.CUT, value=4))
     assert run(unit)[2] == bytes.fromhex("07 01 09 01")
+
+
+def test_silence_discards_the_unread_response():
+    """The swallowed request was accepted, so the response before it is gone."""
+    unit = drive(Fault(FaultKind.SILENCE, after=1))
+    unit.write_record(47, READ)
+    unit.write_record(47, READ)
+    assert unit.read_record(47, 240) == (0xDE80B500, b"")

@@ -181,10 +181,7 @@ def test_alias_and_local_object():
     assert ask(unit, "01 01 00 01 10 01 00 01 00 00", 0xB02F) == "01 01 00 01 06 01 22 22"
     assert ask(unit, "01 01 01 01 10 01 00 01 00 00", -20434) == "01 01 01 01 06 01 22 22"
     assert ask(unit, "01 01 01 01 10 01 00 01 00 00", 0xB02F) == "01 01 01 01 06 01 00 05"
-    assert (
-        drive(record_indexes=(0xB02E,)).write_record(0xB02E, bytes.fromhex("01 01 01 01 10 01 00 01 00 00"))
-        == 0
-    )
+    assert drive(record_indexes=(0xB02E,)).write_record(0xB02E, bytes.fromhex("01 01 01 01 10 01 00 01 00 00")) == 0
 
 
 def test_multi_parameter_access():
@@ -211,9 +208,7 @@ def test_state_dependent_limits():
 
 def test_operating_state():
     """11h while running, 70h outside quick commissioning; a protected parameter cannot even be read."""
-    assert (
-        ask(drive("running"), "01 02 01 01 10 01 00 06 00 00 06 01 00 01") == "01 82 01 01 44 02 00 11 00 00"
-    )
+    assert ask(drive("running"), "01 02 01 01 10 01 00 06 00 00 06 01 00 01") == "01 82 01 01 44 02 00 11 00 00"
     assert ask(drive("running"), "01 01 01 01 10 01 00 06 00 00") == "01 01 01 01 06 01 00 09"
     assert ask(drive("quick"), "01 02 01 01 10 01 00 07 00 00 06 01 00 01") == "01 02 01 01"
     assert ask(drive("protected"), "01 01 01 01 10 01 00 0B 00 00") == "01 81 01 01 44 02 00 10 00 00"
@@ -263,9 +258,7 @@ def test_generic_answers():
     """A device that answers sizes sends 43h for REAL, 42h for words, 41h for bytes, strings as they are."""
     unit = drive(answer_format="size")
     request = "01 01 01 04 10 01 00 08 00 00 10 01 00 01 00 00 10 01 00 0A 00 00 10 01 00 09 00 00"
-    assert (
-        ask(unit, request) == "01 01 01 04 43 01 3F C0 00 00 42 01 00 05 41 01 01 00 09 05 61 62 63 64 65 00"
-    )
+    assert ask(unit, request) == "01 01 01 04 43 01 3F C0 00 00 42 01 00 05 41 01 01 00 09 05 61 62 63 64 65 00"
 
 
 def test_response_too_long():
@@ -282,9 +275,7 @@ def test_description():
     unit = drive(attributes=frozenset({0x10, 0x20, 0x30}))
     whole = bytes.fromhex(ask(unit, "01 01 01 01 20 01 00 08 00 00"))
     # identifier 0108h (no scale, FloatingPoint), no elements, factor 1.0, name, limits 0.0 and 100.0
-    expected = (
-        "01 01 01 01 0A 2E 0108 0000 3F800000 0000 00000000 5370656564" + "20" * 11 + "00000000 42C80000"
-    )
+    expected = "01 01 01 01 0A 2E 0108 0000 3F800000 0000 00000000 5370656564" + "20" * 11 + "00000000 42C80000"
     assert whole == bytes.fromhex(expected) + bytes(8)
     assert ask(unit, "02 01 01 01 20 01 00 05 00 02") == "02 01 01 01 06 01 00 03"
     assert ask(unit, "03 01 01 01 20 01 00 02 00 01") == "03 01 01 01 73 01 07 06"
@@ -310,3 +301,31 @@ def test_texts():
     assert ask(unit, "03 01 01 01 30 01 00 01 00 00") == "03 81 01 01 44 02 00 0F 00 00"
     assert ask(unit, "04 02 01 01 30 01 00 02 00 01 09 01 61 00") == "04 82 01 01 44 02 00 20 00 01"
     assert ask(unit, "05 02 01 01 30 01 00 01 00 00 09 01 61 00") == "05 82 01 01 44 02 00 0F 00 00"
+
+
+def test_single_access_without_multi_parameter_access():
+    """A device without multi-parameter access still serves one parameter."""
+    assert ask(drive(multi_supported=False), "01 01 01 01 10 01 00 01 00 00") == "01 01 01 01 06 01 00 05"
+
+
+def test_room_is_kept_for_the_errors_behind():
+    """4 + 232 bytes and a possible 6-byte error behind them are 242, over 240: the array answers 15h."""
+    unit = Drive(Habits(), [DriveObject(1, {1: Parameter(1, BYTE, [0] * 230, array=True)})])
+    request = "01 01 01 02 10 E6 00 01 00 00 10 01 00 63 00 00"
+    assert ask(unit, request) == "01 81 01 02 44 02 00 15 00 00 44 02 00 00 00 00"
+
+
+def test_change_with_a_pad_inside():
+    """The block behind an odd one starts behind its pad: 2Ah and 0100h are found."""
+    unit = drive()
+    request = "01 02 01 02 10 01 00 0A 00 01 10 01 00 0B 00 00 05 01 2A 00 06 01 01 00"
+    assert ask(unit, request) == "01 02 01 02"
+    assert [unit.objects[1].parameters[n].values for n in (10, 11)] == [[1, 42, 3], [0x0100]]
+
+
+def test_parameter_before_an_unknown_format_is_written():
+    """What stands before the unknown format is written, the format answers 17h, the rest 18h."""
+    request = "01 02 01 03 10 01 00 01 00 00 10 01 00 04 00 00 10 01 00 06 00 00"
+    values = "06 01 00 09 0E 01 00 01 06 01 00 01"
+    expected = "01 82 01 03 40 00 44 02 00 17 00 00 44 02 00 18 00 00"
+    assert ask(drive(), f"{request} {values}") == expected
