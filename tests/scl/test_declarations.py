@@ -141,6 +141,38 @@ def test_assignments_behind_begin_keep_their_paths() -> None:
     assert (block.instance_of, block.optimized) == ("t", True)
 
 
+def test_a_data_block_has_one_static_section() -> None:
+    """Retentive and other variables of a global DB lie behind each other."""
+    text = "DATA_BLOCK a VAR RETAIN x : INT; END_VAR VAR y : INT; END_VAR BEGIN END_DATA_BLOCK"
+    (block,) = _blocks(text)
+    (section,) = block.sections
+    assert [m.name for m in section.members] == ["x", "y"]
+
+
+@pytest.mark.parametrize(
+    ("text", "high"),
+    [
+        ("7 DIV 2", 3), ("-7 DIV 2 + 10", 7), ("-7 MOD 4 + 10", 7), ("7 / 2 * 2", 6), ("2 ** 3 - 1", 7),
+        ("+(N + 1) * 2", 12), ("INT#3 + 16#10", 19),
+    ],
+)  # fmt: skip
+def test_constant_expressions_divide_like_the_compiler(text: str, high: int) -> None:
+    """DIV and MOD round towards zero, and names of CONST count whatever their case."""
+    (block,) = _blocks(
+        f"FUNCTION_BLOCK a CONST n := 5; LAST := {text}; END_CONST VAR x : ARRAY[0..last] OF INT; END_VAR "
+        "END_FUNCTION_BLOCK"
+    )
+    (member,) = block.section(SectionKind.STATIC)
+    assert member.type == ArrayType(((0, high),), ELEMENTARY["INT"])
+
+
+@pytest.mark.parametrize("text", ["2 ** 1000000000", "1 DIV 0", "1 MOD 0", "2 ** 63 * 4", "1.5", "f(1)", "NOT 1"])
+def test_what_is_no_integer_constant_is_no_bound(text: str) -> None:
+    """Powers without end, divisions by zero and other values are refused, quickly."""
+    _, diagnostics = read_text(f"TYPE a STRUCT x : ARRAY[0..{text}] OF INT; END_STRUCT; END_TYPE", "t.scl")
+    assert [d.code for d in diagnostics] == ["PG801"]
+
+
 def test_a_function_returns_a_member_called_ret_val() -> None:
     """The return type is a section of its own; VAR of a function is temporary."""
     (block,) = _blocks('FUNCTION "f" : Int\nVAR t : Bool; END_VAR\nEND_FUNCTION')

@@ -163,6 +163,15 @@ def test_the_number_of_errors_is_bounded() -> None:
     assert any(d.message.startswith("too many errors") for d in found)
 
 
+def test_the_number_of_refusals_and_unknown_types_is_bounded() -> None:
+    """PG803 and PG806 stop at the bound as well."""
+    found = parse(FB + "#x := 1;\n" * 500 + "END_FUNCTION_BLOCK", "t.scl", Dialect.STEP7_V5).diagnostics
+    assert len(found) == MAX_ERRORS
+    members = "".join(f"m{i} : Unknown{i};\n" for i in range(500))
+    _, diagnostics = read_text(f"TYPE a STRUCT {members} END_STRUCT; END_TYPE", "t.scl")
+    assert len(diagnostics) == MAX_ERRORS
+
+
 def test_a_source_that_is_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """PG802 for the file as a whole."""
     monkeypatch.setattr(parser, "MAX_CHARACTERS", 10)
