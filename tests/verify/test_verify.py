@@ -1,0 +1,139 @@
+"""Verification finds what is wrong on disk: every kind of damage is noticed by the check that is meant to."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from projects import FAQ, ROOT
+
+from plcgen import api
+from plcgen.verify.model import Outcome, Verification
+
+GOLDEN = ROOT / "examples" / FAQ.stem / "expected"
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="utf-8-sig")
+    assert old in text
+    path.write_text("\ufeff" + text.replace(old, new, 1), encoding="utf-8")
+
+
+def verified(tmp_path: Path, damage: Callable[[Path], None], spec: Path = FAQ) -> Verification:
+    shutil.copytree(GOLDEN, tmp_path / "out")
+    damage(tmp_path / "out")
+    return api.verify(spec, tmp_path / "out")
+
+
+def codes(result: Verification) -> set[str]:
+    return {c.diagnostic.code for c in result.checks() if c.diagnostic is not None} | {d.code for d in result.diagnostics}
+
+
+def test_the_example_is_good() -> None:
+    """Nothing to complain about; the execution of the SCL is listed as not run, not as passed."""
+    result = api.verify(FAQ, GOLDEN)
+    assert result.ok
+    assert {c.outcome for c in result.checks()} == {Outcome.OK, Outcome.NOT_RUN}
+    verdicts = {c.id: f"{c.text} {c.verdict}" for c in result.checks()}
+    assert "03 01 02 01 08 01 41 20 00 00  P50303 = 10.0 s at DB4.DBD6" in verdicts["drive.WR_DataBuffer"]
+    assert "04 02 02 01  P50304 accepted" in verdicts["drive.WR_DataBuffer_1"]
+    assert "positive 4 / negative 10" in verdicts["layout.RD_DataBuffer_1"]
+    assert "03 01 02 01 10 01 C4 7F 00 00  LEN 10" in verdicts["telegram.WR_DataBuffer"]
+
+
+DAMAGE: dict[str, tuple[Callable[[Path], None], str, str]] = {
+    "another parameter number": (
+        lambda out: edit(out / "db/WR_DataBuffer.db", "16#C47F", "16#C480"), "PG604", "telegram.WR_DataBuffer",
+    ),
+    "subindex ignored": (
+        lambda out: edit(out / "db/WR_DataBuffer.db", "Subindex : Word;", "Subindex : Word := 16#0001;"), "PG604", "telegram.WR_DataBuffer",
+    ),
+    "member too narrow": (
+        lambda out: edit(out / "db/WR_DataBuffer.db", "Para_No : Word := 16#C47F", "Para_No : Byte := 16#7F"), "PG603", "layout.WR_DataBuffer",
+    ),
+    "members swapped": (
+        lambda out: edit(out / "db/RD_DataBuffer.db", "    Para_Format : Byte;  // P50303 data format\n    Num_of_Element : Byte;",
+                         "    Num_of_Element : Byte;\n    Para_Format : Byte;"), "PG603", "layout.RD_DataBuffer",
+    ),
+    "value read as another type": (
+        lambda out: edit(out / "db/RD_DataBuffer.db", "ParameterValue : Real", "ParameterValue : DWord"), "PG603", "layout.RD_DataBuffer",
+    ),
+    "gap": (
+        lambda out: edit(out / "udt/typeWR_DataBuffer.udt", "Para_Attribute : Byte;", "Para_Attribute : Byte; gap : Byte;"), "PG603", "layout.WR_DataBuffer",
+    ),
+    "SimaticML differs": (
+        lambda out: edit(out / "xml/RD_DataBuffer.xml", 'Name="ParameterValue" Datatype="Real"', 'Name="ParameterValue" Datatype="Int"'), "PG603", "layout.RD_DataBuffer",
+    ),
+    "SimaticML start value differs": (
+        lambda out: edit(out / "xml/WR_DataBuffer.xml", "<StartValue>16#C47F", "<StartValue>16#C47E"), "PG604", "telegram.WR_DataBuffer",
+    ),
+    "reference 0": (
+        lambda out: edit(out / "db/WR_DataBuffer.db", "Request_Ref : Byte := 16#03", "Request_Ref : Byte := 16#00"), "PG604", "telegram.WR_DataBuffer",
+    ),
+    "value": (
+        lambda out: edit(out / "db/WR_DataBuffer_1.db", "Value : Real := 100.0", "Value : Real := 10.0"), "PG604", "telegram.WR_DataBuffer_1",
+    ),
+    "DB missing": (lambda out: (out / "db/WR_DataBuffer.db").unlink(), "PG608", "layout.WR_DataBuffer"),
+    "syntax": (
+        lambda out: edit(out / "scl/ReadRampUp.scl", "END_CASE;\n\nIF", "END_CASES;\n\nIF"), "PG801", "files.syntax",
+    ),
+    "no byte order mark": (
+        lambda out: (out / "scl/Main.scl").write_bytes((out / "scl/Main.scl").read_bytes()[3:]), "PG610", "files.encoding",
+    ),
+    "changed by hand": (
+        lambda out: edit(out / "scl/ReadRampUp.scl", "REAL", "REAL") if False else (out / "IMPORT.md").write_text("x") and None, "PG602", "files.manifest",
+    ),
+    "manifest gone": (lambda out: (out / "manifest.json").unlink(), "PG507", "files.manifest"),
+    "manifest broken": (lambda out: (out / "manifest.json").write_text("{}") and None, "PG611", "files.manifest"),
+    "XML broken": (
+        lambda out: edit(out / "xml/WR_DataBuffer.xml", "</Document>", ""), "PG811", "files.syntax",
+    ),
+    "XML hostile": (
+        lambda out: edit(out / "xml/WR_DataBuffer.xml", "<Document>", '<!DOCTYPE d [<!ENTITY x SYSTEM "file:///etc/passwd">]><Document>'), "PG810", "files.syntax",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DAMAGE)
+def test_damage_is_noticed(name: str, tmp_path: Path) -> None:
+    """Each damage is found by the check that is responsible for it, with its own code."""
+    damage, code, check = DAMAGE[name]
+    result = verified(tmp_path, damage)
+    found = {c.id: c for c in result.checks()}
+    assert found[check].outcome in {Outcome.ERROR, Outcome.WARNING}
+    diagnostic = found[check].diagnostic
+    assert diagnostic is not None
+    assert diagnostic.code == code, f"{diagnostic.code} {diagnostic.message}"
+
+
+def test_a_pinned_faq_db6_is_reported(tmp_path: Path) -> None:
+    """DB6 with the four bytes of the FAQ's figure 4-10: the negative answer needs ten."""
+    spec = tmp_path / "job.yaml"
+    text = FAQ.read_text(encoding="utf-8")
+    spec.write_text(text.replace("name: RD_DataBuffer_1}", "name: RD_DataBuffer_1, size: 4}"), encoding="utf-8")
+    result = api.check(spec)
+    (found,) = [d for d in result.diagnostics if d.severity.label == "error"]
+    assert found.code == "PG303"
+    assert "6 bytes too small" in found.message
+    assert "10" in found.message
+
+
+def test_a_drive_file_replaces_the_profile(tmp_path: Path) -> None:
+    """The drive of a file answers with its own values, and one that lacks the parameter is noticed."""
+    drive = tmp_path / "drive.yaml"
+    entry = "{pnu: 50303, type: FloatingPoint, value: 12.5}, {pnu: 50304, type: FloatingPoint, value: 1.0}"
+    drive.write_text(f"objects:\n  - number: 2\n    parameters: [{entry}]\n")
+    verdicts = {c.id: c.verdict for c in api.verify(FAQ, GOLDEN, drive=drive).checks()}
+    assert "P50303 = 12.5 s" in verdicts["drive.WR_DataBuffer"]
+    drive.write_text("objects:\n  - number: 2\n    parameters: [{pnu: 1, type: FloatingPoint, value: 12.5}]\n")
+    result = api.verify(FAQ, GOLDEN, drive=drive)
+    assert {c.id: c.outcome for c in result.checks()}["drive.WR_DataBuffer"] is Outcome.ERROR
+    assert "error 00h" in {c.id: c.verdict for c in result.checks()}["drive.WR_DataBuffer"]
+
+
+def test_a_missing_folder_or_spec_is_a_diagnostic(tmp_path: Path) -> None:
+    """No traceback for a wrong path."""
+    assert codes(api.verify(FAQ, tmp_path / "none")) == {"PG507"}
+    assert codes(api.verify(tmp_path / "none.yaml", GOLDEN)) == {"PG110"}
