@@ -293,9 +293,7 @@ def _check_mirror(reader: _Reader, request: Request, identifier: int) -> None:
         if want != got:
             reader.problem(offset, f"the {name} {got} does not mirror the request's {want}")
     if identifier in set(ResponseId) and identifier & 0x7F not in {0, request.request_id}:
-        reader.problem(
-            1, f"the response id {identifier:02X}h does not answer request id {request.request_id:02X}h"
-        )
+        reader.problem(1, f"the response id {identifier:02X}h does not answer request id {request.request_id:02X}h")
 
 
 def _check_elements(reader: _Reader, request: Request, position: int, block: ValueBlock, at: int) -> None:
@@ -305,9 +303,7 @@ def _check_elements(reader: _Reader, request: Request, position: int, block: Val
     address, fmt = request.addresses[position - 1], formats.find(block.format)
     plain = fmt is not None and not fmt.is_string and address.attribute == Attribute.VALUE
     if plain and not count_matches(address.elements, block.count):
-        message = (
-            f"parameter {position} answers {block.count} values, {address.elements} elements were asked for"
-        )
+        message = f"parameter {position} answers {block.count} values, {address.elements} elements were asked for"
         reader.problem(at + 1, message)
 
 
@@ -331,9 +327,7 @@ def _encode_block(block: Block) -> bytes:
         return bytes((formats.ZERO, 0))
     if isinstance(block, ErrorBlock):
         words = [block.number] if block.info is None else [block.number, block.info]
-        return bytes((formats.ERROR, len(words))) + b"".join(
-            _number(word, 2, "an error word") for word in words
-        )
+        return bytes((formats.ERROR, len(words))) + b"".join(_number(word, 2, "an error word") for word in words)
     head = _number(block.format, 1, "the format") + _number(block.count, 1, "the number of values")
     return head + block.data + bytes(len(block.data) % 2)
 
@@ -349,9 +343,7 @@ def _encode_header(reference: int, identifier: int, drive_object: int, count: in
 
 def encode_request(request: Request, *, strict: bool = True) -> bytes:
     """Return the bytes of a request; TelegramError if not valid (``strict``) or a field does not fit."""
-    header = _encode_header(
-        request.reference, request.request_id, request.drive_object, len(request.addresses)
-    )
+    header = _encode_header(request.reference, request.request_id, request.drive_object, len(request.addresses))
     body = [_encode_address(address) for address in request.addresses]
     data = header + b"".join(body + [_encode_block(block) for block in request.values])
     if strict and decode_request(data) != request:

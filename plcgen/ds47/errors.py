@@ -40,9 +40,7 @@ class ErrorNumber:
 def _sinamics() -> dict[int, ErrorNumber]:
     path = Path(__file__).parent / "data" / "error_numbers.toml"
     rows = tomllib.loads(path.read_text(encoding="utf-8"))["error"]
-    return {
-        row["number"]: ErrorNumber(manufacturer=row["number"] >= MANUFACTURER_FIRST, **row) for row in rows
-    }
+    return {row["number"]: ErrorNumber(manufacturer=row["number"] >= MANUFACTURER_FIRST, **row) for row in rows}
 
 
 def known_numbers() -> tuple[int, ...]:

@@ -64,9 +64,7 @@ def _drive(root: Node, file: str) -> Drive:
 def _node(data: Any, span: Span) -> Node:
     """Wrap plain data as nodes without a position."""
     if isinstance(data, Mapping):
-        pairs = {
-            str(key): (Node("scalar", span, str(key)), _node(value, span)) for key, value in data.items()
-        }
+        pairs = {str(key): (Node("scalar", span, str(key)), _node(value, span)) for key, value in data.items()}
         return Node("map", span, pairs=pairs)
     if isinstance(data, list | tuple):
         return Node("seq", span, items=[_node(item, span) for item in data])

@@ -176,9 +176,7 @@ class Server:
             return ValueBlock(generic.code, block.count, block.data)
         return block
 
-    def _change(
-        self, target: DriveObject, address: ParameterAddress, block: ValueBlock | None, *, exact: bool
-    ) -> None:
+    def _change(self, target: DriveObject, address: ParameterAddress, block: ValueBlock | None, *, exact: bool) -> None:
         parameter = self._parameter(target, address)
         if address.attribute == Attribute.DESCRIPTION:
             raise _RefusedError(0x07, address.subindex)

@@ -206,9 +206,7 @@ def test_most_single_reads():
     assert [offset for offset, _ in found] == [3, 240]
 
 
-@pytest.mark.parametrize(
-    ("fmt", "read", "write"), [("Byte", 234, 228), ("Word", 117, 114), ("DoubleWord", 58, 57)]
-)
+@pytest.mark.parametrize(("fmt", "read", "write"), [("Byte", 234, 228), ("Word", 117, 114), ("DoubleWord", 58, 57)])
 def test_longest_array(fmt, read, write):
     """One record carries an array of 234 B, 117 W or 58 DW to the master and 228, 114 or 57 back."""
     item = formats.by_name(fmt)
@@ -216,9 +214,7 @@ def test_longest_array(fmt, read, write):
         answer = Response(1, 1, 1, 1, (ValueBlock.of(item, [0] * count),))
         assert (model.response_size(answer) <= model.RECORD_LIMIT) is good
     for count, good in ((write, True), (write + 1, False)):
-        change = model.change_request(
-            1, 1, [(ParameterAddress(1, 0, count), ValueBlock.of(item, [0] * count))]
-        )
+        change = model.change_request(1, 1, [(ParameterAddress(1, 0, count), ValueBlock.of(item, [0] * count))])
         assert (model.request_size(change) <= model.RECORD_LIMIT) is good
 
 

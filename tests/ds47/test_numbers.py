@@ -128,10 +128,7 @@ def test_description_bytes():
         2,
         3,
     )
-    expected = (
-        "4208 0003 447A0000 09FD 00000000 53706565642020202020202020202020"
-        "00000000 447A0000 0000 0001 0002 0003"
-    )
+    expected = "4208 0003 447A0000 09FD 00000000 5370656564202020202020202020202000000000 447A0000 0000 0001 0002 0003"
     assert description.pack() == bytes.fromhex(expected)
     assert Description.unpack(description.pack()) == description
     assert description.format == 0x08
