@@ -46,7 +46,9 @@ def read_source(
     text = decode(data, file, encoding)
     if isinstance(text, Diagnostic):
         return [], [text]
-    return read_text(text, file, dialect, bodies=path.suffix.lower() not in _DECLARATIONS_ONLY)
+    bodies = path.suffix.lower() not in _DECLARATIONS_ONLY
+    found, diagnostics = read_text(text, file, dialect, bodies=bodies)
+    return found, [*_refused_encoding(data, file, dialect), *diagnostics]
 
 
 def read_text(
@@ -72,6 +74,28 @@ def decode(data: bytes, file: str, encoding: str | None = None) -> str | Diagnos
         return data.decode("utf-8")
     except UnicodeDecodeError:
         return _decode_as(data, encoding or "cp1252", file)
+
+
+def _refused_encoding(data: bytes, file: str, dialect: Dialect | None) -> list[Diagnostic]:
+    """Report an encoding that the target misreads: UTF-8 needs its mark in TIA, V5 knows ANSI only."""
+    if dialect is None or data.isascii():
+        return []
+    marked = any(data.startswith(mark) for mark, _ in _BOMS)
+    if dialect.is_tia and not marked and _is_utf8(data):
+        what, text = "UTF-8 without byte order mark", "save it as UTF-8 with BOM"
+    elif not dialect.is_tia and (marked or _is_utf8(data)):
+        what, text = "Unicode sources", "save it in the code page of the engineering station"
+    else:
+        return []
+    return [Diagnostic("PG803", f"{dialect.label} does not know {what}", Span(file), help=text)]
+
+
+def _is_utf8(data: bytes) -> bool:
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError:
+        return False
+    return True
 
 
 def _decode_as(data: bytes, name: str, file: str) -> str | Diagnostic:

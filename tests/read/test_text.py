@@ -118,6 +118,25 @@ def test_a_target_adds_its_refusals(tmp_path: Path) -> None:
     assert [d.code for d in read_source(path, Dialect.TIA_300_400)[1]] == ["PG803"]
 
 
+@pytest.mark.parametrize(
+    ("encoding", "refusing"),
+    [
+        ("utf-8", {Dialect.STEP7_V5, Dialect.TIA_300_400, Dialect.TIA_1200_1500}),
+        ("utf-8-sig", {Dialect.STEP7_V5}),
+        ("utf-16", {Dialect.STEP7_V5}),
+        ("cp1252", set()),
+    ],
+)
+def test_an_encoding_that_the_target_misreads_is_refused(tmp_path: Path, encoding: str, refusing: set[Dialect]) -> None:
+    """TIA wants a byte order mark, STEP 7 V5 ANSI; pure ASCII is fine everywhere."""
+    path = tmp_path / "a.udt"
+    for text, expected in ((UDT, refusing), (UDT.replace("öß", "oss").replace("ä", "ae"), set())):
+        path.write_bytes(text.encode("ascii" if text.isascii() else encoding))
+        refused = {dialect for dialect in Dialect if read_source(path, dialect)[1]}
+        assert expected == refused
+    assert read_source(path)[1] == []
+
+
 @given(st.binary(max_size=200))
 def test_any_bytes_are_text_or_a_diagnostic(data: bytes) -> None:
     """Decoding never raises."""
