@@ -45,9 +45,23 @@ class Note:
     span: Span
 
 
+MAX_MESSAGE = 300
+"""Longest message in characters; longer ones quote something that nobody reads to its end."""
+
+
+def _readable(text: str) -> str:
+    """Escape what a terminal would not print (or obey), and cut what is too long in the middle."""
+    if not text.isprintable():
+        text = "".join(char if char.isprintable() else f"\\u{ord(char):04X}" for char in text)
+    return text if len(text) <= MAX_MESSAGE else f"{text[: MAX_MESSAGE - 83]}...{text[-80:]}"
+
+
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """One problem: stable code, what (message), where (span), how to fix (help), related places."""
+    """One problem: stable code, what (message), where (span), how to fix (help), related places.
+
+    Message and help quote the user's text: they are made printable and cut to a readable length.
+    """
 
     code: str
     message: str
@@ -55,6 +69,10 @@ class Diagnostic:
     severity: Severity = Severity.ERROR
     help: str = ""
     notes: tuple[Note, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "message", _readable(self.message))
+        object.__setattr__(self, "help", _readable(self.help))
 
     @property
     def sort_key(self) -> tuple[str, int, int, str, str]:

@@ -220,7 +220,7 @@ def _trigger(job: Job, key: str, loaded: LoadedSpec, report: Report) -> PlannedT
         try:
             address = parse_address(text)
         except AddressError as problem:
-            report.add(Diagnostic("PG404", f'"{text}": {problem}', place, help=f"{signal} is {wanted}"))
+            report.add(Diagnostic("PG404", f'"{text}": {problem.reason}', place, help=f"{signal} is {wanted}"))
             continue
         if address.area != "M" or address.width_bits != width:
             report.add(
