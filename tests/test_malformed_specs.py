@@ -90,7 +90,8 @@ def _lines(text: str) -> Iterator[tuple[str, str]]:
 
 def _whole(text: str) -> Iterator[tuple[str, str]]:
     middle = len(text) // 2
-    for name, char in (("NUL", "\0"), ("BEL", "\a"), ("DEL", "\x7f"), ("BOM", "\ufeff"), ("NEL", "\x85"), ("LS", "\u2028")):
+    odd = {"NUL": "\0", "BEL": "\a", "DEL": "\x7f", "BOM": "\ufeff", "NEL": "\x85", "LS": "\u2028"}
+    for name, char in odd.items():
         yield f"{name} in the middle", text[:middle] + char + text[middle:]
     yield "CR LF", text.replace("\n", "\r\n")
     yield "CR", text.replace("\n", "\r")

@@ -77,7 +77,7 @@ def plan_job(
     )
     return PlannedJob(
         key=key,
-        member=shorten(camel_case(key), V5_LIMIT if numbering.where.v5 else TIA_LIMIT),
+        member=_member(key, job, numbering),
         write=write,
         drive=drive,
         owner=owner,
@@ -95,6 +95,12 @@ def plan_job(
         comment=job.comment or {},
         path=path,
     )
+
+
+def _member(key: str, job: Job, numbering: Numbering) -> str:
+    """Name of the job in the control DB; with flags, their tags (``..Execute``) have to fit the limit too."""
+    limit = V5_LIMIT if numbering.where.v5 else TIA_LIMIT
+    return shorten(camel_case(key), limit if job.trigger is None else limit - len("Execute"))
 
 
 def _uses(job: Job, key: str, loaded: LoadedSpec, resolver: UseResolver, report: Report) -> tuple[Use, ...]:

@@ -19,6 +19,7 @@ RULES: tuple[Rule, ...] = (
     target.languages,
     target.comment_languages,
     target.drive_object,
+    target.unused_address,
     parameters.access,
     parameters.repeated,
     parameters.dangerous,

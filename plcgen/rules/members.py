@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from plcgen.diagnostics import Diagnostic, Note, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.plan.fields import request_fields, response_fields
-from plcgen.rules.places import by_importance, member_span, name_span, parameter_span
+from plcgen.rules.places import by_importance, key_or_value, member_span, name_span, parameter_span
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,27 +25,46 @@ _OWN = frozenset(
 """Members and constants of every job block, in lower case."""
 
 _PREFIXED = re.compile(r"(?:[Ss]tat|[Tt]emp|[Ii]nst)[A-Z0-9]|(?i:state_|status_)")
-_MAIN = "Main"
+_FIXED = ("plc",)
 _SHOWN = 8
 
 
 def block_names(project: Project) -> Iterator[Diagnostic]:
-    """PG406: two blocks have the same name; letter case does not matter."""
-    first: dict[str, tuple[str, Span | None]] = {_MAIN.lower(): (_MAIN, None)}
+    """PG406: a block has the name of another block, table or tag; letter case does not matter."""
+    first = {name.lower(): (f'"{name}"', what, span) for name, what, span in _taken(project)}
     reported: set[tuple[Span, Span | None]] = set()
     for block in by_importance(project):
-        span = name_span(project, block)
-        name, earlier = first.setdefault(block.name.lower(), (block.name, span))
-        if name is block.name or (span, earlier) in reported:
+        if block.path == _FIXED:
             continue
-        reported.add((span, earlier))
+        span = name_span(project, block)
+        mine = (f'"{block.name}"', "", span)
+        earlier = first.setdefault(block.name.lower(), mine)
+        name, what, place = earlier
+        if earlier is mine or (span, place) in reported:
+            continue
+        reported.add((span, place))
         yield Diagnostic(
             "PG406",
-            f'block name "{block.name}" is used twice' if earlier else f'"{block.name}" is the name of the example OB1',
+            f'block name "{block.name}" is {f"also the name of {what}" if what else "used twice"}',
             span,
             help="rename one of them: letter case makes no difference",
-            notes=(Note(f'first use: "{name}"', earlier),) if earlier else (),
+            notes=(Note(f"first use: {name}", place),) if place else (),
         )
+
+
+def _taken(project: Project) -> Iterator[tuple[str, str, Span | None]]:
+    """Names that blocks of a spec must not have: of what every project gets, and of tables and tags."""
+    yield "Main", "the example OB1", None
+    yield "DriveJobTags", "the tag table", None
+    for block in project.blocks:
+        if block.path == _FIXED:
+            yield block.name, "a block of every project", None
+    for job in project.jobs:
+        yield f"Watch_{job.block.name}", f'the watch table of job "{job.key}"', None
+        for flag in job.trigger.items():
+            signal = flag[0]
+            span = key_or_value(project, (*job.path, "trigger", signal))
+            yield f"{job.member}{signal.capitalize()}", f'the {signal} flag of job "{job.key}"', span
 
 
 def control_members(project: Project) -> Iterator[Diagnostic]:

@@ -39,6 +39,23 @@ def drive_object(project: Project) -> Iterator[Diagnostic]:
         )
 
 
+def unused_address(project: Project) -> Iterator[Diagnostic]:
+    """PG215: the kind of address that only the other CPU families use has no effect."""
+    classic = project.target.classic
+    useless, used = ("hardware_id", "address") if classic else ("address", "hardware_id")
+    for drive in project.drives:
+        spec = project.loaded.spec.drives[drive.key]
+        if getattr(spec, useless) is None or getattr(spec, used) is None:
+            continue
+        yield Diagnostic(
+            "PG215",
+            f"{useless} has no effect: an {project.target.family.upper()} uses {used}",
+            project.loaded.key_span((*drive.path, useless)),
+            Severity.WARNING,
+            help=f"remove {useless}",
+        )
+
+
 def languages(project: Project) -> Iterator[Diagnostic]:
     """PG107: something is not the tag of a language, or a language is named twice."""
     seen: set[str] = set()
