@@ -9,17 +9,27 @@ from plcgen.plan.model import Project
 
 
 def emit(project: Project) -> Iterator[Document]:
-    """Every document of a project, in import order: types, data blocks, function blocks, instances, OB, tables."""
+    """Every document of a project, one job after the other; the files know their import order, not this one."""
     from plcgen.emit.blocks import control_document, job_documents, main_document, shared_documents
     from plcgen.emit.jobs import job_document
-    from plcgen.emit.simaticml import simaticml_documents
-    from plcgen.emit.tables import table_documents
+    from plcgen.emit.simaticml import closing_xml, job_xml, shared_xml
+    from plcgen.emit.tables import sheet, table_documents, watch_document, watch_rows
 
+    xml = project.target.xml_version is not None
     yield from shared_documents(project)
+    if xml:
+        yield from shared_xml(project)
+    sheets = []
     for job in project.jobs:
         yield from job_documents(project, job)
         yield job_document(project, job)
+        watch = watch_rows(project, job)
+        yield watch_document(job, watch)
+        if xml:
+            yield from job_xml(project, job, watch)
+        sheets.append(sheet(project, job))
     yield control_document(project)
     yield main_document(project)
-    yield from simaticml_documents(project)
-    yield from table_documents(project)
+    if xml:
+        yield from closing_xml(project)
+    yield from table_documents(project, sheets)

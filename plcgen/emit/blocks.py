@@ -7,10 +7,9 @@ from typing import Any
 
 from plcgen.emit.document import Document
 from plcgen.emit.jobs import common, interface_row, newline, title
-from plcgen.emit.spelling import comment_text, elements, literal, one_line, type_text, type_words
-from plcgen.emit.texts import field_texts
-from plcgen.plan.model import BlockRef, Field, PlannedJob, Project
-from plcgen.s7.types import ArrayType, Elementary
+from plcgen.emit.rows import telegram_rows
+from plcgen.emit.spelling import type_words
+from plcgen.plan.model import BlockRef, PlannedJob, Project
 
 DIAGNOSTICS: tuple[tuple[str, str, str], ...] = (
     ("recordStatus", "DWORD", "STATUS of the last WRREC or RDREC that ended"),
@@ -62,22 +61,21 @@ def job_documents(project: Project, job: PlannedJob) -> Iterator[Document]:
     """Types, buffers and instance DBs of one job."""
     label = title(project, job)
     for telegram in job.telegrams:
-        for which, block, type_block, fields in (
-            ("Request", telegram.request_db, telegram.request_type, telegram.request_fields),
-            ("Response", telegram.response_db, telegram.response_type, telegram.response_fields),
+        request, response = telegram_rows(project, telegram)
+        for which, block, type_block, rows in (
+            ("Request", telegram.request_db, telegram.request_type, request),
+            ("Response", telegram.response_db, telegram.response_type, response),
         ):
-            rows = [_field(project, field, response=which == "Response") for field in fields]
-            bare = [{**row, "start": ""} for row in rows]
             path = f"udt/{type_block.name}.{extension(project, 'udt')}"
-            yield _document(project, path, "db/udt.j2", {"name": type_block.name, "fields": bare})
+            yield _document(project, path, "db/udt.j2", {"name": type_block.name, "fields": rows})
             view = {
                 "name": block.name,
                 "title": f"{which}: {label}",
                 "retain": True,
                 "fields": rows,
-                "assignments": []
-                if which == "Response"
-                else [line for field in fields for line in _assignments(project, field)],
+                "assignments": [
+                    {"path": f"{row.name}[{index}]", "value": text} for row in rows for index, text in row.subs
+                ],
             }
             yield _document(project, f"db/{block.name}.{extension(project, 'db')}", "db/buffer.j2", view)
     yield _instance(project, job.instance, f'"{job.block.name}"')
@@ -89,28 +87,6 @@ def job_documents(project: Project, job: PlannedJob) -> Iterator[Document]:
 def _instance(project: Project, block: BlockRef, of: str) -> Document:
     path = f"db/{block.name}.{extension(project, 'db')}"
     return _document(project, path, "db/instance.j2", {"name": block.name, "of": of})
-
-
-def _field(project: Project, field: Field, *, response: bool) -> dict[str, str]:
-    where = project.target
-    start = ""
-    if isinstance(field.type, Elementary) and any(field.data):
-        start = literal(field.type, field.data, v5=where.v5)
-    texts = field_texts(field, project.languages, response=response)
-    fallback = field_texts(field, ("en",), response=response)["en"]
-    return {
-        "name": field.name,
-        "type": type_text(field.type, tia=not where.v5),
-        "start": start,
-        "text": comment_text(texts, project.languages, where, one_line(fallback)),
-    }
-
-
-def _assignments(project: Project, field: Field) -> list[dict[str, str]]:
-    if not isinstance(field.type, ArrayType):
-        return []
-    found = elements(field.type, field.data, v5=project.target.v5)
-    return [{"path": f"{field.name}[{index}]", "value": text} for index, text in found]
 
 
 def control_document(project: Project) -> Document:

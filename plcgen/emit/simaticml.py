@@ -6,17 +6,16 @@ Source of the structure: genuine exports as described by Siemens' Openness manua
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from plcgen.emit.blocks import DIAGNOSTICS, TOKEN, control_fields
 from plcgen.emit.document import Document
 from plcgen.emit.jobs import title
-from plcgen.emit.spelling import culture, elements, literal, one_line, type_text, type_words
-from plcgen.emit.tables import tags, watch_rows
-from plcgen.emit.texts import field_texts
-from plcgen.plan.model import BlockRef, Field, PlannedJob, Project
-from plcgen.s7.types import ArrayType, Elementary
+from plcgen.emit.rows import Row, telegram_rows
+from plcgen.emit.spelling import culture, one_line, type_words
+from plcgen.emit.tables import tags
+from plcgen.plan.model import BlockRef, PlannedJob, Project
 
 INTERFACE_NAMESPACE = {"V16": "v4", "V17": "v5", "V18": "v5", "V19": "v5", "V20": "v5", "V21": "v5"}
 """Version of the interface namespace per TIA Portal version."""
@@ -35,24 +34,35 @@ class _Ids:
         return f"{self.next - 1:X}"
 
 
-def simaticml_documents(project: Project) -> Iterator[Document]:
-    """Every SimaticML document of a project; none before TIA Portal V16."""
-    if project.target.xml_version is None:
-        return
+def shared_xml(project: Project) -> Iterator[Document]:
+    """Types and tokens that every job uses."""
     yield _type(project, project.diagnostics_type, _fixed(DIAGNOSTICS), {})
     yield _type(project, project.token_type, _fixed(TOKEN), {})
     for drive in project.drives:
         yield _db(project, drive.token, _fixed(TOKEN), drive.comment)
-    for job in project.jobs:
-        for telegram in job.telegrams:
-            for type_block, db, fields, response in (
-                (telegram.request_type, telegram.request_db, telegram.request_fields, False),
-                (telegram.response_type, telegram.response_db, telegram.response_fields, True),
-            ):
-                members = [_member(project, field, response=response) for field in fields]
-                yield _type(project, type_block, [{**m, "start": "", "subs": ()} for m in members], job.comment)
-                yield _db(project, db, members, job.comment)
-        yield _watch(project, job)
+
+
+def job_xml(project: Project, job: PlannedJob, watch: list[dict[str, str]]) -> Iterator[Document]:
+    """Types, buffers and watch table of one job."""
+    for telegram in job.telegrams:
+        request, response = telegram_rows(project, telegram)
+        yield _type(project, telegram.request_type, request, job.comment)
+        yield _db(project, telegram.request_db, request, job.comment)
+        yield _type(project, telegram.response_type, response, job.comment)
+        yield _db(project, telegram.response_db, response, job.comment)
+    ids = _Ids()
+    table_id = ids()
+    view = {
+        **_base(project),
+        "name": f"Watch_{job.block.name}",
+        "id": table_id,
+        "rows": [{**row, "id": ids()} for row in watch],
+    }
+    yield _document(f"xml/Watch_{job.block.name}.xml", "simaticml/watch.xml.j2", view, WATCH_NOTE)
+
+
+def closing_xml(project: Project) -> Iterator[Document]:
+    """The control DB and the tag table."""
     yield _db(project, project.control_db, _control(project), {})
     rows = tags(project)
     if rows:
@@ -65,26 +75,8 @@ def _fixed(rows: tuple[tuple[str, str, str], ...]) -> list[dict[str, Any]]:
 
 
 def _plain(name: str, type_: str, text: str, start: str = "") -> dict[str, Any]:
-    comment = [("en-US", one_line(text))] if text else []
-    return {"name": name, "type": type_, "start": start, "subs": (), "comment": comment, "members": ()}
-
-
-def _member(project: Project, field: Field, *, response: bool) -> dict[str, Any]:
-    start = ""
-    subs: list[tuple[int, str]] = []
-    if isinstance(field.type, Elementary) and any(field.data):
-        start = literal(field.type, field.data, v5=False)
-    elif isinstance(field.type, ArrayType) and not response:
-        subs = elements(field.type, field.data, v5=False)
-    texts = field_texts(field, project.languages, response=response)
-    return {
-        "name": field.name,
-        "type": type_text(field.type, tia=True),
-        "start": start,
-        "subs": subs,
-        "comment": [(culture(language), one_line(text)) for language, text in texts.items()],
-        "members": (),
-    }
+    comments = [("en-US", one_line(text))] if text else []
+    return {"name": name, "type": type_, "start": start, "subs": (), "comments": comments, "members": ()}
 
 
 def _control(project: Project) -> list[dict[str, Any]]:
@@ -129,7 +121,9 @@ def _document(path: str, template: str, view: dict[str, Any], experimental: str 
     return Document(path, template, view, "utf-8-sig", "\n", experimental)
 
 
-def _type(project: Project, block: BlockRef, members: list[dict[str, Any]], comment: dict[str, str]) -> Document:
+def _type(
+    project: Project, block: BlockRef, members: Sequence[Row | dict[str, Any]], comment: dict[str, str]
+) -> Document:
     ids = _Ids()
     view = {
         **_base(project),
@@ -141,7 +135,9 @@ def _type(project: Project, block: BlockRef, members: list[dict[str, Any]], comm
     return _document(f"xml/{block.name}.xml", "simaticml/type.xml.j2", view)
 
 
-def _db(project: Project, block: BlockRef, members: list[dict[str, Any]], comment: dict[str, str]) -> Document:
+def _db(
+    project: Project, block: BlockRef, members: Sequence[Row | dict[str, Any]], comment: dict[str, str]
+) -> Document:
     ids = _Ids()
     view = {
         **_base(project),
@@ -161,11 +157,3 @@ def _tags(project: Project, rows: list[dict[str, Any]]) -> Document:
     entries = [{**row, "id": ids(), "text_id": ids(), "item_id": ids(), "culture": language} for row in rows]
     view = {**_base(project), "name": "DriveJobTags", "id": table_id, "tags": entries}
     return _document("xml/DriveJobTags.xml", "simaticml/tags.xml.j2", view)
-
-
-def _watch(project: Project, job: PlannedJob) -> Document:
-    ids = _Ids()
-    table_id = ids()
-    entries = [{**row, "id": ids()} for row in watch_rows(project, job)]
-    view = {**_base(project), "name": f"Watch_{job.block.name}", "id": table_id, "rows": entries}
-    return _document(f"xml/Watch_{job.block.name}.xml", "simaticml/watch.xml.j2", view, WATCH_NOTE)

@@ -54,6 +54,8 @@ def elements(type_: ArrayType, data: bytes, *, v5: bool) -> list[tuple[int, str]
 
 def encodable(text: str, where: Target) -> bool:
     """Whether the target's source encoding has every character of a text."""
+    if text.isascii() or not where.v5:
+        return True
     try:
         text.encode(where.encoding)
     except UnicodeEncodeError:
@@ -70,6 +72,7 @@ def comment_text(texts: dict[str, str], languages: tuple[str, ...], where: Targe
     return fallback
 
 
+@lru_cache(maxsize=65536)
 def one_line(text: str) -> str:
     """A text that is safe inside a line comment: no line breaks or control characters."""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())

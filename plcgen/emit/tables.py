@@ -10,12 +10,11 @@ from typing import Any
 from plcgen.emit.blocks import extension, flag_name
 from plcgen.emit.document import Document
 from plcgen.emit.jobs import newline, title
-from plcgen.emit.spelling import comment_text, elements, encodable, literal, one_line, type_text
-from plcgen.emit.texts import field_texts
+from plcgen.emit.rows import telegram_rows
+from plcgen.emit.spelling import encodable, literal
 from plcgen.plan.fields import interface_type
-from plcgen.plan.model import BlockRef, Field, PlannedJob, Project, Telegram, Use
+from plcgen.plan.model import PlannedJob, Project, Telegram, Use
 from plcgen.s7.types import ArrayType, Elementary
-from plcgen.s7.values import SIGNED, UNSIGNED
 
 RAW = "text/raw.j2"
 
@@ -26,7 +25,7 @@ def tags(project: Project) -> list[dict[str, Any]]:
         {
             "name": flag_name(job, signal),
             "type": "Word" if address.width_bits > 1 else "Bool",
-            "address": str(address).removeprefix("%"),
+            "address": address.text(percent=False),
             "text": f"{signal}: {title(project, job)}",
         }
         for job in project.jobs
@@ -34,59 +33,19 @@ def tags(project: Project) -> list[dict[str, Any]]:
     ]
 
 
-def member_address(db: BlockRef, field: Field) -> str:
-    """Absolute address of a member, ``DB3.DBW6``; wider or array members by their first byte."""
-    width = field.type.bits if isinstance(field.type, Elementary) else 8
-    letter = {8: "DBB", 16: "DBW", 32: "DBD"}.get(width, "DBB")
-    return f"DB{db.number}.{letter}{field.offset}"
-
-
 def watch_rows(project: Project, job: PlannedJob) -> list[dict[str, str]]:
     """Rows of a job's watch table: every elementary member of its buffers, then its flags."""
     rows: list[dict[str, str]] = []
     for telegram in job.telegrams:
-        for db, fields, response in (
-            (telegram.request_db, telegram.request_fields, False),
-            (telegram.response_db, telegram.response_fields, True),
-        ):
-            rows += [
-                _watch_row(project, db, field, response=response)
-                for field in fields
-                if field.role not in {"pad", "reserve"}
-            ]
-    rows += [
-        {
-            "name": f'"{flag_name(job, signal)}"',
-            "address": str(address).removeprefix("%"),
-            "format": "Bool",
-            "modify": "",
-        }
-        for signal, address in job.trigger.items()
-        if address.width_bits == 1
-    ]
+        for row in (row for side in telegram_rows(project, telegram) for row in side):
+            if row.watch is not None:
+                name, shown, modify = row.watch
+                rows.append({"name": name, "address": row.address, "format": shown, "modify": modify})
+    for signal, address in job.trigger.items():
+        if address.width_bits == 1:
+            name = f'"{flag_name(job, signal)}"'
+            rows.append({"name": name, "address": address.text(percent=False), "format": "Bool", "modify": ""})
     return rows
-
-
-def _watch_row(project: Project, db: BlockRef, field: Field, *, response: bool) -> dict[str, str]:
-    name, type_, data = field.name, field.type, field.data
-    if isinstance(type_, ArrayType) and isinstance(type_.element, Elementary):
-        name = f"{name}[{type_.bounds[0][0]}]"
-        data = data[: type_.element.bits // 8]
-        type_ = type_.element
-    modify = literal(type_, data, v5=project.target.v5) if isinstance(type_, Elementary) and not response else ""
-    shown = "Hex"
-    if isinstance(type_, Elementary) and type_.name in {"REAL", "LREAL"}:
-        shown = "FloatingPoint"
-    elif field.role == "pnu":
-        shown, modify = "DEC", str(int.from_bytes(data)) if not response else ""
-    elif isinstance(type_, Elementary) and type_.name in SIGNED | UNSIGNED:
-        shown = "DEC"
-    return {
-        "name": f'"{db.name}".{name}',
-        "address": member_address(db, field),
-        "format": shown,
-        "modify": modify,
-    }
 
 
 def import_order(project: Project) -> list[str]:
@@ -106,22 +65,20 @@ def import_order(project: Project) -> list[str]:
     return [*files, "scl/Main.scl"]
 
 
-def table_documents(project: Project) -> Iterator[Document]:
-    """Watch tables as CSV, the STEP 7 V5 symbol table and compile order, the guide and the layout sheet."""
-    for job in project.jobs:
-        rows = watch_rows(project, job)
-        text = _csv(("name", "address", "display format", "modify value"), [list(row.values()) for row in rows])
-        yield Document(f"watch/{job.block.name}.csv", RAW, {"text": text})
+def watch_document(job: PlannedJob, rows: list[dict[str, str]]) -> Document:
+    """A job's watch table as CSV."""
+    text = _csv(("name", "address", "display format", "modify value"), [list(row.values()) for row in rows])
+    return Document(f"watch/{job.block.name}.csv", RAW, {"text": text})
+
+
+def table_documents(project: Project, sheets: list[dict[str, Any]]) -> Iterator[Document]:
+    """The STEP 7 V5 symbol table and compile order, the import guide and the layout sheet."""
     if project.target.v5:
         yield Document("symbols.sdf", RAW, {"text": _symbols(project)}, project.target.encoding, newline(project))
         order = "".join(f"{path.rsplit('/', 1)[1].removesuffix('.scl')}\n" for path in import_order(project))
         yield Document("compile.inp", RAW, {"text": order}, project.target.encoding, newline(project))
     yield Document("IMPORT.md", "text/import.md.j2", _import_view(project))
-    yield Document(
-        "LAYOUT.md",
-        "text/layout.md.j2",
-        {"project": project.name, "jobs": [_sheet(project, job) for job in project.jobs]},
-    )
+    yield Document("LAYOUT.md", "text/layout.md.j2", {"project": project.name, "jobs": sheets})
 
 
 def _csv(header: tuple[str, ...], rows: list[list[str]]) -> str:
@@ -187,42 +144,13 @@ def _values(project: Project, use: Use) -> str:
     return shown + (", .." if len(pieces) > 4 else "")
 
 
-def _start(project: Project, field: Field) -> str:
-    if isinstance(field.type, Elementary):
-        return literal(field.type, field.data, v5=project.target.v5)
-    if isinstance(field.type, ArrayType) and any(field.data):
-        return ", ".join(
-            f"[{index}] {text}" for index, text in elements(field.type, field.data, v5=project.target.v5)[:4]
-        )
-    return ""
-
-
-def _sheet(project: Project, job: PlannedJob) -> dict[str, Any]:
+def sheet(project: Project, job: PlannedJob) -> dict[str, Any]:
+    """A job's part of the layout sheet."""
     blocks = []
     for telegram in job.telegrams:
-        for db, fields, response in (
-            (telegram.request_db, telegram.request_fields, False),
-            (telegram.response_db, telegram.response_fields, True),
-        ):
-            rows = [
-                {
-                    "offset": field.offset,
-                    "address": member_address(db, field),
-                    "name": field.name,
-                    "type": type_text(field.type, tia=not project.target.v5),
-                    "size": field.size,
-                    "start": "" if response else _start(project, field),
-                    "text": one_line(
-                        comment_text(
-                            field_texts(field, project.languages, response=response),
-                            project.languages,
-                            project.target,
-                        )
-                    ),
-                }
-                for field in fields
-            ]
-            blocks.append({"db": db, "rows": rows, "size": fields[-1].offset + fields[-1].size})
+        request, response = telegram_rows(project, telegram)
+        for db, rows in ((telegram.request_db, request), (telegram.response_db, response)):
+            blocks.append({"db": db, "rows": rows, "size": rows[-1].offset + rows[-1].size})
     return {
         "title": title(project, job),
         "block": job.block,

@@ -39,19 +39,18 @@ _RESPONSE = _REQUEST | {
 _COLUMN = {"en": 0, "de": 1, "zh": 2}
 
 
-def field_texts(field: Field, languages: tuple[str, ...], *, response: bool) -> dict[str, str]:
-    """Comment of a buffer member in each language, with the parameter and its unit where it belongs to one."""
+def field_texts(field: Field, languages: tuple[str, ...], *, response: bool) -> list[tuple[str, str]]:
+    """Comment of a member in each language, with the parameter and its unit where it belongs to one."""
     row = (_RESPONSE if response else _REQUEST)[field.role]
     part = field.part
-    texts = {}
+    texts = []
     for language in languages:
-        text = row[_COLUMN.get(language.split("-")[0].lower(), 0)]
+        text = row[_COLUMN.get(language[:2].lower(), 0)]
         if part is not None and field.role == "value":
             parameter = part.use.parameter
             unit = f" [{parameter.unit}]" if parameter.unit else ""
-            own = part.use.comment.get(language) or parameter.title
-            text = f"{part.use.label} {own}{unit}".replace("  ", " ") if own else f"{part.use.label} {text}{unit}"
+            text = f"{part.use.label} {part.use.comment.get(language) or parameter.title or text}{unit}"
         elif part is not None:
             text = f"{part.use.label} {text}"
-        texts[language] = text
+        texts.append((language, text))
     return texts

@@ -132,7 +132,7 @@ class Field:
     part: Part | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Telegram:
     """One request/response pair: bytes, buffers and what every byte is called."""
 
@@ -201,7 +201,7 @@ class PlannedJob:
         return () if self.write else self.uses
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Project:
     """Everything the emitters, rules and verification need; positions are looked up in ``loaded`` on demand."""
 

@@ -85,7 +85,14 @@ def _own_parameters(loaded: LoadedSpec, key: str, report: Report) -> dict[int, P
         path = ("drives", key, "parameters", text)
         reference = parse_reference(text)
         if reference is None or reference.pnu is None or reference.first is not None or not 1 <= reference.pnu <= 65535:
-            report.add(Diagnostic("PG203", f'"{text}" is not a parameter number', loaded.key_span(path), help="P50303"))
+            report.add(
+                Diagnostic(
+                    "PG203",
+                    f'"{text}" is not a parameter number',
+                    loaded.key_span(path),
+                    help="write its number, for example P50303",
+                )
+            )
             continue
         own[reference.pnu] = catalog.parameter_from(reference.pnu, definition.model_dump())
     return own

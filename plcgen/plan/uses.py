@@ -18,6 +18,13 @@ from plcgen.spec.schema import ReadItem, WriteItem
 
 DEFAULT_STRING = 16
 
+_PLC_TYPES = {
+    "BOOL": "Boolean", "BYTE": "Unsigned8", "USINT": "Unsigned8", "SINT": "Integer8", "WORD": "Unsigned16",
+    "UINT": "Unsigned16", "INT": "Integer16", "DWORD": "Unsigned32", "UDINT": "Unsigned32", "DINT": "Integer32",
+    "REAL": "FloatingPoint", "FLOAT": "FloatingPoint", "LREAL": "Float64", "STRING": "VisibleString",
+}  # fmt: skip
+"""What people write who think of the PLC's types, and what the drive calls it."""
+
 
 class UseResolver:
     """Resolves the parameters of one drive's jobs; problems go to the report, the use is then left out."""
@@ -129,7 +136,12 @@ class UseResolver:
         except KeyError:
             fmt = None
         if fmt is None or split is None or not fmt.writable or fmt.generic:
-            hint = did_you_mean(split[0] if split else parameter.type, names)
+            word = split[0] if split else parameter.type
+            hint = (
+                f'did you mean "{_PLC_TYPES[word.upper()]}"?'
+                if word.upper() in _PLC_TYPES
+                else did_you_mean(word, names)
+            )
             help_ = f"{hint} DS47 types: {', '.join(names)}".strip()
             self.problem("PG205", f'"{parameter.type}" is not a DS47 data type', place, help_)
             return None
@@ -167,7 +179,8 @@ class UseResolver:
         if len(values) == 1 and count > 1 and not isinstance(given, tuple):
             values = tuple(values) * count
         if len(values) != count:
-            self.problem("PG210", f"P{parameter.pnu}: {len(values)} values for {count} elements", path)
+            help_ = f"give {count} values, or one for all of them"
+            self.problem("PG210", f"P{parameter.pnu}: {len(values)} values for {count} elements", path, help_)
             return None
         packed = b""
         ok = True
