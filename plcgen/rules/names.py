@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.rules.places import by_importance, key_or_value, member_span, name_span, node_at
-from plcgen.s7.names import check_name
+from plcgen.s7.names import ROLES, check_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -43,9 +43,10 @@ def names(project: Project) -> Iterator[Diagnostic]:
         reason = _reason(named, v5=project.target.v5)
         if reason is not None:
             reported.add(named.span)
+            on = f" for {tool}" if named.role in ROLES else ""
             yield Diagnostic(
                 "PG405",
-                f'{named.what} "{_shown(named.name)}" is not a name for {tool}: {reason}',
+                f'{named.what} "{_shown(named.name)}" is not a name{on}: {reason}',
                 named.span,
                 help=_help(named),
             )
@@ -74,7 +75,7 @@ def encoding_of_comments(project: Project) -> Iterator[Diagnostic]:
         if char is not None:
             yield Diagnostic(
                 "PG407",
-                f"this comment is left out of the sources: {_missing(project, char)}",
+                f"this text is left out of the sources: {_missing(project, char)}",
                 key_or_value(project, path),
                 Severity.WARNING,
                 help="give it in a language that uses western European letters, or use a tia-v.. toolchain",

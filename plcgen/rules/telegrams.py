@@ -62,9 +62,10 @@ def _longest_answer(telegram: Telegram, *, write: bool) -> tuple[int, str]:
 def _why(project: Project, job: PlannedJob, telegram: Telegram) -> tuple[Note, ...]:
     use = max(telegram.parts, key=lambda part: part.size).use
     figures = f"positive answer {telegram.positive_length} bytes, negative answer {telegram.negative_length}"
+    count = len(telegram.parts)
     return (
         Note(
-            f"{len(telegram.parts)} in this {'write' if job.write else 'read'}: {figures}",
+            f"{count} parameter{'s' if count > 1 else ''} in this {'write' if job.write else 'read'}: {figures}",
             value_span(project, use),
         ),
     )

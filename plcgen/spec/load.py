@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import islice
@@ -11,7 +12,7 @@ from typing import Any
 from plcgen.diagnostics import Diagnostic, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.spec import schema
-from plcgen.spec.source import Node, parse_yaml, read_text
+from plcgen.spec.source import Node, parse_yaml, read_text, resolve_plain
 
 SpecPath = tuple[str | int, ...]
 
@@ -56,7 +57,7 @@ def parse_spec(text: str, file: str, report: Report) -> LoadedSpec | None:
     ambiguous = {(d.span.line, d.span.column) for d in report}
     if root is None:
         if not report.has_errors:
-            report.add(Diagnostic("PG101", "the file is empty", Span(file, 1, 1, 1, 1), help="run plcgen new"))
+            report.add(Diagnostic("PG101", "the file is empty", Span(file, 1, 1, 1, 1), help=_SHAPE))
         return None
     if root.kind != "map":
         report.add(Diagnostic("PG106", "a spec is a mapping with plc, drives and jobs", root.span, help=_SHAPE))
@@ -72,6 +73,7 @@ def parse_spec(text: str, file: str, report: Report) -> LoadedSpec | None:
     return LoadedSpec(file, text, spec, root)
 
 
+_SHOULD = re.compile(r"\A[a-z]+ should (be|have)")
 _SHAPE = "start from an example: plcgen new"
 _RANGE_ERRORS = (
     "greater_than", "less_than", "too_short", "too_long", "value_error",
@@ -111,7 +113,9 @@ def _one(group: list[Any], root: Node) -> Diagnostic:
         wanted = " or ".join(dict.fromkeys(_EXPECTED[e["type"]] for e in group))
         return Diagnostic("PG106", f"expected {wanted}{given}", node.span)
     if error["type"] in _EXPECTED:
-        return Diagnostic("PG106", f"expected {_EXPECTED[error['type']]}{given}", node.span)
+        number = node.kind == "scalar" and not node.plain and isinstance(resolve_plain(node.raw), int | float)
+        help_ = "remove the quotes" if number else ""
+        return Diagnostic("PG106", f"expected {_EXPECTED[error['type']]}{given}", node.span, help=help_)
     if error["type"] == "literal_error":
         options = [option.strip(" '") for option in error["ctx"]["expected"].replace(" or ", ",").split(",")]
         hint = did_you_mean(str(node.value), options)
@@ -119,7 +123,9 @@ def _one(group: list[Any], root: Node) -> Diagnostic:
         return Diagnostic("PG107", f'"{node.raw}" is not a value of "{_key(path)}"', node.span, help=help_)
     code = "PG107" if error["type"].startswith(_RANGE_ERRORS) else "PG106"
     message = str(error["msg"]).removeprefix("Value error, ")
-    return Diagnostic(code, f'"{_key(path)}": {message[0].lower()}{message[1:]}{given}', node.span)
+    message, counted, _ = f"{message[0].lower()}{message[1:]}".partition(" after validation")
+    message = _SHOULD.sub(r"must \1", message) + ("" if counted else f", not {_shown(node)}")
+    return Diagnostic(code, f'"{_key(path)}": {message}', node.span)
 
 
 def _unknown_key(path: SpecPath, where: str, root: Node) -> Diagnostic:

@@ -240,16 +240,21 @@ class _Builder:
                 return
 
     def tag(self, tag: str, span: Span) -> None:
-        self.error("PG109", f"YAML tag {tag} is not accepted", span, "a spec holds plain values only: remove the tag")
+        self.error(
+            "PG109",
+            f"YAML tag {tag.replace('tag:yaml.org,2002:', '!!')} is not accepted",
+            span,
+            "a spec holds plain values only: remove the tag",
+        )
 
     def alias(self, event: Any) -> None:
         span = self.span(event)
         node = self.anchors.get(event.anchor)
         if node is None:
-            self.error("PG101", f'alias "*{event.anchor}" has no anchor', span)
+            self.error("PG101", f'alias "*{event.anchor}" has no anchor', span, "if it is a text, put it in quotes")
             node = Node("scalar", span)
         elif any(node is ancestor for ancestor, _ in self.stack):
-            self.error("PG109", f'alias "*{event.anchor}" contains itself', span)
+            self.error("PG109", f'alias "*{event.anchor}" contains itself', span, "write the values out")
             self.report.raise_on_errors()
         self.grow(self.sizes.get(id(node), 1), span)
         self.place(node)
@@ -272,10 +277,13 @@ def parse_yaml(text: str, file: str, report: Report) -> Node | None:
     except yaml.MarkedYAMLError as problem:
         mark = problem.problem_mark or problem.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
-        what = problem.problem or "not readable as YAML"
-        context = f" ({problem.context})" if problem.context else ""
+        what = _plain_words(problem.problem, problem.context)
         place = Span(file, line, column, line, column + 1)
-        builder.error("PG101", f"{what}{context}", place, _syntax_help(text, problem.problem_mark))
+        tab = _at_tab(text, problem.problem_mark)
+        help_ = "check the indentation and the brackets on this line and the one before"
+        if tab:
+            what, help_ = "a tab where only spaces may stand", "indent with spaces: YAML does not allow tabs"
+        builder.error("PG101", what, place, help_)
         return None
     except yaml.reader.ReaderError as problem:
         position = _reader_position(problem, text)
@@ -296,11 +304,38 @@ def _reader_position(problem: Any, text: str) -> int:
     return max(0, min(int(problem.position), len(text)))
 
 
-def _syntax_help(text: str, mark: Any) -> str:
+def _at_tab(text: str, mark: Any) -> bool:
+    """Whether a tab stands at or before the place a parser stumbled over."""
     lines = text.splitlines() if mark is not None else []
-    if mark is not None and mark.line < len(lines) and "\t" in lines[mark.line][: mark.column + 1]:
-        return "indent with spaces: YAML does not allow tabs"
-    return "check the indentation and the brackets on this line and the one before"
+    return mark is not None and mark.line < len(lines) and "\t" in lines[mark.line][: mark.column + 1]
+
+
+_WORDING = (
+    ("did not find expected", "expected"),
+    ("<block end>", "the end of this block"),
+    ("<document start>", "a new document"),
+    ("flow sequence", "list in [ ]"),
+    ("flow mapping", "mapping in { }"),
+    ("block sequence", "list"),
+    ("block collection", "list"),
+    ("block mapping", "mapping"),
+    ("simple key", "key"),
+    ("plain scalar", "text"),
+    ("quoted scalar", "text in quotes"),
+    ("block scalar", "text block"),
+    ("found unexpected end of stream", "the file ends here"),
+    ("could not find expected ':'", "expected a colon behind the key"),
+    ("found character that cannot start any token", "this character cannot stand here"),
+)
+
+
+def _plain_words(problem: str | None, context: str | None) -> str:
+    """A parser's message in words of the text, not of the YAML specification."""
+    useful = context and "token" not in context
+    text = f"{problem or 'not readable as YAML'}{f' ({context})' if useful else ''}"
+    for jargon, plain in _WORDING:
+        text = text.replace(jargon, plain)
+    return text
 
 
 def _events(parser: Any) -> Iterator[Any]:
@@ -375,7 +410,9 @@ def read_text(path: Path, file: str | None = None) -> str:
         data = path.read_bytes()
     except OSError as problem:
         why = problem.strerror or str(problem)
-        raise DiagnosticError([Diagnostic("PG110", f"cannot read the file: {why}", Span(name))]) from problem
+        raise DiagnosticError(
+            [Diagnostic("PG110", f"cannot read the file: {why}", Span(name), help="check the path")]
+        ) from problem
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
