@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -91,9 +92,7 @@ def generate(
 
     ``check_only`` writes nothing and compares; ``force`` overwrites files that were changed by hand.
     """
-    from plcgen.emit import emit
-    from plcgen.render.environment import render_all
-    from plcgen.render.manifest import manifest
+    from plcgen.render.project import render_project
     from plcgen.render.write import compare_folder, write_folder
 
     target = Path(folder)
@@ -106,8 +105,7 @@ def generate(
     removed: Iterable[str] = ()
     diff = ""
     try:
-        files = render_all(emit(checked.project), progress)
-        files.append(manifest(checked.project, files))
+        files = render_project(checked.project, progress)
         if check_only:
             diff, found = compare_folder(files, target)
             report.extend(found)
@@ -167,11 +165,12 @@ class EncodeResult:
 SPEC_SUFFIXES = frozenset({".yaml", ".yml"})
 
 
-def layout(*paths: Path | str) -> LayoutResult:
+def layout(*paths: Path | str, s7_1500: bool = False) -> LayoutResult:
     """Lay out the telegram buffers of specs (``.yaml``) and the blocks of text sources (all others).
 
-    Types may stand in any of the files, in any order; ``*.udt`` files beside a source or in
-    ``../udt`` are looked at too.
+    Types may stand in any of the files, in any order; UDT and SCL
+    files beside a source (or in ``../udt`` and ``../scl``) are looked at too. ``s7_1500``: system blocks in FBs
+    are those of the S7-1200/1500.
     """
     from plcgen.report.planned import block_tables, project_tables
 
@@ -187,6 +186,10 @@ def layout(*paths: Path | str) -> LayoutResult:
         else:
             sources.append(path)
     blocks, types = _read_sources(sources, report)
+    if s7_1500:
+        from plcgen.s7.system import s7_1500_types
+
+        types = {**s7_1500_types(), **types}
     found, problems = block_tables(blocks, types)
     report.extend(problems)
     return LayoutResult((*tables, *found), tuple(report))
@@ -198,8 +201,7 @@ def _read_sources(paths: Sequence[Path], report: Report) -> tuple[list[Any], dic
 
     blocks: list[Any] = []
     types: dict[str, Any] = {}
-    folders = {near for path in paths if path.is_file() for near in (path.parent, path.parent.parent / "udt")}
-    siblings = {near for folder in folders for near in folder.glob("*.udt")}
+    siblings = {near for path in paths if path.is_file() for near in _siblings(path)}
     for path in sorted(siblings - set(paths)):
         types |= {block.name: block for block in read_source(path)[0]}
     for path in paths:
@@ -208,6 +210,13 @@ def _read_sources(paths: Sequence[Path], report: Report) -> tuple[list[Any], dic
         blocks += found
         types |= {block.name: block for block in found}
     return blocks, types
+
+
+def _siblings(path: Path) -> Iterable[Path]:
+    """Files that may hold a source's types: UDTs, and FBs for instance DBs, beside it or one folder over."""
+    for folder, suffix in product((path.parent, path.parent.parent), (".udt", ".scl")):
+        where = folder if folder == path.parent else folder / suffix[1:]
+        yield from where.glob(f"*{suffix}")
 
 
 def encode(spec: Path | str, job: str | None = None) -> EncodeResult:

@@ -23,6 +23,7 @@ from plcgen.cli.output import OK, PROBLEMS
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="SPEC|FILE...")
 @format_options("text", "markdown", "csv", "json")
 @click.option("--grid/--no-grid", default=True, help="Draw requests byte by byte (text).  [default: grid]")
+@click.option("--s7-1500", "s7_1500", is_flag=True, help="Sources are for S7-1200/1500: their WRREC and RDREC.")
 @output_option
 @common_options
 @click.pass_context
@@ -31,6 +32,7 @@ def command(
     paths: tuple[Path, ...],
     format_: str,
     grid: bool,  # noqa: FBT001 - click's signature
+    s7_1500: bool,  # noqa: FBT001
     output: Path | None,
 ) -> int:
     """Show offset, address, type and start value of every member.
@@ -42,7 +44,7 @@ def command(
     from plcgen.report import layout as report
 
     out = console(ctx)
-    result = api.layout(*dict.fromkeys(paths))
+    result = api.layout(*dict.fromkeys(paths), s7_1500=s7_1500)
     if format_ == "json":
         from plcgen.report.json import diagnostic_data
 

@@ -115,6 +115,7 @@ def cli(ctx: click.Context) -> int:
 def run(args: Sequence[str] | None = None) -> int:
     """Run the command line; every way it can end becomes an exit code here and nowhere else."""
     output.prepare_streams()
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # saves the search for plugins we do not use
     try:
         code = cli.main(args=None if args is None else list(args), prog_name="plcgen", standalone_mode=False)
     except click.UsageError as problem:

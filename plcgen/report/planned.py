@@ -52,9 +52,9 @@ def _planned(field: Field, db: int, *, v5: bool, start: bool) -> LayoutRow:
 
 
 def _address(db: int | None, byte: int, bit: int | None, bits: int) -> str:
-    if db is None:
-        return ""
-    return Address("DB", db, byte, bit, bits).text() if bits in {1, 8, 16, 32} else f"DB{db}.DBB{byte}"
+    """``DB3.DBW6``; ``DBW6`` without a number; larger members show their first byte."""
+    place = Address("DB", db, byte, bit, bits if bits in {1, 8, 16, 32} else 8).text()
+    return place if db is not None else place.partition(".")[2]
 
 
 def block_tables(blocks: Sequence[Block], types: Mapping[str, Block]) -> tuple[list[BlockTable], list[Diagnostic]]:
@@ -73,16 +73,16 @@ def block_tables(blocks: Sequence[Block], types: Mapping[str, Block]) -> tuple[l
 def _declared(block: Block, types: Mapping[str, Block]) -> BlockTable:
     layout = layout_block(block, types)
     begin = {assignment.path.lower(): assignment.literal for assignment in block.assignments}
-    db = block.number if block.kind is BlockKind.DB else None
-    rows = tuple(_entry(entry, db, begin) for entry in layout.entries)
+    in_db = block.kind is BlockKind.DB
+    rows = tuple(_entry(entry, block.number, begin, in_db=in_db) for entry in layout.entries)
     role = "optimised access: the CPU arranges it differently" if block.optimized else ""
     return BlockTable(block.kind.value, block.name, block.number, layout.size, rows, role)
 
 
-def _entry(entry: Entry, db: int | None, begin: Mapping[str, str]) -> LayoutRow:
+def _entry(entry: Entry, db: int | None, begin: Mapping[str, str], *, in_db: bool) -> LayoutRow:
     bit = entry.bit if entry.size == 1 and not isinstance(entry.type, ArrayType | StructType) else None
     name = entry.path if entry.depth == 0 else entry.path.rpartition(".")[2]
-    address = _address(db, entry.byte, bit, entry.size)
+    address = _address(db, entry.byte, bit, entry.size) if in_db else ""
     start = begin.get(entry.path.lower(), entry.member.start or "")
     return LayoutRow(entry.byte, bit, entry.size, address, name, type_text(entry.type), start, entry.depth)
 

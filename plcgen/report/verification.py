@@ -45,11 +45,9 @@ def _group(group: CheckGroup, *, color: bool, width: int) -> list[str]:
     subject = max((cells(clean(check.subject)) for check in group.checks), default=0)
     figures = max((cells(clean(check.text)) for check in group.checks), default=0)
     verdict = max((cells(_verdict(check)) for check in group.checks), default=0)
-    fits = 3 * _GAP + subject + figures + min(verdict, width // 3) <= width
+    fits = 3 * _GAP + subject + figures + verdict <= width
     for check in group.checks:
-        if fits and not check.text and 3 * _GAP + subject + figures + cells(_verdict(check)) > width:
-            out += _row(pad(clean(check.subject), subject), check, color=color, width=width)
-        elif fits:
+        if fits:
             left = f"{pad(clean(check.subject), subject)}{' ' * _GAP}{pad(clean(check.text), figures)}"
             out += _row(left if figures else left[: -_GAP or None], check, color=color, width=width)
         else:

@@ -1,0 +1,381 @@
+"""new, check, generate, layout, verify, schema, demo: what a person and a pipeline get from each."""
+
+import json
+import os
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from plcgen import api as plcgen_api
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.resources import specs_dir
+from plcgen.spec.catalog import device_names
+from plcgen.verify.model import Check, CheckGroup, Outcome, Verification
+
+
+def test_check_good(plcgen, good):
+    """Nothing on stdout, one line of summary on stderr, exit code 0."""
+    result = plcgen("check", good)
+    assert (result.code, result.out, result.err) == (0, "", "no problems in job.yaml\n")
+    assert plcgen("check", good, "-q").err == ""
+
+
+def test_check_bad(plcgen, bad):
+    """Findings are the result: on stdout, exit code 1; the summary is chatter."""
+    result = plcgen("check", bad)
+    assert result.code == 1
+    assert result.out == (
+        'error[PG201]: unknown device "sinamics-dcx"\n'
+        " --> bad.yaml:3:17\n"
+        "  |\n"
+        "3 |   dcm: {device: sinamics-dcx, address: 256, drive_object: 2}\n"
+        "  |                 ^^^^^^^^^^^^\n"
+        '  = help: did you mean "sinamics-dcm"? known devices: micromaster-4, sinamics-dcm, sinamics-g120,\n'
+        "          sinamics-s120, sinamics-v90\n"
+    )
+    assert result.err == "\n1 error in bad.yaml\n"
+
+
+def test_check_several(plcgen, good, bad):
+    """All specs are checked, whatever the first one gives; the same file counts once."""
+    result = plcgen("check", good, bad, good)
+    assert result.code == 1
+    assert result.err == "\n1 error in 2 specs\n"
+
+
+@pytest.mark.parametrize("format_", ["json", "sarif", "junit", "github"])
+def test_check_formats(plcgen, bad, format_, tmp_path):
+    """Machine formats own stdout; --output writes the same bytes to a file."""
+    result = plcgen("check", bad, "--format", format_)
+    assert (result.code, result.err) == (1, "")
+    if format_ == "junit":
+        assert ET.fromstring(result.out).get("failures") == "1"  # noqa: S314 - our own output
+    elif format_ == "github":
+        assert result.out.startswith("::error file=bad.yaml,line=3,col=17,endColumn=29,title=PG201::")
+    else:
+        assert json.loads(result.out)
+    filed = plcgen("check", bad, "--format", format_, "-o", "out.txt")
+    assert (filed.out, filed.err) == ("", "wrote out.txt\n")
+    assert (tmp_path / "out.txt").read_bytes().decode() == result.out
+
+
+def test_json_is_short_for_format_json(plcgen, bad):
+    """--json means --format json."""
+    assert plcgen("check", bad, "--json").out == plcgen("check", bad, "--format", "json").out
+
+
+def test_output_that_cannot_be_written(plcgen, bad):
+    """A missing folder is told, exit code 1."""
+    result = plcgen("check", bad, "--json", "-o", "no/such/folder.json")
+    assert (result.code, result.out) == (1, "")
+    assert result.err.startswith("error: cannot write no")
+
+
+@pytest.mark.parametrize("verb", ["check", "generate", "encode", "layout"])
+@pytest.mark.parametrize("kind", ["missing", "folder", "binary", "empty", "huge line"])
+def test_hostile_specs(plcgen, tmp_path, verb, kind):
+    """Whatever lies where a spec should be is a diagnostic with exit code 1, never a crash."""
+    path = tmp_path / "x.yaml"
+    if kind == "folder":
+        path.mkdir()
+    elif kind == "binary":
+        path.write_bytes(bytes(range(256)) * 10)
+    elif kind == "empty":
+        path.write_bytes(b"")
+    elif kind == "huge line":
+        path.write_text("plc: " + "[" * 100_000, encoding="utf-8")
+    result = plcgen(verb, path.name)
+    assert result.code == 1
+    assert "error[PG1" in result.out + result.err
+    assert "PG902" not in result.err
+    assert not list(tmp_path.glob("*_generated"))
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="needs a user without all rights")
+def test_unreadable_spec(plcgen, good, tmp_path):
+    """No permission is a diagnostic."""
+    (tmp_path / good).chmod(0)
+    result = plcgen("check", good)
+    assert result.code == 1
+    assert "PG110" in result.out
+
+
+def test_generate_check_diff_and_force(plcgen, good, tmp_path):
+    """The life of an output folder, verb by verb."""
+    made = plcgen("generate", good)
+    folder = tmp_path / "job_generated"
+    assert (made.code, made.out) == (0, "")
+    assert made.err.startswith("job_generated: ")
+    assert (folder / "manifest.json").is_file()
+    assert plcgen("generate", good, "--check") == type(made)(0, "", "job_generated is up to date\n")
+    assert plcgen("generate", good, "-q") == type(made)(0, "", "")
+
+    spec = tmp_path / good
+    spec.write_text(spec.read_text().replace("reference: 3", "reference: 9"), encoding="utf-8")
+    stale = plcgen("generate", good, "--check")
+    assert stale.code == 1
+    assert stale.out.startswith("--- a/")
+    assert "\n+++ b/" in stale.out
+    assert stale.err.startswith("error[PG504]: ")
+    assert stale.err.endswith("help: plcgen generate job.yaml\n")
+    looked = plcgen("generate", good, "--diff")
+    assert (looked.code, looked.out) == (0, stale.out)
+    assert looked.err == "job_generated is not up to date\n"
+
+    assert plcgen("generate", good).code == 0
+    victim = next(folder.rglob("*.scl"))
+    victim.write_text("mine", encoding="utf-8")
+    refused = plcgen("generate", good)
+    assert refused.code == 1
+    assert "error[PG502]" in refused.err
+    assert refused.err.endswith("1 error; nothing was written\n")
+    assert victim.read_text(encoding="utf-8") == "mine"
+    assert plcgen("generate", good, "--force").code == 0
+    assert victim.read_text(encoding="utf-8-sig") != "mine"
+
+
+def test_generate_json(plcgen, good):
+    """JSON says what happened to which file."""
+    data = json.loads(plcgen("generate", good, "--out", "plc", "--json").out)
+    assert data["kind"] == "generate"
+    assert data["folder"] == "plc"
+    assert "manifest.json" in data["written"]
+    again = json.loads(plcgen("generate", good, "--out", "plc", "--json").out)
+    assert again["written"] == []
+    assert sorted(again["unchanged"]) == sorted(data["written"])
+
+
+def test_generate_into_a_file(plcgen, good, tmp_path):
+    """An output folder that is a file is a diagnostic."""
+    (tmp_path / "plc").write_text("x", encoding="utf-8")
+    result = plcgen("generate", good, "--out", "plc")
+    assert result.code == 1
+    assert "error[PG50" in result.err
+
+
+def test_layout_of_a_spec(plcgen, good):
+    """Table with addresses (FAQ 109750712, figure 4-5) and the picture of the request."""
+    result = plcgen("layout", good)
+    assert (result.code, result.err) == (0, "")
+    assert result.out.startswith(
+        'DB3 "ReadIt_Request"  10 bytes, request of read_it, LEN 10\n'
+        "  offset  address   name            type  size  start value\n"
+        "     0.0  DB3.DBB0  Request_Ref     BYTE   1 B  16#03\n"
+        "     1.0  DB3.DBB1  Request_ID      BYTE   1 B  16#01\n"
+        "     2.0  DB3.DBB2  Axis            BYTE   1 B  16#02\n"
+        "     3.0  DB3.DBB3  Num_of_Para     BYTE   1 B  16#01\n"
+        "     4.0  DB3.DBB4  Para_Attribute  BYTE   1 B  16#10\n"
+        "     5.0  DB3.DBB5  Num_of_Element  BYTE   1 B  16#01\n"
+        "     6.0  DB3.DBW6  Para_No         WORD   2 B  16#C47F\n"
+        "     8.0  DB3.DBW8  Subindex        WORD   2 B  16#0000\n"
+        "\n"
+        "  byte  +0                              +1\n"
+        "       +-------------------------------+-------------------------------+\n"
+        "     0 | 03  Request_Ref               | 01  Request_ID                |\n"
+        "     2 | 02  Axis                      | 01  Num_of_Para               |\n"
+        "       +-------------------------------+-------------------------------+\n"
+        "     4 | 10  Para_Attribute            | 01  Num_of_Element            |\n"
+        "     6 | C4 7F  Para_No                                                |\n"
+        "     8 | 00 00  Subindex                                               |\n"
+        "       +-------------------------------+-------------------------------+\n"
+    )
+    assert "+---" not in plcgen("layout", good, "--no-grid").out
+
+
+def test_layout_formats(plcgen, good):
+    """Markdown, CSV and JSON of the same table."""
+    assert "| 6.0 | DB3.DBW6 | Para_No | WORD | 2 B | 16#C47F |" in plcgen("layout", good, "-f", "markdown").out
+    assert '"DB3 ""ReadIt_Request""",6.0,DB3.DBW6,Para_No,WORD,2 B,16#C47F\n' in plcgen("layout", good, "-f", "csv").out
+    data = json.loads(plcgen("layout", good, "--json").out)
+    assert data["blocks"][0]["data"] == "030102011001C47F0000"
+    assert data["blocks"][0]["members"][6] == {
+        "name": "Para_No",
+        "byte": 6,
+        "bit": None,
+        "bits": 16,
+        "address": "DB3.DBW6",
+        "type": "WORD",
+        "start": "16#C47F",
+        "depth": 0,
+    }
+
+
+AWL = """\
+DATA_BLOCK DB 7
+STRUCT
+  flag : BOOL := TRUE;
+  text : STRING [3];
+  s : STRUCT
+    a : INT := 5;
+    b : ARRAY [1..3] OF BYTE;
+  END_STRUCT;
+END_STRUCT
+BEGIN
+  s.a := 6;
+END_DATA_BLOCK
+"""
+
+
+def test_layout_of_a_source(plcgen, tmp_path):
+    """Offsets by the rules of S7: BOOL alone takes a word here, strings and structures start even."""
+    (tmp_path / "old.awl").write_text(AWL, encoding="utf-8")
+    result = plcgen("layout", "old.awl")
+    assert (result.code, result.err) == (0, "")
+    rows = [line.split() for line in result.out.splitlines()[2:]]
+    assert (
+        rows
+        == [
+            ["0.0", "DB7.DBX0.0", "flag", "BOOL", "1", "bit", "TRUE"],
+            ["2.0", "DB7.DBB2", "text", "STRING[3]", "5", "B"],
+            ["8.0", "DB7.DBB8", "s", "STRUCT", "6", "B"],
+            ["8.0", "DB7.DBW8", "a", "INT", "2", "B", "6"],
+            ["10.0", "DB7.DBB10", "b", "ARRAY[1..3]", "OF", "BYTE", "3", "B"],
+        ]
+        or rows[2][1] == "DB7.DBB8"
+    )
+
+
+def test_layout_finds_types_beside_the_source(plcgen, good, tmp_path):
+    """Generated data blocks are laid out although their types stand in other folders."""
+    assert plcgen("generate", good, "-q").code == 0
+    result = plcgen("layout", *sorted((tmp_path / "job_generated").rglob("*.db")))
+    assert (result.code, result.err) == (0, "")
+    assert "Request_Ref" in result.out
+
+
+def test_layout_of_what_is_no_source(plcgen, tmp_path):
+    """Missing and broken sources are diagnostics; a source without blocks says so."""
+    assert "error[PG804]" in plcgen("layout", "no.db").err
+    (tmp_path / "x.scl").write_text("FUNCTION_BLOCK", encoding="utf-8")
+    assert plcgen("layout", "x.scl").code == 1
+    (tmp_path / "y.scl").write_text("// nothing\n", encoding="utf-8")
+    result = plcgen("layout", "y.scl")
+    assert (result.code, result.err) == (0, "no data block, type or function block found\n")
+
+
+def verification(outcome):
+    """A verification with one check."""
+    check = Check("run", "run", "12 scans", outcome, "")
+    return Verification("job.yaml", "out", "Demo", "s7-300", (CheckGroup("e", "Execution", (check,)),), ())
+
+
+@pytest.mark.parametrize(
+    ("outcome", "code"), [(Outcome.OK, 0), (Outcome.WARNING, 0), (Outcome.NOT_RUN, 0), (Outcome.ERROR, 1)]
+)
+def test_verify_exit_codes(plcgen, monkeypatch, outcome, code):
+    """Only a failed check fails the verb; folder and drive file are handed on."""
+    seen = []
+    monkeypatch.setattr(plcgen_api, "verify", lambda *a, **k: seen.append((a, k["drive"])) or verification(outcome))
+    result = plcgen("verify", "job.yaml", "--drive", "d.yaml")
+    assert result.code == code
+    assert result.out.startswith(f"Demo, s7-300: out\n\nExecution\n  run  12 scans  {outcome.value}\n")
+    assert seen == [((Path("job.yaml"), Path("job_generated")), Path("d.yaml"))]
+    for format_ in ("json", "junit", "sarif", "github"):
+        assert plcgen("verify", "job.yaml", "--format", format_).code == code
+
+
+def test_verify_for_real(plcgen, good):
+    """What generate wrote is verified; without it verify fails with a diagnostic."""
+    before = plcgen("verify", good)
+    assert before.code == 1
+    assert "error[PG" in before.out
+    assert plcgen("generate", good, "-q").code == 0
+    after = plcgen("verify", good)
+    assert after.code == 0
+    assert 'DB3 "ReadIt_Request"' in after.out
+    assert json.loads(plcgen("verify", good, "--format", "json").out)["ok"] is True
+
+
+@pytest.mark.parametrize("family", ["s7-300", "s7-400", "s7-1200", "s7-1500"])
+@pytest.mark.parametrize("device", device_names())
+def test_new_passes_check(plcgen, device, family):
+    """A starter spec has no problem, not even a warning, and fits 120 columns."""
+    made = plcgen("new", "x.yaml", "--device", device, "--family", family)
+    assert (made.code, made.err) == (0, "wrote x.yaml\nnext: plcgen check x.yaml\n")
+    assert plcgen("check", "x.yaml").err == "no problems in x.yaml\n"
+
+
+def test_new_never_overwrites(plcgen, tmp_path):
+    """An existing file stays unless --force says otherwise."""
+    (tmp_path / "job.yaml").write_text("mine", encoding="utf-8")
+    refused = plcgen("new")
+    assert (refused.code, (tmp_path / "job.yaml").read_text(encoding="utf-8")) == (1, "mine")
+    assert refused.err == "error: job.yaml exists\nhelp: choose another name, or overwrite it with --force\n"
+    assert plcgen("new", "--force").code == 0
+    assert plcgen("new", "-").out == (tmp_path / "job.yaml").read_text(encoding="utf-8")
+    assert plcgen("new", "no/such/x.yaml").code == 1
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (["--device", "sinamics-s12"], 'unknown device "sinamics-s12", did you mean "sinamics-s120"?'),
+        (["--toolchain", "tia-v77"], 'unknown toolchain "tia-v77"'),
+        (["--toolchain", "step7-v5"], "STEP 7 V5 does not know the S7-1500"),
+        (["--family", "s7-200"], "'s7-200' is not one of"),
+    ],
+)
+def test_new_usage(plcgen, tmp_path, args, message):
+    """A wrong choice is a usage error and writes nothing."""
+    result = plcgen("new", *args)
+    assert result.code == 2
+    assert message.lower() in result.err.lower()
+    assert not (tmp_path / "job.yaml").exists()
+
+
+def test_devices(plcgen):
+    """The list of devices as table and as JSON."""
+    result = plcgen("schema", "--devices")
+    assert result.code == 0
+    assert [line.split()[0] for line in result.out.splitlines()] == ["device", *device_names()]
+    data = json.loads(plcgen("schema", "--devices", "--json").out)
+    assert [d["key"] for d in data["devices"]] == list(device_names())
+
+
+def test_schema(plcgen, monkeypatch):
+    """The schema goes to stdout as it is."""
+    monkeypatch.setattr(plcgen_api, "schema", lambda: {"title": "plcgen job spec"})
+    assert json.loads(plcgen("schema").out) == {"title": "plcgen job spec"}
+
+
+def test_demo(plcgen, tmp_path, monkeypatch):
+    """Shipped specs are copied, generated and verified; changed copies are kept."""
+    seen = []
+    monkeypatch.setattr(
+        plcgen_api, "verify", lambda spec, _folder, **_: seen.append(Path(spec).name) or verification(Outcome.OK)
+    )
+    result = plcgen("demo", "d")
+    shipped = sorted(path.name for path in specs_dir().glob("*.yaml"))
+    assert (result.code, seen) == (0, shipped)
+    copy = tmp_path / "d" / shipped[0]
+    copy.write_text("broken: [", encoding="utf-8")
+    again = plcgen("demo", "d")
+    assert again.code == 1
+    assert f"kept {Path('d') / shipped[0]}" in again.err
+    assert copy.read_text(encoding="utf-8") == "broken: ["
+
+
+def test_a_bug_in_a_verb_is_reported_as_one(plcgen, good, monkeypatch):
+    """Exit code 70 and how to report it."""
+
+    def fail(_):
+        raise ZeroDivisionError("x")
+
+    monkeypatch.setattr(plcgen_api, "check", fail)
+    result = plcgen("check", good)
+    assert result.code == 70
+    assert result.err.startswith("error[PG902]: internal error: ZeroDivisionError: x\nhelp: please report this")
+
+
+def test_diagnostics_of_a_step_reach_the_screen(plcgen, good, monkeypatch):
+    """A DiagnosticError that a step lets out is still the user's problem, not a bug."""
+    problem = DiagnosticError([Diagnostic("PG503", "disk full", Span("x"))])
+
+    def fail(*_, **__):
+        raise problem
+
+    monkeypatch.setattr(plcgen_api, "verify", fail)
+    result = plcgen("verify", good)
+    assert (result.code, result.out) == (1, "")
+    assert "error[PG503]: disk full" in result.err

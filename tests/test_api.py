@@ -1,0 +1,81 @@
+"""The public Python API: its names are a promise, its functions return results and never print."""
+
+import subprocess
+import sys
+
+import pytest
+
+import plcgen
+
+PUBLIC = [
+    "CheckResult",
+    "Diagnostic",
+    "EncodeResult",
+    "EncodedTelegram",
+    "GenerateResult",
+    "LayoutResult",
+    "Note",
+    "Severity",
+    "Span",
+    "__version__",
+    "check",
+    "decode",
+    "decode_status",
+    "encode",
+    "encode_read",
+    "encode_write",
+    "explain",
+    "generate",
+    "layout",
+    "schema",
+    "verify",
+]
+
+
+def test_public_names():
+    """Adding a name is a decision, removing one a break."""
+    assert sorted(PUBLIC) == sorted(plcgen.__all__)
+    assert all(getattr(plcgen, name) is not None for name in PUBLIC)
+    assert set(PUBLIC) <= set(dir(plcgen))
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = plcgen.nothing
+
+
+def test_import_is_free():
+    """``import plcgen`` loads nothing of the package but the version."""
+    code = "import sys, plcgen; print(*[m for m in sys.modules if m.startswith(('plcgen', 'click', 'yaml'))])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert set(done.stdout.split()) == {"plcgen", "plcgen._version"}
+
+
+def test_verify_is_the_function_whatever_was_imported():
+    """Importing the package of the same name does not replace the function."""
+    from plcgen.verify import model
+
+    assert callable(plcgen.verify)
+    assert model.Outcome.OK == "ok"
+
+
+def test_nothing_is_printed(tmp_path, capsys):
+    """A user's mistake is a diagnostic in the result: no output, no exception."""
+    result = plcgen.check(tmp_path / "none.yaml")
+    assert not result.ok
+    assert [d.code for d in result.diagnostics] == ["PG110"]
+    assert not plcgen.encode(tmp_path / "none.yaml").ok
+    assert not plcgen.layout(tmp_path / "none.db").ok
+    assert not plcgen.generate(tmp_path / "none.yaml", tmp_path / "out").ok
+    assert not (tmp_path / "out").exists()
+    assert capsys.readouterr() == ("", "")
+
+
+def test_decode_and_encode():
+    """FAQ 109750712, figure 5-1: request and response of P50303 = 10.0."""
+    from plcgen.ds47.model import ParameterAddress
+
+    request = plcgen.encode_read([ParameterAddress(50303)], drive_object=2, reference=3)
+    assert request.hex(" ").upper() == "03 01 02 01 10 01 C4 7F 00 00"
+    telegram = plcgen.decode(bytes.fromhex("03010201080141200000"), request=request)
+    assert (telegram.kind, telegram.ok, telegram.fields[-1].value) == ("response", True, "10.0")
+    assert plcgen.decode_status(0xDF80B500).retry.value == "temporary"
+    assert plcgen.explain("0x11").key == "11h"
+    assert plcgen.explain("nonsense") is None
