@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 from plcgen.diagnostics import Diagnostic, Note, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.plan.fields import request_fields, response_fields
+from plcgen.plan.references import parse_reference
 from plcgen.rules.places import by_importance, key_or_value, member_span, name_span, parameter_span
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plcgen.plan.model import Field, PlannedJob, Project, Telegram, Use
+    from plcgen.plan.model import Field, PlannedDrive, PlannedJob, Project, Telegram, Use
 
 _OWN = frozenset(
     {
@@ -105,6 +106,41 @@ def interface_members(project: Project) -> Iterator[Diagnostic]:
                     help="give one of them another name with as:",
                     notes=(Note("first use", member_span(project, earlier)),),
                 )
+
+
+def parameter_names(project: Project) -> Iterator[Diagnostic]:
+    """PG406: two parameters of a drive have the same name, so that the name says neither."""
+    for drive in project.drives:
+        own = _own_names(project, drive)
+        numbers = {pnu for pnu, _, _ in own}
+        first: dict[str, tuple[int, Span | None]] = {
+            parameter.name: (pnu, None)
+            for pnu, parameter in drive.device.parameters.items()
+            if parameter.name and pnu not in numbers
+        }
+        for pnu, name, span in own:
+            other, place = first.setdefault(name, (pnu, span))
+            if place is span:
+                continue
+            where = f"P{other}" if place else f"P{other} of the catalogue"
+            yield Diagnostic(
+                "PG406",
+                f'P{pnu} and {where} are both called "{name}"',
+                span,
+                help="give the parameter another name",
+                notes=(Note("first use", place),) if place else (),
+            )
+
+
+def _own_names(project: Project, drive: PlannedDrive) -> list[tuple[int, str, Span]]:
+    """Number, name and place of the name of every parameter that the spec defines and names."""
+    found = []
+    for text, definition in project.loaded.spec.drives[drive.key].parameters.items():
+        reference = parse_reference(text)
+        if reference is not None and reference.pnu is not None and definition.name:
+            span = project.loaded.span((*drive.path, "parameters", text, "name"))
+            found.append((reference.pnu, definition.name, span))
+    return found
 
 
 def buffer_members(project: Project) -> Iterator[Diagnostic]:

@@ -69,13 +69,13 @@ def encoding_of_names(project: Project) -> Iterator[Diagnostic]:
 
 
 def encoding_of_comments(project: Project) -> Iterator[Diagnostic]:
-    """PG407: a comment has a character that the source files cannot hold, so it is left out."""
+    """PG407: a comment, title or unit has a character that the source files cannot hold."""
     for path, text in _comments(project):
         char = _first_bad(text, project.target.encoding)
         if char is not None:
             yield Diagnostic(
                 "PG407",
-                f"this text is left out of the sources: {_missing(project, char)}",
+                f"this text does not reach the sources as written: {_missing(project, char)}",
                 key_or_value(project, path),
                 Severity.WARNING,
                 help="give it in a language that uses western European letters, or use a tia-v.. toolchain",

@@ -136,5 +136,21 @@ def only_bytes(project: Project) -> Iterator[Diagnostic]:
             )
 
 
+def definitions(project: Project) -> Iterator[Diagnostic]:
+    """PG107: a parameter of the spec has limits that no value can keep."""
+    for drive in project.drives:
+        for text, own in project.loaded.spec.drives[drive.key].parameters.items():
+            if own.min is None or own.max is None or own.min <= own.max:
+                continue
+            path = (*drive.path, "parameters", text)
+            yield Diagnostic(
+                "PG107",
+                f"{text}: min {own.min:g} is larger than max {own.max:g}",
+                project.loaded.span((*path, "min")),
+                help="exchange the two",
+                notes=(Note("max", project.loaded.span((*path, "max"))),),
+            )
+
+
 def _title(parameter: Parameter) -> str:
     return f"P{parameter.pnu} ({parameter.title})" if parameter.title else f"P{parameter.pnu}"
