@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Report, Span
+from plcgen.spec.wording import at_tab, plain_words, reader_position
 
 MAX_BYTES = 16 * 1024 * 1024
 MAX_DEPTH = 40
@@ -277,16 +278,16 @@ def parse_yaml(text: str, file: str, report: Report) -> Node | None:
     except yaml.MarkedYAMLError as problem:
         mark = problem.problem_mark or problem.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
-        what = _plain_words(problem.problem, problem.context)
+        what = plain_words(problem.problem, problem.context)
         place = Span(file, line, column, line, column + 1)
-        tab = _at_tab(text, problem.problem_mark)
+        tab = at_tab(text, problem.problem_mark)
         help_ = "check the indentation and the brackets on this line and the one before"
         if tab:
             what, help_ = "a tab where only spaces may stand", "indent with spaces: YAML does not allow tabs"
         builder.error("PG101", what, place, help_)
         return None
     except yaml.reader.ReaderError as problem:
-        position = _reader_position(problem, text)
+        position = reader_position(problem, text)
         line = text.count("\n", 0, position) + 1
         column = position - (text.rfind("\n", 0, position) + 1) + 1
         shown = f"the character U+{ord(text[position]):04X} is not allowed" if position < len(text) else "not readable"
@@ -295,47 +296,6 @@ def parse_yaml(text: str, file: str, report: Report) -> Node | None:
     except DiagnosticError:
         return None
     return builder.root
-
-
-def _reader_position(problem: Any, text: str) -> int:
-    """Index of the character YAML does not allow; libyaml counts bytes, the Python reader characters."""
-    if isinstance(problem.character, int):
-        return len(text.encode()[: problem.position].decode(errors="ignore"))
-    return max(0, min(int(problem.position), len(text)))
-
-
-def _at_tab(text: str, mark: Any) -> bool:
-    """Whether a tab stands at or before the place a parser stumbled over."""
-    lines = text.splitlines() if mark is not None else []
-    return mark is not None and mark.line < len(lines) and "\t" in lines[mark.line][: mark.column + 1]
-
-
-_WORDING = (
-    ("did not find expected", "expected"),
-    ("<block end>", "the end of this block"),
-    ("<document start>", "a new document"),
-    ("flow sequence", "list in [ ]"),
-    ("flow mapping", "mapping in { }"),
-    ("block sequence", "list"),
-    ("block collection", "list"),
-    ("block mapping", "mapping"),
-    ("simple key", "key"),
-    ("plain scalar", "text"),
-    ("quoted scalar", "text in quotes"),
-    ("block scalar", "text block"),
-    ("found unexpected end of stream", "the file ends here"),
-    ("could not find expected ':'", "expected a colon behind the key"),
-    ("found character that cannot start any token", "this character cannot stand here"),
-)
-
-
-def _plain_words(problem: str | None, context: str | None) -> str:
-    """A parser's message in words of the text, not of the YAML specification."""
-    useful = context and "token" not in context
-    text = f"{problem or 'not readable as YAML'}{f' ({context})' if useful else ''}"
-    for jargon, plain in _WORDING:
-        text = text.replace(jargon, plain)
-    return text
 
 
 def _events(parser: Any) -> Iterator[Any]:
