@@ -47,7 +47,7 @@ def _planned(field: Field, db: int, *, v5: bool, start: bool) -> LayoutRow:
     elif start and any(field.data):
         text = field.data.hex(" ").upper()
     bits = 8 * field.size
-    address = _address(db, field.offset, None, bits)
+    address = _address(db, field.offset, None, bits if isinstance(field.type, Elementary) else 0)
     return LayoutRow(field.offset, None, bits, address, field.name, type_text(field.type), text)
 
 
@@ -82,7 +82,8 @@ def _declared(block: Block, types: Mapping[str, Block]) -> BlockTable:
 def _entry(entry: Entry, db: int | None, begin: Mapping[str, str], *, in_db: bool) -> LayoutRow:
     bit = entry.bit if entry.size == 1 and not isinstance(entry.type, ArrayType | StructType) else None
     name = entry.path if entry.depth == 0 else entry.path.rpartition(".")[2]
-    address = _address(db, entry.byte, bit, entry.size) if in_db else ""
+    width = entry.size if isinstance(entry.type, Elementary) else 0
+    address = _address(db, entry.byte, bit, width) if in_db else ""
     start = begin.get(entry.path.lower(), entry.member.start or "")
     return LayoutRow(entry.byte, bit, entry.size, address, name, type_text(entry.type), start, entry.depth)
 

@@ -193,6 +193,16 @@ def test_ascii_console_does_not_crash(process, tmp_path):
     assert b"Traceback" not in done.stderr
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="needs file names that are no text")
+@pytest.mark.parametrize("format_", ["text", "json", "sarif", "junit", "github"])
+def test_file_names_that_are_no_text(process, format_):
+    """A name with bytes that are no UTF-8 can be reported in every format."""
+    done = process("check", os.fsdecode(b"\xff.yaml"), "--format", format_)
+    assert done.returncode == 1
+    assert b"PG110" in done.stdout
+    assert b"PG902" not in done.stderr
+
+
 def test_interrupt_in_a_real_process():
     """Ctrl-C ends with 130 and one line."""
     code = (

@@ -129,6 +129,14 @@ def test_verification_in_columns():
     )
 
 
+def test_a_diagnostic_that_only_a_check_carries_is_shown():
+    """What a check found is explained even if the verification does not list it again."""
+    import dataclasses
+
+    alone = dataclasses.replace(results.VERIFICATION, diagnostics=())
+    assert verification_text(alone, no_source) == verification_text(results.VERIFICATION, no_source)
+
+
 def test_verification_with_long_figures_stacks_them():
     """On a narrow screen the verdict stays beside its subject and the figures go below."""
     text = verification_text(results.VERIFICATION, no_source, width=44)
