@@ -57,7 +57,8 @@ def command(
     elif format_ == "csv":
         text = report.layout_csv(result.blocks)
     else:
-        text = report.layout_text(result.blocks, color=out.out_color and output is None, grid=grid)
+        color = out.out_color and output is None
+        text = report.layout_text(result.blocks, color=color, grid=grid, width=out.out_width)
     if result.blocks or output is not None:
         out.result(text, output)
     elif result.ok:

@@ -63,15 +63,15 @@ class BlockTable:
         return f'{self.kind}{"" if self.number is None else self.number} "{clean(self.name)}"'
 
 
-def layout_text(blocks: Sequence[BlockTable], *, color: bool = False, grid: bool = True) -> str:
+def layout_text(blocks: Sequence[BlockTable], *, color: bool = False, grid: bool = True, width: int = 0) -> str:
     """Tables for people; telegram buffers get their picture below the table."""
-    return "\n".join(_block(block, color=color, grid=grid) for block in blocks)
+    return "\n".join(_block(block, color=color, grid=grid, width=width) for block in blocks)
 
 
-def _block(block: BlockTable, *, color: bool, grid: bool) -> str:
+def _block(block: BlockTable, *, color: bool, grid: bool, width: int) -> str:
     role = f", {clean(block.role)}" if block.role else ""
     lines = [f"{paint(block.title, 'bold', color=color)}  {block.size} bytes{role}"]
-    header, *rows = text_table(HEADER, [row.cells() for row in block.rows], right=_RIGHT)
+    header, *rows = text_table(HEADER, [row.cells() for row in block.rows], right=_RIGHT, limit=width)
     lines += [paint(header, "dim", color=color), *rows]
     if grid and block.data is not None:
         lines += ["", *picture(block)]

@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from plcgen.cli import decode
 from plcgen.cli.hexbytes import HexError, parse_hex
 
 READ = "03 01 02 01 10 01 C4 7F 00 00"
@@ -154,6 +155,13 @@ def test_huge_and_binary_input(plcgen):
     long = plcgen("decode", "03 01 02 01" + " 00" * 5000)
     assert long.code == 1
     assert "exceed the record limit of 240" in long.err
+
+
+def test_endless_stdin_is_refused(plcgen, monkeypatch):
+    """Reading stops at a bound instead of filling the memory."""
+    monkeypatch.setattr(decode, "_MAX_INPUT", 10)
+    result = plcgen("decode", stdin="03 01 02 01 10 01")
+    assert (result.code, result.out) == (2, "")
 
 
 def test_status(plcgen):

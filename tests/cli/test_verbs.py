@@ -233,6 +233,18 @@ def test_layout_of_a_source(plcgen, tmp_path):
     ]
 
 
+def test_layout_of_record_blocks(plcgen, tmp_path):
+    """WRREC in a multi-instance: INDEX is INT on S7-300/400 and DINT on S7-1200/1500."""
+    source = "FUNCTION_BLOCK F\nVAR\n  w : WRREC;\nEND_VAR\nBEGIN\n;\nEND_FUNCTION_BLOCK\n"
+    (tmp_path / "f.scl").write_text(source, encoding="utf-8")
+
+    def index(*options):
+        data = json.loads(plcgen("layout", "f.scl", "--json", *options).out)
+        return next(m["type"] for m in data["blocks"][0]["members"] if m["name"] == "INDEX")
+
+    assert (index(), index("--s7-1500")) == ("INT", "DINT")
+
+
 def test_layout_finds_types_beside_the_source(plcgen, good, tmp_path):
     """Generated data blocks are laid out although their types stand in other folders."""
     assert plcgen("generate", good, "-q").code == 0
