@@ -20,6 +20,7 @@ RULES: tuple[Rule, ...] = (
     target.comment_languages,
     target.drive_object,
     target.unused_address,
+    target.shared_address,
     parameters.definitions,
     parameters.access,
     parameters.repeated,

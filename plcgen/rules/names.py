@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
@@ -11,7 +12,7 @@ from plcgen.rules.places import by_importance, key_or_value, member_span, name_s
 from plcgen.s7.names import ROLES, check_name
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from plcgen.plan.model import Project
     from plcgen.spec.load import SpecPath
@@ -20,17 +21,18 @@ _KEY = re.compile(r"[^\W\d_][\w-]*\Z")
 _PARAMETER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 _NUMBER = re.compile(r"[PpRr][0-9]+\Z")
 _IDENTIFIER = re.compile(r"[^\W\d]\w*\Z")
+_ADDRESS = re.compile(r"(?i)(?:P?[IQEA][BWDX]?|[ML][BWDX]?|[TCZ]|D[BI][BWDX]?|[FO][BC]|SF[BC]|UDT)[0-9]+\Z")
 _ENCODINGS = {"cp1252": "Windows-1252", "utf-8-sig": "UTF-8"}
 
 
 @dataclass(frozen=True, slots=True)
 class Named:
-    """A name of the project: what it names, its role as in ``s7.names.check_name``, where it stands."""
+    """A name of the project: what it names, its role as in ``s7.names.check_name``, how to find its place."""
 
     what: str
     name: str
     role: str
-    span: Span
+    place: Callable[[], Span]
 
 
 def names(project: Project) -> Iterator[Diagnostic]:
@@ -38,18 +40,16 @@ def names(project: Project) -> Iterator[Diagnostic]:
     tool = "STEP 7 V5" if project.target.v5 else "TIA Portal"
     reported: set[Span] = set()
     for named in _names(project):
-        if named.span in reported or not _encodable(named.name, project.target.encoding):
-            continue
         reason = _reason(named, v5=project.target.v5)
-        if reason is not None:
-            reported.add(named.span)
-            on = f" for {tool}" if named.role in ROLES else ""
-            yield Diagnostic(
-                "PG405",
-                f'{named.what} "{_shown(named.name)}" is not a name{on}: {reason}',
-                named.span,
-                help=_help(named),
-            )
+        if reason is None or not _encodable(named.name, project.target.encoding):
+            continue
+        span = named.place()
+        if span in reported:
+            continue
+        reported.add(span)
+        on = f" for {tool}" if named.role in ROLES else ""
+        message = f'{named.what} "{_shown(named.name)}" is not a name{on}: {reason}'
+        yield Diagnostic("PG405", message, span, help=_help(named))
 
 
 def encoding_of_names(project: Project) -> Iterator[Diagnostic]:
@@ -57,13 +57,13 @@ def encoding_of_names(project: Project) -> Iterator[Diagnostic]:
     reported: set[Span] = set()
     for named in _names(project):
         char = _first_bad(named.name, project.target.encoding)
-        if char is None or named.span in reported:
+        if char is None or (span := named.place()) in reported:
             continue
-        reported.add(named.span)
+        reported.add(span)
         yield Diagnostic(
             "PG407",
             f'{named.what} "{_shown(named.name)}": {_missing(project, char)}',
-            named.span,
+            span,
             help="use letters of western European languages, or a tia-v.. toolchain",
         )
 
@@ -85,25 +85,26 @@ def encoding_of_comments(project: Project) -> Iterator[Diagnostic]:
 def _names(project: Project) -> Iterator[Named]:
     """Every name that reaches a source or a file, with keys of the spec first."""
     loaded = project.loaded
-    yield Named("project name", project.name, "text", loaded.span(("plc", "name")))
+    value, key_of = loaded.span, loaded.key_span
+    yield Named("project name", project.name, "text", partial(value, ("plc", "name")))
     for key, drive in loaded.spec.drives.items():
-        yield Named("drive key", key, "key", loaded.key_span(("drives", key)))
+        yield Named("drive key", key, "key", partial(key_of, ("drives", key)))
         for text, parameter in drive.parameters.items():
             if parameter.name is not None:
-                span = loaded.span(("drives", key, "parameters", text, "name"))
-                yield Named("parameter name", parameter.name, "parameter", span)
+                place = partial(value, ("drives", key, "parameters", text, "name"))
+                yield Named("parameter name", parameter.name, "parameter", place)
     for key in loaded.spec.jobs:
-        yield Named("job key", key, "key", loaded.key_span(("jobs", key)))
+        yield Named("job key", key, "key", partial(key_of, ("jobs", key)))
     for block in by_importance(project):
-        yield Named("block", block.name, "symbol", name_span(project, block))
+        yield Named("block", block.name, "symbol", partial(name_span, project, block))
     for job in project.jobs:
-        yield Named("member", job.member, "identifier", loaded.key_span(job.path))
+        yield Named("member", job.member, "identifier", partial(key_of, job.path))
         for use in job.uses:
-            yield Named("member", use.member, "identifier", member_span(project, use))
+            yield Named("member", use.member, "identifier", partial(member_span, project, use))
         spec = loaded.spec.jobs[job.key]
         for which, buffer in (("request", spec.request), ("response", spec.response)):
             for old, new in buffer.members.items():
-                yield Named("member", new, "identifier", loaded.span((*job.path, which, "members", old)))
+                yield Named("member", new, "identifier", partial(value, (*job.path, which, "members", old)))
 
 
 def _reason(named: Named, *, v5: bool) -> str | None:
@@ -119,8 +120,11 @@ def _reason(named: Named, *, v5: bool) -> str | None:
             return "a parameter name is a letter A-Z or a-z, then letters, digits and _"
         return "it looks like a parameter number" if _NUMBER.match(named.name) else None
     reason = check_name(named.name, v5, named.role)
-    if reason is None and named.role == "identifier" and _IDENTIFIER.match(named.name) is None:
-        return "a member is a letter or _, then letters, digits and _"
+    if reason is None and named.role == "identifier":
+        if _IDENTIFIER.match(named.name) is None:
+            return "a member is a letter or _, then letters, digits and _"
+        if _ADDRESS.match(named.name):
+            return "compilers read it as an address"
     return reason
 
 

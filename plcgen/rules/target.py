@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.diagnostics import Diagnostic, Note, Severity
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.rules.places import key_or_value, node_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plcgen.plan.model import Project
+    from plcgen.plan.model import PlannedDrive, Project
     from plcgen.spec.load import SpecPath
 
 _LANGUAGE = re.compile(r"[a-z]{2,3}(?:-[A-Z][a-z]{3})?-[A-Z]{2}\Z")
@@ -53,6 +53,25 @@ def unused_address(project: Project) -> Iterator[Diagnostic]:
             project.loaded.key_span((*drive.path, useless)),
             Severity.WARNING,
             help=f"remove {useless}",
+        )
+
+
+def shared_address(project: Project) -> Iterator[Diagnostic]:
+    """PG221: two drives are reached at one address, where one request at a time is allowed."""
+    first: dict[int, PlannedDrive] = {}
+    key = "address" if project.target.classic else "hardware_id"
+    for drive in project.drives:
+        earlier = first.setdefault(drive.id_value, drive)
+        given = node_at(project, (*drive.path, key))
+        if earlier is drive or given is None:
+            continue
+        yield Diagnostic(
+            "PG221",
+            f'drives "{earlier.key}" and "{drive.key}" have the same {key}: their jobs do not wait for each other',
+            given.span,
+            Severity.WARNING,
+            help="never start jobs of both at the same time",
+            notes=(Note("first use", key_or_value(project, (*earlier.path, key))),),
         )
 
 
