@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 from plcgen.ds47.formats import generic_of, padded
@@ -33,6 +34,7 @@ def job_document(project: Project, job: PlannedJob) -> Document:
     return Document(f"scl/{job.block.name}.scl", "scl/job.scl.j2", view, where.encoding, newline(project))
 
 
+@lru_cache(maxsize=4)
 def common(project: Project) -> dict[str, Any]:
     """What every source template needs: dialect switches and type spelling."""
     where = project.target
@@ -51,6 +53,7 @@ def newline(project: Project) -> str:
     return "\r\n" if project.target.v5 else "\n"
 
 
+@lru_cache(maxsize=16)
 def title(project: Project, job: PlannedJob) -> str:
     """One-line title; a quote would end a STEP 7 V5 title."""
     verb = "Write" if job.write else "Read"

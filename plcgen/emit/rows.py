@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 from plcgen.emit.spelling import comment_text, culture, elements, literal, one_line, type_text
 from plcgen.emit.texts import field_texts
@@ -15,8 +15,7 @@ _INTEGERS = SIGNED | UNSIGNED
 _LETTER = {8: "DBB", 16: "DBW", 32: "DBD"}
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
+class Row(NamedTuple):
     """A buffer member as the templates write it.
 
     ``start`` is the literal of a start value other than zero, ``subs`` those of array elements; ``text`` the
@@ -54,16 +53,17 @@ def _row(project: Project, db: BlockRef, field: Field, *, response: bool) -> Row
     elif isinstance(type_, ArrayType) and not response:
         subs = tuple(elements(type_, field.data, v5=where.v5))
     texts = {language: one_line(text) for language, text in field_texts(field, project.languages, response=response)}
-    fallback = (
-        texts[project.languages[0]] if not where.v5 else dict(field_texts(field, ("en",), response=response))["en"]
-    )
+    text = texts[project.languages[0]]
+    if where.v5:
+        fallback = dict(field_texts(field, ("en",), response=response))["en"]
+        text = comment_text(texts, project.languages, where, fallback)
     return Row(
         name=field.name,
         type=type_text(type_, tia=not where.v5),
         start=start,
         subs=subs,
-        text=comment_text(texts, project.languages, where, fallback),
-        comments=tuple((culture(language), text) for language, text in texts.items()),
+        text=text,
+        comments=tuple(zip(map(culture, texts), texts.values(), strict=True)),
         offset=field.offset,
         size=field.size,
         address=_address(db, field),

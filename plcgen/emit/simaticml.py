@@ -7,6 +7,7 @@ Source of the structure: genuine exports as described by Siemens' Openness manua
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import Any
 
 from plcgen.emit.blocks import DIAGNOSTICS, TOKEN, control_fields
@@ -107,6 +108,7 @@ def _texts(project: Project, comment: dict[str, str], ids: _Ids) -> list[dict[st
     return objects
 
 
+@lru_cache(maxsize=4)
 def _base(project: Project) -> dict[str, Any]:
     version = project.target.xml_version or ""
     return {

@@ -78,6 +78,7 @@ def one_line(text: str) -> str:
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
+@lru_cache(maxsize=64)
 def culture(language: str) -> str:
     """Language tag as TIA Portal writes it: ``en`` -> ``en-US``."""
     return {"en": "en-US", "de": "de-DE", "zh": "zh-CN", "fr": "fr-FR", "it": "it-IT", "es": "es-ES"}.get(

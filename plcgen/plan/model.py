@@ -167,7 +167,7 @@ class PlannedTrigger:
         return [(name, address) for name, address in pairs if address is not None]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class PlannedJob:
     """A parameter job: one function block, one or more telegrams, all on one drive."""
 

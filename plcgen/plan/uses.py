@@ -129,13 +129,13 @@ class UseResolver:
     def _format(self, parameter: Parameter, path: SpecPath) -> tuple[Format, int] | None:
         """Format and, for strings, the number of octets."""
         place: SpecPath = (*path, "type")
-        names = [f.name for f in formats.FORMATS if f.writable and not f.generic]
         split = parse_type(parameter.type)
         try:
             fmt = formats.by_name(split[0]) if split else None
         except KeyError:
             fmt = None
         if fmt is None or split is None or not fmt.writable or fmt.generic:
+            names = [f.name for f in formats.FORMATS if f.writable and not f.generic]
             word = split[0] if split else parameter.type
             hint = (
                 f'did you mean "{_PLC_TYPES[word.upper()]}"?'
