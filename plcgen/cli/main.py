@@ -85,6 +85,8 @@ class VerbGroup(Examples, click.Group):
 def _hint(name: str) -> str:
     from plcgen.diagnostics.suggest import did_you_mean
 
+    if name in {"help", "version"}:
+        return f": it is an option, plcgen --{name}"
     if name.lower().endswith((".yaml", ".yml")) or Path(name).is_file():
         return f": a verb comes first, for example plcgen check {name}"
     hint = did_you_mean(name, VERBS)

@@ -29,7 +29,8 @@ def verification_text(
 ) -> str:
     """The whole report: checks by group, what is wrong in detail, the summary."""
     width = max(width, MIN_WIDTH)
-    out = [f"{clean(verification.project)}, {clean(verification.target)}: {clean(verification.folder)}"]
+    what = ", ".join(clean(text) for text in (verification.project, verification.target) if text)
+    out = [f"{what or clean(verification.spec)}: {clean(verification.folder)}"]
     for group in verification.groups:
         out += ["", *_group(group, color=color, width=width)]
     text = "\n".join(out) + "\n\n"

@@ -137,6 +137,16 @@ def test_a_diagnostic_that_only_a_check_carries_is_shown():
     assert verification_text(alone, no_source) == verification_text(results.VERIFICATION, no_source)
 
 
+def test_verification_of_an_unusable_spec():
+    """Without a project the spec's name stands in the first line; the errors are counted."""
+    from plcgen.verify.model import Verification
+
+    empty = Verification("x.yaml", "out", "", "", (), (results.LIMIT,))
+    text = verification_text(empty, no_source)
+    assert text.startswith("x.yaml: out\n\nerror[PG209]")
+    assert text.endswith("\n0 checks; 1 error outside the checks\n")
+
+
 def test_verification_with_long_figures_stacks_them():
     """On a narrow screen the verdict stays beside its subject and the figures go below."""
     text = verification_text(results.VERIFICATION, no_source, width=44)
