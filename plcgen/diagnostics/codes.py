@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 
 from plcgen.diagnostics.model import Severity
 
@@ -48,6 +47,7 @@ AREAS = {
 @cache
 def _table() -> dict[str, CodeInfo]:
     import tomllib
+    from importlib.resources import files
 
     table = tomllib.loads(files("plcgen.diagnostics").joinpath("codes.toml").read_text("utf-8"))
     return {
