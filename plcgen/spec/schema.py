@@ -178,38 +178,19 @@ class Job(_Model):
 
     drive: str = Field(description="key of a drive")
     read: tuple[Annotated[ReadItem, BeforeValidator(_read_item)], ...] | None = Field(
-        None,
-        json_schema_extra={"items": {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/ReadItem"}]}},
+        None, description="parameters to read"
     )
-    write: (
-        Annotated[
-            tuple[WriteItem, ...],
-            BeforeValidator(_write_items),
-            WithJsonSchema(
-                {
-                    "anyOf": [
-                        {"type": "array", "items": {"type": "object"}},
-                        {"type": "object", "additionalProperties": True},
-                    ],
-                    "description": "parameter: value, parameter: {value, as, type, start}, or a list of such",
-                }
-            ),
-        ]
-        | None
-    ) = Field(None)
+    write: Annotated[tuple[WriteItem, ...], BeforeValidator(_write_items)] | None = Field(
+        None, description="parameter: value, parameter: {value, as, type, start}, or a list of such"
+    )
     request: Buffer = Field(Buffer(), description="request DB")
     response: Buffer = Field(Buffer(), description="response DB")
     block: BlockName = Field(BlockName(), description="the job's function block")
     instance: BlockName = Field(BlockName(), description="the function block's instance DB")
     names: Naming | None = Field(None, description="overrides plc.names for this job")
-    trigger: (
-        Annotated[
-            Trigger,
-            BeforeValidator(_trigger),
-            WithJsonSchema({"anyOf": [{"type": "string"}, {"$ref": "#/$defs/Trigger"}]}),
-        ]
-        | None
-    ) = None
+    trigger: Annotated[Trigger, BeforeValidator(_trigger)] | None = Field(
+        None, description="flag that starts the job, or a flag per signal"
+    )
     reference: int | None = Field(None, description="request reference of the start values, 1..255")
     timeout: Duration = Field(10_000, description="whole job, all retries included")
     retry_pause: Duration = Field(200, description="pause before a retry or the next poll")
@@ -238,17 +219,26 @@ def validate(data: Any) -> Spec:
 
 
 def json_schema() -> dict[str, Any]:
-    """JSON schema (draft 2020-12) of a job spec for editors."""
+    """JSON schema (draft 2020-12) of a job spec for editors, short forms included."""
     schema = Spec.model_json_schema(by_alias=True)
-    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
-    schema["title"] = "plcgen job spec"
-    schema.setdefault("$defs", {}).update(
-        {
-            "Trigger": Trigger.model_json_schema(by_alias=True),
-            "WriteItem": WriteItem.model_json_schema(by_alias=True),
-        }
-    )
-    return schema
+    definitions = schema["$defs"]
+    items, text = {"$ref": "#/$defs/ReadItem"}, {"type": "string"}
+    value = {"type": ["boolean", "integer", "number", "string", "null"]}
+    entry = {**definitions["WriteItem"], "required": [], "title": "WriteEntry"}
+    entry["properties"] = {name: what for name, what in entry["properties"].items() if name != "parameter"}
+    definitions["WriteEntry"] = entry
+    by_parameter = {"anyOf": [value, {"type": "array", "items": value}, {"$ref": "#/$defs/WriteEntry"}]}
+    job = definitions["Job"]["properties"]
+    job["read"] = {"type": "array", "items": {"anyOf": [text, items]}, "description": job["read"]["description"]}
+    job["write"] = {
+        "anyOf": [
+            {"type": "object", "additionalProperties": by_parameter},
+            {"type": "array", "items": {"$ref": "#/$defs/WriteItem"}},
+        ],
+        "description": job["write"]["description"],
+    }
+    job["trigger"] = {"anyOf": [text, {"$ref": "#/$defs/Trigger"}], "description": job["trigger"]["description"]}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "plcgen job spec"}
 
 
 _MODELS: dict[tuple[str, ...], type[BaseModel]] = {

@@ -348,7 +348,6 @@ def test_schema(plcgen, monkeypatch):
     assert json.loads(plcgen("schema").out) == {"title": "plcgen job spec"}
 
 
-@pytest.mark.xfail(strict=False, reason="pydantic does not find the reference to ReadItem")
 def test_schema_for_real(plcgen):
     """The schema is draft 2020-12 and accepts the short form of a read list."""
     result = plcgen("schema")
