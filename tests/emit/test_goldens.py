@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 from projects import FAQ, MM4, ROOT, SPECS, TARGETS, every_type, retargeted
+from xsd_support import validate_islands
 
 from plcgen import api
 from plcgen.read.text import read_source
 from plcgen.s7.layout import layout_block
-from xsd_support import validate_islands
 
 
 def tree(folder: Path) -> dict[str, bytes]:

@@ -16,7 +16,19 @@ from plcgen.spec.catalog import Parameter
 
 def use(type_: str, count: int = 1, position: int = 1) -> Use:
     fmt = by_name(type_)
-    return Use(position, Parameter(position, type_), fmt, 0 if count > 1 else None, count, count, bytes(count * fmt.size), True, f"m{position}", {}, ())  # noqa: E501, FBT003 - one row of a table
+    return Use(
+        position,
+        Parameter(position, type_),
+        fmt,
+        0 if count > 1 else None,
+        count,
+        count,
+        bytes(count * fmt.size),
+        True,
+        f"m{position}",
+        {},
+        (),
+    )
 
 
 def counts(uses: list[Use], *, write: bool, limit: int = 240, most: int = 39) -> list[int]:
@@ -75,10 +87,15 @@ def test_an_array_is_split_where_that_saves_a_telegram() -> None:
 def test_a_value_longer_than_a_record_cannot_be_packed() -> None:
     """A string of 240 octets needs 246 bytes: a diagnostic, not a telegram."""
     long = use("OctetString", 1, 1)
-    assert pack([Use(1, long.parameter, long.format, None, 1, 236, bytes(236), True, "m", {}, ())], 240, 39, write=False) is None  # noqa: FBT003
+    assert (
+        pack([Use(1, long.parameter, long.format, None, 1, 236, bytes(236), True, "m", {}, ())], 240, 39, write=False)
+        is None
+    )
 
 
-shapes = st.lists(st.tuples(st.sampled_from(["Unsigned8", "Integer16", "FloatingPoint"]), st.integers(1, 5)), min_size=1, max_size=4)
+shapes = st.lists(
+    st.tuples(st.sampled_from(["Unsigned8", "Integer16", "FloatingPoint"]), st.integers(1, 5)), min_size=1, max_size=4
+)
 
 
 def fewest(uses: list[Use], limit: int, most: int, *, write: bool) -> int:
@@ -102,7 +119,7 @@ def fewest(uses: list[Use], limit: int, most: int, *, write: bool) -> int:
 
 
 @given(shapes, st.sampled_from([22, 26, 30, 40]), st.integers(1, 4), st.booleans())
-def test_nobody_needs_fewer_telegrams(shape: list[tuple[str, int]], limit: int, most: int, write: bool) -> None:  # noqa: FBT001
+def test_nobody_needs_fewer_telegrams(shape: list[tuple[str, int]], limit: int, most: int, write: bool) -> None:
     """Every way to cut the values into telegrams is tried: none has fewer; order and limits hold."""
     uses = [use(type_, count, i) for i, (type_, count) in enumerate(shape, 1)]
     packed = pack(uses, limit, most, write=write)

@@ -1,6 +1,6 @@
 """The envelope of SimaticML documents and the schemas of their islands."""
 
-# ruff: noqa: D103 - the name of a test is its claim
+
 
 from __future__ import annotations
 

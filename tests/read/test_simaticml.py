@@ -1,6 +1,6 @@
 """SimaticML documents to blocks and tables; documents written by hand after genuine exports."""
 
-# ruff: noqa: D103 - the name of a test is its claim
+
 
 from __future__ import annotations
 

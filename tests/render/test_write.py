@@ -123,7 +123,9 @@ def test_a_full_disk_leaves_the_old_state(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 @pytest.mark.parametrize("step", range(8))
-def test_a_killed_process_leaves_the_old_or_the_new_state(step: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_killed_process_leaves_the_old_or_the_new_state(
+    step: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Killed before any file operation: after the next run's recovery the folder is exactly old or exactly new."""
     folder = tmp_path / "out"
     write_folder(files(a="1", b="1", old="1"), folder)
@@ -146,7 +148,7 @@ def test_a_killed_process_leaves_the_old_or_the_new_state(step: int, tmp_path: P
         count()
         return real_replace(self, target)
 
-    def unlink(self: Path, missing_ok: bool = False) -> None:  # noqa: FBT001, FBT002 - the signature of Path
+    def unlink(self: Path, missing_ok: bool = False) -> None:
         count()
         real_unlink(self, missing_ok)
 
@@ -185,7 +187,7 @@ def test_a_staged_file_with_other_bytes_is_left_out(tmp_path: Path) -> None:
 
 
 def test_check_notices_one_changed_byte(tmp_path: Path) -> None:
-    """generate --check: clean after generation, a diff and PG504 after one changed, missing or extra byte."""
+    """Generate --check: clean after generation, a diff and PG504 after one changed, missing or extra byte."""
     out = tmp_path / "out"
     assert api.generate(FAQ, out).ok
     clean = api.generate(FAQ, out, check_only=True)

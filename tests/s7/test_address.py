@@ -1,6 +1,6 @@
 """Absolute addresses and pointers."""
 
-# ruff: noqa: D103 - the name of a test is its claim
+
 
 from __future__ import annotations
 

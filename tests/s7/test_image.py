@@ -1,6 +1,6 @@
 """Load-memory images: start values at true offsets, assignments on top."""
 
-# ruff: noqa: D103 - the name of a test is its claim
+
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Offsets against blocks that STEP 7 compiled, against documents, and against hand calculation."""
 
-# ruff: noqa: D103 - the name of a test is its claim
+
 
 from __future__ import annotations
 

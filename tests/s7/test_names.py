@@ -1,6 +1,6 @@
 """Identifier rules of the two tool chains, file names, shortening."""
 
-# ruff: noqa: D103 - the name of a test is its claim
+
 
 from __future__ import annotations
 

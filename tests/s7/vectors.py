@@ -1,6 +1,6 @@
 """Builds blocks from tests/vectors/layouts.yaml."""
 
-# ruff: noqa: D103 - the name of a test is its claim
+
 
 from __future__ import annotations
 

@@ -30,7 +30,13 @@ def test_shipped_specs_validate(path: Path) -> None:
 
 @pytest.mark.parametrize(
     "line",
-    ["read: [P1], colour: red", "read: [{parameter: P1, kind: x}]", "read: [P1], timeout: 10", "read: P1", "read: [P1], split: 3"],
+    [
+        "read: [P1], colour: red",
+        "read: [{parameter: P1, kind: x}]",
+        "read: [P1], timeout: 10",
+        "read: P1",
+        "read: [P1], split: 3",
+    ],
 )
 def test_editor_and_tool_refuse_the_same(line: str) -> None:
     """What the tool refuses for its shape, the editor underlines too."""

@@ -74,7 +74,14 @@ def test_all_problems_come_at_once() -> None:
 
 @pytest.mark.parametrize(
     ("text", "line"),
-    [("a: [1, 2\n", 2), ("a:\n\t- b\n", 2), ('a: "open\n', 2), ("a: b: c\n", 1), ("a: *nowhere\n", 1), ("a: 1\n---\nb: 2\n", 2)],
+    [
+        ("a: [1, 2\n", 2),
+        ("a:\n\t- b\n", 2),
+        ('a: "open\n', 2),
+        ("a: b: c\n", 1),
+        ("a: *nowhere\n", 1),
+        ("a: 1\n---\nb: 2\n", 2),
+    ],
 )
 def test_syntax_errors_have_a_line(text: str, line: int) -> None:
     """Unclosed brackets and quotes, tabs, unknown aliases, a second document."""
@@ -106,13 +113,16 @@ def test_any_text_gives_a_node_or_a_diagnostic(text: str) -> None:
     """No text makes the reader fail in another way."""
     report = Report()
     node = parse_yaml(text, "t.yaml", report)
-    assert node is not None or report.has_errors or not text.strip("\ufeff \n\r\t\x85\u2028\u2029") or "#" in text or text[:1] in "-.%"
+    blank = not text.strip("\ufeff \n\r\t\x85\u2028\u2029") or "#" in text or text[:1] in "-.%"
+    assert node is not None or report.has_errors or blank
 
 
 @given(
     st.recursive(
         st.integers(-(2**40), 2**40) | st.booleans() | st.none() | st.text("abcxyz", min_size=2, max_size=8),
-        lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text("abcdefg", min_size=2, max_size=6), inner, max_size=4),
+        lambda inner: (
+            st.lists(inner, max_size=4) | st.dictionaries(st.text("abcdefg", min_size=2, max_size=6), inner, max_size=4)
+        ),
         max_leaves=20,
     )
 )

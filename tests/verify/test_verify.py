@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -21,14 +22,16 @@ def edit(path: Path, old: str, new: str) -> None:
     path.write_text("\ufeff" + text.replace(old, new, 1), encoding="utf-8")
 
 
-def verified(tmp_path: Path, damage: Callable[[Path], None], spec: Path = FAQ) -> Verification:
+def verified(tmp_path: Path, damage: Callable[[Path], object], spec: Path = FAQ) -> Verification:
     shutil.copytree(GOLDEN, tmp_path / "out")
     damage(tmp_path / "out")
     return api.verify(spec, tmp_path / "out")
 
 
 def codes(result: Verification) -> set[str]:
-    return {c.diagnostic.code for c in result.checks() if c.diagnostic is not None} | {d.code for d in result.diagnostics}
+    return {c.diagnostic.code for c in result.checks() if c.diagnostic is not None} | {
+        d.code for d in result.diagnostics
+    }
 
 
 def test_the_example_is_good() -> None:
@@ -43,57 +46,51 @@ def test_the_example_is_good() -> None:
     assert "03 01 02 01 10 01 C4 7F 00 00  LEN 10" in verdicts["telegram.WR_DataBuffer"]
 
 
-DAMAGE: dict[str, tuple[Callable[[Path], None], str, str]] = {
-    "another parameter number": (
-        lambda out: edit(out / "db/WR_DataBuffer.db", "16#C47F", "16#C480"), "PG604", "telegram.WR_DataBuffer",
+WR, RD, WR_1 = "db/WR_DataBuffer.db", "db/RD_DataBuffer.db", "db/WR_DataBuffer_1.db"
+SWAP = "    Para_Format : Byte;  // P50303 data format\n    Num_of_Element : Byte;"
+SWAPPED = "    Num_of_Element : Byte;\n    Para_Format : Byte;"
+VALUE_XML = 'Name="ParameterValue" Datatype='
+ENTITY = '<!DOCTYPE d [<!ENTITY x SYSTEM "file:///etc/passwd">]><Document>'
+
+EDITS = {
+    "another parameter number": (WR, "16#C47F", "16#C480", "PG604", "telegram.WR_DataBuffer"),
+    "subindex ignored": (WR, "Subindex : Word;", "Subindex : Word := 1;", "PG604", "telegram.WR_DataBuffer"),
+    "member too narrow": (WR, "Para_No : Word := 16#C47F", "Para_No : Byte", "PG603", "layout.WR_DataBuffer"),
+    "members swapped": (RD, SWAP, SWAPPED, "PG603", "layout.RD_DataBuffer"),
+    "value as another type": (RD, "ParameterValue : Real", "ParameterValue : DWord", "PG603", "layout.RD_DataBuffer"),
+    "gap": ("udt/typeWR_DataBuffer.udt", "Axis : Byte;", "Axis : Byte; gap : Byte;", "PG603", "layout.WR_DataBuffer"),
+    "reference 0": (WR, "Request_Ref : Byte := 16#03", "Request_Ref : Byte", "PG604", "telegram.WR_DataBuffer"),
+    "value": (WR_1, "Value : Real := 100.0", "Value : Real := 10.0", "PG604", "telegram.WR_DataBuffer_1"),
+    "syntax": ("scl/ReadRampUp.scl", "END_CASE;\n\nIF", "END_CASES;\n\nIF", "PG801", "files.syntax"),
+    "type in XML": (
+        "xml/RD_DataBuffer.xml", f'{VALUE_XML}"Real"', f'{VALUE_XML}"Int"', "PG603", "layout.RD_DataBuffer",
     ),
-    "subindex ignored": (
-        lambda out: edit(out / "db/WR_DataBuffer.db", "Subindex : Word;", "Subindex : Word := 16#0001;"), "PG604", "telegram.WR_DataBuffer",
+    "start value in XML": (
+        "xml/WR_DataBuffer.xml", "<StartValue>16#C47F", "<StartValue>16#C47E", "PG604", "telegram.WR_DataBuffer",
     ),
-    "member too narrow": (
-        lambda out: edit(out / "db/WR_DataBuffer.db", "Para_No : Word := 16#C47F", "Para_No : Byte := 16#7F"), "PG603", "layout.WR_DataBuffer",
-    ),
-    "members swapped": (
-        lambda out: edit(out / "db/RD_DataBuffer.db", "    Para_Format : Byte;  // P50303 data format\n    Num_of_Element : Byte;",
-                         "    Num_of_Element : Byte;\n    Para_Format : Byte;"), "PG603", "layout.RD_DataBuffer",
-    ),
-    "value read as another type": (
-        lambda out: edit(out / "db/RD_DataBuffer.db", "ParameterValue : Real", "ParameterValue : DWord"), "PG603", "layout.RD_DataBuffer",
-    ),
-    "gap": (
-        lambda out: edit(out / "udt/typeWR_DataBuffer.udt", "Para_Attribute : Byte;", "Para_Attribute : Byte; gap : Byte;"), "PG603", "layout.WR_DataBuffer",
-    ),
-    "SimaticML differs": (
-        lambda out: edit(out / "xml/RD_DataBuffer.xml", 'Name="ParameterValue" Datatype="Real"', 'Name="ParameterValue" Datatype="Int"'), "PG603", "layout.RD_DataBuffer",
-    ),
-    "SimaticML start value differs": (
-        lambda out: edit(out / "xml/WR_DataBuffer.xml", "<StartValue>16#C47F", "<StartValue>16#C47E"), "PG604", "telegram.WR_DataBuffer",
-    ),
-    "reference 0": (
-        lambda out: edit(out / "db/WR_DataBuffer.db", "Request_Ref : Byte := 16#03", "Request_Ref : Byte := 16#00"), "PG604", "telegram.WR_DataBuffer",
-    ),
-    "value": (
-        lambda out: edit(out / "db/WR_DataBuffer_1.db", "Value : Real := 100.0", "Value : Real := 10.0"), "PG604", "telegram.WR_DataBuffer_1",
-    ),
-    "DB missing": (lambda out: (out / "db/WR_DataBuffer.db").unlink(), "PG608", "layout.WR_DataBuffer"),
-    "syntax": (
-        lambda out: edit(out / "scl/ReadRampUp.scl", "END_CASE;\n\nIF", "END_CASES;\n\nIF"), "PG801", "files.syntax",
-    ),
-    "no byte order mark": (
-        lambda out: (out / "scl/Main.scl").write_bytes((out / "scl/Main.scl").read_bytes()[3:]), "PG610", "files.encoding",
-    ),
-    "changed by hand": (
-        lambda out: edit(out / "scl/ReadRampUp.scl", "REAL", "REAL") if False else (out / "IMPORT.md").write_text("x") and None, "PG602", "files.manifest",
-    ),
-    "manifest gone": (lambda out: (out / "manifest.json").unlink(), "PG507", "files.manifest"),
-    "manifest broken": (lambda out: (out / "manifest.json").write_text("{}") and None, "PG611", "files.manifest"),
-    "XML broken": (
-        lambda out: edit(out / "xml/WR_DataBuffer.xml", "</Document>", ""), "PG811", "files.syntax",
-    ),
-    "XML hostile": (
-        lambda out: edit(out / "xml/WR_DataBuffer.xml", "<Document>", '<!DOCTYPE d [<!ENTITY x SYSTEM "file:///etc/passwd">]><Document>'), "PG810", "files.syntax",
-    ),
+    "XML broken": ("xml/WR_DataBuffer.xml", "</Document>", "", "PG811", "files.syntax"),
+    "XML hostile": ("xml/WR_DataBuffer.xml", "<Document>", ENTITY, "PG810", "files.syntax"),
 }  # fmt: skip
+"""Text edits of one file: (file, old, new, expected code, check that must find it)."""
+
+
+def strip_bom(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[3:])
+
+
+DAMAGE: dict[str, tuple[Callable[[Path], object], str, str]] = {
+    "DB missing": (lambda out: (out / WR).unlink(), "PG608", "layout.WR_DataBuffer"),
+    "no byte order mark": (lambda out: strip_bom(out / "scl/Main.scl"), "PG610", "files.encoding"),
+    "changed by hand": (lambda out: (out / "IMPORT.md").write_text("x"), "PG602", "files.manifest"),
+    "manifest gone": (lambda out: (out / "manifest.json").unlink(), "PG507", "files.manifest"),
+    "manifest broken": (lambda out: (out / "manifest.json").write_text("{}"), "PG611", "files.manifest"),
+}
+for title, (file, old, new, code, check) in EDITS.items():
+    DAMAGE[title] = (
+        partial(lambda out, file, old, new: edit(out / file, old, new), file=file, old=old, new=new),
+        code,
+        check,
+    )
 
 
 @pytest.mark.parametrize("name", DAMAGE)
