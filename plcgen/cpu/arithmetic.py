@@ -1,0 +1,217 @@
+"""Arithmetic of the CPU where Python's differs; the names are those that generated code uses."""
+
+from __future__ import annotations
+
+import datetime as dt
+import math
+import struct
+from collections.abc import Callable
+from typing import Any
+
+from plcgen.cpu.memory import single
+from plcgen.s7 import durations
+
+_ROUNDING: dict[str, Callable[[float], int]] = {
+    "round": round,
+    "trunc": math.trunc,
+    "floor": math.floor,
+    "ceil": math.ceil,
+}
+_PACK = {32: (">f", ">I"), 64: (">d", ">Q")}
+
+
+def mod(left: int, right: int) -> int:
+    """MOD: the sign is that of the dividend."""
+    result = abs(left) % abs(right)
+    return -result if left < 0 else result
+
+
+def quotient(left: int, right: int) -> int:
+    """Integer division towards zero."""
+    result = abs(left) // abs(right)
+    return result if (left < 0) == (right < 0) else -result
+
+
+def real_ne(left: float, right: float) -> bool:
+    """``<>`` of S7-300/400: FALSE if one of the two is no number."""
+    return left < right or left > right
+
+
+def power(base: float, exponent: float) -> float:
+    """``**`` without exceptions."""
+    try:
+        result = float(base) ** exponent
+    except OverflowError:
+        return math.inf
+    except ZeroDivisionError:
+        return math.inf
+    return result if isinstance(result, float) else math.nan
+
+
+def to_int(value: float, bits: int, signed: bool, how: str) -> int:  # noqa: FBT001 - called from generated code
+    """REAL to integer; what does not fit becomes the lowest value."""
+    low, high = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
+    if not math.isfinite(value):
+        return low
+    rounded = _ROUNDING[how](value)
+    return rounded if low <= rounded <= high else low
+
+
+def bits_real(value: int, bits: int) -> float:
+    """Bit pattern to REAL (LREAL for 64 bits)."""
+    real, whole = _PACK[64 if bits == 64 else 32]
+    result: float = struct.unpack(real, struct.pack(whole, value))[0]
+    return result
+
+
+def real_bits(value: float, bits: int) -> int:
+    """REAL or LREAL to its bit pattern."""
+    real, whole = _PACK[bits]
+    result: int = struct.unpack(whole, struct.pack(real, value))[0]
+    return result
+
+
+def shl(value: int, count: int, bits: int) -> int:
+    """Shift left, zeros come in."""
+    return value << count & (1 << bits) - 1 if 0 <= count < bits else 0
+
+
+def shr(value: int, count: int, bits: int) -> int:
+    """Shift right: zeros come in, the sign for signed integers."""
+    return value >> min(max(count, 0), bits)
+
+
+def rol(value: int, count: int, bits: int) -> int:
+    """Rotate left."""
+    count %= bits
+    value &= (1 << bits) - 1
+    return (value << count | value >> bits - count) & (1 << bits) - 1
+
+
+def ror(value: int, count: int, bits: int) -> int:
+    """Rotate right."""
+    return rol(value, bits - count % bits, bits)
+
+
+def limit(low: Any, value: Any, high: Any) -> Any:
+    """LIMIT(MN, IN, MX)."""
+    return low if value < low else high if value > high else value
+
+
+def mux(selector: int, *values: Any) -> Any:
+    """SEL and MUX; a selector out of range takes the last input."""
+    return values[selector] if 0 <= selector < len(values) else values[-1]
+
+
+def from_bcd(value: int, digits: int) -> int:
+    """BCD with a sign digit to an integer; no BCD gives 0."""
+    body = value & (1 << 4 * digits) - 1
+    try:
+        number = durations.from_bcd(body)
+    except ValueError:
+        return 0
+    return -number if value >> 4 * digits + 3 & 1 else number
+
+
+def to_bcd(value: int, digits: int) -> int:
+    """Integer to BCD with a sign digit."""
+    return durations.to_bcd(abs(value) % 10**digits) | (0xF << 4 * digits if value < 0 else 0)
+
+
+def to_s5(milliseconds: int) -> int:
+    """TIME to an S5TIME word; what does not fit becomes the longest one."""
+    return durations.to_s5time(min(max(milliseconds, 0), 9_990_000))
+
+
+def from_s5(word: int) -> int:
+    """S5TIME word to milliseconds; no BCD gives 0."""
+    try:
+        return durations.from_s5time(word)
+    except ValueError:
+        return 0
+
+
+def dt_part(data: bytes, target: str) -> int:
+    """DATE or TIME_OF_DAY of a DATE_AND_TIME."""
+    try:
+        moment = durations.unpack_dt(data)
+    except ValueError:
+        return 0
+    if target == "DATE":
+        return (moment.date() - dt.date(1990, 1, 1)).days
+    return ((moment.hour * 60 + moment.minute) * 60 + moment.second) * 1000 + moment.microsecond // 1000
+
+
+def _real(function: Callable[[float], float]) -> Callable[[float], float]:
+    def safe(value: float) -> float:
+        try:
+            return function(value)
+        except OverflowError:
+            return math.inf
+        except ValueError:
+            return math.nan
+
+    return safe
+
+
+def text_to(text: str, target: str) -> Any:
+    """Text to a number; no number gives 0."""
+    try:
+        value = float(text.strip() or 0)
+        if target in {"REAL", "LREAL"}:
+            return single(value) if target == "REAL" else value
+        bits = {"SINT": 8, "USINT": 8, "INT": 16, "UINT": 16, "LINT": 64, "ULINT": 64}.get(target, 32)
+        return to_int(value, bits, not target.startswith("U"), "trunc")
+    except ValueError:
+        return 0
+
+
+def to_text(value: Any, source: str) -> str:
+    """Write a number as the CPU does: with a sign, REAL with an exponent."""
+    if source in {"REAL", "LREAL"}:
+        return f"{value:+.6E}"
+    return f"{value:+d}" if not source.startswith("U") else str(value)
+
+
+def _left(text: str, length: int) -> str:
+    return text[: max(length, 0)]
+
+
+def _right(text: str, length: int) -> str:
+    return text[-length:] if length > 0 else ""
+
+
+def _mid(text: str, length: int, position: int) -> str:
+    return text[position - 1 : position - 1 + max(length, 0)] if position > 0 else ""
+
+
+def _delete(text: str, length: int, position: int) -> str:
+    return text[: position - 1] + text[position - 1 + max(length, 0) :] if position > 0 else text
+
+
+def _insert(text: str, other: str, position: int) -> str:
+    return text[: max(position, 0)] + other + text[max(position, 0) :]
+
+
+def _replace(text: str, other: str, length: int, position: int) -> str:
+    return text[: position - 1] + other + text[position - 1 + max(length, 0) :] if position > 0 else text
+
+
+def functions() -> dict[str, Callable[..., Any]]:
+    """Everything that generated code calls and that needs no CPU."""
+    reals: dict[str, Callable[[float], float]] = {
+        "sqr": lambda x: x * x, "sqrt": math.sqrt, "exp": math.exp, "expd": lambda x: math.pow(10.0, x),
+        "ln": math.log, "log": math.log10, "sin": math.sin, "cos": math.cos, "tan": math.tan, "asin": math.asin,
+        "acos": math.acos, "atan": math.atan, "frac": lambda x: math.modf(x)[0],
+    }  # fmt: skip
+    texts: dict[str, Callable[..., Any]] = {
+        "len": len, "concat": lambda a, b: a + b, "left": _left, "right": _right, "mid": _mid,
+        "find": lambda a, b: a.find(b) + 1, "delete": _delete, "insert": _insert, "replace": _replace,
+    }  # fmt: skip
+    found: dict[str, Callable[..., Any]] = {f"m_{name}": _real(function) for name, function in reals.items()}
+    found |= {f"t_{name}": function for name, function in texts.items()}
+    own = (real_ne, power, to_int, bits_real, real_bits, shl, shr, rol, ror, limit, mux, from_bcd, to_bcd)
+    found |= {function.__name__: function for function in own}
+    times = (to_s5, from_s5, dt_part, text_to, to_text)
+    found |= {function.__name__: function for function in times}
+    return found | {"f32": single, "sqr": lambda x: x * x}

@@ -1,0 +1,463 @@
+"""Calls: instances of function blocks, system function blocks, functions of the program."""
+
+from __future__ import annotations
+
+from plcgen.cpu.compile_expressions import ExpressionCompiler
+from plcgen.cpu.compile_model import UNKNOWN, Place, ProgramBlock, Val
+from plcgen.cpu.memory import CODECS
+from plcgen.cpu.semantics_scope import is_pointer, is_scalar, scalar_name
+from plcgen.cpu.semantics_types import POINTERS
+from plcgen.cpu.system.interfaces import SystemFb, system_fbs
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.s7.address import AddressError, parse_pointer
+from plcgen.s7.blocks import BlockKind, SectionKind
+from plcgen.s7.shapes import Shape
+from plcgen.s7.types import Elementary, Member, NamedType, StringType
+from plcgen.scl import ast
+
+_IN, _OUT, _INOUT = SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT
+
+
+class CallCompiler(ExpressionCompiler):
+    """Everything with parentheses behind a name."""
+
+    in_loop = 0
+
+    def function(self, node: ast.Call, name: str) -> Val | None:
+        """Compile a function of the language; the next class knows them. None if there is no such one."""
+        raise NotImplementedError
+
+    # --- finding out what is called -------------------------------------------------------------------
+
+    def call_value(self, node: ast.Call) -> Val:
+        """Compile a call inside an expression."""
+        target = node.target
+        if isinstance(target, ast.Address) or (isinstance(target, ast.Member) and self.is_data(target)):
+            place = self.called_address(node)
+            return self.load(place) if place is not None else self.unknown()
+        if isinstance(target, ast.Name) and self.symbol(target) is None:
+            found = self.link.find(target.name)
+            if found is not None and found.block.kind is BlockKind.FC:
+                return self.call_function(node, found)
+            if target.scope == "bare":
+                value = self.function(node, target.name.upper())
+                if value is not None:
+                    return value
+            if found is None:
+                self.error("PG825", f"there is no block {target.name}", node, self.near_block(target.name))
+                return self.unknown()
+        self.error("PG821", f"{self.text(target)} has no value", node, "only functions have one")
+        return self.unknown()
+
+    def is_data(self, target: ast.Member) -> bool:
+        """Whether a path such as ``%DB1.DW`` begins with a data block instead of an FB."""
+        base = target.base
+        found = self.link.find(base.name) if isinstance(base, ast.Name) and self.symbol(base) is None else None
+        named = found is not None and found.block.kind is BlockKind.DB
+        return named and target.name.upper() in {"DW", "DB", "DD", "DX", "DBW", "DBB", "DBD", "DBX"}
+
+    def near_block(self, name: str) -> str:
+        """Return a hint with the nearest block name."""
+        return did_you_mean(name, [block.name for block in self.link.blocks.values()])
+
+    def call_statement(self, node: ast.Call) -> None:
+        """Compile a call that stands alone."""
+        target = node.target
+        if isinstance(target, ast.Name) and self.symbol(target) is None:
+            found = self.link.find(target.name)
+            if found is None and (target.scope == "bare" or target.name.upper() not in self.link.tags):
+                self.plain_call(node, target)
+                return
+            if found is not None and found.block.kind in {BlockKind.FC, BlockKind.OB}:
+                self.discard(self.call_function(node, found))
+                return
+        if isinstance(target, ast.Member) and isinstance(target.base, ast.Name) and self.symbol(target.base) is None:
+            type_ = self.type_called(target.base.name)
+            if type_:
+                self.call_by_type(node, target, type_)
+                return
+        place = self.place(target)
+        if place is not None:
+            type_ = place.shape.type.name if isinstance(place.shape.type, NamedType) else ""
+            if isinstance(target, ast.Name) and place.mem.startswith("d"):
+                found = self.link.find(target.name)
+                type_ = self.link.instance_type(found) if found is not None else ""
+            self.call_instance(node, place, type_)
+
+    def plain_call(self, node: ast.Call, target: ast.Name) -> None:
+        """Compile a function of the language whose value nobody wants, or report a missing block."""
+        value = self.function(node, target.name.upper()) if target.scope == "bare" else None
+        if value is None:
+            self.error("PG825", f"there is no block {target.name}", node, self.near_block(target.name))
+        else:
+            self.discard(value)
+
+    def discard(self, value: Val) -> None:
+        """Evaluate an expression for what it does."""
+        if value.code and value.type != UNKNOWN and not value.code.isidentifier():
+            self.emit(value.code)
+
+    def type_called(self, name: str) -> str:
+        """Upper-case name of the FB or system block before the dot of ``"FB"."DB"(..)``."""
+        found = self.link.find(name)
+        if found is not None:
+            return found.name.upper() if found.block.kind is BlockKind.FB else ""
+        return name.upper() if name.upper() in system_fbs(classic=self.classic) else ""
+
+    def call_by_type(self, node: ast.Call, target: ast.Member, type_: str) -> None:
+        """``"FB"."DB"(..)`` of STEP 7 V5."""
+        found = self.link.find(target.name)
+        if found is None or found.shape is None or found.block.kind is not BlockKind.DB:
+            self.error("PG825", f"there is no instance data block {target.name}", node, self.near_block(target.name))
+            return
+        own = self.link.instance_type(found)
+        systems = system_fbs(classic=self.classic)
+        if own != type_ and systems.get(own) is not systems.get(type_):
+            self.error("PG825", f"{target.name} is no instance of {type_}", node)
+            return
+        self.call_instance(node, self.data_block(found), type_)
+
+    # --- instances ------------------------------------------------------------------------------------
+
+    def call_instance(self, node: ast.Call, place: Place, type_: str) -> None:
+        """Call an FB or system block with the instance at a place."""
+        system = system_fbs(classic=self.classic).get(type_.upper())
+        found = self.link.find(type_) if type_ else None
+        if found is not None and found.block.kind is BlockKind.FB:
+            sections = {m.name.upper(): s.kind for s in found.block.sections for m in s.members if m.at is None}
+            allowed = {name: kind for name, kind in sections.items() if kind in {_IN, _OUT, _INOUT}}
+            after = self.pass_arguments(node, place, allowed)
+            self.call_user(node, place, found)
+        elif system is not None:
+            after = self.pass_arguments(node, place, dict(system.parameters), system=system)
+            if after is None:
+                return
+            self.call_system(node, place, system)
+        else:
+            self.error("PG825", f"{self.text(node.target)} is no instance of a block", node)
+            return
+        for argument, field in after or []:
+            self.take_output(argument, field)
+
+    def call_user(self, node: ast.Call, place: Place, found: ProgramBlock) -> None:
+        """Emit the call of an FB of the program."""
+        self.calls.setdefault(found.name.upper(), self.span(node))
+        self.sync_watchdog()
+        if place.mem != "m" and place.fixed and place.off == 0:
+            self.emit(f"b{found.index}({place.mem})")
+        else:
+            self.moving = True
+            self.emit(f"b{found.index}o({place.mem},{self.address(place)})")
+        self.resume_watchdog()
+        self.forget()
+
+    record_code = ""
+
+    def call_system(self, node: ast.Call, place: Place, system: SystemFb) -> None:
+        """Emit the call of a system block."""
+        name = f"S_{system.block.name}"
+        if not system.record:
+            self.emit(f"{name}({place.mem},{self.address(place)})")
+            self.touched(place.region if place.fixed else None, place.off, place.shape.bits)
+            return
+        if not self.record_code:
+            self.error("PG822", "RECORD is missing", node, "name the buffer in every call")
+            return
+        self.emit(f"{name}({place.mem},{self.address(place)},{self.record_code})")
+        self.record_code = ""
+        self.forget()
+
+    def sync_watchdog(self) -> None:
+        """Hand the count of loop passes to what is called."""
+        if self.in_loop:
+            self.emit("W[0]=n")
+
+    def resume_watchdog(self) -> None:
+        """Take the count of loop passes back."""
+        if self.in_loop:
+            self.emit("n=W[0]")
+
+    # --- arguments ------------------------------------------------------------------------------------
+
+    def pass_arguments(
+        self, node: ast.Call, place: Place, allowed: dict[str, SectionKind], system: SystemFb | None = None
+    ) -> list[tuple[ast.Argument, Place]] | None:
+        """Store inputs; return the outputs that are wanted after the call."""
+        after: list[tuple[ast.Argument, Place]] = []
+        seen: set[str] = set()
+        for argument in node.arguments:
+            upper = (argument.name or "").upper()
+            if upper in {"EN", "ENO"} and upper not in allowed:
+                self.enable(argument, upper, after)
+                continue
+            kind = self.parameter(argument, upper, allowed, seen)
+            if kind is None:
+                continue
+            if system is not None and upper == "RECORD":
+                self.record_code = self.reference(argument.value)
+                continue
+            field = self.field(place, upper, argument.value)
+            if field is None:
+                continue
+            if kind is not _OUT:
+                self.pass_input(argument, field, kind)
+            if kind is _OUT or (kind is _INOUT and scalar_name(field.shape) not in {"POINTER", "ANY", ""}):
+                after.append((argument, field))
+        missing = [name for name, kind in allowed.items() if kind is _INOUT and name not in seen]
+        if missing and self.link.dialect.is_tia:
+            self.error("PG822", f"{missing[0]} is missing", node, "every IN_OUT parameter needs a variable")
+            if system is not None:
+                return None
+        return after
+
+    def parameter(
+        self, argument: ast.Argument, upper: str, allowed: dict[str, SectionKind], seen: set[str]
+    ) -> SectionKind | None:
+        """Section of a named parameter; PG822 if it is none or the operator is wrong."""
+        kind = allowed.get(upper)
+        if kind is None:
+            shown = argument.name or self.text(argument)
+            self.error("PG822", f"the block has no parameter {shown}", argument, did_you_mean(shown, list(allowed)))
+            return None
+        if upper in seen:
+            self.error("PG822", f"{argument.name} is given twice", argument)
+            return None
+        seen.add(upper)
+        if (argument.operator == "=>") != (kind is _OUT):
+            wanted = "=>" if kind is _OUT else ":="
+            self.error("PG822", f"{argument.name} is an {kind.value} parameter: it goes with {wanted}", argument)
+            return None
+        return kind
+
+    def enable(self, argument: ast.Argument, upper: str, after: list[tuple[ast.Argument, Place]]) -> None:
+        """EN and ENO of a call."""
+        if upper == "ENO":
+            after.append((argument, Place(Shape(Elementary("BOOL", 1), 1, 1, 1, 1), local="E[0]")))
+        else:
+            self.error("PG827", "the soft CPU does not execute EN of a call", argument, "use IF")
+
+    def pass_input(self, argument: ast.Argument, field: Place, kind: SectionKind) -> None:
+        """Store one input."""
+        type_ = scalar_name(field.shape)
+        if type_ in {"POINTER", "ANY"} and not (
+            isinstance(argument.value, ast.Name) and type_ == self.kind_of(argument)
+        ):
+            code = self.reference(argument.value)
+            pack = "any10" if type_ == "ANY" else "ptr6"
+            self.store(field, f"{pack}({code})")
+            return
+        if kind is _INOUT and self.place_of_argument(argument) is None:
+            return
+        self.assign_value(field, self.expression(argument.value), argument.value)
+
+    def kind_of(self, argument: ast.Argument) -> str:
+        """Scalar type of a variable given as an argument."""
+        node = argument.value
+        symbol = self.symbol(node) if isinstance(node, ast.Name) else None
+        return scalar_name(symbol.place.shape) if symbol is not None and symbol.place is not None else ""
+
+    def place_of_argument(self, argument: ast.Argument) -> Place | None:
+        """Variable given to an OUT or IN_OUT parameter; PG823 if it must not be written."""
+        if isinstance(argument.value, ast.Slice):
+            self.error("PG827", "the soft CPU takes no slice here", argument.value)
+            return None
+        place = self.place(argument.value)
+        if place is not None and place.section is _IN:
+            self.error("PG823", f"{self.text(argument.value)} is an input", argument.value, "inputs are read only")
+            return None
+        return place
+
+    def take_output(self, argument: ast.Argument, field: Place) -> None:
+        """Copy an output to the variable behind ``=>``."""
+        place = self.place_of_argument(argument)
+        if place is not None:
+            self.assign_value(place, self.load(field), argument.value)
+
+    def assign_value(self, place: Place, value: Val, node: ast.Expression) -> None:
+        """Store a value with its implicit conversion; structures are copied."""
+        type_ = scalar_name(place.shape)
+        if value.type == UNKNOWN:
+            return
+        if type_ and value.type:
+            code = self.coerce(value, type_, node)
+            const = value.const if isinstance(value.const, bool) else None
+            self.store(place, code, const)
+            return
+        self.copy(place, value, node)
+
+    def copy(self, place: Place, value: Val, node: ast.Expression) -> None:
+        """Copy a structure or array byte by byte."""
+        source = value.place
+        if source is None or source.shape.bits != place.shape.bits or not same_type(place.shape, source.shape):
+            self.error("PG821", f"{self.text(node)} has another type", node)
+            return
+        size = place.shape.bits // 8
+        self.emit(f"cp({place.mem},{self.address(place)},{source.mem},{self.address(source)},{size})")
+        self.touched(place.region if place.fixed else None, place.off, place.shape.bits)
+
+    def watch_status(self, base: Place, name: str, node: ast.Expression) -> None:
+        """Note reads of STATUS of a record block: it counts in the scan of its call only."""
+        if name.upper() != "STATUS" or not isinstance(node, ast.Member):
+            return
+        type_ = base.shape.type.name if isinstance(base.shape.type, NamedType) else ""
+        if isinstance(node.base, ast.Name) and base.mem.startswith("d"):
+            found = self.link.find(node.base.name)
+            type_ = self.link.instance_type(found) if found is not None else type_
+        system = system_fbs(classic=self.classic).get(type_.upper())
+        if system is not None and system.record and self.link.find(type_) is None:
+            self.emit(f"st({base.mem},{self.address(base)})")
+
+    # --- references -----------------------------------------------------------------------------------
+
+    def pointer(self, node: ast.Literal) -> Val:
+        """``P#DB3.DBX0.0 BYTE 10``."""
+        try:
+            pointer = parse_pointer(node.text)
+        except AddressError as problem:
+            self.error("PG827", str(problem), node)
+            return self.unknown()
+        region, start = pointer.region, pointer.start
+        area = "P" if start.area.startswith("P") else start.area
+        size = max(1, region.width_bits // 8)
+        return Val(f"pt({area!r},{start.db or 0},{start.byte},{size})", "ANY")
+
+    def reference(self, node: ast.Expression) -> str:
+        """Code of a reference to a variable, for ANY, VARIANT and structured parameters."""
+        if isinstance(node, ast.Literal) and node.kind == "pointer":
+            return self.pointer(node).code
+        if isinstance(node, ast.Literal | ast.Binary | ast.Unary | ast.Call):
+            return self.value_reference(self.expression(node), node)
+        if isinstance(node, ast.Name) and self.symbol(node) is None and node.name.upper() in {"NULL", "NIL"}:
+            return "(None,0,0)"
+        place = self.place(node)
+        if place is None:
+            return "(None,0,0)"
+        if place.local:
+            type_ = scalar_name(place.shape)
+            return place.local if type_ in POINTERS else self.value_reference(self.load(place), node)
+        if scalar_name(place.shape) == "ANY":
+            return f"any_of({place.mem},{self.address(place)})"
+        return f"({place.mem},{self.address(place)},{-(-place.shape.bits // 8)})"
+
+    def value_reference(self, value: Val, node: ast.Expression) -> str:
+        """Put a value into memory of its own."""
+        type_ = {"#int": "INT", "#real": "REAL", "#text": "STRING"}.get(value.type, value.type)
+        if type_ == "STRING":
+            name = self.temporary()
+            self.emit(f"{name}=local(256)")
+            self.emit(f"w_s({name},0,254,{self.coerce(value, type_, node)})")
+            return f"({name},0,256)"
+        if type_ not in CODECS and type_ != "BOOL":
+            if type_ != UNKNOWN:
+                self.error("PG827", f"the soft CPU does not pass {type_ or 'this'} by reference", node)
+            return "(None,0,0)"
+        name = self.temporary()
+        size = CODECS[type_].size if type_ != "BOOL" else 1
+        self.emit(f"{name}=local({size})")
+        code = self.coerce(value, type_, node)
+        self.emit(
+            f"{name}[0]=1 if {code} else 0" if type_ == "BOOL" else CODECS[type_].write.format(m=name, o=0, v=code)
+        )
+        return f"({name},0,{size})"
+
+    # --- functions of the program ---------------------------------------------------------------------
+
+    def call_function(self, node: ast.Call, found: ProgramBlock) -> Val:
+        """Call an FC: scalars by value, the rest by reference; outputs come back as a tuple."""
+        self.calls.setdefault(found.name.upper(), self.span(node))
+        parameters = function_parameters(found)
+        allowed: dict[str, SectionKind] = {m.name.upper(): kind for kind, m, _ in parameters}
+        allowed = {name: kind for name, kind in allowed.items() if kind is not SectionKind.RETURN}
+        given = self.named_arguments(node, parameters, allowed)
+        codes: list[str] = []
+        after: list[tuple[ast.Argument | None, str]] = []
+        result = ""
+        for kind, member, how in parameters:
+            argument = given.get(member.name.upper()) if kind is not SectionKind.RETURN else None
+            type_ = member.type.name if isinstance(member.type, Elementary) else ""
+            if kind is SectionKind.RETURN:
+                result = member.type.name if isinstance(member.type, Elementary | StringType) else UNKNOWN
+                continue
+            if argument is None:
+                self.error("PG822", f"{member.name} is missing", node, f"{found.name} needs every parameter")
+                return self.unknown()
+            if how == "reference":
+                codes.append(self.structured(argument, kind))
+            elif how == "pointer":
+                codes.append(self.reference(argument.value))
+            elif kind is not _OUT:
+                codes.append(self.coerce(self.expression(argument.value), type_, argument.value))
+            if how == "value" and kind is not _IN:
+                after.append((argument, type_))
+        return self.emit_function(found, codes, after, result)
+
+    def structured(self, argument: ast.Argument, kind: SectionKind) -> str:
+        """Memory and offset of an argument passed by reference."""
+        if kind is not _IN and self.place_of_argument(argument) is None:
+            return "(None,0,0)"
+        return self.reference(argument.value)
+
+    def emit_function(
+        self, found: ProgramBlock, codes: list[str], after: list[tuple[ast.Argument | None, str]], result: str
+    ) -> Val:
+        """Emit the call and take the outputs."""
+        call = f"b{found.index}({','.join(codes)})"
+        self.sync_watchdog()
+        name = self.temporary()
+        self.emit(f"{name}={call}")
+        self.resume_watchdog()
+        self.forget()
+        if after:
+            for position, (argument, type_) in enumerate(after):
+                if argument is not None:
+                    place = self.place_of_argument(argument)
+                    if place is not None:
+                        self.assign_value(place, Val(f"{name}[{position + 1}]", type_), argument.value)
+            return Val(f"{name}[0]", result) if result else Val(name, "")
+        return Val(name, result)
+
+    def named_arguments(
+        self, node: ast.Call, parameters: list[tuple[SectionKind, Member, str]], allowed: dict[str, SectionKind]
+    ) -> dict[str, ast.Argument]:
+        """Arguments by upper-case parameter name; a single one may go without a name."""
+        if len(node.arguments) == 1 and node.arguments[0].name is None and len(allowed) == 1:
+            return {parameters[0][1].name.upper(): node.arguments[0]}
+        seen: set[str] = set()
+        given: dict[str, ast.Argument] = {}
+        for argument in node.arguments:
+            upper = (argument.name or "").upper()
+            if upper in {"EN", "ENO"} and upper not in allowed:
+                continue
+            v5_output = allowed.get(upper) is _OUT and argument.operator == ":=" and not self.link.dialect.is_tia
+            kind = allowed[upper] if v5_output and upper not in seen else self.parameter(argument, upper, allowed, seen)
+            if kind is not None:
+                seen.add(upper)
+                given[upper] = argument
+        return given
+
+
+def function_parameters(found: ProgramBlock) -> list[tuple[SectionKind, Member, str]]:
+    """Parameters of an FC in the order of its Python arguments, and how each is passed."""
+    rows: list[tuple[SectionKind, Member, str]] = []
+    for kind in (_IN, _OUT, _INOUT, SectionKind.RETURN):
+        members = found.block.section(kind)
+        viewed = {m.at.strip('"#').upper() for m in members if m.at is not None}
+        for member in members:
+            if member.at is not None:
+                continue
+            scalar = is_scalar(member.type) and member.name.upper() not in viewed
+            rows.append((kind, member, "value" if scalar else "pointer" if is_pointer(member) else "reference"))
+    return rows
+
+
+def same_type(left: Shape, right: Shape) -> bool:
+    """Whether two structures may be assigned: the same name, or the same members."""
+    if isinstance(left.type, NamedType) and isinstance(right.type, NamedType):
+        return left.type.name.upper() == right.type.name.upper()
+    if len(left.fields) != len(right.fields) or (left.element is None) != (right.element is None):
+        return False
+    if left.element is not None and right.element is not None:
+        return left.strides == right.strides and same_type(left.element, right.element)
+    if left.fields:
+        return all(same_type(a.shape, b.shape) for a, b in zip(left.fields, right.fields, strict=True))
+    return scalar_name(left) == scalar_name(right)

@@ -1,0 +1,306 @@
+"""Functions of the language: mathematics, shifts, conversions, selection, texts."""
+
+from __future__ import annotations
+
+import re
+
+from plcgen.cpu.compile_calls import CallCompiler
+from plcgen.cpu.compile_expressions import wrapped
+from plcgen.cpu.compile_model import UNKNOWN, Val
+from plcgen.cpu.semantics_types import (
+    BITS,
+    INT_CONST,
+    INTEGERS,
+    NUMERIC,
+    REAL_CONST,
+    REALS,
+    TEXT_CONST,
+    TEXTS,
+    WIDTHS,
+    canonical,
+    common_type,
+    conversions,
+)
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.scl import ast
+
+_CONVERSION = re.compile(r"([A-Z]+[A-Z_]*?)_TO_([A-Z]+[A-Z_]*)")
+_MATH = frozenset("SQR SQRT EXP EXPD LN LOG SIN COS TAN ASIN ACOS ATAN FRAC".split())  # noqa: SIM905
+_ROUNDING = frozenset({"ROUND", "TRUNC", "FLOOR", "CEIL"})
+_SHIFTS = frozenset({"SHL", "SHR", "ROL", "ROR"})
+_TEXT_FUNCTIONS = {
+    "LEN": ("IN",), "CONCAT": ("IN1", "IN2"), "LEFT": ("IN", "L"), "RIGHT": ("IN", "L"), "MID": ("IN", "L", "P"),
+    "FIND": ("IN1", "IN2"), "DELETE": ("IN", "L", "P"), "INSERT": ("IN1", "IN2", "P"),
+    "REPLACE": ("IN1", "IN2", "L", "P"),
+}  # fmt: skip
+_TIMES = frozenset({"TIME", "LTIME", "DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "LDT"})
+
+
+class FunctionCompiler(CallCompiler):
+    """Functions that only compute; the next class adds those that move memory."""
+
+    def function(self, node: ast.Call, name: str) -> Val | None:
+        """Compile a function of the language, None if there is none of that name."""
+        if name in _MATH:
+            return self.mathematics(node, name)
+        if name == "ABS":
+            return self.absolute_value(node)
+        if name in _ROUNDING:
+            return self.rounding(node, name)
+        if name in _SHIFTS:
+            return self.shift(node, name)
+        if name in {"MIN", "MAX"}:
+            return self.extreme(node, name)
+        if name == "LIMIT":
+            return self.limit(node)
+        if name in {"SEL", "MUX"}:
+            return self.select(node, name)
+        if name == "SWAP":
+            return self.swap(node)
+        if name in {"TIME_TCK", "SFC64"}:
+            self.bind(node, ())
+            return Val("(T[0]&2147483647)", "TIME")
+        if name in _TEXT_FUNCTIONS:
+            return self.text_function(node, name)
+        match = _CONVERSION.fullmatch(name)
+        if match is not None:
+            return self.conversion(node, name, match[1], match[2])
+        return None
+
+    # --- arguments ------------------------------------------------------------------------------------
+
+    def bind(self, node: ast.Call, names: tuple[str, ...], optional: tuple[str, ...] = ()) -> dict[str, ast.Expression]:
+        """Arguments by name, given with names or in order; PG822 about the rest."""
+        found: dict[str, ast.Expression] = {}
+        allowed = (*names, *optional)
+        for position, argument in enumerate(node.arguments):
+            name = (argument.name or (allowed[position] if position < len(allowed) else "")).upper()
+            if name in {"EN", "ENO"}:
+                continue
+            if name not in allowed or name in found:
+                shown = argument.name or self.text(argument)
+                self.error("PG822", f"there is no parameter {shown}", argument, did_you_mean(shown, allowed))
+                continue
+            found[name] = argument.value
+        missing = [name for name in names if name not in found]
+        if missing:
+            self.error("PG822", f"{missing[0]} is missing", node)
+        return {} if missing else found
+
+    def several(self, node: ast.Call) -> list[tuple[str, ast.Expression]]:
+        """Arguments of a function with any number of inputs."""
+        return [
+            ((a.name or "").upper(), a.value) for a in node.arguments if (a.name or "").upper() not in {"EN", "ENO"}
+        ]
+
+    def ready(self, value: Val) -> str:
+        """Code of a value as it is, wrapped."""
+        return wrapped(value.code, value.type) if value.raw else value.code
+
+    # --- numbers --------------------------------------------------------------------------------------
+
+    def mathematics(self, node: ast.Call, name: str) -> Val:
+        """Functions of REAL and LREAL."""
+        bound = self.bind(node, ("IN",))
+        if not bound:
+            return self.unknown()
+        value = self.expression(bound["IN"])
+        type_ = "LREAL" if value.type == "LREAL" else "REAL"
+        if value.type in INTEGERS and name == "SQR":
+            code = self.ready(value)
+            return Val(f"sqr({code})", value.type, raw=True, pure=value.pure)
+        code = f"m_{name.lower()}({self.coerce(value, type_, bound['IN'])})"
+        return Val(f"f32({code})" if type_ == "REAL" else code, type_, pure=value.pure)
+
+    def absolute_value(self, node: ast.Call) -> Val:
+        """ABS keeps the type."""
+        bound = self.bind(node, ("IN",))
+        if not bound:
+            return self.unknown()
+        value = self.expression(bound["IN"])
+        if value.type not in NUMERIC:
+            return self.refuse(node, "ABS", value)
+        type_ = {INT_CONST: "INT", REAL_CONST: "REAL"}.get(value.type, value.type)
+        return Val(f"abs({self.coerce(value, type_, bound['IN'])})", type_, raw=type_ in INTEGERS, pure=value.pure)
+
+    def refuse(self, node: ast.Call, name: str, value: Val) -> Val:
+        """PG821 about the operand of a function."""
+        if value.type != UNKNOWN:
+            self.error("PG821", f"{name} does not take {value.type or 'a structure'}", node)
+        return self.unknown()
+
+    def rounding(self, node: ast.Call, name: str) -> Val:
+        """REAL to DINT."""
+        bound = self.bind(node, ("IN",))
+        if not bound:
+            return self.unknown()
+        value = self.expression(bound["IN"])
+        type_ = "LREAL" if value.type == "LREAL" else "REAL"
+        return Val(
+            f"to_int({self.coerce(value, type_, bound['IN'])},32,True,{name.lower()!r})", "DINT", pure=value.pure
+        )
+
+    def shift(self, node: ast.Call, name: str) -> Val:
+        """SHL, SHR, ROL, ROR of bit strings, and of integers on S7-1200/1500."""
+        bound = self.bind(node, ("IN", "N"))
+        if not bound:
+            return self.unknown()
+        value, count = self.expression(bound["IN"]), self.expression(bound["N"])
+        type_ = "WORD" if value.type == INT_CONST else value.type
+        if type_ not in BITS and (type_ not in INTEGERS or self.classic):
+            return self.refuse(node, name, value)
+        if count.type not in INTEGERS and count.type not in {INT_CONST, UNKNOWN}:
+            self.error("PG821", f"N counts bits, it is no {count.type or 'structure'}", bound["N"])
+        bits = WIDTHS[type_]
+        code, steps = self.coerce(value, type_, bound["IN"]), self.ready(count)
+        pure = value.pure and count.pure
+        if type_ in BITS and isinstance(count.const, int) and 0 <= count.const < bits and name in {"SHL", "SHR"}:
+            shifted = f"({code}>>{steps})" if name == "SHR" else f"({code}<<{steps}&{(1 << bits) - 1})"
+            return Val(shifted, type_, pure=pure)
+        return Val(f"{name.lower()}({code},{steps},{bits})", type_, raw=type_ in INTEGERS, pure=pure)
+
+    def extreme(self, node: ast.Call, name: str) -> Val:
+        """MIN and MAX of two and more."""
+        values = [(self.expression(expression), expression) for _, expression in self.several(node)]
+        return self.common_call(node, name.lower(), values)
+
+    def limit(self, node: ast.Call) -> Val:
+        """LIMIT(MN, IN, MX)."""
+        bound = self.bind(node, ("MN", "IN", "MX"))
+        if not bound:
+            return self.unknown()
+        values = [(self.expression(bound[name]), bound[name]) for name in ("MN", "IN", "MX")]
+        return self.common_call(node, "limit", values)
+
+    def common_call(self, node: ast.Call, function: str, values: list[tuple[Val, ast.Expression]]) -> Val:
+        """Call with all operands in their common type."""
+        common: str | None = values[0][0].type if values else None
+        for value, _ in values[1:]:
+            common = common_type(common or UNKNOWN, value.type, classic=self.classic)
+        if any(value.type == UNKNOWN for value, _ in values):
+            return self.unknown()
+        if not common or len(values) < 2:
+            self.error("PG821", f"the operands of {function.upper()} have no common type", node)
+            return self.unknown()
+        common = {INT_CONST: "INT", REAL_CONST: "REAL", TEXT_CONST: "STRING"}.get(common, common)
+        codes = [self.coerce(value, common, expression) for value, expression in values]
+        return Val(f"{function}({','.join(codes)})", common, pure=all(value.pure for value, _ in values))
+
+    def select(self, node: ast.Call, name: str) -> Val:
+        """SEL(G, IN0, IN1), MUX(K, IN0, IN1, ...)."""
+        arguments = self.several(node)
+        if len(arguments) < 3 or (name == "SEL" and len(arguments) > 3):
+            self.error("PG822", f"{name} needs a selector and at least two inputs", node)
+            return self.unknown()
+        if all(label for label, _ in arguments):
+            arguments.sort(key=lambda item: (item[0] not in {"G", "K"}, len(item[0]), item[0]))
+        selector = self.expression(arguments[0][1])
+        values = [(self.expression(expression), expression) for _, expression in arguments[1:]]
+        code = f"int(not not {self.truth(selector, node)})" if name == "SEL" else self.ready(selector)
+        result = self.common_call(node, name.lower(), values)
+        if result.type == UNKNOWN:
+            return result
+        return Val(f"mux({code},{result.code.partition('(')[2]}", result.type, pure=result.pure and selector.pure)
+
+    def swap(self, node: ast.Call) -> Val:
+        """Change the order of bytes."""
+        bound = self.bind(node, ("IN",))
+        value = self.expression(bound["IN"]) if bound else self.unknown()
+        if value.type not in BITS:
+            return self.refuse(node, "SWAP", value)
+        size = BITS[value.type] // 8
+        return Val(f"int.from_bytes(({value.code}).to_bytes({size}),'little')", value.type, pure=value.pure)
+
+    # --- texts ----------------------------------------------------------------------------------------
+
+    def text_function(self, node: ast.Call, name: str) -> Val:
+        """LEN, CONCAT, LEFT, RIGHT, MID, FIND, DELETE, INSERT, REPLACE."""
+        bound = self.bind(node, _TEXT_FUNCTIONS[name])
+        if not bound:
+            return self.unknown()
+        codes, wide, pure = [], False, True
+        for parameter, expression in bound.items():
+            value = self.expression(expression)
+            pure = pure and value.pure
+            if parameter.startswith("IN"):
+                wide = wide or value.type == "WSTRING"
+                if value.type not in TEXTS and value.type not in {TEXT_CONST, "CHAR", "WCHAR", UNKNOWN}:
+                    return self.refuse(node, name, value)
+                codes.append(self.coerce(value, "WSTRING" if wide else "STRING", expression))
+            else:
+                codes.append(self.ready(value))
+        type_ = "INT" if name in {"LEN", "FIND"} else "WSTRING" if wide else "STRING"
+        return Val(f"t_{name.lower()}({','.join(codes)})", type_, pure=pure)
+
+    # --- conversions ----------------------------------------------------------------------------------
+
+    def conversion(self, node: ast.Call, name: str, source: str, target: str) -> Val | None:
+        """``A_TO_B`` with one argument."""
+        if name in {"BCD_TO_INT", "WORD_BCD_TO_INT", "INT_TO_BCD_WORD", "INT_TO_BCD"} or "BCD" in name:
+            return self.bcd(node, name)
+        source, target = canonical(source), canonical(target)
+        if (source, target) not in conversions(classic=self.classic):
+            self.error("PG820", f"{self.link.dialect.label} has no function {name}", node)
+            return self.unknown()
+        bound = self.bind(node, ("IN",))
+        if not bound:
+            return self.unknown()
+        value = self.expression(bound["IN"])
+        code = self.coerce(value, source, bound["IN"])
+        return Val(convert_code(code, source, target), target, pure=value.pure)
+
+    def bcd(self, node: ast.Call, name: str) -> Val:
+        """BCD words and integers."""
+        bound = self.bind(node, ("IN",))
+        if not bound:
+            return self.unknown()
+        double = "DINT" in name or "DWORD" in name
+        value = self.expression(bound["IN"])
+        if name.endswith(("_TO_INT", "_TO_DINT")):
+            code = self.coerce(value, "DWORD" if double else "WORD", bound["IN"])
+            return Val(f"from_bcd({code},{7 if double else 3})", "DINT" if double else "INT", pure=value.pure)
+        code = self.coerce(value, "DINT" if double else "INT", bound["IN"])
+        return Val(f"to_bcd({code},{7 if double else 3})", "DWORD" if double else "WORD", pure=value.pure)
+
+
+def convert_code(code: str, source: str, target: str) -> str:
+    """Generated code of an explicit conversion."""
+    if source == "BOOL":
+        return f"(1.0 if {code} else 0.0)" if target in REALS else f"(1 if {code} else 0)"
+    if target == "BOOL":
+        return f"({code}&1)" if source not in REALS else f"({code}!=0.0)"
+    if source in TEXTS:
+        return f"ord(({code}+' ')[0])" if target == "CHAR" else f"text_to({code},{target!r})"
+    if target in TEXTS:
+        return f"chr({code})" if source == "CHAR" else f"to_text({code},{source!r})"
+    if source in REALS:
+        return _from_real(code, source, target)
+    if target in REALS:
+        if source in BITS:
+            return f"bits_real({code},{BITS[source]})"
+        return f"f32(float({code}))" if target == "REAL" else f"float({code})"
+    if source == "S5TIME" or target == "S5TIME":
+        return f"from_s5({code})" if source == "S5TIME" else f"to_s5({code})"
+    if source == "DATE_AND_TIME":
+        return f"dt_part({code},{target!r})"
+    if {source, target} & {"TIME", "TIME_OF_DAY"} and {source, target} & {"LTIME", "LTIME_OF_DAY"}:
+        code = f"({code}*1000000)" if target.startswith("L") else f"({code}//1000000)"
+    return wrapped(code, target) if _may_overflow(source, target) else code
+
+
+def _may_overflow(source: str, target: str) -> bool:
+    """Whether the integer of one type need not be in the range of another."""
+    signed = {"SINT", "INT", "DINT", "LINT", "TIME", "LTIME", "LDT"}
+    bits = WIDTHS.get(source, 64), WIDTHS.get(target, 64)
+    if (source in signed) == (target in signed):
+        return bits[1] < bits[0]
+    return not (source not in signed and bits[1] > bits[0])
+
+
+def _from_real(code: str, source: str, target: str) -> str:
+    if target in REALS:
+        return f"f32({code})" if target == "REAL" else code
+    if target in BITS:
+        return f"real_bits({code},{WIDTHS[source]})"
+    signed = target in {"SINT", "INT", "DINT", "LINT"} or target in _TIMES
+    return f"to_int({code},{WIDTHS[target]},{signed},'round')"

@@ -1,0 +1,267 @@
+"""Names, members, indices, slices and absolute addresses to places in memory."""
+
+from __future__ import annotations
+
+import re
+
+from plcgen.cpu.compile_emit import Emitter
+from plcgen.cpu.compile_model import UNKNOWN, Place, ProgramBlock, Symbol, Val
+from plcgen.cpu.semantics_scope import bare_shape, scalar_name
+from plcgen.cpu.semantics_types import BITS, INT_CONST, INTEGERS, canonical
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.s7.address import Address, AddressError, parse_address
+from plcgen.s7.blocks import BlockKind
+from plcgen.s7.shapes import Shape
+from plcgen.s7.types import ELEMENTARY, ArrayType, NamedType
+from plcgen.scl import ast
+
+_SHORT = re.compile(r"(%?DB\d+\.)D([XBWD])?(?=\d)", re.IGNORECASE)
+_AREA_WIDTHS = {"X": "BOOL", "B": "BYTE", "W": "WORD", "D": "DWORD"}
+_INDEXED = re.compile(r"(?:DB|D)([XBWD])", re.IGNORECASE)
+_PLAIN_INDEXED = re.compile(r"(P?[IEQAM])([XBWD]?)", re.IGNORECASE)
+_DTL = {"YEAR": (0, "UINT"), "MONTH": (16, "USINT"), "DAY": (24, "USINT"), "WEEKDAY": (32, "USINT")}
+_DTL |= {"HOUR": (40, "USINT"), "MINUTE": (48, "USINT"), "SECOND": (56, "USINT"), "NANOSECOND": (64, "UDINT")}
+AREAS = {"I": "I", "E": "I", "Q": "Q", "A": "Q", "M": "M", "PI": "P", "PE": "P", "PQ": "P", "PA": "P"}
+
+
+class PlaceCompiler(Emitter):
+    """Everything that can stand left of an assignment."""
+
+    def expression(self, node: ast.Expression) -> Val:
+        """Compile an expression; the next class knows how."""
+        raise NotImplementedError
+
+    def integer_code(self, value: Val, node: ast.Expression) -> str:
+        """Wrapped code of an integer; the next class knows how."""
+        raise NotImplementedError
+
+    def place(self, node: ast.Expression) -> Place | None:
+        """Place of a variable; a problem is reported and gives None."""
+        if isinstance(node, ast.Name):
+            return self.named(node)
+        if isinstance(node, ast.Member):
+            return self.member(node)
+        if isinstance(node, ast.Index):
+            return self.indexed(node)
+        if isinstance(node, ast.Address):
+            return self.absolute(node)
+        if isinstance(node, ast.Peripheral):
+            return self.place(node.base)
+        if isinstance(node, ast.Call) and isinstance(node.target, ast.Address | ast.Name | ast.Member):
+            return self.called_address(node)
+        if isinstance(node, ast.Dereference):
+            self.error("PG827", "the soft CPU does not follow REF_TO references", node)
+            return None
+        self.error("PG823", f"{self.text(node)} is no variable", node)
+        return None
+
+    # --- names ----------------------------------------------------------------------------------------
+
+    def symbol(self, node: ast.Name) -> Symbol | None:
+        """Local symbol of a name, if it has one."""
+        if node.scope == "quoted":
+            return None
+        return self.scope.symbols.get(node.name.upper())
+
+    def named(self, node: ast.Name) -> Place | None:
+        """Place of a local variable, tag or data block."""
+        symbol = self.symbol(node)
+        if symbol is not None:
+            if symbol.place is None:
+                self.error("PG823", f"{node.name} is a constant", node)
+            return symbol.place
+        if node.scope != "local":
+            upper = node.name.upper()
+            tag = self.link.tags.get(upper)
+            if tag is not None:
+                return self.at_address(tag[0], tag[1], node)
+            block = self.link.find(upper)
+            if block is not None and block.block.kind is BlockKind.DB and block.shape is not None:
+                return self.data_block(block)
+            if block is not None:
+                self.error("PG820", f"{node.name} is {block.block.kind.value}, not data", node)
+                return None
+        self.undefined(node)
+        return None
+
+    def undefined(self, node: ast.Name) -> None:
+        """PG820 with the nearest known name."""
+        near = did_you_mean(node.name, [s.name for s in self.scope.symbols.values()])
+        if node.scope == "quoted":
+            known = [block.name for block in self.link.blocks.values()]
+            near = did_you_mean(node.name, [*known, *self.link.tags])
+        self.error("PG820", f"{node.name} is not defined", node, near)
+
+    def data_block(self, block: ProgramBlock) -> Place:
+        """Whole memory of a data block."""
+        shape = block.shape
+        assert shape is not None  # noqa: S101 - the caller looked
+        region = f"d{block.index}"
+        if region in self.link.instance_regions:
+            self.aliased = True
+        return Place(shape, region, 0, region=region)
+
+    # --- paths ----------------------------------------------------------------------------------------
+
+    def member(self, node: ast.Member) -> Place | None:
+        """``base.name``; a base that is ``DB3`` and a name ``DBW6`` cannot meet here, the lexer joins them."""
+        if isinstance(node.base, ast.Name) and self.symbol(node.base) is None:
+            block = self.link.find(node.base.name)
+            if block is not None and block.block.kind is BlockKind.FB:
+                return self.named(ast.Name(node.start, node.end, node.name, "quoted"))
+        base = self.place(node.base)
+        if base is None:
+            return None
+        return self.field(base, node.name, node)
+
+    def field(self, base: Place, name: str, node: ast.Expression) -> Place | None:
+        """Return a member of a structure."""
+        found = base.shape.index.get(name.upper())
+        if found is None:
+            if scalar_name(base.shape) == "DTL" and name.upper() in _DTL:
+                offset, type_ = _DTL[name.upper()]
+                return self.shifted(base, offset, bare_shape(type_), overlay=True)
+            near = did_you_mean(name, [f.member.name for f in base.shape.fields])
+            self.error("PG820", f"there is no member {name}", node, near)
+            return None
+        place = self.shifted(base, found.offset, found.shape, overlay=base.overlay or found.member.at is not None)
+        if isinstance(base.shape.type, NamedType) or base.mem.startswith("d"):
+            self.watch_status(base, name, node)
+        return place
+
+    def watch_status(self, base: Place, name: str, node: ast.Expression) -> None:
+        """Let the next class look at reads of record blocks."""
+
+    @staticmethod
+    def shifted(base: Place, offset: int, shape: Shape, *, overlay: bool) -> Place:
+        """Return a place inside another one."""
+        off = base.off + offset
+        return Place(shape, base.mem, off, base.dyn, base.dynbit, base.region, base.local, base.section, overlay)
+
+    def indexed(self, node: ast.Index) -> Place | None:
+        """``base[i, j]`` with a check of every index."""
+        special = self.indexed_area(node)
+        if special is not None:
+            return special
+        place = self.place(node.base)
+        if place is None:
+            return None
+        position = 0
+        while position < len(node.indices):
+            shape = place.shape
+            if not isinstance(shape.type, ArrayType) or shape.element is None or place.local:
+                self.error("PG821", f"{self.text(node.base)} is no array", node)
+                return None
+            bounds = shape.type.bounds
+            indices = node.indices[position : position + len(bounds)]
+            if len(indices) < len(bounds):
+                self.error("PG821", f"{self.text(node.base)} needs {len(bounds)} indices", node)
+                return None
+            place = self.element(place, shape, indices)
+            position += len(bounds)
+        return place
+
+    def element(self, base: Place, shape: Shape, indices: tuple[ast.Expression, ...]) -> Place:
+        """One element of an array."""
+        assert isinstance(shape.type, ArrayType)  # noqa: S101 - the caller looked
+        assert shape.element is not None  # noqa: S101
+        offset, codes = 0, []
+        for index, (low, high), stride in zip(indices, shape.type.bounds, shape.strides, strict=True):
+            value = self.expression(index)
+            if isinstance(value.const, int) and not isinstance(value.const, bool):
+                if not low <= value.const <= high:
+                    self.error("PG824", f"index {value.const} is outside {low}..{high}", index)
+                offset += (value.const - low) * stride
+                continue
+            if value.type not in INTEGERS and value.type != UNKNOWN:
+                self.error("PG821", f"an index is an integer, not {value.type or 'a structure'}", index)
+            name = self.temporary()
+            code = self.integer_code(value, index)
+            checked = f"({name} if {low}<=({name}:={code})<={high} else ix({name},{low},{high}))"
+            codes.append((checked, stride))
+            offset -= low * stride
+        place = self.shifted(base, offset, shape.element, overlay=base.overlay)
+        if not codes:
+            return place
+        if shape.element.bits == 1:
+            terms = "+".join(code if stride == 1 else f"{code}*{stride}" for code, stride in codes)
+            place.dynbit = f"{base.dynbit}+{terms}" if base.dynbit else terms
+        else:
+            terms = "+".join(code if stride == 8 else f"{code}*{stride // 8}" for code, stride in codes)
+            if place.off < 0:
+                terms = f"{terms}-{-place.off // 8}"
+                place.off = 0
+            place.dyn = f"{base.dyn}+{terms}" if base.dyn else terms
+        return place
+
+    # --- absolute addresses ---------------------------------------------------------------------------
+
+    def absolute(self, node: ast.Address) -> Place | None:
+        """``%DB3.DBW6``, ``M50.0``."""
+        text = _SHORT.sub(lambda match: f"{match[1]}DB{match[2] or 'X'}", node.text)
+        try:
+            address = parse_address(text)
+        except AddressError as problem:
+            self.error("PG827", str(problem), node)
+            return None
+        widths = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD"}
+        return self.at_address(address, widths.get(address.width_bits, "BYTE"), node)
+
+    def at_address(self, address: Address, type_: str, node: ast.Expression) -> Place | None:
+        """Place of an address with a type."""
+        name = canonical(type_)
+        shape = bare_shape(name if name in ELEMENTARY else "WORD")
+        if address.area == "DB":
+            block = self.link.data_block(address.db or 0)
+            if block is None or block.shape is None:
+                self.error("PG825", f"there is no DB{address.db}", node, "give the number of the data block")
+                return None
+            base = self.data_block(block)
+            if address.offset + address.width_bits > block.shape.bits:
+                self.error("PG824", f"DB{address.db} has {block.shape.bits // 8} bytes only", node)
+            return self.shifted(base, address.offset, shape, overlay=True)
+        area = AREAS[address.area]
+        region = None if area == "P" else area
+        return Place(shape, area, address.offset, region=region, overlay=True)
+
+    def indexed_area(self, node: ast.Index) -> Place | None:
+        """``DB100.DW[i]``, ``MW[i]``: an index that counts bytes, for bits bytes and bits."""
+        base = node.base
+        if isinstance(base, ast.Member) and isinstance(base.base, ast.Name):
+            match = _INDEXED.fullmatch(base.name)
+            block = self.link.find(base.base.name) if match and base.base.scope != "local" else None
+            if match and block is not None and block.block.kind is BlockKind.DB and block.shape is not None:
+                return self.computed(f"d{block.index}", match[1].upper(), node.indices, block.shape.bits // 8)
+        if isinstance(base, ast.Name) and self.symbol(base) is None and base.scope == "bare":
+            match = _PLAIN_INDEXED.fullmatch(base.name)
+            if match:
+                area = AREAS[match[1].upper()]
+                return self.computed(area, (match[2] or "X").upper(), node.indices, 65536)
+        return None
+
+    def called_address(self, node: ast.Call) -> Place | None:
+        """``%DB100.DW(5)``, ``%DB1.DW(IDX := #i)``."""
+        text = self.text(node.target).upper().lstrip("%")
+        head, _, tail = text.partition(".")
+        match = _INDEXED.fullmatch(tail)
+        block = self.link.find(head.strip('"'))
+        if match is None or block is None or block.shape is None or not node.arguments:
+            self.error("PG823", f"{self.text(node)} is no variable", node)
+            return None
+        indices = tuple(argument.value for argument in node.arguments)
+        return self.computed(f"d{block.index}", match[1].upper(), indices, block.shape.bits // 8)
+
+    def computed(self, mem: str, letter: str, indices: tuple[ast.Expression, ...], limit: int) -> Place:
+        """Absolute access with a computed address."""
+        codes = []
+        for index in indices:
+            value = self.expression(index)
+            if value.type not in INTEGERS and value.type not in {INT_CONST, UNKNOWN, *BITS}:
+                self.error("PG821", "an address index is an integer", index)
+            codes.append(self.integer_code(value, index))
+        shape = bare_shape(_AREA_WIDTHS[letter])
+        last = limit - max(1, shape.bits // 8)
+        if letter == "X":
+            bit = codes[1] if len(codes) > 1 else "0"
+            return Place(shape, mem, 0, dynbit=f"ck({codes[0]},{last})*8+ck({bit},7)")
+        return Place(shape, mem, 0, f"ck({codes[0]},{last})")

@@ -1,0 +1,324 @@
+"""The CPU: memory, scan cycle on a virtual clock, start-up, access to symbols, misuse."""
+
+from __future__ import annotations
+
+import math
+import struct
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import FrameType, TracebackType
+from typing import Any, Literal
+
+from plcgen.cpu import arithmetic
+from plcgen.cpu.compile_model import Compiled, Probe, ProgramBlock
+from plcgen.cpu.memory import Memory, codec_functions
+from plcgen.cpu.program import Program
+from plcgen.cpu.symbols import Symbols
+from plcgen.cpu.system.bus import Bus
+from plcgen.cpu.system.interfaces import SystemFb
+from plcgen.cpu.system.moves import AccessFaultError, Moves
+from plcgen.cpu.system.record import RecordBlock
+from plcgen.cpu.system.timers import counter, edge, timer
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.image import Tree
+from plcgen.s7.layout import layout_block
+
+Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
+JOB_LIMITS: Mapping[str, int] = {"s7-300": 4, "s7-400": 8, "s7-1200": 4, "s7-1500": 10}
+"""Record jobs of one kind that a CPU runs at once."""
+
+AREA_SIZE = 65536
+LOOP_LIMIT = 1_000_000
+MAX_MISUSES = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Misuse:
+    """Something a CPU would not forgive: code, message and the SCL statement that did it."""
+
+    code: str
+    message: str
+    file: str
+    line: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}: {self.code} {self.message}"
+
+
+class Cpu:
+    """One CPU with a program.
+
+    ``family`` decides how many record jobs run at once (``job_limit`` overrides it); ``loop_limit`` is how many
+    passes all loops of one scan may take together. ``misuses`` collects what went wrong, ``clock`` is in ms.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        bus: Bus | None = None,
+        *,
+        family: Family | None = None,
+        job_limit: int | None = None,
+        loop_limit: int = LOOP_LIMIT,
+    ) -> None:
+        if not program.ok:
+            raise DiagnosticError(program.diagnostics)
+        self.program = program
+        self.bus = bus if bus is not None else Bus()
+        default: Family = "s7-300" if program.link.classic else "s7-1500"
+        self.family: Family = family or default
+        self.job_limit = job_limit if job_limit is not None else JOB_LIMITS[self.family]
+        self.misuses: list[Misuse] = []
+        self.scans = 0
+        self.faulted = False
+        self._clock = [0]
+        self._passes = [0, loop_limit]
+        self.coverage = [0] * len(program.probes)
+        self._compiled: dict[str, Compiled] = {}
+        self.areas = {area: Memory(AREA_SIZE, area) for area in "IQMP"}
+        self._blocks: dict[int, Memory] = {}
+        self._numbers: dict[int, Memory] = {}
+        self._moves = Moves(self._locate, self._report)
+        self._records: list[RecordBlock] = []
+        self._make_memory()
+        self.symbols = Symbols(program.link, self._blocks, self.areas)
+        self._names = self._namespace()
+        self._main = program.main()
+        self._start_up = program.start_up()
+        self._started = False
+
+    # --- building -------------------------------------------------------------------------------------
+
+    def _make_memory(self) -> None:
+        for entry in self.program.link.blocks.values():
+            content = self.program.images.get(entry.index)
+            if content is not None and entry.block.kind is BlockKind.DB:
+                memory = Memory(content, "DB", entry.number or 0, entry.name)
+                self._blocks[entry.index] = memory
+                if entry.number:
+                    self._numbers[entry.number] = memory
+        free = 60000
+        for memory in self._blocks.values():
+            if not memory.number:
+                memory.number = free
+                self._numbers[free] = memory
+                free += 1
+
+    def _namespace(self) -> dict[str, Any]:
+        names: dict[str, Any] = {"__builtins__": {}, "inf": math.inf, "nan": math.nan}
+        for name in (abs, min, max, int, float, ord, chr, round):
+            names[name.__name__] = name
+        names |= codec_functions() | arithmetic.functions() | self._moves.functions()
+        names |= self.areas
+        names |= {f"d{index}": memory for index, memory in self._blocks.items()}
+        names |= {"T": self._clock, "W": self._passes, "E": [True], "H": self.coverage}
+        names |= {"ix": _bad_index, "ck": _address, "late": self._late, "div": self._div, "mod": self._mod}
+        names |= {"fdiv": self._fdiv, "w_bit": _write_bit, "st": self._status_read}
+        for system in {id(system): system for system in self.program.systems.values()}.values():
+            names[f"S_{system.block.name}"] = self._runner(system)
+        for compiled in self.program.compiled:
+            if compiled.code is not None:
+                exec(compiled.code, names)  # noqa: S102 - code of our own compiler
+                self._compiled[compiled.function] = compiled
+        return names
+
+    def _runner(self, system: SystemFb) -> Callable[..., None]:
+        types: dict[str, Block] = {}
+        shape = layout_block(system.block, types).shape
+        if system.record:
+            block = RecordBlock(system, shape, self.bus, self._report, self.job_limit)
+            self._records.append(block)
+            return block
+        if system.kind in {"TON", "TOF", "TP"}:
+            return timer(system, shape, self._clock)
+        return edge(system, shape) if system.kind.endswith("_TRIG") else counter(system, shape)
+
+    def _locate(self, area: str, number: int) -> Memory | None:
+        return self._numbers.get(number) if area == "DB" else self.areas.get(area)
+
+    # --- the cycle ------------------------------------------------------------------------------------
+
+    @property
+    def clock(self) -> int:
+        """Milliseconds since the CPU was switched on."""
+        return self._clock[0]
+
+    @clock.setter
+    def clock(self, milliseconds: int) -> None:
+        self._clock[0] = milliseconds
+
+    def scan(self, milliseconds: int = 10, count: int = 1) -> None:
+        """Run scans of a length each: time passes, then the cyclic OB runs once."""
+        if not self._started:
+            self.restart("cold")
+        for _ in range(count):
+            self._next(milliseconds)
+            if self._main is not None:
+                self._run(self._main, ())
+
+    def call(self, name: str, milliseconds: int = 0, **inputs: Any) -> None:
+        """Call one instance data block, OB or FC without parameters, as one scan; inputs are set before."""
+        if not self._started:
+            self.restart("cold")
+        self._next(milliseconds)
+        entry = self.program.link.find(name)
+        if entry is None:
+            raise KeyError(f"there is no block {name}")
+        for member, value in inputs.items():
+            self[f'"{entry.name}".{member}'] = value
+        if entry.block.kind is BlockKind.DB:
+            block = self.program.link.find(self.program.link.instance_type(entry) or "?")
+            if block is None:
+                raise KeyError(f"{name} is no instance of a block of the program")
+            self._run(block, (self._blocks[entry.index],))
+        else:
+            self._run(entry, ())
+
+    def _next(self, milliseconds: int) -> None:
+        self.scans += 1
+        self._clock[0] += milliseconds
+        if milliseconds:
+            self.bus.advance(milliseconds)
+        self._passes[0] = 0
+        for block in self._records:
+            block.scan = self.scans
+
+    def _run(self, entry: ProgramBlock, arguments: tuple[Any, ...]) -> None:
+        """Run one block; an access fault ends it and is kept as a misuse."""
+        self.faulted = False
+        function = self._names[f"b{entry.index}"]
+        try:
+            function(*arguments)
+        except AccessFaultError as fault:
+            self._keep(fault.code, str(fault), fault.__traceback__)
+        except (IndexError, struct.error) as fault:
+            self._keep("PG834", "the access lies beyond the end of its data block", fault.__traceback__)
+        except RecursionError as fault:
+            self._keep("PG826", "the calls are nested too deeply", fault.__traceback__)
+
+    def restart(self, kind: Literal["cold", "warm"] = "warm") -> None:
+        """Start again: record jobs are dropped, the start-up OB runs once.
+
+        A cold restart resets every data block to its start values, a warm one only those that are NON_RETAIN;
+        inputs, outputs and flags are cleared.
+        """
+        self._started = True
+        for entry in self.program.link.blocks.values():
+            memory = self._blocks.get(entry.index)
+            if memory is not None and (kind == "cold" or entry.block.non_retain):
+                memory[:] = self.program.images[entry.index]
+        for memory in self.areas.values():
+            memory[:] = bytes(AREA_SIZE)
+        for block in self._records:
+            block.drop()
+        if self._start_up is not None:
+            self._passes[0] = 0
+            self._run(self._start_up, ())
+
+    # --- access ---------------------------------------------------------------------------------------
+
+    def __getitem__(self, path: str) -> Tree:
+        return self.symbols.read(path)
+
+    def __setitem__(self, path: str, value: Any) -> None:
+        if not self._started:
+            self.restart("cold")
+        self.symbols.write(path, value)
+
+    def db(self, which: int | str) -> Memory:
+        """Bytes of a data block by number or name. Raises KeyError if there is none."""
+        if isinstance(which, int):
+            return self._numbers[which]
+        entry = self.program.link.find(which)
+        if entry is None or entry.index not in self._blocks:
+            raise KeyError(f"there is no data block {which}")
+        return self._blocks[entry.index]
+
+    @property
+    def jobs(self) -> int:
+        """Record jobs that are running."""
+        return sum(len(block.jobs) for block in self._records)
+
+    def uncovered(self) -> list[Probe]:
+        """Statements and branches that never ran; empty without coverage."""
+        return [probe for probe, count in zip(self.program.probes, self.coverage, strict=True) if not count]
+
+    # --- misuse ---------------------------------------------------------------------------------------
+
+    def _report(self, code: str, message: str) -> None:
+        """Keep a misuse at the statement that runs now."""
+        self._add(code, message, self._place(sys._getframe(1)))  # noqa: SLF001 - the statement is found by its frame
+
+    def _keep(self, code: str, message: str, traceback: TracebackType | None) -> None:
+        place = ("", 0)
+        while traceback is not None:
+            found = self._line(traceback.tb_frame.f_code.co_name, traceback.tb_lineno, traceback.tb_frame)
+            place = found or place
+            traceback = traceback.tb_next
+        self.faulted = True
+        self._add(code, message, place)
+
+    def _place(self, frame: FrameType | None) -> tuple[str, int]:
+        while frame is not None:
+            found = self._line(frame.f_code.co_name, frame.f_lineno, frame)
+            if found is not None:
+                return found
+            frame = frame.f_back
+        return "", 0
+
+    def _line(self, function: str, line: int, frame: FrameType) -> tuple[str, int] | None:
+        compiled = self._compiled.get(function)
+        if compiled is None or frame.f_globals is not self._names:
+            return None
+        return compiled.file, compiled.lines[line - 1]
+
+    def _add(self, code: str, message: str, place: tuple[str, int]) -> None:
+        misuse = Misuse(code, message, *place)
+        if len(self.misuses) < MAX_MISUSES and misuse not in self.misuses:
+            self.misuses.append(misuse)
+
+    def _late(self) -> None:
+        raise AccessFaultError("PG835", f"the loops of one scan took more than {self._passes[1]} passes")
+
+    def _status_read(self, memory: Memory, offset: int) -> None:
+        for block in self._records:
+            block.watch(memory, offset)
+
+    def _div(self, left: int, right: int) -> int:
+        if not right:
+            self._report("PG836", "division by zero")
+            return 0
+        return arithmetic.quotient(left, right)
+
+    def _mod(self, left: int, right: int) -> int:
+        if not right:
+            self._report("PG836", "division by zero")
+            return 0
+        return arithmetic.mod(left, right)
+
+    def _fdiv(self, left: float, right: float) -> float:
+        if right:
+            return left / right
+        self._report("PG836", "division by zero")
+        return math.nan if not left or math.isnan(left) else math.copysign(math.inf, left) * math.copysign(1.0, right)
+
+
+def _bad_index(value: int, low: int, high: int) -> int:
+    raise AccessFaultError("PG834", f"index {value} is outside {low}..{high}")
+
+
+def _address(value: int, last: int) -> int:
+    """Computed address; AccessFaultError outside 0 to ``last``."""
+    if 0 <= value <= last:
+        return value
+    raise AccessFaultError("PG834", f"address {value} is outside 0..{last}")
+
+
+def _write_bit(memory: bytearray, base: int, bit: int, value: object) -> None:
+    at, mask = base + (bit >> 3), 1 << (bit & 7)
+    memory[at] = memory[at] | mask if value else memory[at] & 255 - mask
+
+
+__all__ = ["Cpu", "Diagnostic", "Family", "Misuse", "Span"]

@@ -1,0 +1,69 @@
+"""What a block may refer to: the other blocks, tags, numbers and system blocks of a program."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from plcgen.cpu.compile_model import Probe, ProgramBlock
+from plcgen.s7.address import Address, AddressError, parse_address
+from plcgen.s7.blocks import Block, BlockKind
+from plcgen.scl.dialect import Dialect
+
+_NUMBERED = re.compile(r"(?:DB|FB|FC|OB|SFB|SFC|UDT)[0-9]{1,5}", re.ASCII)
+
+
+@dataclass(slots=True)
+class Linkage:
+    """Names of a program; keys are upper case. ``probes`` grows while blocks are compiled for coverage."""
+
+    dialect: Dialect
+    blocks: dict[str, ProgramBlock] = field(default_factory=dict)
+    types: dict[str, Block] = field(default_factory=dict)
+    tags: dict[str, tuple[Address, str]] = field(default_factory=dict)
+    aliases: dict[str, str] = field(default_factory=dict)
+    instance_regions: set[str] = field(default_factory=set)
+    coverage: bool = False
+    probes: list[Probe] = field(default_factory=list)
+
+    @property
+    def classic(self) -> bool:
+        """Whether the target is an S7-300/400."""
+        return self.dialect is not Dialect.TIA_1200_1500
+
+    def find(self, name: str) -> ProgramBlock | None:
+        """Return a block by its name or by its number, such as DB3."""
+        upper = name.upper().lstrip("%")
+        return self.blocks.get(upper) or self.blocks.get(self.aliases.get(upper, ""))
+
+    def data_block(self, number: int) -> ProgramBlock | None:
+        """Return the data block with a number."""
+        return self.find(f"DB{number}")
+
+    def instance_type(self, block: ProgramBlock) -> str:
+        """Name of the FB or system block that a data block is an instance of; empty for a global one."""
+        name = block.block.instance_of or ""
+        found = self.find(name)
+        if found is not None:
+            return found.name.upper() if found.block.kind is BlockKind.FB else ""
+        declared = self.types.get(name.upper())
+        return "" if declared is not None and declared.kind is BlockKind.UDT else name.upper()
+
+    def add_tags(self, tags: Mapping[str, str | tuple[str, str]]) -> list[str]:
+        """Take tags over; return the names whose address makes no sense."""
+        wrong: list[str] = []
+        for name, target in tags.items():
+            text, type_ = (target, "") if isinstance(target, str) else target
+            upper = text.strip().lstrip("%").replace(" ", "").upper()
+            if _NUMBERED.fullmatch(upper):
+                self.aliases[upper] = name.upper()
+                continue
+            try:
+                address = parse_address(upper)
+            except AddressError:
+                wrong.append(name)
+                continue
+            width = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD"}.get(address.width_bits, "BYTE")
+            self.tags[name.upper()] = (address, type_.upper() or width)
+        return wrong

@@ -1,0 +1,224 @@
+"""A program: sources read, blocks laid out and compiled, everything wrong with them in ``diagnostics``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from plcgen.cpu.compile_block import compile_block
+from plcgen.cpu.compile_model import Compiled, Probe, ProgramBlock
+from plcgen.cpu.linkage import Linkage
+from plcgen.cpu.system.interfaces import SystemFb, system_fbs
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.read.text import decode
+from plcgen.s7.blocks import Block, BlockKind, SectionKind
+from plcgen.s7.image import StartValueError, image
+from plcgen.s7.layout import layout_block
+from plcgen.scl.declarations import blocks as declared_blocks
+from plcgen.scl.declarations import recursive_types
+from plcgen.scl.dialect import Dialect
+from plcgen.scl.parser import parse
+
+Source = Path | str | tuple[str, str]
+"""A file, a text with line breaks, or (file name, text)."""
+
+MAX_PROGRAM_BYTES = 4 * 1024 * 1024
+"""Largest data block the soft CPU holds."""
+
+_CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
+
+
+@dataclass(slots=True)
+class Program:
+    """Compiled blocks; ``images`` are the start contents of the data blocks by index."""
+
+    link: Linkage
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    compiled: list[Compiled] = field(default_factory=list)
+    images: dict[int, bytes] = field(default_factory=dict)
+
+    @property
+    def ok(self) -> bool:
+        """Whether no diagnostic is an error."""
+        return not any(d.severity.label == "error" for d in self.diagnostics)
+
+    @property
+    def probes(self) -> list[Probe]:
+        """What coverage counts, in the order of the counters."""
+        return self.link.probes
+
+    @property
+    def systems(self) -> Mapping[str, SystemFb]:
+        """System function blocks of the target."""
+        return system_fbs(classic=self.link.classic)
+
+    @classmethod
+    def load(
+        cls,
+        sources: Iterable[Source],
+        dialect: Dialect,
+        *,
+        tags: Mapping[str, str | tuple[str, str]] | None = None,
+        numbers: Mapping[str, int] | None = None,
+        coverage: bool = False,
+    ) -> Program:
+        """Read, check and compile sources in any order.
+
+        ``tags`` maps names to addresses (``M50.0``, or with a type ``("MW22", "INT")``), or block symbols to
+        numbers (``DB 471``); ``numbers`` maps names of data blocks to their numbers. ``coverage`` counts
+        statements and branches.
+        """
+        program = cls(Linkage(dialect, coverage=coverage))
+        for source in sources:
+            program.read(source)
+        for name in program.link.add_tags(tags or {}):
+            program.report("PG820", f"the address of the tag {name} makes no sense")
+        for name, number in (numbers or {}).items():
+            program.link.aliases[f"DB{number}"] = name.upper()
+        program.lay_out()
+        program.compile()
+        program.check_recursion()
+        unique = dict.fromkeys(program.diagnostics)
+        program.diagnostics = sorted(unique, key=lambda d: d.sort_key)
+        return program
+
+    def report(self, code: str, message: str, span: Span | None = None, text: str = "") -> None:
+        """Add a diagnostic."""
+        self.diagnostics.append(Diagnostic(code, message, span or Span(""), help=text))
+
+    # --- reading --------------------------------------------------------------------------------------
+
+    def read(self, source: Source) -> None:
+        """Parse one source and keep its blocks."""
+        found = self.text_of(source)
+        if found is None:
+            return
+        file, text = found
+        result = parse(text, file)
+        self.diagnostics += result.diagnostics
+        declared, problems = declared_blocks(result, self.link.dialect)
+        self.diagnostics += problems
+        for unit, block in zip(result.units, declared, strict=True):
+            key = block.name.upper()
+            if key in self.link.blocks:
+                self.report("PG805", f"{block.name} is declared twice", block.span, "delete one of the two")
+                continue
+            number = block.number
+            self.link.blocks[key] = ProgramBlock(len(self.link.blocks), unit, block, result, number=number)
+
+    def text_of(self, source: Source) -> tuple[str, str] | None:
+        """File name and text of a source."""
+        if isinstance(source, tuple):
+            return source
+        if isinstance(source, str) and "\n" in source:
+            return "<text>", source
+        path = Path(source)
+        try:
+            if path.stat().st_size > 16 * 1024 * 1024:
+                self.report("PG802", "the file is larger than 16 MB", Span(str(path)))
+                return None
+            data = path.read_bytes()
+        except OSError as error:
+            reason = error.strerror or type(error).__name__
+            self.report("PG804", f"the file cannot be read: {reason}", Span(str(path)))
+            return None
+        text = decode(data, str(path))
+        if isinstance(text, Diagnostic):
+            self.diagnostics.append(text)
+            return None
+        return str(path), text
+
+    # --- layout ---------------------------------------------------------------------------------------
+
+    def lay_out(self) -> None:
+        """Offsets of everything that has memory, and what the data blocks hold after a download."""
+        link = self.link
+        link.types = {name: system.block for name, system in self.systems.items()}
+        link.types |= {name: entry.block for name, entry in link.blocks.items()}
+        for number, name in link.aliases.items():
+            if name in link.blocks and link.blocks[name].block.kind in {BlockKind.UDT, BlockKind.FB}:
+                link.types[number] = link.blocks[name].block
+        self.diagnostics += recursive_types(entry.block for entry in link.blocks.values())
+        for entry in link.blocks.values():
+            if entry.block.kind in {BlockKind.FB, BlockKind.DB}:
+                self.lay_out_block(entry)
+        for number, name in link.aliases.items():
+            aliased = link.blocks.get(name)
+            if aliased is not None and number.startswith("DB") and number[2:].isdigit():
+                aliased.number = int(number[2:])
+        for entry in link.blocks.values():
+            if entry.block.kind is BlockKind.DB and entry.block.instance_of and link.instance_type(entry):
+                link.instance_regions.add(f"d{entry.index}")
+
+    def lay_out_block(self, entry: ProgramBlock) -> None:
+        """One FB or DB."""
+        types = self.link.types
+        block = entry.block
+        try:
+            entry.shape = layout_block(block, types, MAX_PROGRAM_BYTES).shape
+            if block.kind is BlockKind.DB:
+                self.images[entry.index] = bytes(image(block, types))
+        except DiagnosticError as problem:
+            self.diagnostics += problem.diagnostics
+        except StartValueError as problem:
+            self.report("PG824", str(problem), problem.span or block.span)
+            if entry.shape is not None:
+                self.images[entry.index] = bytes(entry.shape.bits // 8)
+
+    # --- code -----------------------------------------------------------------------------------------
+
+    def compile(self) -> None:
+        """Compile every code block; those with multi-instances twice."""
+        moving = False
+        for entry in self.link.blocks.values():
+            if entry.block.kind in _CODE and (entry.shape is not None or entry.block.kind is not BlockKind.FB):
+                found = compile_block(entry, self.link)
+                self.compiled.append(found)
+                self.diagnostics += found.diagnostics
+                moving = moving or found.moving
+        if moving:
+            for entry in self.link.blocks.values():
+                if entry.block.kind is BlockKind.FB and entry.shape is not None:
+                    self.compiled.append(compile_block(entry, self.link, dynamic=True))
+
+    def check_recursion(self) -> None:
+        """PG826 for every block that calls itself, directly or through others."""
+        calls = {found.name.upper(): found.calls for found in self.compiled}
+        state: dict[str, int] = {}
+        for root in calls:
+            stack = [(root, iter(calls[root].items()))] if root not in state else []
+            state.setdefault(root, 1)
+            while stack:
+                name, rest = stack[-1]
+                following = next(rest, None)
+                if following is None:
+                    state[name] = 2
+                    stack.pop()
+                    continue
+                called, span = following
+                if state.get(called) == 1:
+                    names = [entry for entry, _ in stack]
+                    circle = [*names[names.index(called) :], called]
+                    self.report("PG826", "blocks call each other in a circle: " + " -> ".join(circle), span)
+                elif called in calls and called not in state:
+                    state[called] = 1
+                    stack.append((called, iter(calls[called].items())))
+
+    def main(self) -> ProgramBlock | None:
+        """The cyclic OB: OB1 or "Main", else the only one."""
+        obs = [entry for entry in self.link.blocks.values() if entry.block.kind is BlockKind.OB]
+        for name in ("OB1", "MAIN"):
+            for entry in obs:
+                if entry.name.upper() == name:
+                    return entry
+        cyclic = [entry for entry in obs if entry.name.upper() not in {"OB100", "STARTUP"}]
+        return cyclic[0] if len(cyclic) == 1 else None
+
+    def start_up(self) -> ProgramBlock | None:
+        """The start-up OB, if there is one."""
+        return self.link.find("OB100") or self.link.find("Startup")
+
+    def member_sections(self, block: Block) -> dict[str, SectionKind]:
+        """Section of every member of a block, by upper-case name."""
+        return {m.name.upper(): s.kind for s in block.sections for m in s.members}

@@ -1,0 +1,218 @@
+"""What a name means inside a block: its own declarations first, then tags, data blocks and constants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from plcgen.cpu.compile_model import Place, Symbol, Val
+from plcgen.cpu.literals import literal_value
+from plcgen.cpu.memory import CODECS
+from plcgen.cpu.semantics_types import INT_CONST, POINTERS
+from plcgen.diagnostics import DiagnosticError
+from plcgen.s7.blocks import Block, BlockKind, SectionKind
+from plcgen.s7.layout import layout_members
+from plcgen.s7.shapes import Shape
+from plcgen.s7.types import ELEMENTARY, DataType, Elementary, Member, NamedType, StringType
+from plcgen.scl.constants import evaluate
+from plcgen.scl.cursor import Fault
+from plcgen.scl.lexer import tokenize
+from plcgen.scl.parser import Parser
+
+MEMORY_SECTIONS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT, SectionKind.STATIC)
+
+
+def scalar_name(shape: Shape) -> str:
+    """Canonical elementary type of a shape, STRING or WSTRING; empty for structures and arrays."""
+    type_ = shape.type
+    if isinstance(type_, Elementary | StringType):
+        return type_.name
+    return "VARIANT" if isinstance(type_, NamedType) and type_.name.upper() == "VARIANT" else ""
+
+
+def bare_shape(name: str) -> Shape:
+    """Shape of an elementary type that lies nowhere yet."""
+    type_ = ELEMENTARY[name]
+    return Shape(type_, type_.bits, 16, type_.bits, 16)
+
+
+def is_scalar(type_: DataType) -> bool:
+    """Whether a variable of this type can be a Python local."""
+    return isinstance(type_, Elementary) and (type_.name in CODECS or type_.name == "BOOL")
+
+
+class Scope:
+    """The symbols of one block, and which memory they need: ``temp_size`` bytes of local data."""
+
+    def __init__(self, block: Block, shape: Shape | None, types: Mapping[str, Block], *, untyped: bool) -> None:
+        self.block = block
+        self.types = types
+        self.untyped = untyped
+        self.symbols: dict[str, Symbol] = {}
+        self.temp_shape: Shape | None = None
+        self.locals: list[tuple[str, str]] = []
+        self.problems: list[DiagnosticError] = []
+        self.copied: list[tuple[str, Symbol]] = []
+        self._constants(block)
+        if block.kind is BlockKind.FB and shape is not None:
+            self._instance(shape)
+        else:
+            self._parameters()
+        self._temps()
+
+    def _add(self, symbol: Symbol) -> None:
+        self.symbols.setdefault(symbol.name.upper(), symbol)
+
+    def _constants(self, block: Block) -> None:
+        """Values of VAR CONSTANT and CONST."""
+        known: dict[str, Val] = {}
+        for member in block.section(SectionKind.CONSTANT):
+            value = self._constant(member, known)
+            known[member.name.upper()] = value
+            self._add(Symbol(member.name, SectionKind.CONSTANT, constant=value))
+
+    def _constant(self, member: Member, known: dict[str, Val]) -> Val:
+        text = member.start or "0"
+        numbers = {name: value.const for name, value in known.items() if isinstance(value.const, int)}
+        upper = text.strip().upper()
+        if upper in known:
+            return known[upper]
+        if isinstance(member.type, Elementary | StringType):
+            value = literal_value(text, member.type.name)
+            if value is not None:
+                untyped = self.untyped and "#" not in text and isinstance(value, int)
+                untyped = untyped and not isinstance(value, bool)
+                return Val(repr(value), INT_CONST if untyped else member.type.name, value)
+        number = _constant_expression(text, numbers)
+        if number is not None:
+            return Val(repr(number), INT_CONST, number)
+        return Val("0", "?")
+
+    def _instance(self, shape: Shape) -> None:
+        """Members of an instance: memory ``m`` from ``o`` on."""
+        sections = {id(member): section.kind for section in self.block.sections for member in section.members}
+        for field in shape.fields:
+            section = sections.get(id(field.member), SectionKind.STATIC)
+            place = Place(field.shape, "m", field.offset, region="m", section=section)
+            place.overlay = field.member.at is not None
+            self._add(Symbol(field.member.name, section, place))
+        # a structured IN_OUT is a pointer in memory, the data lies elsewhere
+        for member in self.block.section(SectionKind.IN_OUT):
+            symbol = self.symbols[member.name.upper()]
+            if symbol.place is not None and scalar_name(symbol.place.shape) == "POINTER" and not is_pointer(member):
+                self._by_reference(member, symbol)
+        self._views(SectionKind.IN_OUT)
+
+    def _by_reference(self, member: Member, symbol: Symbol) -> None:
+        number = len(self.locals)
+        self.locals.append((f"p{number}", "reference"))
+        symbol.type_name = f"p{number}"
+        pointer = symbol.place
+        symbol.place = Place(self.shape_of(member), f"p{number}_m", 0, f"p{number}_o", section=SectionKind.IN_OUT)
+        self.copied.append((f"p{number}", Symbol(member.name, SectionKind.IN_OUT, pointer)))
+
+    def _views(self, section: SectionKind) -> None:
+        """AT views over parameters passed by reference."""
+        for member in self.block.section(section):
+            if member.at is None:
+                continue
+            target = self.symbols.get(member.at.strip('"#').upper())
+            if target is not None and target.place is not None and target.place.dyn:
+                place = Place(self.shape_of(member), target.place.mem, 0, target.place.dyn, section=section)
+                self.symbols[member.name.upper()] = Symbol(member.name, section, place)
+
+    def shape_of(self, member: Member) -> Shape:
+        """Shape of one declared type."""
+        try:
+            plain = Member(member.name, member.type, span=member.span)
+            return layout_members([plain], self.types).shape.fields[0].shape
+        except DiagnosticError as problem:
+            self.problems.append(problem)
+            return bare_shape("WORD")
+
+    def _parameters(self) -> None:
+        """Parameters of an FC or OB: scalars are Python arguments, the rest comes by reference."""
+        for kind in (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT, SectionKind.RETURN):
+            members = self.block.section(kind)
+            viewed = {m.at.strip('"#').upper() for m in members if m.at is not None}
+            for member in members:
+                if member.at is not None:
+                    continue
+                name = self.block.name if kind is SectionKind.RETURN else member.name
+                number = len(self.locals)
+                if is_scalar(member.type) and (name.upper() not in viewed or kind is SectionKind.RETURN):
+                    type_ = member.type.name if isinstance(member.type, Elementary) else ""
+                    self.locals.append((f"a{number}", type_))
+                    place = Place(bare_shape(type_), local=f"a{number}", section=kind)
+                elif is_pointer(member):
+                    self.locals.append((f"a{number}", "pointer"))
+                    place = Place(_variant(member), local=f"a{number}", section=kind)
+                else:
+                    self.locals.append((f"a{number}", "reference"))
+                    place = Place(self.shape_of(member), f"a{number}_m", 0, f"a{number}_o", section=kind)
+                symbol = Symbol(name, kind, place, type_name=f"a{number}")
+                self._add(symbol)
+                if kind is SectionKind.RETURN:
+                    self.symbols.setdefault("RET_VAL", symbol)
+            self._views(kind)
+
+    def _temps(self) -> None:
+        """Local data: Python locals, or memory where something needs the bytes."""
+        temps = list(self.block.section(SectionKind.TEMP))
+        if self.block.kind is not BlockKind.FB:
+            temps += self.block.section(SectionKind.STATIC)
+        viewed = {m.at.strip('"#').upper() for m in temps if m.at is not None}
+        in_memory = []
+        for member in temps:
+            if member.at is None and is_scalar(member.type) and member.name.upper() not in viewed:
+                number = len(self.locals)
+                type_ = member.type.name if isinstance(member.type, Elementary) else ""
+                self.locals.append((f"v{number}", type_))
+                place = Place(bare_shape(type_), local=f"v{number}", section=SectionKind.TEMP)
+                self._add(Symbol(member.name, SectionKind.TEMP, place))
+            else:
+                in_memory.append(member)
+        if in_memory:
+            self._in_memory(in_memory)
+
+    def _in_memory(self, members: Iterable[Member]) -> None:
+        views: list[Member] = []
+        own: list[Member] = []
+        for member in members:
+            target = self.symbols.get((member.at or "").strip('"#').upper())
+            (views if target is not None and target.place is not None else own).append(member)
+        try:
+            self.temp_shape = layout_members(own, self.types).shape
+        except DiagnosticError as problem:
+            self.problems.append(problem)
+            return
+        for field in self.temp_shape.fields:
+            place = Place(field.shape, "t", field.offset, region="t", section=SectionKind.TEMP)
+            place.overlay = field.member.at is not None
+            self._add(Symbol(field.member.name, SectionKind.TEMP, place))
+        for member in views:
+            target = self.symbols[(member.at or "").strip('"#').upper()]
+            if target.place is not None and not target.place.local:
+                source = target.place
+                place = Place(self.shape_of(member), source.mem, source.off, source.dyn, region=source.region)
+                place.overlay = True
+                place.section = SectionKind.TEMP
+                self._add(Symbol(member.name, SectionKind.TEMP, place))
+
+
+def is_pointer(member: Member) -> bool:
+    """Whether a parameter is ANY, POINTER or VARIANT."""
+    type_ = member.type
+    return isinstance(type_, Elementary | NamedType) and type_.name.upper() in POINTERS
+
+
+def _variant(member: Member) -> Shape:
+    return Shape(member.type, 0, 1, 0, 1)
+
+
+def _constant_expression(text: str, numbers: dict[str, int]) -> int | None:
+    """Value of a constant expression of STEP 7 V5."""
+    parser = Parser(tokenize(text, ""))
+    try:
+        return evaluate(parser.initial_value(), numbers)
+    except Fault:
+        return None

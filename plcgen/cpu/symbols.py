@@ -1,0 +1,129 @@
+"""Access from outside by symbol or address: ``"DriveJobs".readRampUp.execute``, ``M50.0``, ``DB3.DBW6``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from plcgen.cpu.compile_places import AREAS
+from plcgen.cpu.linkage import Linkage
+from plcgen.cpu.memory import Memory
+from plcgen.s7.address import AddressError, parse_address
+from plcgen.s7.image import Tree, read_member, write_member
+from plcgen.s7.layout import Entry, Layout, locate, split_path
+from plcgen.s7.shapes import Shape
+from plcgen.s7.types import ELEMENTARY, Elementary, StringType
+from plcgen.s7.values import pack_value, unpack_value
+
+
+class Symbols:
+    """Reads and writes members of data blocks, tags and addresses with Python values."""
+
+    def __init__(self, link: Linkage, blocks: Mapping[int, Memory], areas: Mapping[str, Memory]) -> None:
+        self.link = link
+        self.blocks = blocks
+        self.areas = areas
+        self._places: dict[str, tuple[Memory, Layout | None, str, int, Elementary | None]] = {}
+
+    def read(self, path: str) -> Tree:
+        """Value at a path. Raises KeyError if there is no such member."""
+        memory, layout, rest, offset, type_ = self.find(path)
+        if layout is not None:
+            return read_member(memory, layout, rest)
+        if type_ is None:
+            return bytes(memory)  # type: ignore[return-value]
+        if type_.name == "BOOL":
+            return bool(memory[offset // 8] >> offset % 8 & 1)
+        return unpack_value(bytes(memory[offset // 8 : offset // 8 + type_.bits // 8]), type_)
+
+    def write(self, path: str, value: Any) -> None:
+        """Store a value; lists and dicts go to the elements and members. KeyError, ValueError if it does not fit."""
+        memory, layout, rest, offset, type_ = self.find(path)
+        if layout is not None:
+            self._write_tree(memory, layout, rest, value)
+        elif type_ is None:
+            raise ValueError(f"{path} is a whole data block: name a member")
+        elif type_.name == "BOOL":
+            mask = 1 << offset % 8
+            memory[offset // 8] = memory[offset // 8] | mask if value else memory[offset // 8] & 255 - mask
+        else:
+            data = pack_value(value, type_)
+            memory[offset // 8 : offset // 8 + len(data)] = data
+
+    def _write_tree(self, memory: Memory, layout: Layout, path: str, value: Any) -> None:
+        if isinstance(value, dict):
+            for name, inner in value.items():
+                self._write_tree(memory, layout, f"{path}.{name}", inner)
+            return
+        entry = locate(layout, path)
+        if isinstance(value, list | tuple) and entry.shape.element is not None:
+            bounds = entry.shape.type.bounds if hasattr(entry.shape.type, "bounds") else ()
+            first = bounds[0][0] if bounds else 0
+            for position, inner in enumerate(value):
+                self._write_tree(memory, layout, f"{path}[{first + position}]", inner)
+            return
+        if isinstance(value, int) and not isinstance(value, bool) and _is_real(entry):
+            value = float(value)
+        write_member(memory, layout, path, value)
+
+    def find(self, path: str) -> tuple[Memory, Layout | None, str, int, Elementary | None]:
+        """Memory and place of a path; looked up once."""
+        known = self._places.get(path)
+        if known is None:
+            known = self._places[path] = self._find(path)
+        return known
+
+    def _find(self, path: str) -> tuple[Memory, Layout | None, str, int, Elementary | None]:
+        tag = self.link.tags.get(path.strip('"# ').upper())
+        if tag is not None:
+            memory, offset = self._address(str(tag[0]), path)
+            return memory, None, "", offset, ELEMENTARY.get(tag[1], ELEMENTARY["WORD"])
+        steps = split_path(path)
+        first = steps[0] if steps else ""
+        entry = self.link.find(first) if isinstance(first, str) else None
+        compact = path.replace(" ", "").lstrip("%").upper()
+        if entry is not None and entry.index in self.blocks and entry.shape is not None:
+            memory = self.blocks[entry.index]
+            if len(steps) == 1:
+                return memory, None, "", 0, None
+            rest = _join(steps[1:])
+            layout = Layout(entry.shape.bits // 8, (), entry.shape)
+            try:
+                locate(layout, rest)
+            except KeyError:
+                if not compact.startswith("DB"):
+                    raise
+            else:
+                return memory, layout, rest, 0, None
+        memory, offset = self._address(compact, path)
+        width = parse_address(compact).width_bits
+        return memory, None, "", offset, ELEMENTARY[{1: "BOOL", 8: "BYTE", 16: "WORD"}.get(width, "DWORD")]
+
+    def _address(self, text: str, path: str) -> tuple[Memory, int]:
+        try:
+            address = parse_address(text)
+        except AddressError:
+            raise KeyError(f"{path}: there is no such data block, tag or address") from None
+        if address.area != "DB":
+            return self.areas[AREAS[address.area]], address.offset
+        entry = self.link.data_block(address.db or 0)
+        if entry is None or entry.index not in self.blocks:
+            raise KeyError(f"{path}: there is no DB{address.db}")
+        return self.blocks[entry.index], address.offset
+
+
+def _join(steps: list[str | tuple[int, ...]]) -> str:
+    text = ""
+    for step in steps:
+        if isinstance(step, tuple):
+            text += f"[{','.join(map(str, step))}]"
+        else:
+            text += f'{"." if text else ""}"{step}"'
+    return text
+
+
+def _is_real(entry: Entry) -> bool:
+    return isinstance(entry.type, Elementary) and entry.type.name in {"REAL", "LREAL"}
+
+
+__all__ = ["Shape", "StringType", "Symbols"]

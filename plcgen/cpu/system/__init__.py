@@ -1,0 +1,1 @@
+"""System blocks and functions of the soft CPU."""

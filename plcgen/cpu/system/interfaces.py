@@ -1,0 +1,97 @@
+"""Declared interfaces of the system function blocks, by target: what a call may name and where it lies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+
+from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
+from plcgen.s7.system import s7_1500_types, system_block
+from plcgen.s7.types import Member, NamedType, elementary
+
+_IN, _OUT, _STATIC = SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.STATIC
+
+_NUMBERS = {
+    "SFB0": "CTU", "SFB1": "CTD", "SFB2": "CTUD", "SFB3": "TP", "SFB4": "TON", "SFB5": "TOF",
+    "SFB52": "RDREC", "SFB53": "WRREC",
+}  # fmt: skip
+_TIMER_PARAMETERS = {"IN": _IN, "PT": _IN, "Q": _OUT, "ET": _OUT}
+_CLASSIC_TIMER = ("IN BOOL;PT TIME", "Q BOOL;ET TIME", "STATE BYTE;STIME TIME;ATIME TIME")
+_TRIGGER = ("CLK BOOL", "Q BOOL", "STAT_BIT BOOL")
+
+
+def _counters(type_: str, down: str) -> dict[str, tuple[str, str, str]]:
+    return {
+        "CTU": (f"CU BOOL;R BOOL;PV {type_}", f"Q BOOL;CV {type_}", "CUO BOOL"),
+        "CTD": (f"CD BOOL;{down} BOOL;PV {type_}", f"Q BOOL;CV {type_}", "CDO BOOL"),
+        "CTUD": (
+            f"CU BOOL;CD BOOL;R BOOL;{down} BOOL;PV {type_}",
+            f"QU BOOL;QD BOOL;CV {type_}",
+            "CUO BOOL;CDO BOOL",
+        ),
+    }
+
+
+@dataclass(frozen=True, slots=True)
+class SystemFb:
+    """A system function block: ``kind`` says how it behaves, ``parameters`` what a call may name."""
+
+    kind: str
+    block: Block
+    parameters: Mapping[str, SectionKind]
+
+    @property
+    def record(self) -> bool:
+        """Whether a data record is a parameter."""
+        return self.kind in {"WRREC", "RDREC"}
+
+
+@cache
+def system_fbs(*, classic: bool) -> Mapping[str, SystemFb]:
+    """Every system function block of a target by upper-case name, numbers such as SFB53 included."""
+    found: dict[str, SystemFb] = {}
+    sections = _counters("INT", "LOAD" if classic else "LD") | {"R_TRIG": _TRIGGER, "F_TRIG": _TRIGGER}
+    if classic:
+        sections |= dict.fromkeys(("TON", "TOF", "TP"), _CLASSIC_TIMER)
+    else:
+        for type_ in ("SINT", "INT", "DINT", "USINT", "UINT", "UDINT"):
+            for name, parts in _counters(type_, "LD").items():
+                sections[f"{name}_{type_}"] = parts
+    for name, parts in sections.items():
+        block = _block(name, parts)
+        kind = name.partition("_")[0] if name.startswith("CT") else name
+        found[name] = SystemFb(kind, block, _parameters(block))
+    modern = s7_1500_types()
+    for name in ("WRREC", "RDREC"):
+        record = system_block(name) if classic else modern[name]
+        if record is not None:
+            found[name] = SystemFb(name, record, _parameters(record))
+    if not classic:
+        for kind in ("TON", "TOF", "TP"):
+            for name in (kind, f"{kind}_TIME"):
+                timer = system_block(name)
+                if timer is not None:
+                    found[name] = SystemFb(kind, timer, MappingProxyType(_TIMER_PARAMETERS))
+    else:
+        found |= {number: found[name] for number, name in _NUMBERS.items() if name in found}
+    return MappingProxyType(found)
+
+
+def _block(name: str, parts: tuple[str, str, str]) -> Block:
+    kinds = (_IN, _OUT, _STATIC)
+    return Block(
+        BlockKind.FB, name, tuple(Section(kind, _members(text)) for kind, text in zip(kinds, parts, strict=True))
+    )
+
+
+def _members(text: str) -> tuple[Member, ...]:
+    pairs = (part.split() for part in text.split(";"))
+    return tuple(Member(name, elementary(type_) or NamedType(type_)) for name, type_ in pairs)
+
+
+def _parameters(block: Block) -> Mapping[str, SectionKind]:
+    return MappingProxyType(
+        {m.name.upper(): s.kind for s in block.sections for m in s.members if s.kind is not _STATIC}
+    )

@@ -1,0 +1,206 @@
+"""Functions that move bytes: BLKMOV, FILL, MOVE_BLK, PEEK, POKE, READ_BIG; and pointers to memory and back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from plcgen.cpu.memory import AREA_L, CODECS, Memory, Reference, codec_functions
+
+_CODES = {0x80: "P", 0x81: "I", 0x82: "Q", 0x83: "M", 0x84: "DB", 0x85: "DB", 0x86: "L"}
+_AREA_CODES = {"P": 0x80, "I": 0x81, "Q": 0x82, "M": 0x83, "DB": 0x84, "L": 0x86}
+_BAD_POSITION = 0x80B4 - 0x10000
+_SIZES = {2: 1, 3: 1, 4: 2, 5: 2, 6: 4, 7: 4, 8: 4, 9: 2, 10: 4, 11: 4, 12: 2, 14: 8, 0x13: 1}
+
+Report = Callable[[str, str], None]
+
+
+class AccessFaultError(Exception):
+    """An access that stops the block, as in a CPU without an error OB."""
+
+    def __init__(self, code: str, message: str) -> None:
+        self.code = code
+        super().__init__(message)
+
+
+class Moves:
+    """The functions of one CPU; ``locate`` finds an area by its name and DB number."""
+
+    def __init__(self, locate: Callable[[str, int], Memory | None], report: Report) -> None:
+        self.locate = locate
+        self.report = report
+        self.handles: dict[int, Memory] = {}
+
+    def functions(self) -> dict[str, Callable[..., Any]]:
+        """Return what generated code calls."""
+        names = "pt local deref any_of any10 ptr6 blkmov fill move_elements fill_elements peek peek_bit poke poke_bit"
+        names += " poke_block take put cp"
+        return {name: getattr(self, name) for name in names.split()}
+
+    # --- references -----------------------------------------------------------------------------------
+
+    def pt(self, area: str, db: int, byte: int, size: int) -> Reference:
+        """Memory behind a ``P#`` constant."""
+        return self.locate(area, db), byte, size
+
+    @staticmethod
+    def local(size: int) -> Memory:
+        """New local data."""
+        return Memory(size, AREA_L)
+
+    def ptr6(self, reference: Reference) -> bytes:
+        """POINTER to a reference."""
+        memory, offset, _ = reference
+        if memory is None:
+            return bytes(6)
+        number = memory.number
+        if memory.area == AREA_L:
+            if len(self.handles) > 4000:
+                self.handles.clear()
+            number = len(self.handles) + 1
+            self.handles[number] = memory
+        return number.to_bytes(2) + bytes((_AREA_CODES[memory.area],)) + (offset * 8).to_bytes(3)
+
+    def any10(self, reference: Reference) -> bytes:
+        """ANY to a reference, counted in bytes."""
+        return b"\x10\x02" + min(reference[2], 0xFFFF).to_bytes(2) + self.ptr6(reference)
+
+    def deref(self, data: bytes) -> tuple[Memory, int]:
+        """Memory and byte offset behind a POINTER; AccessFaultError if there is none."""
+        memory = self.area(data[2], int.from_bytes(data[:2]))
+        if memory is None:
+            raise AccessFaultError("PG834", "a parameter passed by reference points nowhere")
+        return memory, (int.from_bytes(data[3:6]) & 0x7FFFF) >> 3
+
+    def area(self, code: int, number: int) -> Memory | None:
+        """Memory of an area code."""
+        if code == _AREA_CODES[AREA_L]:
+            return self.handles.get(number)
+        area = _CODES.get(code)
+        return None if area is None else self.locate(area, number)
+
+    def any_of(self, memory: bytearray, offset: int) -> Reference:
+        """Reference behind an ANY that lies in memory."""
+        data = bytes(memory[offset : offset + 10])
+        size = _SIZES.get(data[1], 1) * int.from_bytes(data[2:4])
+        return self.area(data[6], int.from_bytes(data[4:6])), (int.from_bytes(data[7:10]) & 0x7FFFF) >> 3, size
+
+    # --- blocks ---------------------------------------------------------------------------------------
+
+    def blkmov(self, source: Reference, target: Reference) -> int:
+        """SFC20: as many bytes as both sides have; RET_VAL names the parameter that is wrong."""
+        problem = self.problem(source, 1, 0x22) or self.problem(target, 3, 0x23)
+        if problem or source[0] is None or target[0] is None:
+            return problem
+        size = min(source[2], target[2])
+        target[0][target[1] : target[1] + size] = source[0][source[1] : source[1] + size]
+        return 0
+
+    def fill(self, pattern: Reference, target: Reference) -> int:
+        """SFC21: repeat a pattern over a range."""
+        problem = self.problem(pattern, 1, 0x22) or self.problem(target, 3, 0x23)
+        if problem or pattern[0] is None or target[0] is None:
+            return problem
+        data = bytes(pattern[0][pattern[1] : pattern[1] + pattern[2]]) or b"\0"
+        size = target[2]
+        target[0][target[1] : target[1] + size] = (data * (size // len(data) + 1))[:size]
+        return 0
+
+    def problem(self, reference: Reference, parameter: int, code: int) -> int:
+        """RET_VAL of a reference that cannot be used, 0 if it can; beyond the end is a misuse too."""
+        memory, offset, size = reference
+        if memory is None:
+            return (0x803A | parameter << 8) - 0x10000
+        if offset < 0 or offset + size > len(memory):
+            self.report("PG834", f"bytes {offset} to {offset + size - 1} do not lie in {describe(memory)}")
+            return (0x8000 | parameter << 8 | code) - 0x10000
+        return 0
+
+    def move_elements(self, source: Reference, target: Reference, count: int, size: int) -> None:
+        """MOVE_BLK: COUNT elements, not beyond either array."""
+        total = count * size
+        if total > source[2] or total > target[2] or count < 0:
+            self.report("PG834", f"{count} elements reach beyond the array")
+            return
+        if source[0] is not None and target[0] is not None:
+            target[0][target[1] : target[1] + total] = source[0][source[1] : source[1] + total]
+
+    def fill_elements(self, target: Reference, count: int, type_: str, value: Any) -> None:
+        """FILL_BLK: COUNT elements with one value."""
+        scratch = Memory(CODECS[type_].size, AREA_L)
+        exec(CODECS[type_].write.format(m="m", o=0, v="v"), dict(codec_functions()), {"m": scratch, "v": value})  # noqa: S102
+        total = count * len(scratch)
+        if total > target[2] or count < 0:
+            self.report("PG834", f"{count} elements reach beyond the array")
+        elif target[0] is not None:
+            target[0][target[1] : target[1] + total] = bytes(scratch) * count
+
+    @staticmethod
+    def cp(target: bytearray, at: int, source: bytearray, start: int, size: int) -> None:
+        """Copy a structure; IndexError beyond the end."""
+        if at < 0 or start < 0 or at + size > len(target) or start + size > len(source):
+            raise IndexError(at)
+        target[at : at + size] = source[start : start + size]
+
+    # --- PEEK and POKE --------------------------------------------------------------------------------
+
+    def memory(self, code: int, number: int, offset: int, size: int) -> Memory:
+        """Memory that has the bytes; AccessFaultError if not."""
+        found = self.area(code, number)
+        if found is None or offset < 0 or offset + size > len(found):
+            where = f"area 16#{code:02X}, DB{number}" if found is None else describe(found)
+            raise AccessFaultError("PG834", f"byte {offset} does not lie in {where}")
+        return found
+
+    def peek(self, code: int, number: int, offset: int, size: int) -> int:
+        """PEEK."""
+        return int.from_bytes(self.memory(code, number, offset, size)[offset : offset + size])
+
+    def peek_bit(self, code: int, number: int, offset: int, bit: int) -> bool:
+        """PEEK_BOOL."""
+        return bool(self.memory(code, number, offset, 1)[offset] >> (bit & 7) & 1)
+
+    def poke(self, code: int, number: int, offset: int, size: int, value: int) -> None:
+        """POKE."""
+        target = self.memory(code, number, offset, size)
+        target[offset : offset + size] = (value & (1 << 8 * size) - 1).to_bytes(size)
+
+    def poke_bit(self, code: int, number: int, offset: int, bit: int, value: object) -> None:
+        """POKE_BOOL."""
+        target = self.memory(code, number, offset, 1)
+        mask = 1 << (bit & 7)
+        target[offset] = target[offset] | mask if value else target[offset] & 255 - mask
+
+    def poke_block(self, *numbers: int) -> None:
+        """POKE_BLK: area, DB and offset of source and target, number of bytes."""
+        code, number, offset, to_code, to_number, to_offset, count = numbers
+        source = self.memory(code, number, offset, count)
+        target = self.memory(to_code, to_number, to_offset, count)
+        target[to_offset : to_offset + count] = source[offset : offset + count]
+
+    # --- READ_BIG -------------------------------------------------------------------------------------
+
+    @staticmethod
+    def take(array: Reference, position: int, size: int, order: str) -> tuple[int, bytes]:
+        """READ_BIG: error number and bytes."""
+        memory, first, room = array
+        if memory is None or position < 0 or position + size > room:
+            return _BAD_POSITION, bytes(size)
+        data = bytes(memory[first + position : first + position + size])
+        return 0, data if order == "big" else data[::-1]
+
+    @staticmethod
+    def put(array: Reference, position: int, data: bytes, order: str) -> int:
+        """WRITE_BIG: error number."""
+        memory, first, room = array
+        if memory is None or position < 0 or position + len(data) > room:
+            return _BAD_POSITION
+        memory[first + position : first + position + len(data)] = data if order == "big" else data[::-1]
+        return 0
+
+
+def describe(memory: Memory) -> str:
+    """How messages name a memory."""
+    name = f'"{memory.name}" ' if memory.name else ""
+    number = str(memory.number) if memory.area == "DB" and memory.number else ""
+    return f"{memory.area}{number} {name}of {len(memory)} bytes"

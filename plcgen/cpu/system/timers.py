@@ -1,0 +1,165 @@
+"""IEC timers, counters and edges in instance memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from plcgen.cpu.memory import Memory
+from plcgen.cpu.system.interfaces import SystemFb
+from plcgen.s7.shapes import Shape
+
+Runner = Callable[[Memory, int], None]
+
+
+class Fields:
+    """Access to the members of an instance by name."""
+
+    def __init__(self, shape: Shape) -> None:
+        self.places = {
+            name: (field.offset // 8, field.offset % 8, field.shape.bits) for name, field in shape.index.items()
+        }
+
+    def flag(self, name: str) -> tuple[int, int]:
+        """Byte and mask of a BOOL, or of the lowest bit of a byte."""
+        byte, bit, _ = self.places[name]
+        return byte, 1 << bit
+
+    def number(self, memory: Memory, offset: int, name: str) -> int:
+        """Signed value of an integer or time."""
+        byte, _, bits = self.places[name]
+        return int.from_bytes(memory[offset + byte : offset + byte + bits // 8], signed=True)
+
+    def put(self, memory: Memory, offset: int, name: str, value: int) -> None:
+        """Store an integer or time."""
+        byte, _, bits = self.places[name]
+        size = bits // 8
+        memory[offset + byte : offset + byte + size] = (value & (1 << bits) - 1).to_bytes(size)
+
+
+def timer(system: SystemFb, shape: Shape, clock: list[int]) -> Runner:
+    """Make the timer function: TON, TOF or TP over the declared members."""
+    fields = Fields(shape)
+    classic = "STATE" in fields.places
+    start = "STIME" if classic else "START"
+    running = (fields.places["STATE"][0], 1) if classic else fields.flag("RU")
+    old = (fields.places["STATE"][0], 2) if classic else (fields.places["RESERVED"][0], 1)
+    in_byte, in_mask = fields.flag("IN")
+    q_byte, q_mask = fields.flag("Q")
+    et_byte = fields.places["ET"][0]
+    kind = system.kind
+    step = {"TON": _on, "TOF": _off, "TP": _pulse}[kind]
+
+    def run(memory: Memory, offset: int) -> None:
+        active = bool(memory[offset + in_byte] & in_mask)
+        if kind == "TON" and not active:
+            if memory[offset + running[0]] & running[1] or memory[offset + q_byte] & q_mask:
+                memory[offset + running[0]] &= 255 - running[1]
+                memory[offset + q_byte] &= 255 - q_mask
+                memory[offset + et_byte : offset + et_byte + 4] = b"\0\0\0\0"
+            return
+        now = clock[0]
+        preset = fields.number(memory, offset, "PT")
+        was_active = bool(memory[offset + old[0]] & old[1])
+        was_running = bool(memory[offset + running[0]] & running[1])
+        begun = fields.number(memory, offset, start) & 0xFFFFFFFF
+        elapsed = fields.number(memory, offset, "ET")
+        passed = (now - begun) & 0xFFFFFFFF
+        is_running, q, et, restart = step(active, was_active, was_running, passed, elapsed, preset)
+        if restart:
+            fields.put(memory, offset, start, now)
+        fields.put(memory, offset, "ET", et)
+        for (byte, mask), value in ((running, is_running), ((q_byte, q_mask), q), (old, active)):
+            memory[offset + byte] = memory[offset + byte] | mask if value else memory[offset + byte] & (255 - mask)
+
+    return run
+
+
+State = tuple[bool, bool, int, bool]
+
+
+def _on(active: bool, _was: bool, running: bool, passed: int, _et: int, preset: int) -> State:  # noqa: FBT001
+    """TON: Q follows IN after PT."""
+    if not active:
+        return False, False, 0, False
+    et = min(passed, preset) if running else 0
+    return True, et >= preset, et, not running
+
+
+def _off(active: bool, was: bool, running: bool, passed: int, et: int, preset: int) -> State:  # noqa: FBT001
+    """TOF: Q stays for PT after IN has fallen."""
+    if active:
+        return False, True, 0, False
+    if was:
+        return preset > 0, preset > 0, 0, True
+    if not running:
+        return False, False, et, False
+    et = min(passed, preset)
+    return et < preset, et < preset, et, False
+
+
+def _pulse(active: bool, was: bool, running: bool, passed: int, et: int, preset: int) -> State:  # noqa: FBT001
+    """TP: Q for PT from a rising edge, whatever IN does."""
+    if running:
+        et = min(passed, preset)
+        if et < preset:
+            return True, True, et, False
+        return False, False, et if active else 0, False
+    if active and not was:
+        return preset > 0, preset > 0, 0, True
+    return False, False, et if active else 0, False
+
+
+def counter(system: SystemFb, shape: Shape) -> Runner:
+    """Make the counter function: CTU, CTD or CTUD."""
+    fields = Fields(shape)
+    load = "LOAD" if "LOAD" in fields.places else "LD"
+    bits = fields.places["CV"][2]
+    unsigned = "_U" in system.block.name
+    low, high = (0, (1 << bits) - 1) if unsigned else (-(1 << bits - 1), (1 << bits - 1) - 1)
+
+    def read(memory: Memory, offset: int, name: str) -> bool:
+        if name not in fields.places:
+            return False
+        byte, mask = fields.flag(name)
+        return bool(memory[offset + byte] & mask)
+
+    def write(memory: Memory, offset: int, name: str, *, value: bool) -> None:
+        if name in fields.places:
+            byte, mask = fields.flag(name)
+            memory[offset + byte] = memory[offset + byte] | mask if value else memory[offset + byte] & (255 - mask)
+
+    def run(memory: Memory, offset: int) -> None:
+        preset = fields.number(memory, offset, "PV") & ((1 << bits) - 1 if unsigned else -1)
+        value = fields.number(memory, offset, "CV") & ((1 << bits) - 1 if unsigned else -1)
+        up, down = read(memory, offset, "CU"), read(memory, offset, "CD")
+        if read(memory, offset, "R"):
+            value = 0
+        elif read(memory, offset, load):
+            value = preset
+        else:
+            value += up and not read(memory, offset, "CUO") and value < high
+            value -= down and not read(memory, offset, "CDO") and value > low
+        fields.put(memory, offset, "CV", value)
+        write(memory, offset, "CUO", value=up)
+        write(memory, offset, "CDO", value=down)
+        write(memory, offset, "Q", value=value >= preset if system.kind == "CTU" else value <= 0)
+        write(memory, offset, "QU", value=value >= preset)
+        write(memory, offset, "QD", value=value <= 0)
+
+    return run
+
+
+def edge(system: SystemFb, shape: Shape) -> Runner:
+    """Make the edge function: R_TRIG or F_TRIG."""
+    fields = Fields(shape)
+    clk, old, q = fields.flag("CLK"), fields.flag("STAT_BIT"), fields.flag("Q")
+    rising = system.kind == "R_TRIG"
+
+    def run(memory: Memory, offset: int) -> None:
+        now = bool(memory[offset + clk[0]] & clk[1])
+        before = bool(memory[offset + old[0]] & old[1])
+        found = now and not before if rising else before and not now
+        for (byte, mask), value in ((old, now), (q, found)):
+            memory[offset + byte] = memory[offset + byte] | mask if value else memory[offset + byte] & (255 - mask)
+
+    return run
