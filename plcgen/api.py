@@ -12,7 +12,7 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -112,6 +112,9 @@ def generate(
         else:
             result = write_folder(files, target, force=force, progress=progress)
             written, unchanged, removed = result.written, result.unchanged, result.removed
+            if result.recovered:
+                note = "an earlier generation was interrupted: its files were completed or discarded"
+                report.add(Diagnostic("PG505", note, Span(str(target)), Severity.NOTE))
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
     return GenerateResult(checked.spec, target, tuple(written), tuple(unchanged), tuple(removed), diff, tuple(report))

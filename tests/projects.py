@@ -75,5 +75,4 @@ def retargeted(path: Path, target: str) -> str:
     text = re.sub(r"family: [\w-]+", f"family: {family}", path.read_text(encoding="utf-8"))
     text = re.sub(r"toolchain: [\w.-]+", f"toolchain: {toolchain}", text)
     text = re.sub(r"address: 256", "address: 256, hardware_id: 270", text)
-    text = re.sub(r"\n(\s+)hardware_id: (\d+)", r"\n\1address: \2\n\1hardware_id: \2", text)
-    return text
+    return re.sub(r"\n(\s+)hardware_id: (\d+)", r"\n\1address: \2\n\1hardware_id: \2", text)

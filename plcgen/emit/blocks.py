@@ -41,15 +41,15 @@ def shared_documents(project: Project) -> Iterator[Document]:
     for block, rows in ((project.diagnostics_type, DIAGNOSTICS), (project.token_type, TOKEN)):
         shared: dict[str, Any] = {"name": block.name, "fields": _rows(project, rows)}
         yield _document(project, f"udt/{block.name}.{extension(project, 'udt')}", "db/udt.j2", shared)
-    for drive in project.drives:
+    for token, drives in project.tokens:
         view: dict[str, Any] = {
-            "name": drive.token.name,
-            "title": f"Which job uses drive {drive.key}",
+            "name": token.name,
+            "title": f"Which job uses {', '.join(drive.key for drive in drives[:3])}",
             "retain": False,
             "fields": _rows(project, TOKEN),
             "assignments": (),
         }
-        yield _document(project, f"db/{drive.token.name}.{extension(project, 'db')}", "db/buffer.j2", view)
+        yield _document(project, f"db/{token.name}.{extension(project, 'db')}", "db/buffer.j2", view)
 
 
 def _rows(project: Project, rows: tuple[tuple[str, str, str], ...]) -> list[dict[str, str]]:

@@ -39,8 +39,8 @@ def shared_xml(project: Project) -> Iterator[Document]:
     """Types and tokens that every job uses."""
     yield _type(project, project.diagnostics_type, _fixed(DIAGNOSTICS), {})
     yield _type(project, project.token_type, _fixed(TOKEN), {})
-    for drive in project.drives:
-        yield _db(project, drive.token, _fixed(TOKEN), drive.comment)
+    for token, drives in project.tokens:
+        yield _db(project, token, _fixed(TOKEN), drives[0].comment)
 
 
 def job_xml(project: Project, job: PlannedJob, watch: list[dict[str, str]]) -> Iterator[Document]:

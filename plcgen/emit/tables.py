@@ -52,7 +52,7 @@ def import_order(project: Project) -> list[str]:
     """Source files in the order a compiler wants them: types, data, called blocks, callers."""
     udt, db = extension(project, "udt"), extension(project, "db")
     types = [project.diagnostics_type, project.token_type]
-    data = [drive.token for drive in project.drives]
+    data = [token for token, _ in project.tokens]
     for job in project.jobs:
         for telegram in job.telegrams:
             types += [telegram.request_type, telegram.response_type]

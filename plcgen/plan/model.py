@@ -29,7 +29,10 @@ class BlockRef:
 
 @dataclass(frozen=True, slots=True)
 class PlannedDrive:
-    """A drive as the blocks address it. ``id_value`` is the ID of WRREC/RDREC, bit 15 included."""
+    """A drive as the blocks address it.
+
+    ``id_value`` is the ID of WRREC/RDREC, bit 15 included; ``token`` is shared by all drives at one address.
+    """
 
     key: str
     device: Device
@@ -216,9 +219,17 @@ class Project:
     control_db: BlockRef
 
     @cached_property
+    def tokens(self) -> tuple[tuple[BlockRef, tuple[PlannedDrive, ...]], ...]:
+        """Each token DB with the drives that share it: all drive objects at one address."""
+        shared: dict[str, list[PlannedDrive]] = {}
+        for drive in self.drives:
+            shared.setdefault(drive.token.name, []).append(drive)
+        return tuple((drives[0].token, tuple(drives)) for drives in shared.values())
+
+    @cached_property
     def blocks(self) -> tuple[BlockRef, ...]:
         """Every block of the project, in a stable order: types, drives' tokens, jobs, control DB."""
-        found = [self.diagnostics_type, self.token_type, *(drive.token for drive in self.drives)]
+        found = [self.diagnostics_type, self.token_type, *(token for token, _ in self.tokens)]
         for job in self.jobs:
             for telegram in job.telegrams:
                 found += [

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.plan.jobs import plan_job
-from plcgen.plan.model import PlannedDrive, PlannedJob, Project
+from plcgen.plan.model import BlockRef, PlannedDrive, PlannedJob, Project
 from plcgen.plan.numbering import Numbering
 from plcgen.plan.references import parse_reference
 from plcgen.plan.target import combination_problem, target
@@ -33,7 +33,8 @@ def resolve(loaded: LoadedSpec, report: Report) -> Project:
     diagnostics_type = numbering.block("UDT", "typeDriveJobDiag", ("plc",), given=True)
     token_type = numbering.block("UDT", "typeDriveToken", ("plc",), given=True)
     control_db = numbering.block("DB", "DriveJobs", ("plc",), given=True)
-    drives = {key: _drive(key, drive, loaded, numbering, report) for key, drive in spec.drives.items()}
+    tokens: dict[int, BlockRef] = {}
+    drives = {key: _drive(key, drive, loaded, numbering, tokens, report) for key, drive in spec.drives.items()}
     planned = {key: found for key, found in drives.items() if found is not None}
     resolvers = {
         key: UseResolver(loaded, drive.device, _own_parameters(loaded, key, report), report)
@@ -50,8 +51,9 @@ def resolve(loaded: LoadedSpec, report: Report) -> Project:
             continue
         if job.drive not in planned:
             continue
-        owners[job.drive] = owners.get(job.drive, 0) + 1
-        found = plan_job(key, loaded, planned[job.drive], owners[job.drive], resolvers[job.drive], numbering, report)
+        channel = planned[job.drive].token.name
+        owners[channel] = owners.get(channel, 0) + 1
+        found = plan_job(key, loaded, planned[job.drive], owners[channel], resolvers[job.drive], numbering, report)
         if found is not None:
             jobs.append(found)
     return Project(
@@ -98,7 +100,15 @@ def _own_parameters(loaded: LoadedSpec, key: str, report: Report) -> dict[int, P
     return own
 
 
-def _drive(key: str, drive: Drive, loaded: LoadedSpec, numbering: Numbering, report: Report) -> PlannedDrive | None:
+def _drive(
+    key: str,
+    drive: Drive,
+    loaded: LoadedSpec,
+    numbering: Numbering,
+    tokens: dict[int, BlockRef],
+    report: Report,
+) -> PlannedDrive | None:
+    """Plan one drive; drive objects at one address share a parameter channel and therefore a token."""
     path = ("drives", key)
     device = catalog.device(drive.device)
     if device is None:
@@ -123,13 +133,15 @@ def _drive(key: str, drive: Drive, loaded: LoadedSpec, numbering: Numbering, rep
         id_value = 0
     if classic and drive.output_address:
         id_value |= OUTPUT_BIT
+    if id_value not in tokens:
+        tokens[id_value] = numbering.block("DB", f"{pascal_case(key)}Token", path)
     return PlannedDrive(
         key=key,
         device=device,
         id_value=id_value,
         drive_object=device.drive_object if drive.drive_object is None else drive.drive_object,
         record_index=_record_index(drive, device, loaded, key, report),
-        token=numbering.block("DB", f"{pascal_case(key)}Token", path),
+        token=tokens[id_value],
         comment=drive.comment or {},
         path=path,
     )

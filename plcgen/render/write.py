@@ -29,11 +29,12 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """Relative paths by what happened to them."""
+    """Relative paths by what happened to them; ``recovered`` says that an earlier run had been interrupted."""
 
     written: tuple[str, ...]
     unchanged: tuple[str, ...]
     removed: tuple[str, ...]
+    recovered: bool = False
 
 
 def write_folder(
@@ -46,7 +47,7 @@ def write_folder(
             written; the old state is then untouched.
     """
     try:
-        recover(folder)
+        recovered = recover(folder)
         known = _known(folder)
         changed, unchanged = _plan(files, folder, known, force=force)
         removed = _obsolete(files, folder, known)
@@ -54,7 +55,7 @@ def write_folder(
             _commit(changed, removed, folder, progress)
     except OSError as problem:
         raise DiagnosticError([_cannot_write(problem, folder)]) from problem
-    return Written(tuple(file.path for file in changed), tuple(unchanged), tuple(removed))
+    return Written(tuple(file.path for file in changed), tuple(unchanged), tuple(removed), recovered)
 
 
 def compare_folder(files: Sequence[RenderedFile], folder: Path) -> tuple[str, list[Diagnostic]]:

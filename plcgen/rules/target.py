@@ -57,20 +57,20 @@ def unused_address(project: Project) -> Iterator[Diagnostic]:
 
 
 def shared_address(project: Project) -> Iterator[Diagnostic]:
-    """PG221: two drives are reached at one address, where one request at a time is allowed."""
-    first: dict[int, PlannedDrive] = {}
+    """PG221: one drive object has two names."""
+    first: dict[tuple[int, int], PlannedDrive] = {}
     key = "address" if project.target.classic else "hardware_id"
     for drive in project.drives:
-        earlier = first.setdefault(drive.id_value, drive)
+        earlier = first.setdefault((drive.id_value, drive.drive_object), drive)
         given = node_at(project, (*drive.path, key))
         if earlier is drive or given is None:
             continue
         yield Diagnostic(
             "PG221",
-            f'drives "{earlier.key}" and "{drive.key}" have the same {key}: their jobs do not wait for each other',
+            f'drives "{earlier.key}" and "{drive.key}" are the same: one {key}, one drive object',
             given.span,
             Severity.WARNING,
-            help="never start jobs of both at the same time",
+            help=f'use "{earlier.key}" for both, or correct the {key} or the drive_object',
             notes=(Note("first use", key_or_value(project, (*earlier.path, key))),),
         )
 

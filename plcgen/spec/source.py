@@ -226,11 +226,16 @@ class _Builder:
             self.tag(event.tag, span)
         elif plain:
             value = resolve_plain(text)
-            self.trap(text, value, span)
+            if not self.expects_key():
+                self.trap(text, value, span)
         node = Node("scalar", span, value, text, plain)
         if event.anchor:
             self.anchors[event.anchor] = node
         self.place(node)
+
+    def expects_key(self) -> bool:
+        """Whether the next node is a key: keys are always read as text, so an axis may be called y."""
+        return bool(self.stack) and self.stack[-1][0].kind == "map" and self.stack[-1][1] is None
 
     def trap(self, text: str, value: Scalar, span: Span) -> None:
         if not isinstance(value, str) or not text or len(text) > 40:

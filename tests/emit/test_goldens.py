@@ -60,18 +60,20 @@ def test_every_data_type_verifies_on_every_target(target: str, tmp_path: Path) -
     assert [f"{c.subject}: {c.verdict}" for c in result.checks() if c.outcome.value in {"error", "warning"}] == []
 
 
+REQUEST = "Request_Ref@0 Request_ID@1 Axis@2 Num_of_Para@3 Para_Attribute@4 Num_of_Element@5 Para_No@6 Subindex@8"
+MIRROR = "Request_Ref_Mirror@0 Request_ID@1 Axis_Mirror@2"
 FIGURES = {
-    "WR_DataBuffer": "Request_Ref@0 Request_ID@1 Axis@2 Num_of_Para@3 Para_Attribute@4 Num_of_Element@5 Para_No@6 Subindex@8",
-    "RD_DataBuffer": "Request_Ref_Mirror@0 Request_ID@1 Axis_Mirror@2 Num_of_para@3 Para_Format@4 Num_of_Element@5 ParameterValue@6",
-    "WR_DataBuffer_1": "Request_Ref@0 Request_ID@1 Axis@2 Num_of_Para@3 Para_Attribute@4 Num_of_Element@5 Para_No@6 Subindex@8 "
-    "Value_Format@10 No_of_Element@11 Value@12",
-    "RD_DataBuffer_1": "Request_Ref_Mirror@0 Request_ID@1 Axis_Mirror@2 Num_of_Para@3",
+    "WR_DataBuffer": REQUEST,
+    "RD_DataBuffer": f"{MIRROR} Num_of_para@3 Para_Format@4 Num_of_Element@5 ParameterValue@6",
+    "WR_DataBuffer_1": f"{REQUEST} Value_Format@10 No_of_Element@11 Value@12",
+    "RD_DataBuffer_1": f"{MIRROR} Num_of_Para@3",
 }
+LENGTHS = {"WR_DataBuffer": 10, "RD_DataBuffer": 10, "WR_DataBuffer_1": 16, "RD_DataBuffer_1": 10}
 
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_data_blocks_equal_the_figures_of_the_faq(name: str) -> None:
-    """Figures 4-5, 4-6, 4-9 and 4-10 of FAQ 109750712, member by member; DB6 has its error words after the figure's four."""
+    """Figures 4-5, 4-6, 4-9 and 4-10 of FAQ 109750712, member by member; DB6 has error words after the figure's four."""
     path = ROOT / "examples" / FAQ.stem / "expected" / "db" / f"{name}.db"
     blocks, problems = read_source(path)
     assert problems == []
@@ -80,7 +82,7 @@ def test_data_blocks_equal_the_figures_of_the_faq(name: str) -> None:
     wanted = FIGURES[name].split()
     assert shown[: len(wanted)] == wanted
     assert len(shown) == len(wanted) or name == "RD_DataBuffer_1"
-    assert layout.size == {"WR_DataBuffer": 10, "RD_DataBuffer": 10, "WR_DataBuffer_1": 16, "RD_DataBuffer_1": 10}[name]
+    assert layout.size == LENGTHS[name]
 
 
 @pytest.mark.parametrize("version", ["tia-v16", "tia-v17", "tia-v18", "tia-v19", "tia-v20", "tia-v21"])

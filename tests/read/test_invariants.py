@@ -1,7 +1,5 @@
 """The envelope of SimaticML documents and the schemas of their islands."""
 
-
-
 from __future__ import annotations
 
 import pytest

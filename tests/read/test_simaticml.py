@@ -1,7 +1,5 @@
 """SimaticML documents to blocks and tables; documents written by hand after genuine exports."""
 
-
-
 from __future__ import annotations
 
 import pytest

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import json
 import shutil
@@ -156,10 +157,8 @@ def test_a_killed_process_leaves_the_old_or_the_new_state(
         patch.setattr(Path, "replace", replace)
         patch.setattr(Path, "unlink", unlink)
         patch.setattr(shutil, "rmtree", lambda *_, **__: None)
-        try:
+        with contextlib.suppress(Killed):
             write_folder(new_files, folder)
-        except Killed:
-            pass
     assert real_write is Path.write_bytes
     recover(folder)
     assert tree(folder) in (old, new)
@@ -210,3 +209,13 @@ def test_compare_writes_nothing(tmp_path: Path) -> None:
     assert "+1" in diff
     assert not (tmp_path / "none").exists()
     assert write.JOURNAL.startswith(".")
+
+
+def test_a_recovered_folder_is_mentioned(tmp_path: Path) -> None:
+    """The run after an interrupted one says so: PG505 is a note."""
+    out = tmp_path / "out"
+    assert api.generate(FAQ, out).ok
+    (out / f"{STAGE}left").mkdir()
+    result = api.generate(FAQ, out)
+    assert [(d.code, d.severity.label) for d in result.diagnostics] == [("PG505", "note")]
+    assert not list(out.glob(f"{STAGE}*"))

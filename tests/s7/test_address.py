@@ -1,7 +1,5 @@
 """Absolute addresses and pointers."""
 
-
-
 from __future__ import annotations
 
 import pytest

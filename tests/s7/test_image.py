@@ -1,7 +1,5 @@
 """Load-memory images: start values at true offsets, assignments on top."""
 
-
-
 from __future__ import annotations
 
 import contextlib

@@ -1,7 +1,5 @@
 """Offsets against blocks that STEP 7 compiled, against documents, and against hand calculation."""
 
-
-
 from __future__ import annotations
 
 import time

@@ -1,7 +1,5 @@
 """Identifier rules of the two tool chains, file names, shortening."""
 
-
-
 from __future__ import annotations
 
 import zlib

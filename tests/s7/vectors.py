@@ -1,7 +1,5 @@
 """Builds blocks from tests/vectors/layouts.yaml."""
 
-
-
 from __future__ import annotations
 
 import re

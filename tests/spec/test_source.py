@@ -43,6 +43,12 @@ def test_traps_are_refused_at_their_place(word: str) -> None:
     assert codes(f'a:\n  key: "{word}"\n') == []
 
 
+def test_keys_are_text() -> None:
+    """An axis may be called y and a parameter 010: keys are never read as truth values or numbers."""
+    assert codes("y: 1\nNO: 2\n010: 3\n") == []
+    assert load_yaml("y: 1\n010: 3\n", "t.yaml").data() == {"y": 1, "010": 3}
+
+
 def test_positions_count_characters_from_one() -> None:
     """Line and column of keys and values, also after characters of several bytes."""
     node = load_yaml("名字: 泵\nb:\n  - x: [1, zwölf, 3]\n", "t.yaml")
