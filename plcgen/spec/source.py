@@ -78,7 +78,7 @@ _WORDS |= dict.fromkeys(("true", "True", "TRUE"), True) | dict.fromkeys(("false"
 
 _TRAPS: tuple[tuple[re.Pattern[str], str, str], ...] = (
     (
-        re.compile(r"(?i:yes|no|on|off|y|n)\Z"),
+        re.compile(r"(?i:yes|no|on|off)\Z"),
         "YAML 1.1 reads it as a truth value, YAML 1.2 as text",
         'write true or false, or "{0}" in quotes for the text',
     ),

@@ -73,7 +73,7 @@ LENGTHS = {"WR_DataBuffer": 10, "RD_DataBuffer": 10, "WR_DataBuffer_1": 16, "RD_
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_data_blocks_equal_the_figures_of_the_faq(name: str) -> None:
-    """Figures 4-5, 4-6, 4-9 and 4-10 of FAQ 109750712, member by member; DB6 has error words after the figure's four."""
+    """Figures 4-5, 4-6, 4-9, 4-10 of FAQ 109750712, member by member; DB6 has error words after the figure's four."""
     path = ROOT / "examples" / FAQ.stem / "expected" / "db" / f"{name}.db"
     blocks, problems = read_source(path)
     assert problems == []

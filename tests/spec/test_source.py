@@ -35,7 +35,7 @@ def test_plain_scalars_follow_yaml_1_2_and_s7(text: str, value: object) -> None:
 
 
 @pytest.mark.parametrize(
-    "word", ["NO", "yes", "On", "off", "y", "010", "-007", "0o17", "12:30", "1:02:03", "1_000", ".inf", "-.NaN", "1,5"]
+    "word", ["NO", "yes", "On", "off", "010", "-007", "0o17", "12:30", "1:02:03", "1_000", ".inf", "-.NaN", "1,5"]
 )
 def test_traps_are_refused_at_their_place(word: str) -> None:
     """What YAML 1.1 and 1.2 read differently is an error where it stands; in quotes it is text."""
