@@ -95,7 +95,7 @@ def ror(value: int, count: int, bits: int) -> int:
 
 def limit(low: Any, value: Any, high: Any) -> Any:
     """LIMIT(MN, IN, MX)."""
-    return low if value < low else high if value > high else value
+    return low if value < low else min(value, high)
 
 
 def mux(selector: int, *values: Any) -> Any:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 from plcgen.cpu.compile_calls import function_parameters
 from plcgen.cpu.compile_model import Compiled, ProgramBlock, Symbol
 from plcgen.cpu.compile_statements import StatementCompiler, has_labels
@@ -14,8 +12,6 @@ from plcgen.diagnostics import Diagnostic, Span
 from plcgen.s7.blocks import BlockKind, SectionKind
 from plcgen.s7.types import Elementary, Member
 from plcgen.scl.dialect import Dialect
-
-_ENO = re.compile(r"\b(?:ENO|OK)\b", re.IGNORECASE)
 
 
 def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False) -> Compiled:
@@ -55,12 +51,15 @@ class _BlockCompiler(StatementCompiler):
         self.lines.append(f"def {name}({head}):")
         self.map.append(self.line)
         self.prologue()
+        begin = len(self.lines)
         if has_labels(unit.statements):
             self.segments(unit.statements)
             self.emit(leave)
-            return
-        if self.body(unit.statements):
+        elif self.body(unit.statements):
             self.emit(leave)
+        if self.uses_eno:
+            self.lines.insert(begin, " E[0]=True")
+            self.map.insert(begin, self.map[0])
 
     def frame(self) -> tuple[str, str]:
         """Python parameters, and the statement that leaves the block."""
@@ -91,9 +90,6 @@ class _BlockCompiler(StatementCompiler):
 
     def prologue(self) -> None:
         """Initial values of locals, memory for local data, references."""
-        unit = self.owner.unit
-        if _ENO.search(self.owner.result.tokens.source, unit.start, unit.end):
-            self.emit("E[0]=True")
         if self.owner.block.kind is not BlockKind.FB:
             for kind, member, how, symbol in self.parameters():
                 self.parameter_prologue(kind, member, how, symbol)

@@ -157,7 +157,7 @@ class CallCompiler(ExpressionCompiler):
         """Emit the call of a system block."""
         name = f"S_{system.block.name}"
         if not system.record:
-            self.emit(f"{name}({place.mem},{self.address(place)})")
+            self.emit(f"{self.timer_guard(place, system)}{name}({place.mem},{self.address(place)})")
             self.touched(place.region if place.fixed else None, place.off, place.shape.bits)
             return
         if not self.record_code:
@@ -166,6 +166,15 @@ class CallCompiler(ExpressionCompiler):
         self.emit(f"{name}({place.mem},{self.address(place)},{self.record_code})")
         self.record_code = ""
         self.forget()
+
+    def timer_guard(self, place: Place, system: SystemFb) -> str:
+        """Condition that leaves out the call of a TON whose IN, Q and state are all zero: it does nothing."""
+        index = place.shape.index
+        if system.kind != "TON":
+            return ""
+        flags = sorted({index[name].offset // 8 for name in ("IN", "Q", "STATE") if name in index})
+        codes = (self.address(self.shifted(place, byte * 8, place.shape, overlay=False)) for byte in flags)
+        return f"if {' or '.join(f'{place.mem}[{code}]' for code in codes)}:"
 
     def sync_watchdog(self) -> None:
         """Hand the count of loop passes to what is called."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 from plcgen.cpu.compile_model import UNKNOWN, Val
 from plcgen.cpu.compile_places import PlaceCompiler
 from plcgen.cpu.literals import as_real, classify, source_of
-from plcgen.cpu.memory import CODECS
-from plcgen.cpu.semantics_scope import scalar_name
 from plcgen.cpu.semantics_types import (
     BITS,
     DURATIONS,
@@ -25,7 +23,6 @@ from plcgen.cpu.semantics_types import (
     limits,
     widens,
 )
-from plcgen.s7.types import StringType
 from plcgen.scl import ast
 
 _COMPARE = {"=": "==", "<>": "!=", "<": "<", "<=": "<=", ">": ">", ">=": ">="}
@@ -44,15 +41,10 @@ def wrapped(code: str, type_: str) -> str:
     return f"(({code})&{mask})"
 
 
-def wrap_value(value: int, type_: str) -> int:
-    """Bring an integer into the range of its type."""
-    bits = WIDTHS.get(type_, 16)
-    value &= (1 << bits) - 1
-    return value - (1 << bits) if type_ in SIGNED_WIDTHS and value >> bits - 1 else value
-
-
 class ExpressionCompiler(PlaceCompiler):
     """Values and their types; a problem is reported once and gives the type UNKNOWN."""
+
+    uses_eno = False
 
     def call_value(self, node: ast.Call) -> Val:
         """Compile a call that has a value; the next class knows how."""
@@ -91,6 +83,7 @@ class ExpressionCompiler(PlaceCompiler):
         if node.scope == "bare" and symbol is None and node.name.upper() in {"ENO", "OK", "EN", "NULL", "NIL"}:
             if node.name.upper() in {"NULL", "NIL"}:
                 return Val("(None,0,0)", "ANY")
+            self.uses_eno = True
             return Val("E[0]", "BOOL")
         place = self.named(node)
         return self.load(place) if place is not None else self.unknown()
@@ -112,7 +105,7 @@ class ExpressionCompiler(PlaceCompiler):
 
     # --- conversions ----------------------------------------------------------------------------------
 
-    def integer_code(self, value: Val, node: ast.Expression) -> str:
+    def integer_code(self, value: Val) -> str:
         """Code of a value that is wrapped to its type."""
         if isinstance(value.const, int) and not isinstance(value.const, bool):
             return source_of(value.const)
@@ -287,7 +280,7 @@ class ExpressionCompiler(PlaceCompiler):
             return self.mismatch(node, left, right)
         pure = left.pure and right.pure
         if operator == "**":
-            return self.power(node, left, right)
+            return self.power(left, right)
         if common in {INT_CONST, REAL_CONST}:
             return self.folded(node, left, right, common)
         if common in REALS:
@@ -341,17 +334,17 @@ class ExpressionCompiler(PlaceCompiler):
             result = int(a) - quotient * int(b) if node.operator == "MOD" else quotient
         return Val(source_of(result), common, result)
 
-    def power(self, node: ast.Binary, left: Val, right: Val) -> Val:
+    def power(self, left: Val, right: Val) -> Val:
         """``**`` gives REAL on S7-300/400, the type of the base elsewhere if it is one."""
         type_ = "LREAL" if "LREAL" in {left.type, right.type} else "REAL"
-        code = f"power({left.code if left.const is not None else self.integer_code(left, node.left)},"
-        code += f"{right.code if right.const is not None else self.integer_code(right, node.right)})"
+        code = f"power({left.code if left.const is not None else self.integer_code(left)},"
+        code += f"{right.code if right.const is not None else self.integer_code(right)})"
         return Val(f"f32({code})" if type_ == "REAL" else code, type_, pure=left.pure and right.pure)
 
     def time_arithmetic(self, node: ast.Binary, left: Val, right: Val) -> Val:
         """TIME + TIME, TIME * number, TOD + TIME, TOD - TOD; the bytes are integers of one unit."""
         operator, pure = node.operator, left.pure and right.pure
-        codes = self.integer_code(left, node.left), self.integer_code(right, node.right)
+        codes = self.integer_code(left), self.integer_code(right)
         kinds = left.type, right.type
         number = right.type in INTEGERS or right.type == INT_CONST
         if operator in {"+", "-"}:
@@ -391,11 +384,3 @@ class ExpressionCompiler(PlaceCompiler):
             self.error("PG824", f".%{node.width}{node.index} lies outside {value.type or 'a structure'}", node)
             return None
         return bits, type_
-
-
-def string_room(type_: object) -> int:
-    """Characters a string variable holds."""
-    return type_.length if isinstance(type_, StringType) else 0
-
-
-__all__ = ["CODECS", "ExpressionCompiler", "scalar_name", "string_room", "wrap_value", "wrapped"]

@@ -24,7 +24,7 @@ from plcgen.cpu.semantics_types import (
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.scl import ast
 
-_CONVERSION = re.compile(r"([A-Z]+[A-Z_]*?)_TO_([A-Z]+[A-Z_]*)")
+_CONVERSION = re.compile(r"([A-Z][A-Z0-9_]*?)_TO_([A-Z][A-Z0-9_]*)")
 _MATH = frozenset("SQR SQRT EXP EXPD LN LOG SIN COS TAN ASIN ACOS ATAN FRAC".split())  # noqa: SIM905
 _ROUNDING = frozenset({"ROUND", "TRUNC", "FLOOR", "CEIL"})
 _SHIFTS = frozenset({"SHL", "SHR", "ROL", "ROR"})

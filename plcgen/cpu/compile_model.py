@@ -78,8 +78,6 @@ class ProgramBlock:
     result: ParseResult
     shape: Shape | None = None
     number: int | None = None
-    fb: str = ""
-    uses_eno: bool = False
 
     @property
     def name(self) -> str:

@@ -31,7 +31,7 @@ class PlaceCompiler(Emitter):
         """Compile an expression; the next class knows how."""
         raise NotImplementedError
 
-    def integer_code(self, value: Val, node: ast.Expression) -> str:
+    def integer_code(self, value: Val) -> str:
         """Wrapped code of an integer; the next class knows how."""
         raise NotImplementedError
 
@@ -176,7 +176,7 @@ class PlaceCompiler(Emitter):
             if value.type not in INTEGERS and value.type != UNKNOWN:
                 self.error("PG821", f"an index is an integer, not {value.type or 'a structure'}", index)
             name = self.temporary()
-            code = self.integer_code(value, index)
+            code = self.integer_code(value)
             checked = f"({name} if {low}<=({name}:={code})<={high} else ix({name},{low},{high}))"
             codes.append((checked, stride))
             offset -= low * stride
@@ -258,7 +258,7 @@ class PlaceCompiler(Emitter):
             value = self.expression(index)
             if value.type not in INTEGERS and value.type not in {INT_CONST, UNKNOWN, *BITS}:
                 self.error("PG821", "an address index is an integer", index)
-            codes.append(self.integer_code(value, index))
+            codes.append(self.integer_code(value))
         shape = bare_shape(_AREA_WIDTHS[letter])
         last = limit - max(1, shape.bits // 8)
         if letter == "X":

@@ -46,7 +46,8 @@ class StatementCompiler(MoveCompiler):
         """Compile one statement; False if it jumps away."""
         self.line = self.owner.result.tokens.position(node.start)[0]
         if isinstance(node, ast.Region):
-            return all([self.statement(inner) for inner in node.body])
+            reached = [self.statement(inner) for inner in node.body]
+            return all(reached)
         if not isinstance(node, ast.Label):
             self.probe(node, "statement")
         if isinstance(node, ast.Assign):
@@ -102,7 +103,7 @@ class StatementCompiler(MoveCompiler):
             return None
         if place.section is SectionKind.INPUT:
             self.error("PG823", f"{self.text(node)} is an input", node, "copy it to a variable of its own")
-        if place.dyn and place.dyn not in {"o"} and "(" in place.dyn:
+        if "(" in place.dyn:
             name = self.temporary()
             self.emit(f"{name}={place.dyn}")
             place.dyn = name

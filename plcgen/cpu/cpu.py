@@ -20,7 +20,7 @@ from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.cpu.system.moves import AccessFaultError, Moves
 from plcgen.cpu.system.record import RecordBlock
 from plcgen.cpu.system.timers import counter, edge, timer
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.diagnostics import DiagnosticError
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.image import Tree
 from plcgen.s7.layout import layout_block
@@ -227,6 +227,14 @@ class Cpu:
             self.restart("cold")
         self.symbols.write(path, value)
 
+    def function(self, name: str) -> Callable[..., Any]:
+        """The Python function of a block: an FB takes the bytes of its instance. Raises KeyError."""
+        entry = self.program.link.find(name)
+        if entry is None or f"b{entry.index}" not in self._names:
+            raise KeyError(f"there is no code block {name}")
+        function: Callable[..., Any] = self._names[f"b{entry.index}"]
+        return function
+
     def db(self, which: int | str) -> Memory:
         """Bytes of a data block by number or name. Raises KeyError if there is none."""
         if isinstance(which, int):
@@ -319,6 +327,3 @@ def _address(value: int, last: int) -> int:
 def _write_bit(memory: bytearray, base: int, bit: int, value: object) -> None:
     at, mask = base + (bit >> 3), 1 << (bit & 7)
     memory[at] = memory[at] | mask if value else memory[at] & 255 - mask
-
-
-__all__ = ["Cpu", "Diagnostic", "Family", "Misuse", "Span"]

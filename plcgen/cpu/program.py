@@ -12,7 +12,7 @@ from plcgen.cpu.linkage import Linkage
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.read.text import decode
-from plcgen.s7.blocks import Block, BlockKind, SectionKind
+from plcgen.s7.blocks import BlockKind
 from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block
 from plcgen.scl.declarations import blocks as declared_blocks
@@ -186,8 +186,8 @@ class Program:
         """PG826 for every block that calls itself, directly or through others."""
         calls = {found.name.upper(): found.calls for found in self.compiled}
         state: dict[str, int] = {}
-        for root in calls:
-            stack = [(root, iter(calls[root].items()))] if root not in state else []
+        for root, own in calls.items():
+            stack = [(root, iter(own.items()))] if root not in state else []
             state.setdefault(root, 1)
             while stack:
                 name, rest = stack[-1]
@@ -218,7 +218,3 @@ class Program:
     def start_up(self) -> ProgramBlock | None:
         """The start-up OB, if there is one."""
         return self.link.find("OB100") or self.link.find("Startup")
-
-    def member_sections(self, block: Block) -> dict[str, SectionKind]:
-        """Section of every member of a block, by upper-case name."""
-        return {m.name.upper(): s.kind for s in block.sections for m in s.members}

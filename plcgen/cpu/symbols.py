@@ -11,8 +11,7 @@ from plcgen.cpu.memory import Memory
 from plcgen.s7.address import AddressError, parse_address
 from plcgen.s7.image import Tree, read_member, write_member
 from plcgen.s7.layout import Entry, Layout, locate, split_path
-from plcgen.s7.shapes import Shape
-from plcgen.s7.types import ELEMENTARY, Elementary, StringType
+from plcgen.s7.types import ELEMENTARY, Elementary
 from plcgen.s7.values import pack_value, unpack_value
 
 
@@ -124,6 +123,3 @@ def _join(steps: list[str | tuple[int, ...]]) -> str:
 
 def _is_real(entry: Entry) -> bool:
     return isinstance(entry.type, Elementary) and entry.type.name in {"REAL", "LREAL"}
-
-
-__all__ = ["Shape", "StringType", "Symbols"]

@@ -1,0 +1,114 @@
+"""Speed of the soft CPU: statements on byte memory, idle scans of a generated job FB, time to compile it.
+
+Run: ``python bench/cpu_speed.py``. Budgets: 3 M statements/s, 0.5 M idle scans/s, 5 ms per job FB.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from plcgen import api
+from plcgen.cpu.compile_block import compile_block
+from plcgen.cpu.cpu import Cpu
+from plcgen.cpu.folder import load_folder
+from plcgen.cpu.program import Program
+from plcgen.scl.dialect import Dialect
+
+ROOT = Path(__file__).resolve().parents[1]
+SPECS = {
+    "TIA S7-300": (ROOT / "specs/s7-300_6ra80_dp_tia.yaml", Dialect.TIA_300_400, "ReadRampUp"),
+    "STEP 7 V5": (ROOT / "specs/s7-300_mm440_dp.yaml", Dialect.STEP7_V5, "ReadParams"),
+    "TIA S7-1500": (None, Dialect.TIA_1200_1500, "ReadRampUp"),
+}
+SPEC_1500 = """plc: {name: BENCH, family: s7-1500, toolchain: tia-v16}
+drives: {g120: {device: sinamics-g120, hardware_id: 271}}
+jobs: {read_ramp_up: {drive: g120, read: [P1120]}}
+"""
+STATEMENTS = """FUNCTION_BLOCK "Load"
+{ S7_Optimized_Access := 'FALSE' }
+VAR
+  a : Int; b : Int; w : Word; d : DInt; f : Bool; g : Bool; x : Array[0..9] of Int; r : DInt;
+END_VAR
+VAR_TEMP i : Int; END_VAR
+BEGIN
+FOR #i := 0 TO 9999 DO
+  #a := #a + 3;
+  #b := #a - #i;
+  #w := INT_TO_WORD(#b) AND W#16#0FFF;
+  #f := #b > 100;
+  #g := #f AND NOT #g;
+  #x[3] := #b;
+  #d := #d + 7;
+  #r := #d - 1;
+END_FOR;
+END_FUNCTION_BLOCK
+DATA_BLOCK "Load_DB"
+{ S7_Optimized_Access := 'FALSE' }
+"Load"
+BEGIN
+END_DATA_BLOCK
+"""
+STATEMENTS_PER_CALL = 10_000 * 9
+
+
+def best(run: Callable[[], None], repeat: int = 5) -> float:
+    """Shortest of several runs, in seconds."""
+    times = []
+    for _ in range(repeat):
+        began = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - began)
+    return min(times)
+
+
+def statements() -> float:
+    """Executed statements per second; every variable but the counter lies in instance memory."""
+    cpu = Cpu(Program.load([("load.scl", STATEMENTS)], Dialect.TIA_1200_1500))
+    rate = STATEMENTS_PER_CALL / best(lambda: cpu.call("Load_DB"))
+    return 0.0 if cpu.misuses else rate
+
+
+def job(folder: Path, dialect: Dialect, name: str) -> tuple[float, float, int]:
+    """Idle scans per second, milliseconds to compile, statements per idle scan."""
+    program = load_folder(folder, dialect)
+    cpu = Cpu(program)
+    cpu.scan()
+    entry = program.link.blocks[name.upper()]
+    function, memory = cpu.function(name), cpu.db(f"{name}_DB")
+
+    def idle() -> None:
+        for _ in range(10_000):
+            function(memory)
+
+    scans = 10_000 / best(idle)
+    milliseconds = best(lambda: [compile_block(entry, program.link) for _ in range(5)] and None) / 5 * 1000
+    counted = Cpu(load_folder(folder, dialect, coverage=True))
+    counted.scan()
+    before = sum(counted.coverage)
+    counted.function(name)(counted.db(f"{name}_DB"))
+    return scans, milliseconds, sum(counted.coverage) - before
+
+
+def main() -> None:
+    """Print the numbers."""
+    print(f"statements on byte memory   {statements() / 1e6:6.2f} M/s    budget 3.00")
+    with tempfile.TemporaryDirectory() as scratch:
+        for label, (spec, dialect, name) in SPECS.items():
+            folder = Path(scratch) / label
+            source = spec or Path(scratch) / "bench.yaml"
+            if spec is None:
+                source.write_text(SPEC_1500, "utf-8")
+            api.generate(source, folder)
+            scans, milliseconds, count = job(folder, dialect, name)
+            print(f"idle scans, {label:<14}  {scans / 1e6:6.2f} M/s    budget 0.50    ({count} counted per scan)")
+            print(f"compile,    {label:<14}  {milliseconds:6.2f} ms     budget 5.00")
+    found = importlib.util.find_spec("awlsim")
+    print(f"awlsim for comparison       {'installed' if found else 'not installed'}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,43 @@
+"""A generated folder as a program: sources, tags and block numbers as they lie on disk."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from plcgen.cpu.program import Program
+from plcgen.read.simaticml import read_simaticml, read_tag_table
+from plcgen.s7.blocks import BlockKind
+from plcgen.scl.dialect import Dialect
+
+SUFFIXES = frozenset({".scl", ".udt", ".db"})
+
+Tags = dict[str, str | tuple[str, str]]
+
+
+def load_folder(folder: Path | str, dialect: Dialect, *, coverage: bool = False) -> Program:
+    """Load every source below a folder; symbols come from ``*.sdf``, tags and numbers from ``xml/*.xml``."""
+    folder = Path(folder)
+    sources = sorted(path for path in folder.rglob("*") if path.suffix.lower() in SUFFIXES and path.is_file())
+    tags: Tags = {}
+    numbers: dict[str, int] = {}
+    for table in sorted(folder.glob("*.sdf")):
+        tags |= read_symbols(table)
+    classic = dialect is not Dialect.TIA_1200_1500
+    for document in sorted(folder.glob("xml/*.xml")):
+        found, _ = read_tag_table(document)
+        for tag_table in found:
+            tags |= {tag.name: (tag.address, tag.type) for tag in tag_table.tags}
+        if found:
+            continue
+        for block in read_simaticml(document, classic=classic)[0]:
+            if block.kind is BlockKind.DB and block.number is not None:
+                numbers[block.name] = block.number
+    return Program.load(sources, dialect, tags=tags, numbers=numbers, coverage=coverage)
+
+
+def read_symbols(path: Path | str) -> Tags:
+    """Symbol table of STEP 7 V5 in SDF: name, address, type, comment."""
+    with Path(path).open(encoding="cp1252", newline="") as file:
+        rows = [row for row in csv.reader(file) if len(row) >= 3]
+    return {row[0].strip(): (row[1].strip(), row[2].strip()) for row in rows}

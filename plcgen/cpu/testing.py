@@ -1,0 +1,82 @@
+"""The soft CPU for tests of your own blocks: load SCL, set inputs, run scans, read outputs.
+
+With pytest, ``load_scl`` is all that is needed; wrap it in a fixture of your own if several tests share a program.
+See ``docs/soft-cpu.md``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from plcgen.cpu.cpu import Cpu, Family
+from plcgen.cpu.folder import load_folder
+from plcgen.cpu.program import Program, Source
+from plcgen.cpu.system.bus import Bus
+from plcgen.diagnostics import DiagnosticError
+from plcgen.scl.dialect import Dialect
+from plcgen.sim.drive import Drive
+
+DIALECTS = {"v5": Dialect.STEP7_V5, "tia-300": Dialect.TIA_300_400, "tia-1500": Dialect.TIA_1200_1500}
+"""Short names of the targets."""
+
+
+class Bench:
+    """A CPU with its program and its bus, and the few verbs a test needs."""
+
+    def __init__(
+        self, program: Program, drives: Mapping[int, Drive] | None = None, family: Family | None = None
+    ) -> None:
+        self.bus = Bus()
+        for address, drive in (drives or {}).items():
+            self.bus.attach(address, drive)
+        self.cpu = Cpu(program, self.bus, family=family)
+
+    def set(self, **values: object) -> None:
+        """Set tags, for example ``start=True``; members of data blocks go through ``bench.cpu["DB.member"]``."""
+        for name, value in values.items():
+            self.cpu[name] = value
+
+    def call(self, name: str, milliseconds: int = 10, **inputs: object) -> None:
+        """One scan in which only this instance is called, with inputs set before."""
+        self.cpu.call(name, milliseconds, **inputs)
+
+    def scan(self, count: int = 1, milliseconds: int = 10) -> None:
+        """Run scans of the cyclic OB."""
+        self.cpu.scan(milliseconds, count)
+
+    def until(self, condition: Callable[[Cpu], object], *, scans: int = 1000, milliseconds: int = 10) -> int:
+        """Run scans until a condition holds and return how many. Raises AssertionError if it never does."""
+        for number in range(1, scans + 1):
+            self.cpu.scan(milliseconds)
+            if condition(self.cpu):
+                return number
+        raise AssertionError(f"the condition did not hold within {scans} scans")
+
+    def attach(self, address: int, drive: Drive) -> None:
+        """Put a simulated drive at a logical address or hardware identifier."""
+        self.bus.attach(address, drive)
+
+
+def load_scl(
+    *sources: Source,
+    dialect: str | Dialect = "tia-1500",
+    tags: Mapping[str, str | tuple[str, str]] | None = None,
+    numbers: Mapping[str, int] | None = None,
+    drives: Mapping[int, Drive] | None = None,
+    family: Family | None = None,
+    coverage: bool = False,
+) -> Bench:
+    """Load files or texts and switch the CPU on.
+
+    A single folder is loaded as ``plcgen generate`` writes it. Raises DiagnosticError if the sources are wrong.
+    """
+    target = DIALECTS.get(dialect) or Dialect(dialect)
+    only = sources[0] if len(sources) == 1 else None
+    if isinstance(only, Path) and only.is_dir():
+        program = load_folder(only, target, coverage=coverage)
+    else:
+        program = Program.load(sources, target, tags=tags, numbers=numbers, coverage=coverage)
+    if not program.ok:
+        raise DiagnosticError(program.diagnostics)
+    return Bench(program, drives, family)
