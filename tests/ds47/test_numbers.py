@@ -72,7 +72,8 @@ def test_error_explained_with_its_information_word():
         (0xDF80B500, None, "previous parameter request", Retry.TEMPORARY, True),
         (0xDE80A000, None, "negative acknowledgement on read", Retry.RESTART, True),
         (0xDF80A000, None, "negative acknowledgement", Retry.PERMANENT, True),
-        (0xDF80A100, None, "negative acknowledgement on write", Retry.PERMANENT, True),
+        (0xDF80A100, None, "negative acknowledgement on write", Retry.TEMPORARY, True),
+        (0xDE80A100, None, "negative acknowledgement on write", Retry.PERMANENT, True),
         (0xDF80A200, None, "module failure", Retry.TEMPORARY, True),
         (0xDF80A300, None, "DP error", Retry.TEMPORARY, True),
         (0xDF80A400, None, "K bus", Retry.TEMPORARY, True),
@@ -93,7 +94,7 @@ def test_error_explained_with_its_information_word():
     ],
 )
 def test_status(value, direction, text, retry, error):
-    """A STATUS is explained and classed: A2-A4, A7, B5, C0-C6 temporary, A0 of RDREC restarts."""
+    """A STATUS is explained and classed: A2-A4, A7, B5, C0-C6 temporary, A1 of WRREC too, A0 of RDREC restarts."""
     found = explain(value, direction)
     assert text in found.text
     assert (found.retry, found.error, found.value) == (retry, error, value)
