@@ -100,8 +100,8 @@ def _meaning(decode: int, code1: int, direction: Direction | None) -> tuple[str,
 def explain(value: int, direction: Direction | None = None) -> Status:
     """Explain a STATUS DWORD; ``direction`` says which block gave it where DEh/DFh does not.
 
-    The retry class follows data set 47 practice: A2h..A4h, A7h, B5h, C0h..C6h and A1h of WRREC are temporary, A0h of RDREC
-    means starting again at WRREC, everything else is permanent (the S7 manual lists B5h as permanent).
+    The retry class follows data set 47 practice: A2h..A4h, A7h, B5h, C0h..C6h and A1h of WRREC are temporary,
+    A0h of RDREC means starting again at WRREC, everything else is permanent (the S7 manual lists B5h as permanent).
     """
     function_num, decode, code1, code2 = value.to_bytes(4, "big")
     text, retry = _meaning(decode, code1, _direction(function_num, direction))
