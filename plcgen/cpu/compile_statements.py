@@ -353,6 +353,7 @@ class StatementCompiler(MoveCompiler):
                 parts.append([])
             else:
                 parts[-1].append(statement)
+        self.line = self.owner.result.tokens.position(statements[0].start)[0]
         self.emit("pc=g=0;k=W[0]")
         self.emit("while True:")
         self.indent += " "
