@@ -71,10 +71,7 @@ class UseResolver:
             start = item.start if item.start is not None else _safe_default(parameter, fmt)
         data = b"\0" * (count * fmt.size)
         if write:
-            packed = self._pack(start, parameter, fmt, count, (*path, "value" if constant else "start"))
-            if packed is None:
-                return None
-            data = packed
+            data = self._pack(start, parameter, fmt, count, (*path, "value" if constant else "start")) or data
         return Use(
             position=position,
             parameter=parameter,
