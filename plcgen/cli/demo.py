@@ -32,6 +32,7 @@ def command(ctx: click.Context, folder: Path) -> int:
     out = console(ctx)
     specs = _copy(out, folder)
     good = [_one(out, spec) for spec in specs]
+    out.result(f"\n{sum(good)} of {len(good)} specs generated and verified without an error\n")
     out.say(f"\nlook around in {folder}; change a spec there and run plcgen demo {folder} again")
     return OK if all(good) else PROBLEMS
 
