@@ -89,9 +89,9 @@ class Symbols:
             layout = Layout(entry.shape.bits // 8, (), entry.shape)
             try:
                 locate(layout, rest)
-            except KeyError:
+            except KeyError as problem:
                 if not compact.startswith("DB"):
-                    raise
+                    raise KeyError(f"{path}: {problem.args[0]}") from None
             else:
                 return memory, layout, rest, 0, None
         memory, offset = self._address(compact, path)
