@@ -1,8 +1,8 @@
 """The CPU itself: cycle, start-up, retained data, symbols, coverage, speed of building."""
 
 import pytest
-
 from cpu.support import load, run
+
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.cpu.testing import load_scl
@@ -10,7 +10,8 @@ from plcgen.scl.dialect import Dialect
 
 PROGRAM = """DATA_BLOCK "Kept"
 { S7_Optimized_Access := 'FALSE' }
-STRUCT n : Int := 5; r : Real; s : String[6]; x : Array[1..3] of Int; t : Struct a : Bool; b : DInt; END_STRUCT; END_STRUCT;
+STRUCT
+n : Int := 5; r : Real; s : String[6]; x : Array[1..3] of Int; t : Struct a : Bool; b : DInt; END_STRUCT; END_STRUCT;
 BEGIN
 END_DATA_BLOCK
 DATA_BLOCK "Lost"

@@ -3,8 +3,8 @@
 import time
 
 import pytest
-
 from cpu.support import cases, load, source
+
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.cpu.testing import load_scl
@@ -49,7 +49,7 @@ def test_long_chain():
     case["code"] += "\n#a := #a" + " + #a" * 250 + ";"
     cpu = Cpu(load(case))
     cpu.call("Test_DB")
-    assert (251 * 251 + 32768) % 65536 - 32768 == cpu["Test_DB.a"]
+    assert cpu["Test_DB.a"] == (251 * 251 + 32768) % 65536 - 32768
     assert cpu["Test_DB.b"] is True
 
 

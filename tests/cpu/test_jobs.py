@@ -27,7 +27,8 @@ drives:
   mm440: {{device: micromaster-4, {2}, drive_object: 0, record_index: 47}}
 jobs:
   read_params: {{drive: mm440, read: [P1120, "P2155[1..2]"], trigger: {{execute: M10.0, status: MW22}}, reference: 1}}
-  write_params: {{drive: mm440, write: {{P1120: 11.0, P1121: 22.0}}, trigger: {{execute: M10.1, status: MW24}}, reference: 2}}
+  write_params:
+    {{drive: mm440, write: {{P1120: 11.0, P1121: 22.0}}, trigger: {{execute: M10.1, status: MW24}}, reference: 2}}
 """
 READ_UP = "01 02 01 10 01 C4 7F 00 00"
 WRITE_DOWN = "02 02 01 10 01 C4 80 00 00 08 01 42 C8 00 00"

@@ -1,8 +1,8 @@
 """WRREC and RDREC call by call: STATUS, one-call flags, snapshot, limits, restart, misuse."""
 
 import pytest
-
 from cpu.support import load
+
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.system.bus import Bus
 from plcgen.ds47 import formats
@@ -148,7 +148,8 @@ def test_local_data_as_record():
 
 def test_status_after_its_scan():
     """STATUS counts in the call only."""
-    code = "IF #write THEN\n#w(REQ := TRUE, ID := 271, INDEX := 47, LEN := 10, RECORD := #q);\nEND_IF;\n#status := #w.STATUS;"
+    call = "#w(REQ := TRUE, ID := 271, INDEX := 47, LEN := 10, RECORD := #q);"
+    code = f"IF #write THEN\n{call}\nEND_IF;\n#status := #w.STATUS;"
     cpu, _, _ = bench({**CASE, "code": code})
     cpu.call("Test_DB", 10, write=True)
     assert cpu.misuses == []

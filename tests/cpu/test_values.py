@@ -1,7 +1,6 @@
 """Statements and expressions against values worked out by hand."""
 
 import pytest
-
 from cpu.support import cases, run
 
 CASES = cases("values") + cases("memory")
