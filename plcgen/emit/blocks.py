@@ -45,7 +45,6 @@ def shared_documents(project: Project) -> Iterator[Document]:
         view: dict[str, Any] = {
             "name": token.name,
             "title": f"Which job uses {', '.join(drive.key for drive in drives[:3])}",
-            "retain": False,
             "fields": _rows(project, TOKEN),
             "assignments": (),
         }
@@ -71,7 +70,6 @@ def job_documents(project: Project, job: PlannedJob) -> Iterator[Document]:
             view = {
                 "name": block.name,
                 "title": f"{which}: {label}",
-                "retain": True,
                 "fields": rows,
                 "assignments": [
                     {"path": f"{row.name}[{index}]", "value": text} for row in rows for index, text in row.subs

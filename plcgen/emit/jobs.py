@@ -42,6 +42,7 @@ def common(project: Project) -> dict[str, Any]:
     return {
         "v5": where.v5,
         "t15": where.t15,
+        "regions": where.t15 and not where.toolchain.startswith("tia-v13"),
         "h": "" if where.v5 else "#",
         "t": {**words, "RECORD_INDEX": words["DINT"] if where.t15 else words["INT"]},
         "project": project.name,
@@ -73,7 +74,7 @@ def _job(project: Project, job: PlannedJob) -> dict[str, Any]:
         "owner": job.owner,
         "title": title(project, job),
         "comment_lines": [one_line(text) for text in comments[1:] if encodable(text, where)],
-        "labels": ", ".join(use.label for use in job.uses),
+        "labels": [_label(job, use) for use in job.uses],
         "drive": _drive(job),
         "timeout_ms": job.timeout,
         "drain_ms": DRAIN_MS,
@@ -94,6 +95,12 @@ def _job(project: Project, job: PlannedJob) -> dict[str, Any]:
         "write_instance": records[0].name if records else "",
         "read_instance": records[1].name if records else "",
     }
+
+
+def _label(job: PlannedJob, use: Use) -> str:
+    """Line of the header: which index of ``errors`` belongs to which parameter."""
+    text = f"{use.position}: {'writes' if job.write else 'reads'} {use.label} {use.parameter.title}"
+    return one_line(text)
 
 
 def _drive(job: PlannedJob) -> dict[str, Any]:
@@ -189,12 +196,14 @@ def _telegram(project: Project, telegram: Telegram, first: int, *, many: bool) -
         "request_length": len(telegram.request),
         "response_size": telegram.response_size,
         "request_pointer": f"P#DB{request_db.number}.DBX0.0 BYTE {len(telegram.request)}",
-        "request_guard": f"P#DB{request_db.number}.DBX0.0 BYTE 2",
         "response_pointer": f"P#DB{response_db.number}.DBX0.0 BYTE {telegram.response_size}",
+        "reference": f'"{request_db.name}".{reference}',
         "mirror": f'"{response_db.name}".{mirror}',
         "count": len(telegram.parts),
         "first_block": first,
         "last_block": first + len(telegram.parts) - 1,
+        "first_use": telegram.parts[0].use.position,
+        "last_use": telegram.parts[-1].use.position,
         "build": build,
         "store": store,
     }

@@ -12,6 +12,9 @@ from plcgen.s7.types import ArrayType, Elementary
 from plcgen.s7.values import SIGNED, UNSIGNED
 
 _INTEGERS = SIGNED | UNSIGNED
+WATCHED = 8
+"""Elements of an array that a watch table shows."""
+
 _LETTER = {8: "DBB", 16: "DBW", 32: "DBD"}
 
 
@@ -19,7 +22,8 @@ class Row(NamedTuple):
     """A buffer member as the templates write it.
 
     ``start`` is the literal of a start value other than zero, ``subs`` those of array elements; ``text`` the
-    comment for sources, ``comments`` the same per culture; ``watch`` the name, format and value of a watch line.
+    comment for sources, ``comments`` the same per culture; ``watch`` its lines of a
+    watch table: name, address, display format, modify value.
     """
 
     name: str
@@ -31,7 +35,7 @@ class Row(NamedTuple):
     offset: int
     size: int
     address: str
-    watch: tuple[str, str, str] | None
+    watch: tuple[tuple[str, str, str, str], ...]
 
 
 @lru_cache(maxsize=8)
@@ -77,22 +81,33 @@ def _address(db: BlockRef, field: Field) -> str:
     return f"DB{db.number}.{_LETTER.get(width, 'DBB')}{field.offset}"
 
 
-def _watch(project: Project, db: BlockRef, field: Field, *, response: bool) -> tuple[str, str, str] | None:
-    """Name, display format and modify value of a member's watch line; an array shows its first element."""
+def _watch(project: Project, db: BlockRef, field: Field, *, response: bool) -> tuple[tuple[str, str, str, str], ...]:
+    """Watch lines of a member: one, or one per array element up to ``WATCHED``; inputs have no modify value."""
     if field.role in {"pad", "reserve"}:
-        return None
-    name, type_, data = field.name, field.type, field.data
-    if isinstance(type_, ArrayType) and isinstance(type_.element, Elementary):
-        name = f"{name}[{type_.bounds[0][0]}]"
-        data = data[: type_.element.bits // 8]
-        type_ = type_.element
-    if not isinstance(type_, Elementary):
-        return None
-    shown, modify = "Hex", "" if response else literal(type_, data, v5=project.target.v5)
+        return ()
+    fixed = not response and (field.role != "value" or field.part is None or field.part.use.constant)
+    type_ = field.type
+    if isinstance(type_, Elementary):
+        value = _modify(project, field, type_, field.data) if fixed else ""
+        return ((f'"{db.name}".{field.name}', _address(db, field), _format(field, type_), value),)
+    if not isinstance(type_, ArrayType) or not isinstance(type_.element, Elementary):
+        return ()
+    element, (low, high) = type_.element, type_.bounds[0]
+    step = element.bits // 8
+    lines = []
+    for number in range(min(high - low + 1, WATCHED)):
+        piece = field.data[number * step : (number + 1) * step]
+        address = f"DB{db.number}.{_LETTER.get(element.bits, 'DBB')}{field.offset + number * step}"
+        value = _modify(project, field, element, piece) if fixed else ""
+        lines.append((f'"{db.name}".{field.name}[{low + number}]', address, _format(field, element), value))
+    return tuple(lines)
+
+
+def _format(field: Field, type_: Elementary) -> str:
     if type_.name in {"REAL", "LREAL"}:
-        shown = "FloatingPoint"
-    elif field.role == "pnu":
-        shown, modify = "DEC", "" if response else str(int.from_bytes(data))
-    elif type_.name in _INTEGERS:
-        shown = "DEC"
-    return f'"{db.name}".{name}', shown, modify
+        return "FloatingPoint"
+    return "DEC" if field.role == "pnu" or type_.name in _INTEGERS else "Hex"
+
+
+def _modify(project: Project, field: Field, type_: Elementary, data: bytes) -> str:
+    return str(int.from_bytes(data)) if field.role == "pnu" else literal(type_, data, v5=project.target.v5)

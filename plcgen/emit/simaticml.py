@@ -37,10 +37,10 @@ class _Ids:
 
 def shared_xml(project: Project) -> Iterator[Document]:
     """Types and tokens that every job uses."""
-    yield _type(project, project.diagnostics_type, _fixed(DIAGNOSTICS), {})
-    yield _type(project, project.token_type, _fixed(TOKEN), {})
+    yield _type(project, project.diagnostics_type, _fixed(project, DIAGNOSTICS), {})
+    yield _type(project, project.token_type, _fixed(project, TOKEN), {})
     for token, drives in project.tokens:
-        yield _db(project, token, _fixed(TOKEN), drives[0].comment)
+        yield _db(project, token, _fixed(project, TOKEN), drives[0].comment)
 
 
 def job_xml(project: Project, job: PlannedJob, watch: list[dict[str, str]]) -> Iterator[Document]:
@@ -70,13 +70,14 @@ def closing_xml(project: Project) -> Iterator[Document]:
         yield _tags(project, rows)
 
 
-def _fixed(rows: tuple[tuple[str, str, str], ...]) -> list[dict[str, Any]]:
+def _fixed(project: Project, rows: tuple[tuple[str, str, str], ...]) -> list[dict[str, Any]]:
     words = type_words(tia=True)
-    return [_plain(name, words[type_], text) for name, type_, text in rows]
+    return [_plain(project, name, words[type_], text) for name, type_, text in rows]
 
 
-def _plain(name: str, type_: str, text: str, start: str = "") -> dict[str, Any]:
-    comments = [("en-US", one_line(text))] if text else []
+def _plain(project: Project, name: str, type_: str, text: str, start: str = "") -> dict[str, Any]:
+    """A member whose comment is not translated: the English text stands in every language of the project."""
+    comments = [(culture(language), one_line(text)) for language in project.languages] if text else []
     return {"name": name, "type": type_, "start": start, "subs": (), "comments": comments, "members": ()}
 
 
@@ -84,10 +85,10 @@ def _control(project: Project) -> list[dict[str, Any]]:
     found = []
     for job in project.jobs:
         members = [
-            _plain(row["name"], row["type"], row["text"], row["start"].removeprefix(" := "))
+            _plain(project, row["name"], row["type"], row["text"], row["start"].removeprefix(" := "))
             for row in control_fields(project, job)
         ]
-        found.append({**_plain(job.member, "Struct", title(project, job)), "members": members})
+        found.append({**_plain(project, job.member, "Struct", title(project, job)), "members": members})
     return found
 
 
@@ -155,7 +156,10 @@ def _db(
 def _tags(project: Project, rows: list[dict[str, Any]]) -> Document:
     ids = _Ids()
     table_id = ids()
-    language = culture(project.languages[0])
-    entries = [{**row, "id": ids(), "text_id": ids(), "item_id": ids(), "culture": language} for row in rows]
+    entries = []
+    for row in rows:
+        tag = {**row, "id": ids(), "text_id": ids()}
+        tag["entries"] = [{"id": ids(), "culture": culture(language)} for language in project.languages]
+        entries.append(tag)
     view = {**_base(project), "name": "DriveJobTags", "id": table_id, "tags": entries}
     return _document("xml/DriveJobTags.xml", "simaticml/tags.xml.j2", view)

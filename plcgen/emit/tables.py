@@ -34,17 +34,31 @@ def tags(project: Project) -> list[dict[str, Any]]:
 
 
 def watch_rows(project: Project, job: PlannedJob) -> list[dict[str, str]]:
-    """Rows of a job's watch table: every elementary member of its buffers, then its flags."""
+    """Rows of a job's watch table: its command and results, then every member of its buffers."""
     rows: list[dict[str, str]] = []
+    flags = dict(job.trigger.items())
+    for signal in ("execute", "busy", "done", "error", "status"):
+        address = flags.get(signal)
+        name = (
+            f'"{project.control_db.name}".{job.member}.{signal}' if address is None else f'"{flag_name(job, signal)}"'
+        )
+        rows.append(
+            {
+                "name": name,
+                "address": "" if address is None else address.text(percent=False),
+                "format": "Hex" if signal == "status" else "Bool",
+                "modify": "TRUE" if signal == "execute" else "",
+            }
+        )
+    for use in (*job.inputs, *job.outputs):
+        type_ = interface_type(use.format, use.count, use.subindex, project.target)
+        if isinstance(type_, Elementary):
+            shown = {"REAL": "FloatingPoint", "LREAL": "FloatingPoint", "BOOL": "Bool"}.get(type_.name, "DEC")
+            name = f'"{project.control_db.name}".{job.member}.{use.member}'
+            rows.append({"name": name, "address": "", "format": shown, "modify": ""})
     for telegram in job.telegrams:
         for row in (row for side in telegram_rows(project, telegram) for row in side):
-            if row.watch is not None:
-                name, shown, modify = row.watch
-                rows.append({"name": name, "address": row.address, "format": shown, "modify": modify})
-    for signal, address in job.trigger.items():
-        if address.width_bits == 1:
-            name = f'"{flag_name(job, signal)}"'
-            rows.append({"name": name, "address": address.text(percent=False), "format": "Bool", "modify": ""})
+            rows += [dict(zip(("name", "address", "format", "modify"), line, strict=True)) for line in row.watch]
     return rows
 
 
@@ -75,8 +89,12 @@ def table_documents(project: Project, sheets: list[dict[str, Any]]) -> Iterator[
     """The STEP 7 V5 symbol table and compile order, the import guide and the layout sheet."""
     if project.target.v5:
         yield Document("symbols.sdf", RAW, {"text": _symbols(project)}, project.target.encoding, newline(project))
-        order = "".join(f"{path.rsplit('/', 1)[1].removesuffix('.scl')}\n" for path in import_order(project))
+        sources = (path for path in import_order(project) if not path.endswith("/Main.scl"))
+        order = "".join(f"{path.rsplit('/', 1)[1].removesuffix('.scl')}\n" for path in sources)
         yield Document("compile.inp", RAW, {"text": order}, project.target.encoding, newline(project))
+    elif rows := tags(project):
+        table = [[row["name"], row["type"], f"%{row['address']}", row["text"]] for row in rows]
+        yield Document("tags.csv", RAW, {"text": _csv(("Name", "Data Type", "Logical Address", "Comment"), table)})
     yield Document("IMPORT.md", "text/import.md.j2", _import_view(project))
     yield Document("LAYOUT.md", "text/layout.md.j2", {"project": project.name, "jobs": sheets})
 
@@ -116,6 +134,7 @@ def _import_view(project: Project) -> dict[str, Any]:
         "xml": where.xml_version,
         "toolchain": where.toolchain,
         "order": import_order(project),
+        "tags": tags(project),
         "numbered": [block for job in project.jobs for t in job.telegrams for block in (t.request_db, t.response_db)],
         "writes": [_write_row(project, job, use) for job in project.jobs if job.write for use in job.uses],
     }

@@ -90,7 +90,7 @@ def plan_job(
         reference=reference,
         timeout=job.timeout,
         retry_pause=job.retry_pause,
-        retries=job.retries,
+        retries=max(40, job.timeout // job.retry_pause) if job.retries is None else job.retries,
         faq_names=faq,
         comment=job.comment or {},
         path=path,

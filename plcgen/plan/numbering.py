@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 from plcgen.plan.model import BlockRef
@@ -10,6 +11,7 @@ from plcgen.s7.names import shorten
 from plcgen.spec.load import SpecPath
 
 V5_SYMBOL_LENGTH = 24
+_ROLE = re.compile(r"(?:_Request[0-9]*|_Response[0-9]*|_DB|_WrRec|_RdRec|Token)\Z")
 
 
 class Numbering:
@@ -25,7 +27,7 @@ class Numbering:
     ) -> BlockRef:
         """A block; ``given`` says that the name comes from the spec and is not shortened."""
         if not given and self.where.v5:
-            name = shorten(name, V5_SYMBOL_LENGTH)
+            name = _shortened(name)
         if number is not None:
             return BlockRef(kind, name, number, pinned=True, path=path)
         candidate = self.next[kind]
@@ -33,3 +35,12 @@ class Numbering:
             candidate += 1
         self.next[kind] = candidate + 1
         return BlockRef(kind, name, candidate, pinned=False, path=path)
+
+
+def _shortened(name: str) -> str:
+    """A symbol of at most 24 characters that keeps what it is for: prefix ``type``, suffix ``_Request``, ``_DB``, .."""
+    prefix = "type" if name.startswith("type") else ""
+    match = _ROLE.search(name)
+    suffix = match[0] if match else ""
+    stem = name[len(prefix) : len(name) - len(suffix)]
+    return prefix + shorten(stem, V5_SYMBOL_LENGTH - len(prefix) - len(suffix)) + suffix

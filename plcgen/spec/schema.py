@@ -194,7 +194,12 @@ class Job(_Model):
     reference: int | None = Field(None, description="request reference of the start values, 1..255")
     timeout: Duration = Field(10_000, description="whole job, all retries included")
     retry_pause: Duration = Field(200, description="pause before a retry or the next poll")
-    retries: int = Field(40, ge=0, le=1000, description="bound on retries of one telegram")
+    retries: int | None = Field(
+        None,
+        ge=0,
+        le=10_000,
+        description="bound on retries of one telegram; absent: what fits the timeout, at least 40",
+    )
     split: Literal["auto", "never"] = Field("auto", description="may the job be split into several telegrams")
     allow: tuple[str, ...] = Field((), description="dangerous parameters this job may write")
     comment: Text | None = None
