@@ -142,15 +142,11 @@ class InterfaceReader:
             if not literal:
                 continue
             if len(groups) != sum(is_array for _, is_array in path):
-                self.report(
-                    f"Subelement Path {sub.get('Path')} does not fit the arrays of {path[-1][0]}", sub
-                )
+                self.report(f"Subelement Path {sub.get('Path')} does not fit the arrays of {path[-1][0]}", sub)
                 continue
             self._assign(path, groups, literal, sub)
 
-    def _assign(
-        self, path: Sequence[tuple[str, bool]], groups: Sequence[str], literal: str, at: Element
-    ) -> None:
+    def _assign(self, path: Sequence[tuple[str, bool]], groups: Sequence[str], literal: str, at: Element) -> None:
         indices = iter(groups)
         steps = (_quote(name) + (f"[{next(indices)}]" if is_array else "") for name, is_array in path)
         self.assignments.append(Assignment(".".join(steps), literal, span(at, self.file)))
@@ -182,9 +178,7 @@ class InterfaceReader:
 def _position(path: str, type_: ArrayType) -> int | None:
     """Place of an element counted through the array, the last index fastest; None if it is outside."""
     parts = path.split(",")
-    if len(parts) != len(type_.bounds) or not all(
-        re.fullmatch(r"\s*-?[0-9]{1,10}\s*", part) for part in parts
-    ):
+    if len(parts) != len(type_.bounds) or not all(re.fullmatch(r"\s*-?[0-9]{1,10}\s*", part) for part in parts):
         return None
     position = 0
     for part, (low, high) in zip(parts, type_.bounds, strict=True):

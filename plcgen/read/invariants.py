@@ -77,9 +77,7 @@ _VERSION = re.compile(r"V\d{2}(\.\d)?( SP\d)?")
 _HEX = re.compile(r"0|[1-9A-F][0-9A-F]*")
 
 
-def check_invariants(
-    source: Path | str | bytes, file: str | None = None, *, classic: bool = False
-) -> list[Diagnostic]:
+def check_invariants(source: Path | str | bytes, file: str | None = None, *, classic: bool = False) -> list[Diagnostic]:
     """Everything in which a document differs from a genuine export; ``classic`` is an S7-300/400 document.
 
     Diagnostics: PG813, or PG802, PG804, PG810, PG811 if it cannot be read at all.

@@ -65,24 +65,17 @@ def read_simaticml(
     return blocks, diagnostics
 
 
-def read_tag_table(
-    source: Path | str | bytes, file: str | None = None
-) -> tuple[list[TagTable], list[Diagnostic]]:
+def read_tag_table(source: Path | str | bytes, file: str | None = None) -> tuple[list[TagTable], list[Diagnostic]]:
     """Tag tables of one document; diagnostics as for :func:`read_simaticml`."""
     root, name, diagnostics = _open(source, file)
     found = (tag_table(table, name, diagnostics) for table in children(root, "SW.Tags.PlcTagTable"))
     return [table for table in found if table is not None], diagnostics
 
 
-def read_watch_table(
-    source: Path | str | bytes, file: str | None = None
-) -> tuple[list[WatchTable], list[Diagnostic]]:
+def read_watch_table(source: Path | str | bytes, file: str | None = None) -> tuple[list[WatchTable], list[Diagnostic]]:
     """Watch tables of one document; diagnostics as for :func:`read_simaticml`."""
     root, name, diagnostics = _open(source, file)
-    found = (
-        watch_table(table, name, diagnostics)
-        for table in children(root, "SW.WatchAndForceTables.PlcWatchTable")
-    )
+    found = (watch_table(table, name, diagnostics) for table in children(root, "SW.WatchAndForceTables.PlcWatchTable"))
     return [table for table in found if table is not None], diagnostics
 
 

@@ -72,9 +72,7 @@ def tag_table(element: Element, file: str, diagnostics: list[Diagnostic]) -> Tag
         if local(entry) == "SW.Tags.PlcTag":
             found = _attributes(entry, ("Name", "DataTypeName", "LogicalAddress"), file, diagnostics)
             if found is not None:
-                tags.append(
-                    Tag(found["Name"], found["DataTypeName"], found["LogicalAddress"], _comment(entry), place)
-                )
+                tags.append(Tag(found["Name"], found["DataTypeName"], found["LogicalAddress"], _comment(entry), place))
         elif local(entry) == "SW.Tags.PlcUserConstant":
             found = _attributes(entry, ("Name", "DataTypeName", "Value"), file, diagnostics)
             if found is not None:
