@@ -23,6 +23,7 @@ def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False) 
     file = owner.result.tokens.file
     try:
         compiler.block(name)
+        compiler.tidy()
         source = "\n".join(compiler.lines)
         result = Compiled(owner.name, name, source, compiler.map, file)
         if not compiler.diagnostics:
@@ -58,8 +59,7 @@ class _BlockCompiler(StatementCompiler):
         elif self.body(unit.statements):
             self.emit(leave)
         if self.uses_eno:
-            self.lines.insert(begin, " E[0]=True")
-            self.map.insert(begin, self.map[0])
+            self.insert(begin, " E[0]=True", self.map[0])
 
     def frame(self) -> tuple[str, str]:
         """Python parameters, and the statement that leaves the block."""

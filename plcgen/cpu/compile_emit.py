@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from typing import TYPE_CHECKING
 
 from plcgen.cpu.compile_model import Place, Probe, ProgramBlock, Val
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
 MAX_DIAGNOSTICS = 100
 EVERYTHING = 1 << 40
 Key = tuple[str, int, str]
+_LOCAL = re.compile(r"\bc[0-9]+\b")
 
 
 class Emitter:
@@ -35,6 +38,7 @@ class Emitter:
         self.cache: dict[Key, str] = {}
         self.names: dict[Key, str] = {}
         self.overlap: set[str] = set()
+        self.folds: list[tuple[int, str]] = []
         self.conditional = 0
         self.temporaries = 0
         self.diagnostics: list[Diagnostic] = []
@@ -47,6 +51,12 @@ class Emitter:
         """Add one line."""
         self.lines.append(self.indent + code)
         self.map.append(self.line)
+
+    def insert(self, at: int, code: str, line: int) -> None:
+        """Put a line before one that is there already."""
+        self.lines.insert(at, code)
+        self.map.insert(at, line)
+        self.folds = [(place + (place >= at), name) for place, name in self.folds]
 
     def temporary(self) -> str:
         """Return a new Python local."""
@@ -72,6 +82,24 @@ class Emitter:
             span = self.span(node)
             self.link.probes.append(Probe(span.file, span.line, span.column, kind))
             self.emit(f"H[{len(self.link.probes) - 1}]+=1")
+
+    def tidy(self) -> None:
+        """Take out locals that nobody reads again."""
+        source = "\n".join(self.lines)
+        uses = Counter(_LOCAL.findall(source))
+        lines = self.lines
+        dropped: set[int] = set()
+        for at, name in self.folds:
+            if uses[name] == 2 and name in lines[at + 1]:
+                code = lines[at].partition("=")[2]
+                before, _, behind = lines[at + 1].partition(name)
+                if not behind[:1].isdigit():
+                    lines[at + 1] = before + code + behind
+                    dropped.add(at)
+            elif uses[name] == 1:
+                dropped.add(at)
+        self.lines = [line for at, line in enumerate(lines) if at not in dropped]
+        self.map = [line for at, line in enumerate(self.map) if at not in dropped]
 
     # --- cache ----------------------------------------------------------------------------------------
 
@@ -179,6 +207,7 @@ class Emitter:
         if key is not None:
             name = self.names.setdefault(key, f"c{len(self.names)}")
             self.cache[key] = name
+            self.folds.append((len(self.lines), name))
             self.emit(f"{name}={code}")
             code = name
         self.emit(self.write_code(place, type_, code, const))

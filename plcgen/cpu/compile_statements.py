@@ -160,8 +160,7 @@ class StatementCompiler(MoveCompiler):
             code = self.truth(self.expression(branch.condition), branch.condition)
             if position:
                 if len(self.lines) > start:
-                    self.lines.insert(start, self.indent[:-1] + "else:")
-                    self.map.insert(start, self.line)
+                    self.insert(start, self.indent[:-1] + "else:", self.line)
                     self.emit(f"if {code}:")
                 else:
                     self.indent = self.indent[:-1]
