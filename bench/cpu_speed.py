@@ -93,8 +93,20 @@ def job(folder: Path, dialect: Dialect, name: str) -> tuple[float, float, int]:
     return scans, milliseconds, sum(counted.coverage) - before
 
 
+def plain() -> float:
+    """Passes per second of a plain Python loop: how fast this machine is right now."""
+
+    def loop() -> None:
+        total = 0
+        for number in range(200_000):
+            total += number & 7
+
+    return 200_000 / best(loop)
+
+
 def main() -> None:
     """Print the numbers."""
+    print(f"plain Python loop           {plain() / 1e6:6.2f} M/s    for comparison")
     print(f"statements on byte memory   {statements() / 1e6:6.2f} M/s    budget 3.00")
     with tempfile.TemporaryDirectory() as scratch:
         for label, (spec, dialect, name) in SPECS.items():

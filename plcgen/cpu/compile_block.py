@@ -116,4 +116,4 @@ class _BlockCompiler(StatementCompiler):
         elif how == "reference":
             if kind is SectionKind.RETURN and symbol.place is not None:
                 self.emit(f"{name}=(local({symbol.place.shape.bits // 8}),0,0)")
-            self.emit(f"{name}_m,{name}_o,_={name}")
+            self.emit(f"{name}_m,{name}_o=there({name})")

@@ -95,7 +95,7 @@ class Program:
         if found is None:
             return
         file, text = found
-        result = parse(text, file)
+        result = parse(text, file, self.link.dialect)
         self.diagnostics += result.diagnostics
         declared, problems = declared_blocks(result, self.link.dialect)
         self.diagnostics += problems

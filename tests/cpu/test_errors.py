@@ -176,3 +176,10 @@ def test_start_value_out_of_range():
     """A start value that does not fit is refused at its place."""
     program = load({"vars": "a : Int := 40000;", "code": ";"})
     assert "PG824" in {d.code for d in program.diagnostics}
+
+
+def test_dialect():
+    """What the target does not allow is reported with the rest."""
+    text = 'FUNCTION_BLOCK "A"\nVAR a : INT; END_VAR\nBEGIN\na := a DIV 2;\nEND_FUNCTION_BLOCK\n'
+    assert codes(text, Dialect.STEP7_V5) == set()
+    assert codes(text, Dialect.TIA_300_400) == {"PG803"}

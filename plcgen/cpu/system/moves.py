@@ -34,7 +34,7 @@ class Moves:
     def functions(self) -> dict[str, Callable[..., Any]]:
         """Return what generated code calls."""
         names = "pt local deref any_of any10 ptr6 blkmov fill move_elements fill_elements peek peek_bit poke poke_bit"
-        names += " poke_block take put cp"
+        names += " poke_block take put cp there"
         return {name: getattr(self, name) for name in names.split()}
 
     # --- references -----------------------------------------------------------------------------------
@@ -71,6 +71,13 @@ class Moves:
         if memory is None:
             raise AccessFaultError("PG834", "a parameter passed by reference points nowhere")
         return memory, (int.from_bytes(data[3:6]) & 0x7FFFF) >> 3
+
+    @staticmethod
+    def there(reference: Reference) -> tuple[Memory, int]:
+        """Memory and byte offset of a parameter passed by reference; AccessFaultError if there is none."""
+        if reference[0] is None:
+            raise AccessFaultError("PG834", "a parameter passed by reference points nowhere")
+        return reference[0], reference[1]
 
     def area(self, code: int, number: int) -> Memory | None:
         """Memory of an area code."""
