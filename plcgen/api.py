@@ -1,4 +1,4 @@
-"""The verbs of the command line as Python functions: check, generate, verify, layout, encode, decode, ...
+"""The verbs of the command line as Python functions: check, generate, verify, simulate, layout, encode, ...
 
 Every function returns frozen results with their diagnostics; none prints, none exits. A user's mistake is a
 diagnostic in the result, never an exception.
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from plcgen.report.layout import BlockTable
     from plcgen.report.page import Page
     from plcgen.report.telegram import DecodedTelegram
+    from plcgen.trace.model import Trace
     from plcgen.verify.model import Verification
 
 Progress = Callable[[str, int, int], None]
@@ -127,6 +128,36 @@ def verify(
     from plcgen.verify import verify as run
 
     return run(Path(spec), Path(folder), Path(drive) if drive is not None else None, progress)
+
+
+def simulate(
+    spec: Path | str,
+    folder: Path | str,
+    *,
+    jobs: Sequence[str] = (),
+    scans: int | None = None,
+    scan_time: int | str = 10,
+    sets: Sequence[str] = (),
+    watches: Sequence[str] = (),
+    faults: Sequence[str] = (),
+    fault_file: Path | str | None = None,
+    drives: Sequence[str] = (),
+    own: Sequence[Path | str] = (),
+    progress: Progress | None = None,
+) -> Trace:
+    """Run the generated files in a folder in the soft CPU and record every scan; see ``docs/simulate.md``.
+
+    The arguments are spelled as on the command line: ``sets`` ``MEMBER=VALUE``, ``faults`` ``KIND:KEY=VALUE``,
+    ``drives`` ``FILE`` or ``DRIVE=FILE``; ``own`` are SCL files of the user, ``scan_time`` is in ms or a text
+    like ``10ms``.
+    """
+    from plcgen.trace.run import Settings
+    from plcgen.trace.run import simulate as run
+
+    chosen = Path(fault_file) if fault_file is not None else None
+    sources = tuple(Path(path) for path in own)
+    settings = Settings(jobs, scans, scan_time, sets, watches, faults, chosen, drives, sources)
+    return run(Path(spec), Path(folder), settings, progress)
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,6 +29,7 @@ SECTIONS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
             ("generate", "Generate the PLC sources of a spec."),
             ("layout", "Show where every byte of the data blocks lies."),
             ("verify", "Run the generated files against a simulated drive."),
+            ("simulate", "Watch the jobs run scan by scan."),
         ),
     ),
     (

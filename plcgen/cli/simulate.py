@@ -1,0 +1,94 @@
+"""``plcgen simulate``: watch the generated blocks run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from plcgen.cli.generate import default_folder
+from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, format_options, output_option
+from plcgen.cli.output import OK, PROBLEMS, USAGE, Console
+from plcgen.cli.sources import SourceCache
+
+if TYPE_CHECKING:
+    from plcgen.trace.model import Trace
+
+_MAX_SCANS = 10_000_000
+
+
+@click.command(
+    "simulate",
+    cls=Verb,
+    context_settings=CONTEXT,
+    examples=(
+        "plcgen simulate job.yaml",
+        "plcgen simulate job.yaml --job read_speed --fault busy:times=2",
+        "plcgen simulate job.yaml --set setRamps.rampUpTime=5.0 --fault error:number=2",
+        "plcgen simulate job.yaml --with my_main.scl --watch MyData.step",
+        "plcgen simulate job.yaml --format vcd --output run.vcd",
+    ),
+)
+@click.argument("spec", type=PATH)
+@click.option(
+    "--out", "folder", type=PATH, metavar="DIR", help="Generated folder.  [default: <spec>_generated beside the spec]"
+)
+@click.option("--job", "jobs", multiple=True, metavar="NAME", help="Start this job only; may be repeated.")
+@click.option(
+    "--scans", type=click.IntRange(1, _MAX_SCANS), metavar="N", help="End after N scans.  [default: all jobs ended]"
+)
+@click.option("--scan-time", default="10ms", metavar="TIME", help="Length of a scan.  [default: 10ms]")
+@click.option("--set", "sets", multiple=True, metavar="MEMBER=VALUE[@SCAN]", help="Give a member or tag a value.")
+@click.option("--watch", "watches", multiple=True, metavar="MEMBER", help="Record and show a member or tag.")
+@click.option("--fault", "faults", multiple=True, metavar="KIND[:KEY=VALUE,...]", help="Let the drive go wrong.")
+@click.option("--faults", "fault_file", type=PATH, metavar="FILE", help="Faults from a YAML file.")
+@click.option("--drive", "drives", multiple=True, metavar="[DRIVE=]FILE", help="Drive file: your real drive.")
+@click.option("--with", "own", type=PATH, multiple=True, metavar="FILE", help="Run this SCL, UDT or DB source too.")
+@format_options("text", "json", "vcd")
+@output_option
+@common_options
+@click.pass_context
+def command(
+    ctx: click.Context, /, spec: Path, folder: Path | None, format_: str, output: Path | None, **more: Any
+) -> int:
+    """Run the files in a generated folder in a simulated CPU against a simulated drive, scan by scan.
+
+    Every scan in which something changes is shown: states of the jobs, WRREC and RDREC, telegrams decoded,
+    values. A cyclic OB among the files of --with runs instead of the generated example. Exit code 1 if a job
+    ends in error or the program misuses a system block.
+    """
+    from plcgen import api
+
+    out = console(ctx)
+    with out.progress() as progress:
+        trace = api.simulate(spec, folder or default_folder(spec), progress=progress, **more)
+    if any(diagnostic.code == "PG901" for diagnostic in trace.diagnostics):
+        out.complain(trace.diagnostics)
+        return USAGE
+    _show(out, trace, format_, output)
+    return OK if trace.ok else PROBLEMS
+
+
+def _show(out: Console, trace: Trace, format_: str, output: Path | None) -> None:
+    """Deliver the result; what is wrong with it goes to stderr unless the format holds it."""
+    if format_ == "json":
+        from plcgen.report.trace_json import trace_json
+
+        out.result(trace_json(trace), output)
+        return
+    if not trace.scans:
+        out.complain(trace.diagnostics)
+        return
+    if format_ == "vcd":
+        from plcgen.report.trace import summary
+        from plcgen.report.trace_vcd import trace_vcd
+
+        out.result(trace_vcd(trace), output)
+        out.complain(trace.diagnostics)
+        out.say(summary(trace))
+        return
+    from plcgen.report.trace import trace_text
+
+    color = out.out_color and output is None
+    out.result(trace_text(trace, SourceCache().line, color=color, width=out.out_width), output)

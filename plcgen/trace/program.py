@@ -1,0 +1,105 @@
+"""What runs against what: the program from files on disk, the simulated drives behind the addresses of a spec."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from plcgen.cpu.folder import load_folder
+from plcgen.cpu.program import Program
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.plan.model import PlannedDrive, Project
+from plcgen.s7.blocks import BlockKind
+from plcgen.scl.dialect import Dialect
+from plcgen.sim.drive import Drive
+from plcgen.sim.load import load_drive
+from plcgen.spec.source import read_text
+from plcgen.trace.settings import FaultPlan, usage
+from plcgen.verify.bench import build_drive
+
+_START_UP = frozenset({"OB100", "STARTUP"})
+
+
+def load_program(folder: Path, dialect: Dialect, own: Sequence[Path] = ()) -> Program:
+    """Load a generated folder and the user's own sources.
+
+    A block of the user's replaces the generated one of the same name, his cyclic OB the generated example.
+    Raises DiagnosticError if anything does not compile or no cyclic OB is left.
+    """
+    program = load_folder(folder, dialect)
+    if own:
+        program = _joined(program, dialect, own)
+    if not program.ok:
+        raise DiagnosticError(program.diagnostics)
+    if program.main() is None:
+        text = "generate the folder again, or name a file with an OB1 or Main: --with FILE.scl"
+        raise DiagnosticError([Diagnostic("PG608", "there is no cyclic OB to run", Span(str(folder)), help=text)])
+    return program
+
+
+def _joined(base: Program, dialect: Dialect, own: Sequence[Path]) -> Program:
+    """Load the sources of a folder once more, together with others."""
+    users = Program.load(own, dialect)
+    taken = {name for name, entry in users.link.blocks.items() if entry.block.span is not None}
+    cyclic = any(e.block.kind is BlockKind.OB and n not in _START_UP for n, e in users.link.blocks.items())
+    sources: list[Path] = []
+    for name, entry in base.link.blocks.items():
+        example = cyclic and entry.block.kind is BlockKind.OB and name not in _START_UP
+        if name not in taken and not example and entry.block.span is not None:
+            sources.append(Path(entry.block.span.file))
+    numbers: dict[str, int] = {}
+    tags: dict[str, str | tuple[str, str]] = {
+        name: (str(address), type_) for name, (address, type_) in base.link.tags.items()
+    }
+    for number, name in base.link.aliases.items():
+        if number.startswith("DB"):
+            numbers[name] = int(number[2:])
+        else:
+            tags.setdefault(name, number)
+    return Program.load([*dict.fromkeys(sources), *own], dialect, tags=tags, numbers=numbers)
+
+
+def connect(project: Project, files: Sequence[str], faults: FaultPlan) -> dict[int, tuple[str, Drive]]:
+    """Build the drives by address, each with its key: from drive files where given, else from the device profile.
+
+    A file is ``FILE`` (for every drive) or ``DRIVE=FILE``. Drives at one address are drive objects of one unit.
+    """
+    chosen = _chosen(project, files)
+    found: dict[int, tuple[str, Drive]] = {}
+    for drive in project.drives:
+        path = chosen.get(drive.key) or chosen.get("")
+        known = found.get(drive.id_value)
+        if known is not None:
+            if path is None:
+                _merge(known[1], build_drive(project, drive))
+            continue
+        unit = build_drive(project, drive) if path is None else load_drive(read_text(path), str(path))
+        unit.faults += faults.of(*_sharing(project, drive))
+        found[drive.id_value] = drive.key, unit
+    return found
+
+
+def _chosen(project: Project, files: Sequence[str]) -> Mapping[str, Path]:
+    keys = {drive.key for drive in project.drives}
+    chosen: dict[str, Path] = {}
+    for text in files:
+        key, equals, path = text.partition("=")
+        own = bool(equals) and key in keys
+        key, path = (key, path) if own else ("", text)
+        if key in chosen:
+            raise usage(f"--drive {text}", "there is a drive file for this drive already", "write DRIVE=FILE for each")
+        chosen[key] = Path(path)
+    return chosen
+
+
+def _merge(unit: Drive, other: Drive) -> None:
+    """Add the drive objects of another drive at the same address."""
+    for number, item in other.objects.items():
+        own = unit.objects.setdefault(number, item)
+        if own is not item:
+            own.parameters |= {p: value for p, value in item.parameters.items() if p not in own.parameters}
+
+
+def _sharing(project: Project, drive: PlannedDrive) -> tuple[str, ...]:
+    """Keys of all drives at the address of a drive."""
+    return tuple(other.key for other in project.drives if other.id_value == drive.id_value)

@@ -1,0 +1,69 @@
+"""Members by the names people type, and constants as SCL writes them."""
+
+from __future__ import annotations
+
+import re
+
+from plcgen.cpu.cpu import Cpu
+from plcgen.diagnostics import DiagnosticError
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.plan.model import Project
+from plcgen.s7.blocks import BlockKind
+from plcgen.s7.layout import layout_block
+from plcgen.s7.literals import LiteralError, parse_literal
+from plcgen.s7.types import Elementary, StringType
+from plcgen.trace.recorder import watch
+from plcgen.trace.settings import Assignment, usage
+
+_REAL = re.compile(r"[-+]?[0-9]+(?:\.[0-9]*)?(?:[eE][-+]?[0-9]+)?", re.ASCII)
+
+
+def full_path(cpu: Cpu, path: str, project: Project, option: str) -> str:
+    """Path of a member as the CPU knows it; ``setRamps.execute`` means the control DB's member.
+
+    Raises DiagnosticError if there is no such member, tag or address.
+    """
+    control = f'"{project.control_db.name}".{path}'
+    for candidate in (path, control):
+        try:
+            watch(cpu, candidate)
+        except (KeyError, ValueError):
+            continue
+        return candidate
+    raise _unknown(cpu, path, project, option)
+
+
+def _unknown(cpu: Cpu, path: str, project: Project, option: str) -> DiagnosticError:
+    names = [f"{project.control_db.name}.{name}" for name in _members(cpu, project.control_db.name)]
+    first = path.split(".", maxsplit=1)[0].strip('"')
+    entry = cpu.program.link.find(first)
+    if entry is not None and entry.block.kind is BlockKind.DB:
+        names = [f"{entry.name}.{name}" for name in _members(cpu, first)]
+    hint = did_you_mean(path, [*names, *(name.split(".", 1)[-1] for name in names)])
+    text = hint or "name a member (DriveJobs.readSpeed.execute), a tag, or an address (M50.0, DB3.DBW6)"
+    return usage(f"{option} {path}", f"there is no member, tag or address {path}", text)
+
+
+def _members(cpu: Cpu, name: str) -> list[str]:
+    entry = cpu.program.link.find(name)
+    if entry is None or entry.shape is None:
+        return []
+    return [e.path for e in layout_block(entry.block, cpu.program.link.types).entries if not e.shape.fields]
+
+
+def assign(cpu: Cpu, item: Assignment, project: Project) -> None:
+    """Give a member its value. Raises DiagnosticError if the value does not fit."""
+    path = full_path(cpu, item.path, project, "--set")
+    _, type_ = watch(cpu, path)
+    if not isinstance(type_, Elementary | StringType):
+        raise usage(item.option, f"{item.path} is an array or structure", "name one element, for example [0]")
+    text = item.value
+    if type_.name in {"REAL", "LREAL"} and _REAL.fullmatch(text):
+        cpu[path] = float(text)
+        return
+    try:
+        cpu[path] = parse_literal(text, type_)
+    except LiteralError as problem:
+        raise usage(item.option, str(problem), f"{item.path} is a {type_.name}") from None
+    except ValueError as problem:
+        raise usage(item.option, f"{text} does not fit {type_.name}: {problem}") from None
