@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import codecs
+import re
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +18,17 @@ if TYPE_CHECKING:
 
 MAX_BYTES = 2 * MAX_CHARACTERS
 """Larger files are refused with PG802 before they are read."""
+
+_HIGH = re.compile(rb"[\x80-\xff]+")
+_CHINESE = re.compile(rb"(?:[\xa1-\xf7][\xa1-\xfe])+")
+_LAST_COMMON = 0xD7
+"""First byte of the last of the 3,755 common characters of GB 2312."""
+_CYRILLIC = 0xC0
+"""First letter of Windows-1251."""
+_NO_CENTRAL_EUROPEAN = re.compile(rb"[\x81\x83\x88\x90\x98]")
+_SAMPLE = 2000
+_WORD = 4
+"""So many letters in a row that are no ASCII do not occur in Western languages."""
 
 _DECLARATIONS_ONLY = frozenset({".awl", ".stl"})
 _BOMS = (
@@ -31,7 +44,8 @@ def read_source(
     """Blocks of one file and everything wrong with it; a file that cannot be read is a diagnostic too.
 
     Without ``dialect`` everything is accepted that one of the three compilers accepts. ``encoding`` names the
-    code page of an ANSI file (default Windows-1252); a byte order mark and valid UTF-8 come first.
+    code page of an ANSI file (by default it is guessed, see ``code_page``); a byte order mark and valid UTF-8
+    come first.
     """
     path = Path(path)
     file = str(path)
@@ -73,7 +87,30 @@ def decode(data: bytes, file: str, encoding: str | None = None) -> str | Diagnos
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError:
-        return _decode_as(data, encoding or "cp1252", file)
+        return _decode_as(data, encoding or code_page(data), file)
+
+
+def code_page(data: bytes) -> str:
+    """Guess the code page of an ANSI source from the runs of bytes above 7Fh that its comments and names leave.
+
+    Western texts have single such bytes, Cyrillic words consist of them, and GB 2312 always has two per
+    character. Polish and Czech sources show by bytes that Windows-1252 does not have.
+    """
+    runs = [match.group() for match in islice(_HIGH.finditer(data), _SAMPLE)]
+    high = b"".join(runs)
+    if any(len(run) >= _WORD for run in runs):
+        first_bytes = high[::2]
+        common = sum(byte <= _LAST_COMMON for byte in first_bytes)
+        if all(_CHINESE.fullmatch(run) for run in runs) and 2 * common > len(first_bytes):
+            return "gb18030"
+        letters = sum(byte >= _CYRILLIC for byte in high)
+        if len(high) >= 3 * len(runs) and 10 * letters >= 9 * len(high):
+            return "cp1251"
+    try:
+        data.decode("cp1252")
+    except UnicodeDecodeError:
+        return "cp1252" if _NO_CENTRAL_EUROPEAN.search(data) else "cp1250"
+    return "cp1252"
 
 
 def _refused_encoding(data: bytes, file: str, dialect: Dialect | None) -> list[Diagnostic]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, Note, Span
-from plcgen.diagnostics.suggest import did_you_mean, near
+from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind
 from plcgen.s7.types import (
     ALIASES,
@@ -22,24 +22,13 @@ from plcgen.s7.types import (
 from plcgen.scl import ast
 from plcgen.scl.constants import evaluate, type_of
 from plcgen.scl.cursor import MAX_ERRORS
+from plcgen.scl.system_types import SYSTEM_TYPES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from plcgen.scl.dialect import Dialect
     from plcgen.scl.parser import ParseResult
-
-SYSTEM_TYPES = frozenset(
-    """VARIANT VOID REMOTE IEC_TIMER IEC_LTIMER IEC_COUNTER IEC_SCOUNTER IEC_DCOUNTER IEC_UCOUNTER
-    IEC_USCOUNTER IEC_UDCOUNTER TON TOF TP TONR TON_TIME TOF_TIME TP_TIME TONR_TIME TON_LTIME TOF_LTIME
-    TP_LTIME TONR_LTIME CTU CTD CTUD CTU_INT CTD_INT CTUD_INT CTU_DINT CTUD_DINT R_TRIG F_TRIG WRREC
-    RDREC RALRM TCON TSEND TRCV TDISCON TSEND_C TRCV_C TUSEND TURCV PID_COMPACT ERROR_STRUCT NREF CREF
-    TADDR_PARAM TCON_PARAM TCON_IP_V4 CONN_OUC CONN_ANY CONN_PRG CONN_R_ID HW_SUBMODULE HW_IOSYSTEM
-    HW_HSC HW_PWM HW_PTO HW_DPMASTER HW_DPSLAVE HW_INTERRUPT OB_ANY OB_PCYCLE OB_CYCLIC OB_DELAY OB_TOD
-    OB_ATT OB_HWINT OB_DIAG OB_TIMEERROR OB_STARTUP EVENT_ANY EVENT_ATT EVENT_HWINT AOM_IDENT RTM PIP
-    INSTANCE TIMEVALUE BLOCK_SFC""".split()  # noqa: SIM905
-)
-"""Types by name that need no declaration and that are no elementary type of the block model."""
 
 _NUMBERED = re.compile(r"(?i:(UDT|S?FB|S?FC|DB|OB)0*([0-9]{1,5}))")
 _KINDS = {
@@ -51,6 +40,9 @@ _SECTIONS = {
     "VAR": SectionKind.STATIC, "VAR_TEMP": SectionKind.TEMP, "CONST": SectionKind.CONSTANT,
 }  # fmt: skip
 _DEFAULT_STRING = 254
+_PLAIN = [name for name in (*ELEMENTARY, *ALIASES, "STRING", "WSTRING") if "_" not in name]
+_LONGEST = 9
+_CONSTANT_HELP = "replace it by its value: until then the memory layout of the block is unknown"
 _BOUND_HELP = "write the number: without it the memory layout of the block is unknown"
 
 
@@ -69,9 +61,11 @@ class _Builder:
         self.result = result
         self.source = result.tokens.source
         self.declared = declared
-        self.strict = dialect is None or dialect.is_tia
+        self.strict = dialect is not None and dialect.is_tia
         self.diagnostics: list[Diagnostic] = []
         self.constants: dict[str, int] = {}
+        self.unresolved: set[str] = set()
+        self.compared = 0
         self.instruction = False
 
     def error(self, code: str, message: str, node: ast.Node, text: str = "") -> None:
@@ -154,12 +148,16 @@ class _Builder:
     def block_constants(self, unit: ast.Unit) -> dict[str, int]:
         """Integer constants of CONST and VAR CONSTANT, by upper-case name."""
         known: dict[str, int] = {}
+        self.unresolved = set()
         for section in unit.sections:
             if section.keyword == "CONST" or "CONSTANT" in section.modifiers:
                 for declaration in section.declarations:
                     value = evaluate(declaration.initial, known) if declaration.initial else None
+                    names = [name.name.upper() for name in declaration.names]
                     if value is not None:
-                        known.update((name.name.upper(), value) for name in declaration.names)
+                        known.update((name, value) for name in names)
+                    else:
+                        self.unresolved.update(names)
         return known
 
     # --- members --------------------------------------------------------------------------------------
@@ -237,6 +235,7 @@ class _Builder:
             or upper in self.declared
             or self.instruction
             or _is_instruction(spec.attributes)
+            or "." in spec.name
             or _NUMBERED.fullmatch(upper)
         )
         if not known:
@@ -244,18 +243,27 @@ class _Builder:
         return NamedType(spec.name)
 
     def unknown(self, spec: ast.TypeName) -> None:
-        """STEP 7 V5 allows symbols without quotes: there only a near miss is an error."""
-        candidates = [*ELEMENTARY, *ALIASES, "STRING", "WSTRING", *SYSTEM_TYPES, *self.declared]
-        if len(self.diagnostics) >= MAX_ERRORS or (not self.strict and not near(spec.name, candidates)):
+        """STEP 7 V5 allows symbols without quotes: there only what looks like a typing error is one."""
+        if len(self.diagnostics) >= MAX_ERRORS or not (self.strict or self.is_misspelt(spec.name)):
             return
+        candidates = [*ELEMENTARY, *ALIASES, "STRING", "WSTRING", *SYSTEM_TYPES, *self.declared]
         text = did_you_mean(spec.name, candidates) or "put the name of a user type in quotes"
         self.error("PG806", f"unknown type {spec.name}", spec, text)
+
+    def is_misspelt(self, name: str) -> bool:
+        """Whether the name of a type is about one letter away from an elementary one; a few names per file."""
+        from difflib import get_close_matches
+
+        if not name.isalpha() or len(name) > _LONGEST or self.compared >= MAX_ERRORS:
+            return False
+        self.compared += 1
+        return bool(get_close_matches(name.upper(), _PLAIN, n=1, cutoff=0.85))
 
     def bound(self, spec: ast.ArraySpec, low: ast.Expression, high: ast.Expression) -> tuple[int, int]:
         """One dimension; a bound that is no constant of this block counts as its neighbour."""
         values = [evaluate(low, self.constants), evaluate(high, self.constants)]
         for node, value in zip((low, high), values, strict=True):
-            if value is None:
+            if value is None and not self.is_elsewhere(node):
                 self.error(
                     "PG801", f"the array bound {self.text(node)} is no constant of this block", node, _BOUND_HELP
                 )
@@ -266,11 +274,24 @@ class _Builder:
             last = first
         return first, last
 
+    def is_elsewhere(self, node: ast.Expression) -> bool:
+        """Whether the value depends on a constant of the project; if so, warn with PG806."""
+        for inner in ast.walk(node):
+            if isinstance(inner, ast.Name) and (inner.scope == "quoted" or inner.name.upper() in self.unresolved):
+                message = f"the constant {self.text(inner)} has its value outside this source"
+                span = self.result.span(inner)
+                if len(self.diagnostics) < MAX_ERRORS:
+                    self.diagnostics.append(Diagnostic("PG806", message, span, Severity.WARNING, help=_CONSTANT_HELP))
+                return True
+        return False
+
     def length(self, spec: ast.StringSpec) -> int:
         """Return the declared length of a string, 254 without one."""
         if spec.length is None:
             return _DEFAULT_STRING
         value = evaluate(spec.length, self.constants)
+        if value is None and self.is_elsewhere(spec.length):
+            return _DEFAULT_STRING
         limit = _DEFAULT_STRING if spec.name.upper() == "STRING" else 16382
         if value is None or not 0 < value <= limit:
             self.error("PG801", f"{spec.name.upper()} needs a constant length from 1 to {limit}", spec.length)
@@ -280,7 +301,7 @@ class _Builder:
 
 def _is_instruction(attributes: Iterable[ast.Attribute]) -> bool:
     """Whether the attributes name a library instruction: then its type needs no declaration."""
-    return any(a.name == "InstructionName" for a in attributes)
+    return any(a.name in {"InstructionName", "OriginalPartName"} for a in attributes)
 
 
 def _is_void(spec: ast.TypeSpec) -> bool:

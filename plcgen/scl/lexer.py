@@ -38,14 +38,19 @@ _DATE = (
     r"(?i:(?:D|DATE|DT|DATE_AND_TIME|L?TOD|L?TIME_OF_DAY|LDT|DATE_AND_LTIME|DTL)\#)"
     r"[0-9][0-9_]*+(?:[-:.][0-9]++)*+"
 )
+_BYTES = r"(?i:B\#\([ \t]*+[0-9]++(?:[ \t]*+,[ \t]*+[0-9]++)++[ \t]*+\))"
+"""``B#(1, 2)``: the bytes of a WORD or DWORD in statement lists and their data blocks."""
+_BLANK = "\ufeff\x1a"
+"""What joined or very old files leave behind: byte order marks and the end mark of DOS."""
 _PATTERN = re.compile(
     "|".join(
         (
-            r"(?:\s++|//[^\n]*+)++",
+            rf"(?:[\s{_BLANK}]++|//[^\n]*+)++",
             r"(?i:P\#(?:(?:DB\d++\.)?[A-Z]{1,3}[ \t]*+)?\d++\.\d++(?:[ \t]++[A-Z_]++[ \t]++\d++)?+)",
             rf"[Pp]\#{{1,2}}(?:\"[^\"\n]*+\"|{_WORD})(?:\.{_WORD})*+",
             _ADDRESS + r"(?!\w)(?::P(?!\w))?+",
             _DATE,
+            _BYTES,
             rf"{_WORD}(?:\#(?:{_TEXT}|[-+]?\w++(?:\#\w++)?+(?:\.[0-9]\w*+(?:(?<=[eE])[-+][0-9]++)?+)?+))?+",
             rf"\#(?:\"[^\"\n]*+\"|{_WORD})",
             r"\"[^\"\n]*+\"(?::P(?!\w))?+",
@@ -163,7 +168,7 @@ def _classify(text: str) -> str:
     first = text[0]
     if text in _OPERATORS:
         return text
-    if first.isspace() or text.startswith("//"):
+    if first.isspace() or first in _BLANK or text.startswith("//"):
         return _TRIVIA
     if first == "(":
         closed = (text.startswith("(*") and text.endswith("*)") and len(text) > 3) or text.endswith("*/)")

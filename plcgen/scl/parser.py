@@ -23,6 +23,7 @@ _PROPERTIES = frozenset({"TITLE", "AUTHOR", "NAME", "FAMILY", "VERSION"})
 _FLAGS = frozenset({"NON_RETAIN", "RETAIN", "KNOW_HOW_PROTECT", "READ_ONLY", "UNLINKED", "CODE_VERSION1", "STANDARD"})
 _VERSION = re.compile(r"[ \t]*('[^'\n]*'|[0-9.]+)")
 _QUOTED_VALUE = re.compile(r"[ \t]*'([^'\n]*)'")
+_NAMESPACES = frozenset({"NAMESPACE", "USING", "END_NAMESPACE"})
 _NUMBERED = frozenset({"DB", "FB", "FC", "OB", "UDT", "SFB", "SFC"})
 
 
@@ -57,6 +58,9 @@ class Parser(DeclarationParser, StatementParser):
                 if self.kinds[self.pos] == "{":
                     self.skip_pragma()
                     continue
+                if self.upper() in _NAMESPACES:
+                    self.namespace()
+                    continue
                 if self.kinds[self.pos] not in UNIT_KEYWORDS:
                     self.report(self.expected("a block or TYPE").diagnostic)
                     self.skip_to_unit()
@@ -65,6 +69,15 @@ class Parser(DeclarationParser, StatementParser):
         except Abort as abort:
             self.diagnostics.append(abort.diagnostic)
         return tuple(units)
+
+    def namespace(self) -> None:
+        """``NAMESPACE a.b``, ``USING a.b;`` and ``END_NAMESPACE``: blocks keep their own names."""
+        closing = self.upper() == "END_NAMESPACE"
+        self.pos += 1
+        while not closing and self.kinds[self.pos] in {NAME, QUOTED}:
+            self.pos += 1
+            closing = not self.accept(".")
+        self.accept(";")
 
     def recover_unit(self, units: list[ast.Unit]) -> None:
         """One unit; a fault that nothing inside could catch costs the unit."""
@@ -201,6 +214,8 @@ class Parser(DeclarationParser, StatementParser):
                 sections.append(self.section())
             elif data and body_type is None and kind in {"STRUCT", "ARRAY", NAME, QUOTED, "{"}:
                 body_type = self.type_spec()
+                if keyword == "TYPE" and self.kinds[self.pos] == "(":
+                    sections.append(self.named_values(body_type))
                 if keyword == "TYPE" and self.accept(":="):
                     self.initial_value()
                 self.accept(";")
@@ -217,6 +232,7 @@ class Parser(DeclarationParser, StatementParser):
         self.accept("BEGIN")
         if keyword == "TYPE":
             return ()
+        self.data = keyword == "DATA_BLOCK"
         if not self.bodies and keyword != "DATA_BLOCK":
             begin = self.start
             while self.kinds[self.pos] not in UNIT_ENDS and self.kinds[self.pos] != EOF:

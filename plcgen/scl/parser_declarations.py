@@ -31,7 +31,7 @@ class DeclarationParser(ExpressionParser):
         while self.upper() in _MODIFIERS and self.kind(1) not in {":", ",", "{"}:
             modifiers.append(self.upper())
             self.pos += 1
-        declarations = self.declarations(constants=keyword == "CONST")
+        declarations = self.declarations(constants=keyword == "CONST" or "CONSTANT" in modifiers)
         closing = "END_CONST" if keyword == "CONST" else "END_VAR"
         if not self.accept(closing):
             self.report(self.expected(closing).diagnostic)
@@ -107,6 +107,7 @@ class DeclarationParser(ExpressionParser):
         if self.upper() == "AT":
             self.pos += 1
             at = self.word("the variable that AT overlays")
+            self.attributes()
         self.expect(":")
         spec = self.type_spec()
         initial = self.initial_value() if self.accept(":=") else None
@@ -153,15 +154,14 @@ class DeclarationParser(ExpressionParser):
             return self.array(start)
         if kind == "STRUCT":
             return self.structure(self.start)
-        if kind == QUOTED:
-            self.pos += 1
-            return ast.TypeName(
-                start, self.last_end, unquote(self.texts[self.pos - 1]), quoted=True, attributes=attributes
-            )
         if kind not in WORDS:
             raise self.expected("a data type")
         name = self.texts[self.pos]
         self.pos += 1
+        if kind == QUOTED or self.kinds[self.pos] == ".":
+            quoted = kind == QUOTED
+            name = self.qualified(unquote(name))
+            return ast.TypeName(start, self.last_end, name, quoted=quoted, attributes=attributes)
         upper = name.upper()
         if upper in {"STRING", "WSTRING"}:
             return self.string(start, name)
@@ -175,6 +175,12 @@ class DeclarationParser(ExpressionParser):
             self.pos += 1
         return ast.TypeName(start, self.last_end, name, quoted=False, attributes=attributes)
 
+    def qualified(self, name: str) -> str:
+        """Go on behind the first name of a type in a namespace or software unit."""
+        while self.accept("."):
+            name += "." + self.word("a name")
+        return name
+
     def string(self, start: int, name: str) -> ast.StringSpec:
         """Read ``STRING`` with or without a length."""
         length = None
@@ -184,12 +190,15 @@ class DeclarationParser(ExpressionParser):
         return ast.StringSpec(start, self.last_end, name, length)
 
     def array(self, start: int) -> ast.ArraySpec:
-        """``ARRAY [low..high, ...] OF type``."""
+        """``ARRAY [low..high, ...] OF type``; ``*`` in place of the bounds."""
         self.enter()
         self.pos += 1
         self.expect("[")
         bounds: list[tuple[ast.Expression, ast.Expression]] = []
-        if not self.accept("*"):
+        if self.accept("*"):
+            while self.accept(","):
+                self.expect("*")
+        else:
             bounds.append(self.bound())
             while self.accept(","):
                 bounds.append(self.bound())
@@ -198,6 +207,18 @@ class DeclarationParser(ExpressionParser):
         element = self.type_spec()
         self.depth -= 1
         return ast.ArraySpec(start, element.end, tuple(bounds), element)
+
+    def named_values(self, base: ast.TypeSpec) -> ast.Section:
+        """``(STOP := 0, RUN := 1)`` behind the type that a named value type is made from."""
+        start = self.start
+        self.expect("(")
+        found: list[ast.Declaration] = []
+        for item in self.initial_items(")"):
+            if item.name is None:
+                raise self.fault("a named value needs a name and a value", text="write NAME := 0")
+            name = ast.DeclaredName(item.start, item.start + len(item.name), item.name, quoted=False, attributes=())
+            found.append(ast.Declaration(item.start, item.end, (name,), None, base, item.value, ""))
+        return ast.Section(start, self.last_end, "VAR", ("CONSTANT",), tuple(found))
 
     def bound(self) -> tuple[ast.Expression, ast.Expression]:
         """``low..high``."""

@@ -19,6 +19,8 @@ _LITERALS = {INT: "int", REAL: "real", STRING: "string", TYPED: "typed", POINTER
 _POSTFIX = frozenset({".", "[", "(", "^", ":"})
 _FREE_LINKS = 8
 _SLICE_WIDTHS = "XBWDL"
+_NUMBERED = frozenset({"T", "Z", "C", "DB", "FB", "FC", "SDB"})
+"""Timers, counters and blocks as start values; statement lists put a blank before the number."""
 
 
 class ExpressionParser(Cursor):
@@ -167,6 +169,9 @@ class ExpressionParser(Cursor):
         if kind == INT and text.isdigit():
             self.pos = pos + 1
             return ast.Member(base.start, end, base, text)
+        if kind == TYPED:
+            self.pos = pos + 1
+            return ast.Literal(base.start, end, self.tokens.source[base.start : end], "typed")
         if kind == LOCAL:
             raise self.fault("'#' behind a dot", text="only the first name of a path has a '#'")
         raise self.expected("a member name")
@@ -246,6 +251,9 @@ class ExpressionParser(Cursor):
                 group = replace(items[0].value, start=start, end=self.last_end)
                 return self.climb(group, 0)
             return ast.Aggregate(start, self.last_end, kind, items)
+        if kind == NAME and self.kinds[self.pos + 1] == INT and self.upper() in _NUMBERED:
+            self.pos += 2
+            return ast.Address(start, self.last_end, self.tokens.source[start : self.last_end])
         if kind == INT and self.kinds[self.pos + 1] == "(":
             count = ast.Literal(start, self.tokens.end(self.pos), self.texts[self.pos], "int")
             self.pos += 2

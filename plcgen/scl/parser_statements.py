@@ -22,12 +22,17 @@ _LITERAL_LABELS = frozenset({INT, REAL, STRING, TYPED, "-", "+", "TRUE", "FALSE"
 _ASSIGNMENTS = frozenset({":=", "+=", "-=", "*=", "/=", "&=", "**=", "?="})
 _REGIONS_AHEAD = 16
 _NOT_A_REGION = _ASSIGNMENTS | {".", "[", "(", ":", ";", ",", ")"}
+_NAME_FOLLOWS = frozenset({":=", "."})
+"""Behind a keyword they show that it is the name of a member, as in the assignments of a data block."""
+_QUALIFIED = 16
 
 
 class StatementParser(ExpressionParser):
     """The code behind BEGIN."""
 
     jump_labels: frozenset[str] = frozenset()
+    data = False
+    """Whether the statements are those of a data block: start values, not expressions."""
 
     def body(self, *, in_case: bool = False) -> ast.Body:
         """Statements up to a keyword that closes something, or up to the next label of a CASE."""
@@ -38,7 +43,7 @@ class StatementParser(ExpressionParser):
         while True:
             pos = self.pos
             kind = kinds[pos]
-            if kind in _STOPS:
+            if kind in _STOPS and self.kind(1) not in _NAME_FOLLOWS:
                 break
             if in_case and self.at_case_label():
                 break
@@ -78,7 +83,7 @@ class StatementParser(ExpressionParser):
         kind = self.kinds[self.pos]
         if kind == ":=" or kind in _ASSIGNMENTS:
             self.pos += 1
-            value = self.expression()
+            value = self.initial_value() if self.data else self.expression()
             if self.kinds[self.pos] == ":=":
                 return self.chained(start, target, kind, value)
             self.semicolon()
@@ -112,8 +117,8 @@ class StatementParser(ExpressionParser):
 
     def other(self, kind: str) -> ast.Statement | None:
         """Statements that begin with a keyword, labels and attributes."""
-        if kind == "REGION" and self.kind(1) in _NOT_A_REGION:
-            return self.region_as_name()
+        if self.kind(1) in (_NOT_A_REGION if kind == "REGION" else _NAME_FOLLOWS):
+            return self.keyword_as_name()
         if handler := _COMPOUND.get(kind):
             return handler(self)
         if kind in {NAME, QUOTED, INT} and self.kind(1) == ":":
@@ -126,9 +131,10 @@ class StatementParser(ExpressionParser):
             return None
         raise self.expected("a statement")
 
-    def region_as_name(self) -> ast.Statement:
-        """STEP 7 V5 knows no REGION: there it may be a variable."""
-        self.kinds[self.pos] = NAME
+    def keyword_as_name(self) -> ast.Statement:
+        """STEP 7 V5 knows no REGION: there it may be a variable. A member of a DB may have any name."""
+        if self.texts[self.pos][0].isalpha():
+            self.kinds[self.pos] = NAME
         return self.simple()
 
     def jump(self) -> ast.Statement:
@@ -351,7 +357,19 @@ class StatementParser(ExpressionParser):
         following = self.kinds[pos + 1]
         if following == ":":
             return self.texts[pos].upper() not in self.jump_labels
-        return following in {",", ".."}
+        return following in {",", ".."} or (following == "." and self.at_qualified_value(pos))
+
+    def at_qualified_value(self, pos: int) -> bool:
+        """Whether ``Unit.Mode#RUN`` begins here: a named value of another software unit."""
+        for _ in range(_QUALIFIED):
+            if self.kinds[pos + 1] != ".":
+                return False
+            pos += 2
+            if self.kinds[pos] == TYPED:
+                return self.kinds[pos + 1] in {":", ",", ".."}
+            if self.kinds[pos] not in _VARIABLES:
+                return False
+        return False
 
     def region_opens_label(self, pos: int) -> bool:
         """Whether the first token below ``REGION title`` and further REGION lines is a label."""

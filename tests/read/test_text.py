@@ -67,6 +67,25 @@ def test_bytes_that_are_no_text_are_pointed_at(data: bytes, place: tuple[int, in
     assert (found.code, (found.span.line, found.span.column)) == ("PG804", place)
 
 
+@pytest.mark.parametrize(
+    ("name", "comment", "page"),
+    [
+        ("Größe", "Öl für die Übergrößen", "cp1252"),
+        ("vitesse", "dépassé à gauche", "cp1252"),
+        ("Насос", "скорость привода", "cp1251"),
+        ("电机速度", "变频器的设定值", "gb18030"),
+        ("otwórz", "Źródło prędkości", "cp1250"),
+        ("rychlost", "zpět, teplota šťávy", "cp1250"),
+    ],
+)
+def test_the_code_page_of_an_ansi_source_is_guessed(tmp_path: Path, name: str, comment: str, page: str) -> None:
+    """Names and comments come out right without the code page being named, as the bytes tell it."""
+    path = tmp_path / "a.udt"
+    path.write_bytes(UDT.replace("größe", name).replace("Länge", comment).encode(page))
+    (block,), diagnostics = read_source(path)
+    assert (block.name, block.section(SectionKind.STATIC)[0].comment, diagnostics) == (name, comment, [])
+
+
 def test_a_code_page_that_does_not_exist() -> None:
     """A typo in the name of a code page is a diagnostic."""
     found = decode(b"\xff", "a.scl", "cp9999")

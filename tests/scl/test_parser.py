@@ -168,7 +168,7 @@ def test_the_number_of_refusals_and_unknown_types_is_bounded() -> None:
     found = parse(FB + "#x := 1;\n" * 500 + "END_FUNCTION_BLOCK", "t.scl", Dialect.STEP7_V5).diagnostics
     assert len(found) == MAX_ERRORS
     members = "".join(f"m{i} : Unknown{i};\n" for i in range(500))
-    _, diagnostics = read_text(f"TYPE a STRUCT {members} END_STRUCT; END_TYPE", "t.scl")
+    _, diagnostics = read_text(f"TYPE a STRUCT {members} END_STRUCT; END_TYPE", "t.scl", Dialect.TIA_1200_1500)
     assert len(diagnostics) == MAX_ERRORS
 
 
