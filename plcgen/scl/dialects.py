@@ -34,7 +34,19 @@ _KEYWORDS: dict[str, tuple[frozenset[Dialect], str, str]] = {
 }
 _COMBINED = frozenset({"+=", "-=", "*=", "/=", "&=", "**=", "?="})
 _PEEKS = frozenset({"PEEK", "PEEK_BOOL", "PEEK_BYTE", "PEEK_WORD", "PEEK_DWORD", "POKE", "POKE_BOOL", "POKE_BLK"})
+_MEMORY = frozenset(
+    area + width
+    for area in ("I", "Q", "M", "E", "A", "PI", "PQ", "PE", "PA")
+    for width in ("", "X", "B", "W", "D")
+    if area + width not in {"PI", "PQ", "PE", "PA"}
+)
+_NAME_FOLLOWS = frozenset({":", ":=", "=>", ",", ".", "{", "[", ")", ";"})
+"""Behind LABEL, CONST, DIV or REGION they show that the word is the name of a member or parameter."""
+_PARAMETER_FOLLOWS = frozenset({":=", "=>"})
 _INDEXED = frozenset({"DB", "DX", "DW", "DD", "DBX", "DBB", "DBW", "DBD"})
+
+_V5_NAMES = {"OK": ("the OK flag", "use ENO"), "NIL": ("NIL", "write NULL")}
+_BLOCK_FUNCTIONS = frozenset({"WORD_TO_BLOCK_DB", "BLOCK_DB_TO_WORD"})
 
 _Refusal = tuple[int, int, str, str, Severity]
 
@@ -69,10 +81,20 @@ def _tokens(tokens: Tokens, dialect: Dialect, free: Sequence[tuple[int, int]]) -
             current = next(ranges, None)
         if current is not None and current[0] <= start:
             continue
-        refusal = _token(kind, tokens.texts[index], dialect, after_dot=index > 0 and tokens.kinds[index - 1] == ".")
+        before = tokens.kinds[index - 1] if index else ""
+        if _is_name(kind, before, tokens.kinds[index + 1]):
+            continue
+        refusal = _token(kind, tokens.texts[index], dialect, after_dot=before == ".")
         if refusal is not None:
             what, text, severity = refusal
             yield start, tokens.end(index), what, text, severity
+
+
+def _is_name(kind: str, before: str, following: str) -> bool:
+    """Whether a keyword or address is a name: of a member, a declaration, or a parameter in a call."""
+    if kind == ADDRESS:
+        return following in {":", "{"} or (before in {"(", ","} and following in _PARAMETER_FOLLOWS)
+    return kind in _KEYWORDS and kind.isalpha() and (before == "." or following in _NAME_FOLLOWS)
 
 
 def _token(kind: str, text: str, dialect: Dialect, *, after_dot: bool) -> tuple[str, str, Severity] | None:
@@ -118,12 +140,15 @@ def _tree(units: Iterable[ast.Unit], tokens: Tokens, dialect: Dialect) -> Iterat
         yield from _header(unit, dialect)
         for section in unit.sections:
             yield from _section(section, dialect)
-        at_refused = dialect is _T15 and not _is_standard(unit)
+        at_refused = _optimized_declarations(unit) if dialect is _T15 else frozenset()
+        declared = _declared(unit)
         for node in ast.walk(unit):
             if isinstance(node, ast.CallStatement):
                 yield from _call_statement(node, tokens, dialect)
             elif isinstance(node, ast.Call | ast.Index):
-                yield from _absolute(node, dialect)
+                yield from _absolute(node, dialect, declared)
+            elif isinstance(node, ast.Name):
+                yield from _name(node, dialect, declared)
             elif isinstance(node, ast.ArraySpec):
                 if dialect.is_tia and isinstance(node.element, ast.ArraySpec):
                     text = "use one array with two dimensions"
@@ -131,7 +156,7 @@ def _tree(units: Iterable[ast.Unit], tokens: Tokens, dialect: Dialect) -> Iterat
             elif isinstance(node, ast.TypeName | ast.StringSpec):
                 yield from _type(node, dialect)
             elif isinstance(node, ast.Declaration):
-                if at_refused and node.at is not None:
+                if node.at is not None and id(node) in at_refused:
                     text = "add { S7_Optimized_Access := 'FALSE' } to the block"
                     yield node.start, node.end, "AT in a block with optimized access", text, Severity.ERROR
             elif isinstance(node, ast.Assign) and node.also and dialect in _CLASSIC:
@@ -164,6 +189,29 @@ def _section(section: ast.Section, dialect: Dialect) -> Iterator[_Refusal]:
             yield value.start, value.end, "expressions as the value of a constant", text, Severity.ERROR
 
 
+def _declared(unit: ast.Unit) -> frozenset[str]:
+    """Upper-case names of the parameters and variables of a block."""
+    found = (name.name.upper() for s in unit.sections for d in s.declarations for name in d.names)
+    return frozenset(found)
+
+
+def _optimized_declarations(unit: ast.Unit) -> frozenset[int]:
+    """Identities of the declarations in optimized memory; DB_SPECIFIC lays them out as in standard blocks."""
+    if _is_standard(unit):
+        return frozenset()
+    return frozenset(id(d) for s in unit.sections if "DB_SPECIFIC" not in s.modifiers for d in s.declarations)
+
+
+def _name(node: ast.Name, dialect: Dialect, declared: frozenset[str]) -> Iterator[_Refusal]:
+    """Find names that only STEP 7 V5 knows, unless the block declares them itself."""
+    upper = node.name.upper()
+    if dialect.is_tia and node.scope == "bare" and upper in _V5_NAMES and upper not in declared:
+        what, text = _V5_NAMES[upper]
+        yield node.start, node.end, what, text, Severity.ERROR
+    if dialect is _T15 and node.scope == "bare" and upper in _BLOCK_FUNCTIONS:
+        yield node.start, node.end, node.name, "use PEEK and POKE with dbNumber", Severity.ERROR
+
+
 def _is_standard(unit: ast.Unit) -> bool:
     values = [a.value.upper() for a in unit.attributes if a.name == "S7_Optimized_Access"]
     return values == ["FALSE"]
@@ -192,16 +240,24 @@ def _call_statement(node: ast.CallStatement, tokens: Tokens, dialect: Dialect) -
         yield target.start, target.end, what, f'write "{target.name}"(..)', Severity.ERROR
 
 
-def _absolute(node: ast.Call | ast.Index, dialect: Dialect) -> Iterator[_Refusal]:
+def _absolute(node: ast.Call | ast.Index, dialect: Dialect, declared: frozenset[str]) -> Iterator[_Refusal]:
     """PEEK and POKE outside S7-1200/1500, indexed absolute access inside."""
     inner = node.target if isinstance(node, ast.Call) else node.base
     if isinstance(inner, ast.Name):
         if inner.scope == "bare" and inner.name.upper() in _PEEKS and dialect in _CLASSIC:
             text = "use DB100.DW[i]" if dialect is _V5 else "use %DB1.DW(IDX := #i)"
             yield inner.start, inner.end, inner.name, text, Severity.ERROR
+        elif dialect is _T15 and isinstance(node, ast.Index) and _is_memory(inner, declared):
+            text = "use PEEK and POKE with area 16#81 (inputs), 16#82 (outputs) or 16#83 (memory)"
+            yield node.start, node.end, "indexed absolute access", text, Severity.ERROR
     elif dialect is _T15 and _is_indexed(inner):
         text = "use PEEK and POKE with area 16#84"
         yield node.start, node.end, "indexed absolute access", text, Severity.ERROR
+
+
+def _is_memory(inner: ast.Name, declared: frozenset[str]) -> bool:
+    upper = inner.name.upper()
+    return inner.scope == "bare" and upper in _MEMORY and upper not in declared
 
 
 def _is_indexed(inner: ast.Expression) -> bool:

@@ -55,7 +55,7 @@ class DeclarationParser(ExpressionParser):
     def declarations(self, *, constants: bool = False) -> tuple[ast.Declaration, ...]:
         """Read declarations up to a closing or opening keyword of a section."""
         found: list[ast.Declaration] = []
-        while self.kinds[self.pos] not in _SECTION_ENDS or self.kind(1) == ":":
+        while self.kinds[self.pos] not in _SECTION_ENDS or self.at_keyword_as_name():
             depth = self.depth
             try:
                 found.append(self.constant() if constants else self.declaration())
@@ -66,6 +66,11 @@ class DeclarationParser(ExpressionParser):
                 self.report(fault.diagnostic)
                 self.skip_declaration()
         return tuple(found)
+
+    def at_keyword_as_name(self) -> bool:
+        """Whether a keyword that would end the section is declared as a name; BEGIN may have attributes behind."""
+        following = self.kind(1)
+        return following in {":", ","} or (following == "{" and self.kinds[self.pos] != "BEGIN")
 
     def skip_declaration(self) -> None:
         """Go behind the next semicolon, or to the keyword that ends the section; structures as a whole."""
