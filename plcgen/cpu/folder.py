@@ -23,6 +23,8 @@ def load_folder(folder: Path | str, dialect: Dialect, *, coverage: bool = False)
     numbers: dict[str, int] = {}
     for table in sorted(folder.glob("*.sdf")):
         tags |= read_symbols(table)
+    if (folder / "tags.csv").is_file():
+        tags |= read_tags(folder / "tags.csv")
     classic = dialect is not Dialect.TIA_1200_1500
     for document in sorted(folder.glob("xml/*.xml")):
         found, _ = read_tag_table(document)
@@ -41,3 +43,10 @@ def read_symbols(path: Path | str) -> Tags:
     with Path(path).open(encoding="cp1252", newline="") as file:
         rows = [row for row in csv.reader(file) if len(row) >= 3]
     return {row[0].strip(): (row[1].strip(), row[2].strip()) for row in rows}
+
+
+def read_tags(path: Path | str) -> Tags:
+    """Tag table as CSV: name, data type, logical address, comment, with a header line."""
+    with Path(path).open(encoding="utf-8-sig", newline="") as file:
+        rows = [row for row in csv.reader(file) if len(row) >= 3]
+    return {row[0].strip(): (row[2].strip().removeprefix("%"), row[1].strip()) for row in rows[1:]}

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 from plcgen.ds47 import errors, formats, status
-from plcgen.ds47.codec import TelegramError, decode_request
-from plcgen.ds47.model import Request, RequestId
+from plcgen.ds47.codec import TelegramError, decode_request, decode_response
+from plcgen.ds47.model import ErrorBlock, Request, RequestId
 from plcgen.plan.model import Field, Part, PlannedJob, Project, Telegram
 from plcgen.s7.blocks import Block
 from plcgen.s7.image import image, read_member
@@ -21,6 +21,9 @@ from plcgen.sim.faults import Fault, FaultKind
 from plcgen.verify.bench import build_drive
 from plcgen.verify.folder import Folder
 from plcgen.verify.model import Check, Outcome
+
+ATTEMPTS = 40
+RETRY_PAUSE = 200
 
 
 class _FindingError(Exception):
@@ -150,10 +153,9 @@ def _check_part(request: Request, position: int, part: Part, job: PlannedJob) ->
 
 def _exchange(project: Project, folder: Folder, job: PlannedJob, telegram: Telegram, drive: Drive) -> str:
     """Send the image, fetch the answer, read it back through the declared members."""
-    answer = _talk(project, folder, job, telegram, drive)
+    answer = _talk(job, request_image(project, folder, telegram), drive)
     if answer[1] & 0x80:
-        block = errors.error_text(answer[7] if len(answer) > 7 else 0)
-        raise _FindingError("PG606", f"the drive answered error {block.number:02X}h: {block.meaning}")
+        raise _FindingError("PG606", f"the drive answered {_refusals(telegram, answer)}")
     if len(answer) != telegram.positive_length:
         raise _FindingError("PG606", f"the answer has {len(answer)} bytes, {telegram.positive_length} were planned")
     memory = _store(folder, telegram, answer)
@@ -170,13 +172,32 @@ def _exchange(project: Project, folder: Folder, job: PlannedJob, telegram: Teleg
     return f"{_short(answer.hex(' ').upper())}  {values}"
 
 
-def _talk(project: Project, folder: Folder, job: PlannedJob, telegram: Telegram, drive: Drive) -> bytes:
+def _refusals(telegram: Telegram, answer: bytes) -> str:
+    """Which parameters the drive refused and why."""
+    found = []
+    for number, block in enumerate(decode_response(answer).blocks):
+        if isinstance(block, ErrorBlock):
+            label = telegram.parts[number].use.label if number < len(telegram.parts) else "the request"
+            found.append(f"{label}: error {block.number:02X}h, {errors.error_text(block.number).meaning}")
+    return "; ".join(found) or f"response id {answer[1]:02X}h"
+
+
+def _talk(job: PlannedJob, request: bytes, drive: Drive) -> bytes:
+    """WRREC and RDREC of one request; a temporary error is repeated as the job block would, at most 40 times."""
     index = job.drive.record_index
-    code = drive.write_record(index, request_image(project, folder, telegram))
+    for _ in range(ATTEMPTS):
+        code = drive.write_record(index, request)
+        if status.explain(code, "write").retry is not status.Retry.TEMPORARY:
+            break
+        drive.advance(RETRY_PAUSE)
     if code:
         raise _FindingError("PG606", f"WRREC ends with {code:08X}: {status.explain(code).text}")
     drive.advance(drive.habits.processing)
-    code, answer = drive.read_record(index, 240)
+    for _ in range(ATTEMPTS):
+        code, answer = drive.read_record(index, 240)
+        if status.explain(code, "read").retry is not status.Retry.TEMPORARY:
+            break
+        drive.advance(RETRY_PAUSE)
     if code:
         raise _FindingError("PG606", f"RDREC ends with {code:08X}: {status.explain(code).text}")
     return answer
@@ -233,6 +254,7 @@ def _negative(project: Project, folder: Folder, job: PlannedJob, telegram: Teleg
     """Every error number at every position with one and two words; the longest answer in bytes."""
     longest = 0
     drive = build_drive(project, job.drive)
+    request = request_image(project, folder, telegram)
     size = len(image(_block(folder, folder.text, telegram.response_db.name), folder.text))
     cases = [
         (number, position, words)
@@ -243,7 +265,7 @@ def _negative(project: Project, folder: Folder, job: PlannedJob, telegram: Teleg
     for number, position, words in cases:
         fault = Fault(FaultKind.ERROR, number=number, position=position, words=2 if words == 2 else 1, info=position)
         drive.faults = [fault]
-        answer = _talk(project, folder, job, telegram, drive)
+        answer = _talk(job, request, drive)
         longest = max(longest, len(answer))
         if len(answer) > size:
             raise _FindingError(
@@ -252,7 +274,7 @@ def _negative(project: Project, folder: Folder, job: PlannedJob, telegram: Teleg
         if not answer[1] & 0x80:
             raise _FindingError("PG606", f"error {number:02X}h at parameter {position} was not answered")
     drive.faults = [Fault(FaultKind.ERROR, number=2, position=p, words=2) for p in range(1, len(telegram.parts) + 1)]
-    answer = _talk(project, folder, job, telegram, drive)
+    answer = _talk(job, request, drive)
     if len(answer) > size:
         raise _FindingError("PG605", f"response buffer {len(answer) - size} bytes too small: every parameter may fail")
     return max(longest, len(answer))

@@ -10,7 +10,8 @@ from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.plan.model import Project
 from plcgen.read.invariants import check_invariants
 from plcgen.render.manifest import MANIFEST, digest, known_files
-from plcgen.verify.folder import SOURCES, Folder
+from plcgen.render.write import JOURNAL
+from plcgen.verify.folder import Folder, generated_documents, generated_sources
 from plcgen.verify.model import Check, Outcome
 
 
@@ -19,14 +20,14 @@ def check_files(project: Project, folder: Folder) -> Iterator[Check]:
     known, problems = _manifest(folder.path)
     problems += _changed(folder.path, known)
     yield _check("files.manifest", "files", f"{len(known)} files", problems, "complete, hashes match the manifest")
-    sources = sorted(p for p in folder.path.rglob("*") if p.suffix.lower() in SOURCES and p.is_file())
+    sources = generated_sources(folder.path)
     wrong = [problem for path in sources for problem in _encoding(project, path)]
     wanted = "Windows-1252" if project.target.v5 else "UTF-8 with byte order mark"
     yield _check("files.encoding", "sources", f"{len(sources)} files", wrong, wanted)
     yield _check(
         "files.syntax", "sources", project.target.dialect.value.upper(), folder.problems, "parsed without findings"
     )
-    documents = sorted(folder.path.glob("xml/*.xml"))
+    documents = generated_documents(folder.path)
     if project.target.xml_version:
         findings = [d for path in documents for d in check_invariants(path, classic=project.target.classic)]
         text = f"{len(documents)} documents, {project.target.xml_version}"
@@ -56,6 +57,9 @@ def _manifest(folder: Path) -> tuple[dict[str, str], list[Diagnostic]]:
 
 def _changed(folder: Path, known: dict[str, str]) -> list[Diagnostic]:
     found = []
+    if (folder / JOURNAL).exists():
+        message = "a generation was interrupted here: some files are old, some are new"
+        found.append(Diagnostic("PG602", message, Span(str(folder)), help="run plcgen generate once more"))
     root = folder.resolve()
     for name, expected in known.items():
         path = folder / name

@@ -11,6 +11,7 @@ from plcgen.plan.target import Dialect as TargetDialect
 from plcgen.plan.target import Target
 from plcgen.read.simaticml import read_simaticml
 from plcgen.read.text import read_source
+from plcgen.render.manifest import MANIFEST, known_files
 from plcgen.s7.blocks import Block
 from plcgen.scl.dialect import Dialect
 
@@ -40,16 +41,50 @@ class Folder:
         return Span(str(self.files.get(name.upper(), self.path)))
 
 
+def manifest_of(folder: Path) -> dict[str, str] | None:
+    """Path -> SHA-256 of the files the manifest lists; None if there is none or it cannot be read."""
+    try:
+        return known_files((folder / MANIFEST).read_bytes())
+    except (OSError, ValueError):
+        return None
+
+
+def generated_sources(folder: Path) -> list[Path]:
+    """The text sources that belong to plcgen: those of the manifest, else those of its three folders.
+
+    A copy in a subfolder or a source of the user beside them is not looked at.
+    """
+    known = manifest_of(folder)
+    if known is None:
+        found = [p for name in ("udt", "db", "scl") for p in (folder / name).glob("*")]
+    else:
+        root = folder.resolve()
+        found = [folder / name for name in known]
+        found = [path for path in found if path.resolve().is_relative_to(root)]
+    return sorted(path for path in found if path.suffix.lower() in SOURCES and path.is_file())
+
+
+def generated_documents(folder: Path) -> list[Path]:
+    """The SimaticML documents that belong to plcgen, chosen as :func:`generated_sources` does."""
+    known = manifest_of(folder)
+    found = folder.glob("xml/*.xml") if known is None else (folder / name for name in known if name.startswith("xml/"))
+    return sorted(path for path in found if path.suffix.lower() == ".xml" and path.is_file())
+
+
 def read_folder(path: Path, where: Target, progress: Callable[[str, int, int], None] | None = None) -> Folder:
-    """Read every source and every SimaticML block document below a folder."""
+    """Read every generated source and every generated SimaticML block document of a folder."""
     folder = Folder(path)
-    sources = sorted(p for p in path.rglob("*") if p.suffix.lower() in SOURCES and p.is_file())
-    documents = sorted(p for p in path.glob("xml/*.xml") if p.is_file())
+    sources, documents = generated_sources(path), generated_documents(path)
     total = len(sources) + len(documents)
     for number, source in enumerate(sources):
         blocks, found = read_source(source, DIALECTS[where.dialect], encoding="cp1252" if where.v5 else None)
         folder.problems += found
         for block in blocks:
+            earlier = folder.files.get(block.name.upper())
+            if earlier is not None:
+                message = f'block "{block.name}" is declared a second time, first in {earlier.name}'
+                folder.problems.append(Diagnostic("PG610", message, block.span or Span(str(source))))
+                continue
             folder.text[block.name.upper()] = block
             folder.files[block.name.upper()] = source
         if progress is not None and number % 50 == 0:
