@@ -165,6 +165,15 @@ class Cursor:
         self.skip_to(end)
         return self.tokens.source[begin:end].strip()
 
+    def closing_title(self, code: frozenset[str]) -> None:
+        """Leave out the title behind END_REGION; what has a ``;`` or begins with a token of ``code`` is none."""
+        begin = self.last_end
+        end = self.tokens.source.find("\n", begin)
+        end = len(self.tokens.source) if end < 0 else end
+        line = self.tokens.source[begin:end].partition("//")[0]
+        if self.start < end and self.kinds[self.pos] not in code and ";" not in line:
+            self.skip_to(end)
+
     def trailing_comment(self) -> str:
         """Return the comment on the same line behind the last token."""
         match = _LINE_COMMENT.match(self.tokens.source, self.last_end)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -45,6 +46,7 @@ _NAME_FOLLOWS = frozenset({":", ":=", "=>", ",", ".", "{", "[", ")", ";"})
 _PARAMETER_FOLLOWS = frozenset({":=", "=>"})
 _INDEXED = frozenset({"DB", "DX", "DW", "DD", "DBX", "DBB", "DBW", "DBD"})
 
+_NUMBERED = re.compile(r"(?:DB|T|C|Z)[0-9]{1,5}")
 _V5_NAMES = {"OK": ("the OK flag", "use ENO"), "NIL": ("NIL", "write NULL")}
 _BLOCK_FUNCTIONS = frozenset({"WORD_TO_BLOCK_DB", "BLOCK_DB_TO_WORD"})
 
@@ -208,6 +210,8 @@ def _name(node: ast.Name, dialect: Dialect, declared: frozenset[str]) -> Iterato
     if dialect.is_tia and node.scope == "bare" and upper in _V5_NAMES and upper not in declared:
         what, text = _V5_NAMES[upper]
         yield node.start, node.end, what, text, Severity.ERROR
+    if dialect.is_tia and node.scope == "bare" and _NUMBERED.fullmatch(upper) and upper not in declared:
+        yield node.start, node.end, f"{node.name} without %", f"write %{node.name}", Severity.WARNING
     if dialect is _T15 and node.scope == "bare" and upper in _BLOCK_FUNCTIONS:
         yield node.start, node.end, node.name, "use PEEK and POKE with dbNumber", Severity.ERROR
 

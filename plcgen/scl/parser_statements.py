@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 _CLOSERS = frozenset({"END_IF", "END_CASE", "END_FOR", "END_WHILE", "END_REPEAT", "END_REGION", "UNTIL"})
 _STOPS = _CLOSERS | {"ELSIF", "ELSE", EOF} | UNIT_ENDS | UNIT_KEYWORDS
 _STARTS = frozenset({"IF", "CASE", "FOR", "WHILE", "REPEAT", "EXIT", "CONTINUE", "RETURN", "GOTO", "REGION"})
+_CODE = _STOPS | _STARTS
 _VARIABLES = frozenset({LOCAL, NAME, QUOTED, ADDRESS})
 _LITERAL_LABELS = frozenset({INT, REAL, STRING, TYPED, "-", "+", "TRUE", "FALSE"})
 _ASSIGNMENTS = frozenset({":=", "+=", "-=", "*=", "/=", "&=", "**=", "?="})
@@ -161,6 +162,8 @@ class StatementParser(ExpressionParser):
     def close(self, closer: str, opener: int) -> None:
         """Step over the END of a statement; another one in its place is reported together with the opener."""
         if self.accept(closer):
+            if closer == "END_REGION":
+                self.closing_title(_CODE)
             self.accept(";")
             return
         name = self.kinds[opener]
@@ -264,6 +267,13 @@ class StatementParser(ExpressionParser):
         self.close("END_REGION", opener)
         return ast.Region(self.starts[opener], self.last_end, title, body)
 
+    def end_region(self) -> None:
+        """Step over the END of a REGION around CASE labels."""
+        self.pos += 1
+        self.closing_title(_CODE)
+        self.accept(";")
+        self.open_regions -= 1
+
     # --- CASE -----------------------------------------------------------------------------------------
 
     def case_statement(self) -> ast.Statement:
@@ -279,9 +289,8 @@ class StatementParser(ExpressionParser):
         if self.accept("ELSE"):
             self.accept(":")
             otherwise = self.nested("END_CASE")
-        while self.open_regions and self.accept("END_REGION"):
-            self.accept(";")
-            self.open_regions -= 1
+        while self.open_regions and self.kinds[self.pos] == "END_REGION":
+            self.end_region()
         if self.open_regions:
             self.report(self.expected("END_REGION").diagnostic)
         self.case_depth, self.open_regions = outer
@@ -299,9 +308,7 @@ class StatementParser(ExpressionParser):
                 regions.append(self.rest_of_line())
                 self.open_regions += 1
             elif kind == "END_REGION" and self.open_regions:
-                self.pos += 1
-                self.accept(";")
-                self.open_regions -= 1
+                self.end_region()
             elif kind == ";":
                 self.pos += 1
             elif kind in _STOPS:
@@ -361,15 +368,10 @@ class StatementParser(ExpressionParser):
 
     def at_qualified_value(self, pos: int) -> bool:
         """Whether ``Unit.Mode#RUN`` begins here: a named value of another software unit."""
-        for _ in range(_QUALIFIED):
-            if self.kinds[pos + 1] != ".":
-                return False
+        last = pos + 2 * _QUALIFIED
+        while pos < last and self.kinds[pos + 1] == "." and self.kinds[pos] in _VARIABLES:
             pos += 2
-            if self.kinds[pos] == TYPED:
-                return self.kinds[pos + 1] in {":", ",", ".."}
-            if self.kinds[pos] not in _VARIABLES:
-                return False
-        return False
+        return self.kinds[pos] == TYPED and self.kinds[pos + 1] in {":", ",", ".."}
 
     def region_opens_label(self, pos: int) -> bool:
         """Whether the first token below ``REGION title`` and further REGION lines is a label."""
