@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench import codec, generation, startup
+from bench import codec, generation, scl_speed, startup
 
 
 def main() -> None:
@@ -24,6 +24,7 @@ def main() -> None:
     for name, milliseconds, budget in startup.table():
         limit = f"   budget {budget:.0f} ms" if budget else ""
         print(f"  {name:<26} {milliseconds:6.0f} ms{limit}")
+    scl_speed.main()
 
 
 if __name__ == "__main__":
