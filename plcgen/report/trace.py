@@ -77,12 +77,18 @@ class _Table:
         labels = [_LABEL.match(value.label) for job in trace.jobs for value in job.values]
         self.letters = {int(found[2]): found[1] for found in labels if found}
         self.told: set[str] = set()
-        self.many = {job.key for job in trace.jobs if self._highest(job.key, "telegram") > 1}
+        self.telegrams = self._telegrams()
+        self.order = {signal.group: n for n, signal in reversed(list(enumerate(trace.signals)))}
 
-    def _highest(self, group: str, name: str) -> int:
-        at = self.position.get(f"{group}.{name}", -1)
-        found = [value for step in self.trace.steps for n, value in step.changes if n == at and isinstance(value, int)]
-        return max(found, default=0)
+    def _telegrams(self) -> dict[str, int]:
+        """Highest telegram number of every job."""
+        jobs = {self.position.get(f"{key}.telegram", -1): key for key in self.drives}
+        found: dict[str, int] = {}
+        for step in self.trace.steps:
+            for n, value in step.changes:
+                if n in jobs and isinstance(value, int):
+                    found[jobs[n]] = max(value, found.get(jobs[n], 0))
+        return found
 
     def rows(self) -> Iterator[_Row]:
         """All rows in order."""
@@ -101,9 +107,8 @@ class _Table:
                 found[signal.group] = None
             found |= dict.fromkeys(_name(names, value) for at, names in self.owners if at == n)
         found |= dict.fromkeys(contact.group for contact in step.contacts)
-        order = {signal.group: n for n, signal in reversed(list(enumerate(self.trace.signals)))}
         found.pop("", None)
-        return sorted(found, key=lambda group: order.get(group, len(order)))
+        return sorted(found, key=lambda group: self.order.get(group, len(self.order)))
 
     def _row(self, step: Step, values: list[Value], group: str, *, first: bool) -> _Row:
         calls = [call for call in step.calls if call.group == group]
@@ -131,8 +136,8 @@ class _Table:
         number = values[at]
         text = self.trace.signals[at].names.get(number, str(number)) if isinstance(number, int) else ""
         telegram, retries = self._get(values, group, "telegram"), self._get(values, group, "retries")
-        if group in self.many and text != "IDLE":
-            text += f" {telegram}/{self._highest(group, 'telegram')}"
+        if self.telegrams.get(group, 0) > 1 and text != "IDLE":
+            text += f" {telegram}/{self.telegrams[group]}"
         return f"{text} retry {retries}" if text.startswith("WAIT") else text
 
     def _status(self, values: list[Value], group: str) -> tuple[str, str]:
@@ -270,15 +275,18 @@ def _job(job: JobResult, *, color: bool, width: int) -> list[str]:
     label = max((columns(value.label) for value in job.values), default=0)
     member = max((columns(value.member) for value in job.values), default=0)
     for value in job.values:
+        head = f"  {pad(value.label, label)}  {pad(value.member, member)} "
         if value.error is not None:
             from plcgen.ds47.errors import error_text
 
-            text = paint(f"error {error_text(value.error).explain(value.info)}", "error", color=color)
-        elif value.value is None:
-            continue
+            text, style = f"error {error_text(value.error).explain(value.info)}", "error"
+        elif value.value is not None:
+            text, style = f"= {value_text(value.value)}{f' {value.unit}' if value.unit else ''}", ""
         else:
-            text = f"= {value_text(value.value)}{f' {value.unit}' if value.unit else ''}"
-        out.append(f"  {pad(value.label, label)}  {pad(value.member, member)} {text}")
+            continue
+        first, *more = wrap(clean(text), max(width - columns(head), _INDENT * 4))
+        out.append(head + (paint(first, style, color=color) if style else first))
+        out += [" " * columns(head) + (paint(line, style, color=color) if style else line) for line in more]
     return out
 
 
