@@ -119,6 +119,8 @@ def _token(kind: str, text: str, dialect: Dialect, *, after_dot: bool) -> tuple[
 
 def _address(text: str, dialect: Dialect, *, after_dot: bool) -> tuple[str, str, Severity] | None:
     if after_dot:
+        if text[:3].upper() == "%DB":
+            return (f"'%' in .{text}", "leave the % out", Severity.ERROR) if dialect is _V5 else None
         slices = text[0] == "%" and dialect in _CLASSIC
         return (f"the slice .{text}", "lay a view over the variable with AT", Severity.ERROR) if slices else None
     if text[0] == "%":

@@ -38,8 +38,13 @@ _DATE = (
     r"(?i:(?:D|DATE|DT|DATE_AND_TIME|L?TOD|L?TIME_OF_DAY|LDT|DATE_AND_LTIME|DTL)\#)"
     r"[0-9][0-9_]*+(?:[-:.][0-9]++)*+"
 )
-_BYTES = r"(?i:B\#\([ \t]*+[0-9]++(?:[ \t]*+,[ \t]*+[0-9]++)++[ \t]*+\))"
+_BYTES = r"(?<=\b[Bb]\#)\([ \t]*+[0-9]++(?:[ \t]*+,[ \t]*+[0-9]++)++[ \t]*+\)"
 """``B#(1, 2)``: the bytes of a WORD or DWORD in statement lists and their data blocks."""
+_NO_KEYWORD = "".join(
+    rf"(?<!\b(?i:{word})\#)"
+    for word in "NOT AND OR XOR MOD DIV IF ELSIF CASE WHILE UNTIL TO BY THEN ELSE DO".split()  # noqa: SIM905
+)
+"""``NOT#x`` is a keyword and a local variable, no literal with a type."""
 _BLANK = "\ufeff\x1a"
 """What joined or very old files leave behind: byte order marks and the end mark of DOS."""
 _PATTERN = re.compile(
@@ -50,8 +55,7 @@ _PATTERN = re.compile(
             rf"[Pp]\#{{1,2}}(?:\"[^\"\n]*+\"|{_WORD})(?:\.{_WORD})*+",
             _ADDRESS + r"(?!\w)(?::P(?!\w))?+",
             _DATE,
-            _BYTES,
-            rf"{_WORD}(?:\#(?:{_TEXT}|[-+]?\w++(?:\#\w++)?+(?:\.[0-9]\w*+(?:(?<=[eE])[-+][0-9]++)?+)?+))?+",
+            rf"{_WORD}(?:\#{_NO_KEYWORD}(?:{_TEXT}|{_BYTES}|[-+]?\w++(?:\#\w++)?+(?:\.[0-9]\w*+(?:(?<=[eE])[-+][0-9]++)?+)?+))?+",
             rf"\#(?:\"[^\"\n]*+\"|{_WORD})",
             r"\"[^\"\n]*+\"(?::P(?!\w))?+",
             r"[0-9][0-9_]*+(?:\#[0-9A-Fa-f_]++|\.[0-9][0-9_]*+(?:[eE][-+]?[0-9]++)?+|[eE][-+]?[0-9]++)?+",

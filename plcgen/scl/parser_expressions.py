@@ -153,6 +153,9 @@ class ExpressionParser(Cursor):
         text = self.texts[pos]
         end = self.starts[pos] + len(text)
         if kind in WORDS:
+            if text[0] == "%" and text[1:3].upper() == "DB":
+                self.pos = pos + 1
+                return ast.Member(base.start, end, base, text[1:])
             if text[0] == "%":
                 width, digits = text[1].upper(), text[2:]
                 if width not in _SLICE_WIDTHS or not digits.isdigit():
