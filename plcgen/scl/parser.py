@@ -48,6 +48,7 @@ class Parser(DeclarationParser, StatementParser):
         self.bodies = bodies
         self.comment_lines: list[str] = []
         gotos = (i + 1 for i, kind in enumerate(self.kinds) if kind == "GOTO")
+        self.has_regions = "END_REGION" in self.kinds
         self.jump_labels = frozenset(self.texts[i].upper() for i in gotos)
 
     def source(self) -> tuple[ast.Unit, ...]:

@@ -32,6 +32,8 @@ class StatementParser(ExpressionParser):
     """The code behind BEGIN."""
 
     jump_labels: frozenset[str] = frozenset()
+    has_regions = False
+    """Whether the file has an END_REGION: then the title of a REGION may begin with any sign."""
     data = False
     """Whether the statements are those of a data block: start values, not expressions."""
 
@@ -118,7 +120,7 @@ class StatementParser(ExpressionParser):
 
     def other(self, kind: str) -> ast.Statement | None:
         """Statements that begin with a keyword, labels and attributes."""
-        if self.kind(1) in (_NOT_A_REGION if kind == "REGION" else _NAME_FOLLOWS):
+        if self.kind(1) in (_NOT_A_REGION if kind == "REGION" and not self.has_regions else _NAME_FOLLOWS):
             return self.keyword_as_name()
         if handler := _COMPOUND.get(kind):
             return handler(self)
