@@ -113,6 +113,10 @@ def generate(
         else:
             result = write_folder(files, target, force=force, progress=progress)
             written, unchanged, removed = result.written, result.unchanged, result.removed
+            for name in result.kept:
+                message = "kept: it is no longer generated, but was changed by hand"
+                place = Span(str(target / name))
+                report.add(Diagnostic("PG502", message, place, Severity.WARNING, help="delete it if it is not needed"))
             if result.recovered:
                 note = "an earlier generation was interrupted: its files were completed or discarded"
                 report.add(Diagnostic("PG505", note, Span(str(target)), Severity.NOTE))
@@ -122,12 +126,20 @@ def generate(
 
 
 def verify(
-    spec: Path | str, folder: Path | str, *, drive: Path | str | None = None, progress: Progress | None = None
+    spec: Path | str,
+    folder: Path | str,
+    *,
+    drive: Path | str | None = None,
+    faults: Literal["none", "quick", "full"] = "quick",
+    progress: Progress | None = None,
 ) -> Verification:
-    """Verify what lies in a folder against its spec, DS47 and a simulated drive (optionally from a drive file)."""
+    """Verify what lies in a folder against its spec, DS47 and a simulated drive (optionally from a drive file).
+
+    The generated SCL is executed; ``faults`` is how much of the fault matrix runs.
+    """
     from plcgen.verify import verify as run
 
-    return run(Path(spec), Path(folder), Path(drive) if drive is not None else None, progress)
+    return run(Path(spec), Path(folder), Path(drive) if drive is not None else None, progress, faults)
 
 
 def simulate(

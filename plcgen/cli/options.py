@@ -14,7 +14,18 @@ Callback = TypeVar("Callback", bound=Callable[..., Any])
 
 CONTEXT: dict[str, Any] = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 FORMATS = ("text", "json", "sarif", "junit", "github")
-PATH = click.Path(path_type=Path)
+
+
+class _NamedPath(click.Path):
+    """A path that is not empty: an empty one would silently mean the current folder."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if value == "":
+            self.fail("the path is empty", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+PATH = _NamedPath(path_type=Path)
 
 
 class Examples(click.Command):

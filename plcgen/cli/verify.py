@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 import click
 
@@ -19,6 +20,7 @@ from plcgen.cli.sources import SourceCache
     examples=(
         "plcgen verify job.yaml",
         "plcgen verify job.yaml --drive press3.yaml",
+        "plcgen verify job.yaml --faults full",
         "plcgen verify job.yaml --format junit --output verify.xml",
     ),
 )
@@ -27,12 +29,25 @@ from plcgen.cli.sources import SourceCache
     "--out", "folder", type=PATH, metavar="DIR", help="Generated folder.  [default: <spec>_generated beside the spec]"
 )
 @click.option("--drive", type=PATH, metavar="FILE", help="Drive file: the parameters of your real drive.")
+@click.option(
+    "--faults",
+    type=click.Choice(["none", "quick", "full"]),
+    default="quick",
+    show_default=True,
+    help="How many faults the generated SCL runs through.",
+)
 @format_options(*FORMATS)
 @output_option
 @common_options
 @click.pass_context
 def command(
-    ctx: click.Context, spec: Path, folder: Path | None, drive: Path | None, format_: str, output: Path | None
+    ctx: click.Context,
+    spec: Path,
+    folder: Path | None,
+    drive: Path | None,
+    faults: Literal["none", "quick", "full"],
+    format_: str,
+    output: Path | None,
 ) -> int:
     """Run the files in a generated folder against a simulated drive and compare every byte.
 
@@ -43,12 +58,14 @@ def command(
 
     out = console(ctx)
     with out.progress() as progress:
-        result = api.verify(spec, folder or default_folder(spec), drive=drive, progress=progress)
+        result = api.verify(spec, folder or default_folder(spec), drive=drive, faults=faults, progress=progress)
     if format_ == "text":
-        from plcgen.report.verification import verification_text
+        from plcgen.report.verification import troubles, verification_text
 
         color = out.out_color and output is None
-        out.result(verification_text(result, SourceCache().line, color=color, width=out.out_width), output)
+        shown = troubles(result) if out.quiet else result
+        if not out.quiet or not result.ok:
+            out.result(verification_text(shown, SourceCache().line, color=color, width=out.out_width), output)
     else:
         from plcgen.cli.formats import verification_in
 

@@ -15,6 +15,9 @@ from plcgen.plan.model import Field, Part, PlannedJob, Project, Telegram, Use
 from plcgen.plan.target import element_type
 from plcgen.s7.types import ArrayType, DataType, Elementary
 
+_MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
+"""What would begin or end something else in a TITLE line."""
+
 _T15_STATUS = tuple(row for row in STATUS_WORDS if row[0] != "STATUS_WRONG_DB")
 
 
@@ -59,7 +62,10 @@ def title(project: Project, job: PlannedJob) -> str:
     """One-line title; a quote would end a STEP 7 V5 title."""
     verb = "Write" if job.write else "Read"
     labels = ", ".join(use.label for use in job.uses[:4]) + (", .." if len(job.uses) > 4 else "")
-    return comment_text(job.comment, project.languages, project.target, f"{verb} {labels}").replace("'", " ")
+    text = comment_text(job.comment, project.languages, project.target, f"{verb} {labels}")
+    for mark in _MARKS:
+        text = text.replace(mark, " ".join(mark) if len(mark) > 1 else " ")
+    return text
 
 
 def _job(project: Project, job: PlannedJob) -> dict[str, Any]:

@@ -32,18 +32,8 @@ def plan_job(
     if not uses:
         return None
     write = job.write is not None
-    device = drive.device
-    packed = pack.pack(uses, device.record_limit, device.max_parameters, write=write)
+    packed = _packed(uses, drive, loaded, report, write=write)
     if packed is None:
-        long = max(uses, key=lambda use: use.count * use.format.size)
-        report.add(
-            Diagnostic(
-                "PG301",
-                f"{long.label} does not fit one record of {device.record_limit} bytes",
-                loaded.span(long.path),
-                help="shorten the string",
-            )
-        )
         return None
     reference = job.reference if job.reference is not None else (owner - 1) % 255 + 1
     name = pascal_case(key)
@@ -101,6 +91,20 @@ def _member(key: str, job: Job, numbering: Numbering) -> str:
     """Name of the job in the control DB; with flags, their tags (``..Execute``) have to fit the limit too."""
     limit = V5_LIMIT if numbering.where.v5 else TIA_LIMIT
     return shorten(camel_case(key), limit if job.trigger is None else limit - len("Execute"))
+
+
+def _packed(
+    uses: tuple[Use, ...], drive: PlannedDrive, loaded: LoadedSpec, report: Report, *, write: bool
+) -> list[tuple[Part, ...]] | None:
+    """Telegrams of a job; None after a diagnostic if a single value does not fit a record."""
+    device = drive.device
+    packed = pack.pack(uses, device.record_limit, device.max_parameters, write=write)
+    if packed is not None:
+        return packed
+    long = max(uses, key=lambda use: use.count * use.format.size)
+    message = f"{long.label} does not fit one record of {device.record_limit} bytes"
+    report.add(Diagnostic("PG301", message, loaded.span(long.path), help="shorten the string"))
+    return None
 
 
 def _uses(job: Job, key: str, loaded: LoadedSpec, resolver: UseResolver, report: Report) -> tuple[Use, ...]:

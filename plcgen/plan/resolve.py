@@ -40,6 +40,12 @@ def resolve(loaded: LoadedSpec, report: Report) -> Project:
         key: UseResolver(loaded, drive.device, _own_parameters(loaded, key, report), report)
         for key, drive in planned.items()
     }
+    for key, resolver in resolvers.items():
+        for text in spec.drives[key].parameters:
+            reference = parse_reference(text)
+            own = resolver.own.get(reference.pnu) if reference and reference.pnu is not None else None
+            if own is not None:
+                resolver.check_definition(own, ("drives", key, "parameters", text))
     jobs: list[PlannedJob] = []
     owners: dict[str, int] = {}
     for key, job in spec.jobs.items():

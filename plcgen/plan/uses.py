@@ -35,7 +35,13 @@ class UseResolver:
         self.own = own
         self.report = report
         self.known = {**device.parameters, **own}
+        self.unusable: set[int] = set()
         self.longest_name = V5_LIMIT if loaded.spec.plc.toolchain == "step7-v5" else TIA_LIMIT
+
+    def check_definition(self, parameter: Parameter, path: SpecPath) -> None:
+        """Report a data type that does not exist where the spec defines a parameter, not at every use."""
+        if self._format(parameter, path) is None:
+            self.unusable.add(parameter.pnu)
 
     def problem(self, code: str, message: str, path: SpecPath, help_: str = "") -> None:
         """Report an error at a place of the spec."""
@@ -54,7 +60,7 @@ class UseResolver:
             )
             return None
         parameter = self._parameter(reference, item.type, path)
-        if parameter is None:
+        if parameter is None or parameter.pnu in self.unusable:
             return None
         settled = self._format(parameter, path)
         if settled is None or not self._index_fits(reference, parameter, place):

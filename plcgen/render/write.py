@@ -19,21 +19,29 @@ from pathlib import Path, PurePosixPath
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.render.environment import RenderedFile
+from plcgen.render.lock import exclusive
 from plcgen.render.manifest import MANIFEST, digest, known_files
 
 JOURNAL = ".plcgen-journal.json"
 STAGE = ".plcgen-stage-"
+MAX_DIFF = 400_000
+"""Bytes of a file, old and new, up to which its lines are compared."""
 
 Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """Relative paths by what happened to them; ``recovered`` says that an earlier run had been interrupted."""
+    """Relative paths by what happened to them.
+
+    ``kept`` are files of an earlier generation that are no longer generated but were changed by hand;
+    ``recovered`` says that an earlier run had been interrupted.
+    """
 
     written: tuple[str, ...]
     unchanged: tuple[str, ...]
     removed: tuple[str, ...]
+    kept: tuple[str, ...]
     recovered: bool = False
 
 
@@ -47,15 +55,18 @@ def write_folder(
             written; the old state is then untouched.
     """
     try:
-        recovered = recover(folder)
-        known = _known(folder)
-        changed, unchanged = _plan(files, folder, known, force=force)
-        removed = _obsolete(files, folder, known)
-        if changed or removed:
-            _commit(changed, removed, folder, progress)
-    except OSError as problem:
+        with exclusive(folder):
+            recovered = recover(folder)
+            known = _known(folder)
+            changed, unchanged = _plan(files, folder, known, force=force)
+            removed, kept = _obsolete(files, folder, known)
+            if changed or removed:
+                _commit(changed, removed, folder, progress)
+    except (OSError, RuntimeError) as problem:  # RuntimeError: a loop of symbolic links
         raise DiagnosticError([_cannot_write(problem, folder)]) from problem
-    return Written(tuple(file.path for file in changed), tuple(unchanged), tuple(removed), recovered)
+    return Written(
+        tuple(file.path for file in changed), tuple(unchanged), tuple(removed), tuple(kept), recovered=recovered
+    )
 
 
 def compare_folder(files: Sequence[RenderedFile], folder: Path) -> tuple[str, list[Diagnostic]]:
@@ -72,7 +83,7 @@ def compare_folder(files: Sequence[RenderedFile], folder: Path) -> tuple[str, li
                 continue
             found.append(_stale(path, "file is missing" if old is None else "file is out of date"))
             diff += _diff(file, old)
-        obsolete = _obsolete(files, folder, _known(folder))
+        obsolete, _ = _obsolete(files, folder, _known(folder))
         found += [_stale(folder / name, "file is no longer generated") for name in obsolete]
     except OSError as problem:
         found.append(Diagnostic("PG503", f"cannot read the folder: {problem.strerror or problem}", Span(str(folder))))
@@ -108,11 +119,13 @@ def recover(folder: Path) -> bool:
     return done
 
 
-def _finish(folder: Path, stage: Path, moves: dict[str, str], removals: Sequence[str]) -> None:
-    """Move staged files into place; a staged file whose bytes are not what the journal says is left out."""
+def _finish(
+    folder: Path, stage: Path, moves: dict[str, str], removals: Sequence[str], *, recovering: bool = True
+) -> None:
+    """Move staged files into place; when recovering, a staged file with other bytes than the journal's is left out."""
     for number, (path, expected) in enumerate(moves.items()):
         source = stage / str(number)
-        if source.is_file() and digest(source.read_bytes()) == expected:
+        if not recovering or (source.is_file() and digest(source.read_bytes()) == expected):
             target = _inside(folder, path)
             target.parent.mkdir(parents=True, exist_ok=True)
             source.replace(target)
@@ -167,6 +180,10 @@ def _plan(
         except DiagnosticError as problem:
             problems.extend(problem.diagnostics)
             continue
+        blocked = _blocking_parent(folder, target)
+        if blocked is not None:
+            problems.append(blocked)
+            continue
         if not os.path.lexists(target):
             changed.append(file)
             continue
@@ -183,10 +200,20 @@ def _plan(
     return changed, unchanged
 
 
+def _blocking_parent(folder: Path, target: Path) -> Diagnostic | None:
+    """A file that stands where a folder of the output is needed."""
+    parent = target.parent
+    while parent != folder and parent.is_relative_to(folder):
+        if os.path.lexists(parent) and not parent.is_dir():
+            return Diagnostic("PG501", "a file has the name of a folder to be made", Span(str(parent)), help=_MOVE)
+        parent = parent.parent
+    return None
+
+
 def _conflict(target: Path, path: str, old: bytes | None, known: dict[str, str]) -> Diagnostic | None:
     place = Span(str(target))
     if old is None:
-        return Diagnostic("PG501", "a folder has the name of a file to be generated", place, help="move it away")
+        return Diagnostic("PG501", "a folder has the name of a file to be generated", place, help=_MOVE)
     if path == MANIFEST:
         if known:
             return None
@@ -198,13 +225,15 @@ def _conflict(target: Path, path: str, old: bytes | None, known: dict[str, str])
     return None
 
 
+_MOVE = "move it away, or choose another --out"
 _FORCE = "keep your copy elsewhere, choose another --out, or overwrite with --force"
 
 
-def _obsolete(files: Sequence[RenderedFile], folder: Path, known: dict[str, str]) -> list[str]:
-    """Files of the last generation that are no longer generated and were not changed by hand."""
+def _obsolete(files: Sequence[RenderedFile], folder: Path, known: dict[str, str]) -> tuple[list[str], list[str]]:
+    """Files of the last generation that are no longer generated: unchanged ones, and those changed by hand."""
     wanted = {file.path for file in files}
-    found = []
+    removed: list[str] = []
+    kept: list[str] = []
     for path, expected in known.items():
         if path in wanted:
             continue
@@ -212,9 +241,9 @@ def _obsolete(files: Sequence[RenderedFile], folder: Path, known: dict[str, str]
             target = _inside(folder, path)
         except DiagnosticError:
             continue
-        if target.is_file() and digest(target.read_bytes()) == expected:
-            found.append(path)
-    return found
+        if target.is_file():
+            (removed if digest(target.read_bytes()) == expected else kept).append(path)
+    return removed, kept
 
 
 def _commit(changed: Sequence[RenderedFile], removed: Sequence[str], folder: Path, progress: Progress | None) -> None:
@@ -227,6 +256,8 @@ def _commit(changed: Sequence[RenderedFile], removed: Sequence[str], folder: Pat
             (stage / str(number)).write_bytes(file.data)
             if progress is not None and number % 50 == 0:
                 progress("write", number, len(changed))
+        for parent in {_inside(folder, file.path).parent for file in changed}:
+            parent.mkdir(parents=True, exist_ok=True)
         moves = {file.path: digest(file.data) for file in changed}
         draft = stage / "journal"
         with draft.open("wb") as out:
@@ -239,12 +270,27 @@ def _commit(changed: Sequence[RenderedFile], removed: Sequence[str], folder: Pat
         if fresh:
             shutil.rmtree(folder, ignore_errors=True)
         raise
-    _finish(folder, stage, moves, removed)
-    journal.unlink()
+    try:
+        _finish(folder, stage, moves, removed, recovering=False)
+        journal.unlink()
+    except OSError as problem:
+        why = f"interrupted half-way: {problem.strerror or problem}"
+        place = Span(str(problem.filename or folder))
+        raise DiagnosticError(
+            [
+                Diagnostic(
+                    "PG503", why, place, help="remove the cause and run plcgen generate again: it completes this run"
+                )
+            ]
+        ) from problem
     shutil.rmtree(stage, ignore_errors=True)
 
 
-def _cannot_write(problem: OSError, folder: Path) -> Diagnostic:
+def _cannot_write(problem: OSError | RuntimeError, folder: Path) -> Diagnostic:
+    if not isinstance(problem, OSError):
+        return Diagnostic(
+            "PG503", f"cannot write the output: {problem}", Span(str(folder)), help="choose another --out"
+        )
     why = problem.strerror or str(problem)
     help_ = (
         "free some space; nothing was changed" if problem.errno == errno.ENOSPC else "check the folder's permissions"
@@ -253,11 +299,14 @@ def _cannot_write(problem: OSError, folder: Path) -> Diagnostic:
 
 
 def _stale(path: Path, message: str) -> Diagnostic:
-    return Diagnostic("PG504", message, Span(str(path)), Severity.ERROR, help="run plcgen generate")
+    help_ = "run plcgen generate with the same --out, without --check"
+    return Diagnostic("PG504", message, Span(str(path)), Severity.ERROR, help=help_)
 
 
 def _diff(file: RenderedFile, old: bytes | None) -> list[str]:
-    """Unified diff of one file; a file that is not text is only named."""
+    """Unified diff of one file; of a very long one and of the manifest only the header."""
+    if file.path == MANIFEST or len(file.data) + len(old or b"") > MAX_DIFF:
+        return [f"--- a/{file.path}\n+++ b/{file.path}\n(differs)\n"]
     try:
         before = [] if old is None else old.decode("utf-8-sig").splitlines(keepends=True)
         after = file.data.decode("utf-8-sig").splitlines(keepends=True)

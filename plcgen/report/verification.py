@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic
@@ -106,3 +107,15 @@ def _outside(verification: Verification, checks: Sequence[Check]) -> str:
     own = {check.diagnostic for check in checks}
     rest = [d for d in verification.diagnostics if d not in own and d.severity.label != "note"]
     return count_text(rest) if rest else ""
+
+
+def troubles(verification: Verification) -> Verification:
+    """The same result with nothing but the checks that found something."""
+    from plcgen.verify.model import Outcome
+
+    groups = []
+    for group in verification.groups:
+        checks = tuple(c for c in group.checks if c.outcome in {Outcome.ERROR, Outcome.WARNING})
+        if checks:
+            groups.append(replace(group, checks=checks))
+    return replace(verification, groups=tuple(groups))

@@ -7,6 +7,7 @@ into something else (``NO``, ``010``, ``12:30``, ``1_000``) is refused with the 
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -19,6 +20,8 @@ from plcgen.spec.wording import at_tab, plain_words, reader_position
 MAX_BYTES = 16 * 1024 * 1024
 MAX_DEPTH = 40
 MAX_NODES = 1_000_000
+MAX_NUMBER = 40
+"""Longest number in characters: what is longer is text, and then of the wrong type."""
 
 Scalar: TypeAlias = str | int | float | bool | None
 
@@ -110,8 +113,10 @@ def resolve_plain(text: str) -> Scalar:
     """Value of a plain (unquoted) scalar; text that is no number, truth value or null stays text."""
     if text in _WORDS:
         return _WORDS[text]
+    if len(text) > MAX_NUMBER:
+        return text
     if _INT.match(text):
-        return int(text) if len(text) <= 40 else text
+        return int(text)
     if _FLOAT.match(text):
         return float(text)
     if _HEX.match(text):
@@ -373,11 +378,14 @@ def read_text(path: Path, file: str | None = None) -> str:
                 ]
             )
         data = path.read_bytes()
-    except OSError as problem:
-        why = problem.strerror or str(problem)
+    except (OSError, ValueError) as problem:  # ValueError: a NUL in the path
+        why = getattr(problem, "strerror", None) or str(problem)
         raise DiagnosticError(
             [Diagnostic("PG110", f"cannot read the file: {why}", Span(name), help="check the path")]
         ) from problem
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        message = "the file is UTF-16, a spec is UTF-8"
+        raise DiagnosticError([Diagnostic("PG102", message, Span(name, 1, 1, 1, 2), help="save the file as UTF-8")])
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:

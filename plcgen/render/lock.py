@@ -1,0 +1,66 @@
+"""One writer per output folder: a lock of the operating system that ends with its process."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+
+PATIENCE = 30.0
+"""Seconds to wait for another writer."""
+
+
+@contextmanager
+def exclusive(folder: Path, patience: float = PATIENCE) -> Iterator[None]:
+    """Hold the folder's lock; wait for another plcgen that writes there.
+
+    The lock file lies in the system's temporary folder, so that nothing is left beside the user's files.
+
+    Raises:
+        DiagnosticError: PG508 if the other one does not finish in time.
+    """
+    name = hashlib.sha256(os.path.realpath(folder).encode(errors="surrogateescape")).hexdigest()[:24]
+    path = Path(tempfile.gettempdir()) / f"plcgen-{name}.lock"
+    try:
+        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError:
+        yield  # no place for a lock: go on without one rather than not at all
+        return
+    try:
+        deadline = time.monotonic() + patience
+        while not _take(handle):
+            if time.monotonic() >= deadline:
+                message = f"another plcgen has been writing here for {patience:.0f} seconds"
+                raise DiagnosticError([Diagnostic("PG508", message, Span(str(folder)), help="wait for it, or end it")])
+            time.sleep(0.05)
+        yield
+    finally:
+        os.close(handle)
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _take(handle: int) -> bool:
+        try:
+            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        return True
+
+else:
+    import fcntl
+
+    def _take(handle: int) -> bool:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            return False
+        return True
