@@ -64,7 +64,7 @@ def contact_text(contact: Contact, letters: Mapping[int, str] | None = None) -> 
 
 def _label(address: ParameterAddress, letters: Mapping[int, str]) -> str:
     name = f"{letters.get(address.pnu, 'P')}{address.pnu}"
-    if address.elements > 1 and address.subindex + address.elements > 1:
+    if address.elements > 1:
         return f"{name}[{address.subindex}..{address.subindex + address.elements - 1}]"
     return f"{name}[{address.subindex}]" if address.subindex else name
 
