@@ -138,9 +138,9 @@ class ExpressionParser(Cursor):
         return base
 
     def at_peripheral(self, base: ast.Expression) -> bool:
-        """Whether ``:P`` follows a member without a blank."""
+        """Whether ``:P`` follows a member or an indexed address without a blank."""
         return (
-            isinstance(base, ast.Member | ast.Index)
+            isinstance(base, ast.Member | ast.Index | ast.Call)
             and self.upper(1) == "P"
             and self.start == self.last_end
             and self.starts[self.pos + 1] == self.start + 1

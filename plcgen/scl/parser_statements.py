@@ -371,7 +371,7 @@ class StatementParser(ExpressionParser):
     def at_qualified_value(self, pos: int) -> bool:
         """Whether ``Unit.Mode#RUN`` begins here: a named value of another software unit."""
         last = pos + 2 * _QUALIFIED
-        while pos < last and self.kinds[pos + 1] == "." and self.kinds[pos] in _VARIABLES:
+        while pos < last and self.kinds[pos] in _VARIABLES and self.kinds[pos + 1] == ".":
             pos += 2
         return self.kinds[pos] == TYPED and self.kinds[pos + 1] in {":", ",", ".."}
 

@@ -215,3 +215,10 @@ def test_a_damaged_source_is_survived(data: st.DataObject) -> None:
     end = data.draw(st.integers(start, min(len(text), start + 60)))
     damaged = data.draw(st.sampled_from([text[:start] + text[end:], text[:end] + text[start:], text[:start]]))
     read_text(damaged, "t.scl", data.draw(st.sampled_from(list(Dialect))))
+
+
+def test_a_source_that_ends_anywhere_is_survived() -> None:
+    """A source cut at any character never raises; the dot of a qualified CASE label is such a place."""
+    text = 'FUNCTION "f" : VOID\nBEGIN\nCASE #s OF\n_.Unit.Mode#RUN, 2..3: "a".b[%ID(1):P].x := w.%X0;\nEND_CASE;\n'
+    for end in range(len(text)):
+        read_text(text[:end], "t.scl", Dialect.TIA_1200_1500)
