@@ -6,19 +6,18 @@ import csv
 from pathlib import Path
 
 from plcgen.cpu.program import Program
+from plcgen.read.output import generated_documents, generated_sources
 from plcgen.read.simaticml import read_simaticml, read_tag_table
 from plcgen.s7.blocks import BlockKind
 from plcgen.scl.dialect import Dialect
-
-SUFFIXES = frozenset({".scl", ".udt", ".db"})
 
 Tags = dict[str, str | tuple[str, str]]
 
 
 def load_folder(folder: Path | str, dialect: Dialect, *, coverage: bool = False) -> Program:
-    """Load every source below a folder; symbols come from ``*.sdf``, tags and numbers from ``xml/*.xml``."""
+    """Load the generated sources of a folder; symbols come from ``*.sdf``, tags and numbers from ``xml/*.xml``."""
     folder = Path(folder)
-    sources = sorted(path for path in folder.rglob("*") if path.suffix.lower() in SUFFIXES and path.is_file())
+    sources = generated_sources(folder)
     tags: Tags = {}
     numbers: dict[str, int] = {}
     for table in sorted(folder.glob("*.sdf")):
@@ -26,7 +25,7 @@ def load_folder(folder: Path | str, dialect: Dialect, *, coverage: bool = False)
     if (folder / "tags.csv").is_file():
         tags |= read_tags(folder / "tags.csv")
     classic = dialect is not Dialect.TIA_1200_1500
-    for document in sorted(folder.glob("xml/*.xml")):
+    for document in generated_documents(folder):
         found, _ = read_tag_table(document)
         for tag_table in found:
             tags |= {tag.name: (tag.address, tag.type) for tag in tag_table.tags}

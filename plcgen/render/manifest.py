@@ -9,9 +9,8 @@ from typing import Any
 
 from plcgen._version import __version__
 from plcgen.plan.model import Project
+from plcgen.read.output import MANIFEST
 from plcgen.render.environment import RenderedFile
-
-MANIFEST = "manifest.json"
 
 
 def digest(data: bytes) -> str:
@@ -52,16 +51,3 @@ def manifest(project: Project, files: Sequence[RenderedFile]) -> RenderedFile:
         ],
     }
     return RenderedFile(MANIFEST, (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode())
-
-
-def known_files(data: bytes) -> dict[str, str]:
-    """Path -> SHA-256 of the files a manifest lists.
-
-    Raises:
-        ValueError: if the bytes are no manifest.
-    """
-    try:
-        content = json.loads(data)
-        return {str(entry["path"]): str(entry["sha256"]) for entry in content["files"]}
-    except (ValueError, KeyError, TypeError, RecursionError) as problem:
-        raise ValueError(f"not a manifest: {problem}") from problem

@@ -18,9 +18,10 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
+from plcgen.read.output import MANIFEST, known_files
 from plcgen.render.environment import RenderedFile
 from plcgen.render.lock import exclusive
-from plcgen.render.manifest import MANIFEST, digest, known_files
+from plcgen.render.manifest import digest
 
 JOURNAL = ".plcgen-journal.json"
 STAGE = ".plcgen-stage-"

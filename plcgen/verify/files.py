@@ -9,9 +9,10 @@ from pathlib import Path
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.plan.model import Project
 from plcgen.read.invariants import check_invariants
-from plcgen.render.manifest import MANIFEST, digest, known_files
+from plcgen.read.output import MANIFEST, generated_documents, generated_sources, known_files
+from plcgen.render.manifest import digest
 from plcgen.render.write import JOURNAL
-from plcgen.verify.folder import Folder, generated_documents, generated_sources
+from plcgen.verify.folder import Folder
 from plcgen.verify.model import Check, Outcome
 
 

@@ -9,13 +9,12 @@ from pathlib import Path
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.plan.target import Dialect as TargetDialect
 from plcgen.plan.target import Target
+from plcgen.read.output import generated_documents, generated_sources
 from plcgen.read.simaticml import read_simaticml
 from plcgen.read.text import read_source
-from plcgen.render.manifest import MANIFEST, known_files
 from plcgen.s7.blocks import Block
 from plcgen.scl.dialect import Dialect
 
-SOURCES = (".scl", ".udt", ".db", ".awl")
 DIALECTS = {
     TargetDialect.V5: Dialect.STEP7_V5,
     TargetDialect.T3: Dialect.TIA_300_400,
@@ -39,36 +38,6 @@ class Folder:
         if block is not None and block.span is not None:
             return block.span
         return Span(str(self.files.get(name.upper(), self.path)))
-
-
-def manifest_of(folder: Path) -> dict[str, str] | None:
-    """Path -> SHA-256 of the files the manifest lists; None if there is none or it cannot be read."""
-    try:
-        return known_files((folder / MANIFEST).read_bytes())
-    except (OSError, ValueError):
-        return None
-
-
-def generated_sources(folder: Path) -> list[Path]:
-    """The text sources that belong to plcgen: those of the manifest, else those of its three folders.
-
-    A copy in a subfolder or a source of the user beside them is not looked at.
-    """
-    known = manifest_of(folder)
-    if known is None:
-        found = [p for name in ("udt", "db", "scl") for p in (folder / name).glob("*")]
-    else:
-        root = folder.resolve()
-        found = [folder / name for name in known]
-        found = [path for path in found if path.resolve().is_relative_to(root)]
-    return sorted(path for path in found if path.suffix.lower() in SOURCES and path.is_file())
-
-
-def generated_documents(folder: Path) -> list[Path]:
-    """The SimaticML documents that belong to plcgen, chosen as :func:`generated_sources` does."""
-    known = manifest_of(folder)
-    found = folder.glob("xml/*.xml") if known is None else (folder / name for name in known if name.startswith("xml/"))
-    return sorted(path for path in found if path.suffix.lower() == ".xml" and path.is_file())
 
 
 def read_folder(path: Path, where: Target, progress: Callable[[str, int, int], None] | None = None) -> Folder:

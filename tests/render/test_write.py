@@ -6,6 +6,8 @@ import contextlib
 import errno
 import json
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -15,6 +17,7 @@ from plcgen import api
 from plcgen.diagnostics import DiagnosticError
 from plcgen.render import write
 from plcgen.render.environment import RenderedFile
+from plcgen.render.lock import exclusive
 from plcgen.render.manifest import digest
 from plcgen.render.write import JOURNAL, STAGE, compare_folder, recover, write_folder
 
@@ -219,3 +222,74 @@ def test_a_recovered_folder_is_mentioned(tmp_path: Path) -> None:
     result = api.generate(FAQ, out)
     assert [(d.code, d.severity.label) for d in result.diagnostics] == [("PG505", "note")]
     assert not list(out.glob(f"{STAGE}*"))
+
+
+def test_a_file_in_the_way_of_a_folder_is_reported_before_anything_is_written(tmp_path: Path) -> None:
+    """A user's file called scl stays, and no other file is written."""
+    (tmp_path / "scl").write_text("mine")
+    with pytest.raises(DiagnosticError) as error:
+        write_folder(files(a="1", scl__b="1"), tmp_path, force=True)
+    assert codes(error) == ["PG501"]
+    assert tree(tmp_path) == {"scl": "mine"}
+
+
+def test_an_edited_file_that_is_no_longer_generated_is_kept_and_told(tmp_path: Path) -> None:
+    """It would be imported along with the new ones: the result names it."""
+    write_folder(files(a="1", b="1"), tmp_path)
+    (tmp_path / "b").write_text("by hand")
+    assert write_folder(files(a="1"), tmp_path).kept == ("b",)
+    assert tree(tmp_path)["b"] == "by hand"
+
+
+def test_a_failure_half_way_is_completed_by_the_next_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An error after the point of no return is told as such; the next run completes the folder."""
+    real = Path.replace
+
+    def broken(self: Path, target: Path) -> Path:
+        if str(target).endswith("b"):
+            raise OSError(errno.EIO, "Input/output error", str(target))
+        return real(self, target)
+
+    new = files(a="1", b="1")
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", broken)
+        with pytest.raises(DiagnosticError) as error:
+            write_folder(new, tmp_path)
+    assert "interrupted half-way" in error.value.diagnostics[0].message
+    assert write_folder(new, tmp_path).recovered
+    assert tree(tmp_path) == {f.path: f.data.decode() for f in new}
+
+
+def test_a_loop_of_links_is_a_diagnostic(tmp_path: Path) -> None:
+    """--out that points at itself ends in PG503, not in a traceback."""
+    (tmp_path / "loop").symlink_to("loop")
+    with pytest.raises(DiagnosticError) as error:
+        write_folder(files(a="1"), tmp_path / "loop")
+    assert codes(error) == ["PG503"]
+
+
+def test_two_writers_take_turns(tmp_path: Path) -> None:
+    """While one holds the folder the other one waits, and gives up with PG508."""
+    with exclusive(tmp_path), pytest.raises(DiagnosticError) as error, exclusive(tmp_path, patience=0):
+        raise AssertionError
+    assert codes(error) == ["PG508"]
+    with exclusive(tmp_path, patience=0):
+        pass
+
+
+def test_parallel_processes_leave_a_complete_folder(tmp_path: Path) -> None:
+    """Four generations into one folder at once: all succeed and nothing is missing."""
+    command = [sys.executable, "-m", "plcgen", "generate", str(FAQ), "--out", str(tmp_path / "out"), "--quiet"]
+    running = [subprocess.Popen(command, stderr=subprocess.PIPE) for _ in range(4)]
+    assert [(process.wait(), process.communicate()[1]) for process in running] == [(0, b"")] * 4
+    assert api.generate(FAQ, tmp_path / "out", check_only=True).ok
+
+
+def test_a_big_difference_is_named_not_compared(tmp_path: Path) -> None:
+    """The manifest and very long files are reported without a line-by-line diff, in no time."""
+    long = "\n".join(str(n) for n in range(100_000))
+    write_folder(files(a=long), tmp_path)
+    (tmp_path / "a").write_text(long[::-1])
+    diff, found = compare_folder(files(a=long), tmp_path)
+    assert [d.code for d in found] == ["PG504"]
+    assert diff.count("\n") == 3

@@ -8,9 +8,12 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from projects import FAQ, ROOT
+from projects import FAQ, MM4, ROOT
 
 from plcgen import api
+from plcgen.sim.drive import Drive
+from plcgen.verify import exchanges
+from plcgen.verify.bench import build_drive
 from plcgen.verify.model import Outcome, Verification
 
 GOLDEN = ROOT / "examples" / FAQ.stem / "expected"
@@ -134,3 +137,83 @@ def test_a_missing_folder_or_spec_is_a_diagnostic(tmp_path: Path) -> None:
     """No traceback for a wrong path."""
     assert codes(api.verify(FAQ, tmp_path / "none")) == {"PG507"}
     assert codes(api.verify(tmp_path / "none.yaml", GOLDEN)) == {"PG110"}
+
+
+def test_a_copy_in_a_subfolder_is_not_looked_at(tmp_path: Path) -> None:
+    """A backup below the folder cannot hide a damaged file; a source of the user beside ours disturbs nothing."""
+    shutil.copytree(GOLDEN, tmp_path / "out")
+    shutil.copytree(GOLDEN, tmp_path / "out" / "zz")
+    (tmp_path / "out" / "scl" / "Mine.scl").write_text("not SCL at all {")
+    assert api.verify(FAQ, tmp_path / "out").ok
+    edit(tmp_path / "out" / WR, "16#C47F", "16#C47E")
+    result = api.verify(FAQ, tmp_path / "out")
+    assert {c.id: c.outcome for c in result.checks()}["telegram.WR_DataBuffer"] is Outcome.ERROR
+
+
+def test_an_interrupted_generation_is_an_error(tmp_path: Path) -> None:
+    """A pending journal means that old and new files are mixed."""
+    result = verified(tmp_path, lambda out: (out / ".plcgen-journal.json").write_text("{}"))
+    assert {c.id: c.outcome for c in result.checks()}["files.manifest"] is Outcome.ERROR
+
+
+class Liar(Drive):
+    """A drive whose answers are changed on their way."""
+
+    def __init__(self, honest: Drive, change: Callable[[bytes], bytes]) -> None:
+        super().__init__(honest.habits, honest.objects.values(), honest.faults)
+        self.change = change
+
+    def read_record(self, index: int, max_length: int) -> tuple[int, bytes]:
+        """Hand out the changed answer."""
+        status, data = super().read_record(index, max_length)
+        return status, self.change(data)
+
+
+LIES: dict[str, tuple[Callable[[bytes], bytes], str, str]] = {
+    "another value": (lambda d: d[:-1] + bytes([d[-1] ^ 1]), "drive.WR_DataBuffer", "PG607"),
+    "one byte more": (lambda d: d + b"\0", "drive.WR_DataBuffer", "PG606"),
+    "no negative answer": (lambda d: bytes([d[0], d[1] & 0x7F]) + d[2:], "negative.RD_DataBuffer", "PG606"),
+    "an answer that does not fit": (lambda d: d + bytes(20), "negative.RD_DataBuffer", "PG605"),
+}
+
+
+@pytest.mark.parametrize("lie", LIES)
+def test_a_lying_drive_is_noticed(lie: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wrong values, lengths and missing errors are found by the check that looks at them."""
+    change, check, code = LIES[lie]
+    monkeypatch.setattr(exchanges, "build_drive", lambda *a, **k: Liar(build_drive(*a, **k), change))
+    found = {c.id: c.diagnostic for c in api.verify(FAQ, GOLDEN).checks()}[check]
+    assert found is not None
+    assert found.code == code
+
+
+def test_a_write_that_the_drive_forgets_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The value is read from the drive after the write, not believed."""
+
+    def forgetful(*arguments: object, **options: bool) -> Drive:
+        drive = build_drive(*arguments, **options)  # type: ignore[arg-type]
+        before = {number: list(p.values) for number, p in drive.objects[2].parameters.items()}
+        real = drive.read_record
+
+        def read_record(index: int, max_length: int) -> tuple[int, bytes]:
+            for number, values in before.items():
+                drive.objects[2].parameters[number].values[:] = values
+            return real(index, max_length)
+
+        drive.read_record = read_record  # type: ignore[method-assign]
+        return drive
+
+    monkeypatch.setattr(exchanges, "build_drive", forgetful)
+    found = {c.id: c.diagnostic for c in api.verify(FAQ, GOLDEN).checks()}["drive.WR_DataBuffer_1"]
+    assert found is not None
+    assert found.code == "PG607"
+
+
+def test_the_refused_parameter_is_named(tmp_path: Path) -> None:
+    """A drive without P2155: the report names it with error 00h, not the byte of another parameter's value."""
+    drive = tmp_path / "drive.yaml"
+    drive.write_text("objects: [{number: 0, parameters: [{pnu: 1120, type: FloatingPoint, value: 1.0}]}]\n")
+    golden = ROOT / "examples" / MM4.stem / "expected"
+    verdicts = {c.id: c.verdict for c in api.verify(MM4, golden, drive=drive).checks()}
+    assert "P2155[1..2]: error 00h" in verdicts["drive.ReadParams_Request"]
+    assert "P1121: error 00h" in verdicts["drive.WriteParams_Request"]

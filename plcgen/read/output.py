@@ -1,0 +1,52 @@
+"""What lies in an output folder and belongs to plcgen: the manifest and the files it lists."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+MANIFEST = "manifest.json"
+SOURCES = (".scl", ".udt", ".db", ".awl")
+
+
+def known_files(data: bytes) -> dict[str, str]:
+    """Path -> SHA-256 of the files a manifest lists.
+
+    Raises:
+        ValueError: if the bytes are no manifest.
+    """
+    try:
+        content = json.loads(data)
+        return {str(entry["path"]): str(entry["sha256"]) for entry in content["files"]}
+    except (ValueError, KeyError, TypeError, RecursionError) as problem:
+        raise ValueError(f"not a manifest: {problem}") from problem
+
+
+def manifest_of(folder: Path) -> dict[str, str] | None:
+    """Path -> SHA-256 of the files the manifest lists; None if there is none or it cannot be read."""
+    try:
+        return known_files((folder / MANIFEST).read_bytes())
+    except (OSError, ValueError):
+        return None
+
+
+def generated_sources(folder: Path) -> list[Path]:
+    """The text sources that belong to plcgen: those of the manifest, else all of its three folders.
+
+    A copy in a subfolder or a source of the user beside them is not looked at.
+    """
+    known = manifest_of(folder)
+    if known is None:
+        found = [path for name in ("udt", "db", "scl") for path in (folder / name).glob("*")]
+    else:
+        root = folder.resolve()
+        found = [path for path in (folder / name for name in known) if path.resolve().is_relative_to(root)]
+    return sorted(path for path in found if path.suffix.lower() in SOURCES and path.is_file())
+
+
+def generated_documents(folder: Path) -> list[Path]:
+    """The SimaticML documents that belong to plcgen, chosen as :func:`generated_sources` does."""
+    known = manifest_of(folder)
+    names = [name for name in known if name.startswith("xml/") and ".." not in name] if known is not None else None
+    found = folder.glob("xml/*.xml") if names is None else (folder / name for name in names)
+    return sorted(path for path in found if path.suffix.lower() == ".xml" and path.is_file())
