@@ -53,14 +53,12 @@ class _Variable:
 
 
 def _code(number: int) -> str:
-    """Identifier of the n-th variable: printable characters, shortest first."""
-    base, text = _LAST - _FIRST + 1, ""
-    while True:
-        number, digit = divmod(number, base)
-        text += chr(_FIRST + digit)
-        if not number:
-            return text
-        number -= 1
+    """Identifier of the n-th variable: its digits as printable characters, the lowest first."""
+    base = _LAST - _FIRST + 1
+    text = chr(_FIRST + number % base)
+    while number := number // base:
+        text += chr(_FIRST + number % base)
+    return text
 
 
 def _word(text: str) -> str:

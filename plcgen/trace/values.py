@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 from plcgen.cpu.cpu import Cpu
 from plcgen.diagnostics import DiagnosticError
 from plcgen.diagnostics.suggest import did_you_mean
@@ -14,8 +12,6 @@ from plcgen.s7.literals import LiteralError, parse_literal
 from plcgen.s7.types import Elementary, StringType
 from plcgen.trace.recorder import watch
 from plcgen.trace.settings import Assignment, usage
-
-_REAL = re.compile(r"[-+]?[0-9]+(?:\.[0-9]*)?(?:[eE][-+]?[0-9]+)?", re.ASCII)
 
 
 def full_path(cpu: Cpu, path: str, project: Project, option: str) -> str:
@@ -58,9 +54,6 @@ def assign(cpu: Cpu, item: Assignment, project: Project) -> None:
     if not isinstance(type_, Elementary | StringType):
         raise usage(item.option, f"{item.path} is an array or structure", "name one element, for example [0]")
     text = item.value
-    if type_.name in {"REAL", "LREAL"} and _REAL.fullmatch(text):
-        cpu[path] = float(text)
-        return
     try:
         cpu[path] = parse_literal(text, type_)
     except LiteralError as problem:

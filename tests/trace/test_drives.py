@@ -18,6 +18,7 @@ jobs:
   read_x: {drive: x, read: [P1120]}
   read_y: {drive: y, read: [P1121]}
   read_z: {drive: z, read: [P1120]}
+  set_z: {drive: z, write: {P1120: null, P1121: 8.0}}
 """
 
 
@@ -38,7 +39,12 @@ def ends(trace: Trace) -> dict[str, tuple[str, int, int]]:
 def test_objects_of_one_unit_take_turns(project: tuple[Path, Path]) -> None:
     """Those at one address share a token: one after the other. The third one runs at once."""
     trace = api.simulate(*project)
-    assert ends(trace) == {"read_x": ("done", 11, 0), "read_y": ("done", 21, 0), "read_z": ("done", 11, 0)}
+    assert ends(trace) == {
+        "read_x": ("done", 11, 0),
+        "read_y": ("done", 21, 0),
+        "read_z": ("done", 11, 0),
+        "set_z": ("done", 21, 0),
+    }
     objects = [c.data[2] for step in trace.steps for c in step.contacts if c.group == "read_y"]
     assert objects == [4, 4]
 
@@ -46,13 +52,26 @@ def test_objects_of_one_unit_take_turns(project: tuple[Path, Path]) -> None:
 def test_a_fault_of_one_drive(project: tuple[Path, Path]) -> None:
     """``drive=z`` leaves the others alone; without it every unit has the fault once."""
     one = ends(api.simulate(*project, faults=["busy:drive=z"]))
-    assert [retries for _, _, retries in one.values()] == [0, 0, 1]
+    assert [retries for _, _, retries in one.values()] == [0, 0, 1, 0]
     every = ends(api.simulate(*project, faults=["busy"]))
-    assert [retries for _, _, retries in every.values()] == [1, 0, 1]
+    assert [retries for _, _, retries in every.values()] == [1, 0, 1, 0]
     at_y = ends(api.simulate(*project, faults=["busy:drive=y,after=1"]))
-    assert [retries for _, _, retries in at_y.values()] == [0, 1, 0]
+    assert [retries for _, _, retries in at_y.values()] == [0, 1, 0, 0]
 
 
 def test_a_run_changes_nothing_for_the_next(project: tuple[Path, Path]) -> None:
     """Faults, drives and memory are made anew: the same run twice is the same trace."""
     assert api.simulate(*project, faults=["busy"]) == api.simulate(*project, faults=["busy"])
+
+
+def test_values_and_errors_by_parameter(project: tuple[Path, Path]) -> None:
+    """A write shows what was written, input or constant; the refused parameter has its error, the other none."""
+    trace = api.simulate(
+        *project, jobs=["set_z"], sets=["setZ.rampUpTime=5"], faults=["error:number=2,position=2,info=3"]
+    )
+    (job,) = trace.jobs
+    assert [(v.label, v.value, v.error, v.info) for v in job.values] == [
+        ("P1120", 5.0, None, 0),
+        ("P1121", 8.0, 2, 3),
+    ]
+    assert ends(trace) == {"set_z": ("error", 11, 0)}

@@ -114,6 +114,12 @@ def test_vcd_of_every_kind_of_value() -> None:
     assert len(vcd.names) == 205
 
 
+def test_vcd_ends_with_the_run(run: Run) -> None:
+    """The time after the last change is part of the picture."""
+    text = trace_vcd(run(jobs=["read_ramp_up"], faults=["silence"], scans=20))
+    assert text.endswith("\n#200\n")
+
+
 def test_vcd_has_no_date(run: Run) -> None:
     """The same run gives the same bytes."""
     first, second = trace_vcd(run()), trace_vcd(run())
@@ -188,6 +194,8 @@ def test_text_fits_the_screen(run: Run, width: int) -> None:
     assert len(lines) > 40
     if width >= 80:
         assert max(map(len, lines)) <= width
+        assert sum(" write_ramp_down " in line for line in lines) > 8
+    assert (" drive " in lines[0]) == (width == 120)
 
 
 def test_an_explanation_is_given_once(run: Run) -> None:

@@ -38,6 +38,7 @@ def test_the_read_job_goes_through_its_states(run: Run, target: str) -> None:
     assert history(trace, "read_ramp_up.status") == [(1, 0x7001), (2, 0x7002), (11, 0)]
     assert history(trace, "DcmToken.owner") == [(1, 1), (11, 0)]
     assert (trace.ended, trace.scans, trace.time, trace.ok) == ("jobs", 11, 110, True)
+    assert "read_ramp_up.WRREC.LEN" not in [signal.id for signal in trace.signals]
 
 
 @pytest.mark.parametrize("target", ["v5", "t3", "t15"])
@@ -76,6 +77,22 @@ def test_b5_twice_is_two_retries(run: Run) -> None:
     ]
     (job,) = trace.jobs
     assert (job.ending, job.retries, job.telegrams, job.scan) == ("done", 2, 1, 57)
+
+
+def test_a_refused_write_is_no_telegram(run: Run) -> None:
+    """WRREC ends in error in scan 6; the telegram that the drive took is the only one that counts."""
+    (job,) = run(jobs=["read_ramp_up"], faults=["busy:call=write"]).jobs
+    assert (job.ending, job.retries, job.telegrams) == ("done", 1, 1)
+
+
+def test_a_job_that_is_never_called(run: Run, own: Path) -> None:
+    """The run ends when its time-out and draining are over, and that is no success."""
+    text = own.read_text("utf-8")
+    own.write_text(text.replace('"Sender_DB"();', ";"), "utf-8")
+    trace = run(own=[own], scan_time="100ms")
+    assert (trace.ended, trace.ok, trace.diagnostics) == ("scans", False, ())
+    assert trace.time >= 15_000
+    assert [job.ending for job in trace.jobs] == ["not started", "not started"]
 
 
 def test_a_refused_parameter(run: Run) -> None:
