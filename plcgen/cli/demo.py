@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from plcgen.cli.generate import default_folder
+from plcgen.api import default_folder
 from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console
 from plcgen.cli.output import OK, PROBLEMS, Console
 from plcgen.cli.sources import SourceCache

@@ -8,17 +8,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.api import default_folder
 from plcgen.cli.options import CONTEXT, FORMATS, PATH, Verb, common_options, console, format_options
 from plcgen.cli.output import OK, PROBLEMS, Console, error_detail, error_line, help_line
 
 if TYPE_CHECKING:
     from plcgen.api import GenerateResult
     from plcgen.diagnostics import Diagnostic
-
-
-def default_folder(spec: Path) -> Path:
-    """``machines/press.yaml`` -> ``machines/press_generated``."""
-    return spec.with_name(f"{spec.stem}_generated")
 
 
 @click.command(

@@ -16,7 +16,7 @@ from plcgen.cli.output import OK, PROBLEMS
     context_settings=CONTEXT,
     examples=(
         "plcgen layout job.yaml",
-        "plcgen layout job_generated/*.db --format csv",
+        "plcgen layout job_generated/db/*.db --format csv",
         "plcgen layout old_project.awl types.udt",
     ),
 )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plcgen.cli.generate import default_folder
+from plcgen.api import default_folder
 from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, format_options, output_option
 from plcgen.cli.output import OK, PROBLEMS, USAGE, Console
 from plcgen.cli.sources import SourceCache

@@ -113,7 +113,9 @@ def request_image(project: Project, folder: Folder, telegram: Telegram) -> bytes
     if project.target.xml_version:
         twin = bytes(image(_block(folder, folder.xml, name), folder.xml))
         if twin != data:
-            raise _FindingError("PG604", f"text source and SimaticML differ: {data.hex(' ')} and {twin.hex(' ')}")
+            raise _FindingError(
+                "PG604", f"text source and SimaticML differ: {data.hex(' ').upper()} and {twin.hex(' ').upper()}"
+            )
     return data
 
 
@@ -226,7 +228,8 @@ def _read_back(
     found = bytes(memory[entry.byte : entry.byte + len(expected)])
     if found != expected:
         raise _FindingError(
-            "PG607", f'"{block.name}".{field.name} holds {found.hex(" ")}, the drive has {expected.hex(" ")}'
+            "PG607",
+            f'"{block.name}".{field.name} holds {found.hex(" ").upper()}, the drive has {expected.hex(" ").upper()}',
         )
     value = read_member(memory, layout, field.name)
     unit = f" {part.use.parameter.unit}" if part.use.parameter.unit else ""

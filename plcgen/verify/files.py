@@ -8,12 +8,19 @@ from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.plan.model import Project
+from plcgen.plan.target import Dialect
 from plcgen.read.invariants import check_invariants
 from plcgen.read.output import MANIFEST, generated_documents, generated_sources, known_files
 from plcgen.render.manifest import digest
 from plcgen.render.write import JOURNAL
 from plcgen.verify.folder import Folder
 from plcgen.verify.model import Check, Outcome
+
+_DIALECTS = {
+    Dialect.V5: "S7-SCL of STEP 7 V5",
+    Dialect.T3: "SCL of TIA Portal, S7-300/400",
+    Dialect.T15: "SCL of TIA Portal, S7-1200/1500",
+}
 
 
 def check_files(project: Project, folder: Folder) -> Iterator[Check]:
@@ -26,7 +33,7 @@ def check_files(project: Project, folder: Folder) -> Iterator[Check]:
     wanted = "Windows-1252" if project.target.v5 else "UTF-8 with byte order mark"
     yield _check("files.encoding", "sources", f"{len(sources)} files", wrong, wanted)
     yield _check(
-        "files.syntax", "sources", project.target.dialect.value.upper(), folder.problems, "parsed without findings"
+        "files.syntax", "sources", _DIALECTS[project.target.dialect], folder.problems, "parsed without findings"
     )
     documents = generated_documents(folder.path)
     if project.target.xml_version:
