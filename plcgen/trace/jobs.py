@@ -28,6 +28,8 @@ _MEMBERS = (
     ("errors", "errors"),
     ("errorInfos", "errorInfos"),
 )
+_OWN = frozenset({"execute", *(name for name, _ in _MEMBERS)})
+"""Names of signals that a value may have too: not all of them are names at the interface of the block."""
 
 
 def execute_path(project: Project, job: PlannedJob) -> str:
@@ -44,7 +46,8 @@ def job_signals(cpu: Cpu, project: Project, job: PlannedJob) -> Iterator[tuple[S
         yield signal(cpu, job.key, name, f'"{job.instance.name}".{member}', names=names)
     for use in (*job.inputs, *job.outputs):
         path = f'"{job.instance.name}".{use.member}'
-        yield signal(cpu, job.key, use.member, path, unit=use.parameter.unit or "", listed=not job.write)
+        name = f"{use.member}_value" if use.member in _OWN else use.member
+        yield signal(cpu, job.key, name, path, unit=use.parameter.unit or "", listed=not job.write)
 
 
 def token_signals(cpu: Cpu, project: Project) -> Iterator[tuple[Signal, Watched]]:

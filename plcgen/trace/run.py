@@ -75,7 +75,7 @@ def _simulate(spec: Path, folder: Path, settings: Settings, progress: Progress |
     cpu = RecordingCpu(program, bus, cast("Family", project.target.family), groups)
     name_drives(cpu, units.values())
     run = _Run(cpu, project, jobs, settings, scan_time, assignments)
-    run.go(progress)
+    run.go(folder, progress)
     report.extend(map(_diagnostic, dict.fromkeys(cpu.misuses)))
     main = program.main()
     return Trace(
@@ -147,10 +147,10 @@ class _Run:
     watched: list[tuple[int, Watched]] = field(default_factory=list)
     positions: dict[str, int] = field(default_factory=dict)
 
-    def go(self, progress: Progress | None) -> None:
+    def go(self, folder: Path, progress: Progress | None) -> None:
         """Prepare, then scan until the end."""
         self.cpu.restart("cold")
-        self.prepare()
+        self.prepare(folder)
         limit = self.settings.scans or self.longest()
         pending = list(self.assignments)
         for number in range(1, limit + 1):
@@ -176,8 +176,23 @@ class _Run:
         last = max((item.scan for item in self.assignments), default=0)
         return last + -(-time // self.scan_time) + 10
 
-    def prepare(self) -> None:
-        """Look up everything that is recorded."""
+    def prepare(self, folder: Path) -> None:
+        """Look up everything that is recorded. Raises DiagnosticError if the folder holds other blocks."""
+        try:
+            self.prepare_jobs()
+        except KeyError as problem:
+            text = "the folder was generated from another spec, or by another version: run plcgen generate"
+            message = f"a block or member of this spec is missing: {problem.args[0]}"
+            raise DiagnosticError([Diagnostic("PG608", message, Span(str(folder)), help=text)]) from None
+        extra = [*(item.path for item in self.assignments), *self.settings.watches]
+        for path in dict.fromkeys(extra):
+            option = "--watch" if path in self.settings.watches else "--set"
+            full = full_path(self.cpu, path, self.project, option)
+            if f"memory.{path}" not in self.positions:
+                self.add(*signal(self.cpu, "memory", path, full, listed=True))
+
+    def prepare_jobs(self) -> None:
+        """Look up the members of the jobs and tokens. Raises KeyError for one that is not there."""
         for job in self.planned:
             for found, watched in job_signals(self.cpu, self.project, job):
                 self.add(found, watched)
@@ -186,12 +201,6 @@ class _Run:
             self.jobs.append(JobWatch(self.cpu, self.project, job))
         for found, watched in token_signals(self.cpu, self.project):
             self.add(found, watched)
-        extra = [*(item.path for item in self.assignments), *self.settings.watches]
-        for path in dict.fromkeys(extra):
-            option = "--watch" if path in self.settings.watches else "--set"
-            full = full_path(self.cpu, path, self.project, option)
-            if f"memory.{path}" not in self.positions:
-                self.add(*signal(self.cpu, "memory", path, full, listed=True))
 
     def add(self, found: Signal, watched: Watched) -> None:
         """Record a member from now on."""

@@ -75,3 +75,17 @@ def test_values_and_errors_by_parameter(project: tuple[Path, Path]) -> None:
         ("P1121", 8.0, 2, 3),
     ]
     assert ends(trace) == {"set_z": ("error", 11, 0)}
+
+
+def test_a_value_that_is_called_state(tmp_path: Path) -> None:
+    """The state of the block keeps its signal, the value gets another name."""
+    spec = tmp_path / "job.yaml"
+    spec.write_text(
+        SPEC.partition("jobs:")[0] + "jobs:\n  set_z: {drive: z, write: {P1120: {as: state, start: 5.0}}}\n", "utf-8"
+    )
+    assert api.generate(spec, tmp_path / "out").ok
+    trace = api.simulate(spec, tmp_path / "out")
+    ids = [signal.id for signal in trace.signals]
+    assert len(ids) == len(set(ids))
+    assert trace.start[ids.index("set_z.state_value")] == 5.0
+    assert trace.start[ids.index("set_z.state")] == 0

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from projects import FAQ
+from projects import FAQ, ROOT
 
 from plcgen import api
 from plcgen.trace.model import Trace
@@ -233,3 +233,11 @@ def test_missing_folder_and_spec(tmp_path: Path) -> None:
     spec.write_text(FAQ.read_text("utf-8"), "utf-8")
     assert [d.code for d in api.simulate(spec, tmp_path / "no").diagnostics] == ["PG507"]
     assert [d.code for d in api.simulate(spec, tmp_path).diagnostics] == ["PG608"]
+
+
+def test_a_folder_of_another_spec() -> None:
+    """Blocks that the spec needs are missing: a diagnostic, not a traceback."""
+    other = ROOT / "specs" / "s7-1200_s120_recipe.yaml"
+    found = api.simulate(other, ROOT / "examples" / "s7-1500_g120_pn" / "expected").diagnostics
+    assert [d.code for d in found] == ["PG608"]
+    assert "writeRecipe" in found[0].message
