@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         generate,
         layout,
         schema,
+        simulate,
         verify,
     )
     from plcgen.diagnostics import Diagnostic, Note, Severity, Span
@@ -53,6 +54,7 @@ __all__ = [
     "generate",
     "layout",
     "schema",
+    "simulate",
     "verify",
 ]
 

@@ -28,6 +28,7 @@ PUBLIC = [
     "generate",
     "layout",
     "schema",
+    "simulate",
     "verify",
 ]
 

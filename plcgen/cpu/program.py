@@ -15,6 +15,7 @@ from plcgen.read.text import decode
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block
+from plcgen.s7.shapes import TypeTable
 from plcgen.scl.declarations import blocks as declared_blocks
 from plcgen.scl.declarations import recursive_types
 from plcgen.scl.dialect import Dialect
@@ -140,9 +141,10 @@ class Program:
             if name in link.blocks and link.blocks[name].block.kind in {BlockKind.UDT, BlockKind.FB}:
                 link.types[number] = link.blocks[name].block
         self.diagnostics += recursive_types(entry.block for entry in link.blocks.values())
+        types = TypeTable.of(link.types)
         for entry in link.blocks.values():
             if entry.block.kind in {BlockKind.FB, BlockKind.DB}:
-                self.lay_out_block(entry)
+                self.lay_out_block(entry, types)
         for number, name in link.aliases.items():
             aliased = link.blocks.get(name)
             if aliased is not None and number.startswith("DB") and number[2:].isdigit():
@@ -151,9 +153,8 @@ class Program:
             if entry.block.kind is BlockKind.DB and entry.block.instance_of and link.instance_type(entry):
                 link.instance_regions.add(f"d{entry.index}")
 
-    def lay_out_block(self, entry: ProgramBlock) -> None:
+    def lay_out_block(self, entry: ProgramBlock, types: TypeTable) -> None:
         """One FB or DB."""
-        types = self.link.types
         block = entry.block
         try:
             entry.shape = layout_block(block, types, MAX_PROGRAM_BYTES).shape

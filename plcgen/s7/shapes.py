@@ -101,11 +101,22 @@ class _Cursor:
         self.bits = self.low = _up(self.bits, 16)
 
 
+class TypeTable(dict[str, "Block"]):
+    """Types by upper-case name without quotes: made once, looked up by every layout without another copy."""
+
+    @classmethod
+    def of(cls, types: Mapping[str, Block]) -> TypeTable:
+        """The table of a mapping with names in any spelling; a table is returned as it is."""
+        if isinstance(types, cls):
+            return types
+        return cls((name.upper().strip('"'), block) for name, block in types.items())
+
+
 class ShapeBuilder:
     """Turns declared types into shapes; collects every problem instead of stopping at the first."""
 
     def __init__(self, types: Mapping[str, Block], owner: Span) -> None:
-        self._types = {name.upper().strip('"'): block for name, block in types.items()}
+        self._types = TypeTable.of(types)
         self._owner = owner
         self._named: dict[str, Shape] = {}
         self._open: list[str] = []

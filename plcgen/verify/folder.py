@@ -12,7 +12,7 @@ from plcgen.plan.target import Target
 from plcgen.read.output import generated_documents, generated_sources
 from plcgen.read.simaticml import read_simaticml
 from plcgen.read.text import read_source
-from plcgen.s7.blocks import Block
+from plcgen.s7.shapes import TypeTable
 from plcgen.scl.dialect import Dialect
 
 DIALECTS = {
@@ -27,8 +27,8 @@ class Folder:
     """Blocks by upper-case name, with the file each came from; ``problems`` is what could not be read."""
 
     path: Path
-    text: dict[str, Block] = field(default_factory=dict)
-    xml: dict[str, Block] = field(default_factory=dict)
+    text: TypeTable = field(default_factory=TypeTable)
+    xml: TypeTable = field(default_factory=TypeTable)
     files: dict[str, Path] = field(default_factory=dict)
     problems: list[Diagnostic] = field(default_factory=list)
 
