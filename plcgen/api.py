@@ -81,9 +81,18 @@ def check(spec: Path | str) -> CheckResult:
     return CheckResult(path, project, tuple(report))
 
 
+def default_folder(spec: Path) -> Path:
+    """Output folder of a spec if none is given: ``machines/press.yaml`` -> ``machines/press_generated``."""
+    return spec.with_name(f"{spec.stem}_generated")
+
+
+def _folder(spec: Path | str, folder: Path | str | None) -> Path:
+    return default_folder(Path(spec)) if folder is None else Path(folder)
+
+
 def generate(
     spec: Path | str,
-    folder: Path | str,
+    folder: Path | str | None = None,
     *,
     check_only: bool = False,
     force: bool = False,
@@ -91,12 +100,14 @@ def generate(
 ) -> GenerateResult:
     """Generate all files of a spec into a folder, atomically; nothing is written if there is an error.
 
+    Without ``folder`` it is ``<spec>_generated`` beside the spec.
+
     ``check_only`` writes nothing and compares; ``force`` overwrites files that were changed by hand.
     """
     from plcgen.render.project import render_project
     from plcgen.render.write import compare_folder, write_folder
 
-    target = Path(folder)
+    target = _folder(spec, folder)
     checked = check(spec)
     if not checked.ok or checked.project is None:
         return GenerateResult(checked.spec, target, (), (), (), "", checked.diagnostics)
@@ -127,7 +138,7 @@ def generate(
 
 def verify(
     spec: Path | str,
-    folder: Path | str,
+    folder: Path | str | None = None,
     *,
     drive: Path | str | None = None,
     faults: Literal["none", "quick", "full"] = "quick",
@@ -139,12 +150,12 @@ def verify(
     """
     from plcgen.verify import verify as run
 
-    return run(Path(spec), Path(folder), Path(drive) if drive is not None else None, progress, faults)
+    return run(Path(spec), _folder(spec, folder), Path(drive) if drive is not None else None, progress, faults)
 
 
 def simulate(
     spec: Path | str,
-    folder: Path | str,
+    folder: Path | str | None = None,
     *,
     jobs: Sequence[str] = (),
     scans: int | None = None,
@@ -169,7 +180,7 @@ def simulate(
     chosen = Path(fault_file) if fault_file is not None else None
     sources = tuple(Path(path) for path in own)
     settings = Settings(jobs, scans, scan_time, sets, watches, faults, chosen, drives, sources)
-    return run(Path(spec), Path(folder), settings, progress)
+    return run(Path(spec), _folder(spec, folder), settings, progress)
 
 
 @dataclass(frozen=True, slots=True)

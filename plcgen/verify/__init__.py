@@ -1,4 +1,4 @@
-"""Verification of what lies on disk: files, offsets, telegrams, exchanges with a simulated drive.
+"""Verification of what lies on disk: files, offsets, telegrams, exchanges with a drive, execution.
 
 The second way of the data: it knows the files, the spec and DS47, never the generator's output objects.
 """
@@ -7,18 +7,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
-from plcgen.verify.model import Check, CheckGroup, Outcome, Verification
+from plcgen.verify.model import CheckGroup, Verification
 
 
 def verify(
-    spec: Path, folder: Path, drive: Path | None = None, progress: Callable[[str, int, int], None] | None = None
+    spec: Path,
+    folder: Path,
+    drive: Path | None = None,
+    progress: Callable[[str, int, int], None] | None = None,
+    faults: Literal["none", "quick", "full"] = "quick",
 ) -> Verification:
-    """Verify a folder against its spec; ``drive`` is a drive file that replaces the profile's simulated drive."""
+    """Verify a folder against its spec; ``drive`` is a drive file that replaces the profile's simulated drive.
+
+    ``faults`` is how much of the fault matrix the generated SCL runs through.
+    """
     report = Report()
     try:
-        return _verify(spec, folder, drive, progress, report)
+        return _verify(spec, folder, drive, progress, report, faults)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
     return Verification(str(spec), str(folder), "", "", (), tuple(report))
@@ -30,6 +38,7 @@ def _verify(
     drive_file: Path | None,
     progress: Callable[[str, int, int], None] | None,
     report: Report,
+    faults: Literal["none", "quick", "full"],
 ) -> Verification:
     from plcgen.plan.resolve import resolve
     from plcgen.rules import apply_rules
@@ -37,6 +46,7 @@ def _verify(
     from plcgen.spec.load import load_spec
     from plcgen.spec.source import read_text
     from plcgen.verify.exchanges import check_drive, check_telegrams
+    from plcgen.verify.execution import check_execution
     from plcgen.verify.files import check_files
     from plcgen.verify.folder import read_folder
     from plcgen.verify.layouts import check_layouts
@@ -57,16 +67,7 @@ def _verify(
         CheckGroup("layout", "Layout", tuple(check_layouts(project, files))),
         CheckGroup("telegrams", "Telegrams", tuple(check_telegrams(project, files))),
         CheckGroup("drive", "Simulated drive", tuple(check_drive(project, files, own, progress))),
-        CheckGroup("execution", "Execution", (_NOT_RUN,)),
+        CheckGroup("execution", "Execution", tuple(check_execution(project, folder, faults, progress))),
     )
     target = f"{project.target.family} / {project.target.toolchain}"
     return Verification(str(spec), str(folder), project.name, target, groups, tuple(report))
-
-
-_NOT_RUN = Check(
-    "execution.scl",
-    "run",
-    "generated SCL in the soft CPU",
-    Outcome.NOT_RUN,
-    "not run: the soft CPU is not part of this version",
-)

@@ -1,0 +1,287 @@
+"""Checks of the group ``execution``: the generated SCL runs in the simulated CPU, under every fault."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import warnings
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, field
+from itertools import chain
+from pathlib import Path
+from typing import Literal
+
+from plcgen.cpu.program import Program
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.ds47.errors import known_numbers
+from plcgen.plan.model import PlannedJob, Project
+from plcgen.s7.image import Tree
+from plcgen.verify.coverage import Coverage, measure, merge
+from plcgen.verify.execution_rig import JobRig, ScenarioError, load_program
+from plcgen.verify.execution_run import Failure, Runner, Statistics
+from plcgen.verify.execution_together import program_scenarios, row, try_program, wrong_numbers
+from plcgen.verify.model import Check, Outcome
+from plcgen.verify.scenarios import Scenario
+from plcgen.verify.scenarios_answer import answer_scenarios, error_matrix
+from plcgen.verify.scenarios_record import STATE_CONFLICT, cpu_scenarios, record_scenarios
+
+Level = Literal["none", "quick", "full"]
+"""How much of the fault matrix runs: nothing, everything once, or every combination of error number and position."""
+Progress = Callable[[str, int, int], None]
+
+MAX_FAILURES = 3
+QUICK_ERRORS = 600
+SHOWN_VALUES = 3
+NOMINAL = Scenario(
+    name="nominal run",
+    busy=(3, 1),
+    reads={1: STATE_CONFLICT, 2: STATE_CONFLICT},
+    factory=True,
+    retries=None,
+    calls=(0, 2),
+    follow=False,
+)
+
+
+@dataclass(slots=True)
+class JobResult:
+    """What the runs of one job gave; ``kinds`` is how many different faults there were."""
+
+    key: str
+    nominal: str = ""
+    values: str = ""
+    matrix: str = ""
+    failures: list[Failure] = field(default_factory=list)
+    statistics: Statistics = field(default_factory=Statistics)
+    counts: list[int] = field(default_factory=list)
+    broken: bool = False
+
+
+def check_execution(
+    project: Project, folder: Path, level: Level = "quick", progress: Progress | None = None, workers: int | None = None
+) -> Iterator[Check]:
+    """Run every job of the files on disk; ``workers`` None uses every core."""
+    try:
+        program = load_program(project, folder)
+    except DiagnosticError as problem:
+        first = problem.diagnostics[0]
+        yield Check("execution.scl", "sources", "SCL in the simulated CPU", Outcome.ERROR, first.message, first)
+        return
+    results = list(_results(project, program, level, progress, workers))
+    program_result = results.pop() if level != "none" else None
+    for job, result in zip(project.jobs, results, strict=True):
+        yield from _job_checks(job, result, level)
+    if program_result is None:
+        return
+    yield _program_check(project, program_result)
+    counts = [sum(column) for column in zip(*(result.counts for result in (*results, program_result)), strict=True)]
+    if not any(result.failures for result in (*results, program_result)):
+        for job in project.jobs:
+            yield _coverage_check(job, merge(job, measure(program, job.block.name, counts)))
+
+
+# --- running ----------------------------------------------------------------------------------------------
+
+
+def run_job(project: Project, program: Program, job: PlannedJob, level: Level) -> JobResult:
+    """Nominal run and matrix of one job."""
+    result = JobResult(job.key)
+    try:
+        rig = JobRig(project, program, job)
+    except (ScenarioError, KeyError) as problem:
+        result.failures.append(Failure("nominal run", 0, f"the block cannot be called: {problem}", "", 0))
+        result.broken = True
+        return result
+    runner = Runner(rig)
+    failure = runner.try_run(Scenario(name="first run"))
+    scans = runner.statistics.longest
+    failure = failure or _nominal(runner, result)
+    result.counts = list(rig.cpu.coverage)
+    if failure is not None:
+        result.failures.append(failure)
+        result.broken = True
+    elif level != "none":
+        _matrix(project, program, runner, result, scans, level)
+    return result
+
+
+def _nominal(runner: Runner, result: JobResult) -> Failure | None:
+    rig, job = runner.rig, runner.rig.job
+    before = runner.statistics.scans
+    failure = runner.try_run(NOMINAL)
+    if failure is None:
+        result.nominal = f"{runner.statistics.scans - before} scans, WRREC busy 3, RDREC B5 x2"
+        name = job.instance.name
+        shown = [f"{use.label} = {_shown(rig.cpu[f'{name}.{use.member}'], use.parameter.unit)}" for use in job.outputs]
+        shown = shown or [f"{use.label} written" for use in job.uses]
+        more = f", .. ({len(shown)})" if len(shown) > SHOWN_VALUES else ""
+        result.values = ", ".join(shown[:SHOWN_VALUES]) + more
+    return failure
+
+
+def scenarios(job: PlannedJob, runner: Runner, scans: int, level: Level) -> Iterator[Scenario]:
+    """The matrix of a job: the quick part first."""
+    target = runner.rig.project.target
+    yield from answer_scenarios(job, classic=target.classic)
+    yield from record_scenarios(job, runner.rig.limits)
+    yield from cpu_scenarios(runner.rig.limits, scans, retentive=target.v5)
+    yield from errors_of(job, level)
+
+
+def errors_of(job: PlannedJob, level: Level) -> Iterator[Scenario]:
+    """Error numbers: every combination, or in a large quick matrix every number and every position."""
+    positions = sum(len(telegram.parts) for telegram in job.telegrams)
+    total = len(known_numbers()) * positions * 2
+    if level == "full" or total <= QUICK_ERRORS:
+        return error_matrix(job)
+    step = positions * 2 + 1
+    chosen = (scenario for number, scenario in enumerate(error_matrix(job)) if number % step == number // step % step)
+    return chain(chosen, error_matrix(job, (0x11,)))
+
+
+def _matrix(project: Project, program: Program, runner: Runner, result: JobResult, scans: int, level: Level) -> None:
+    job, kinds = runner.rig.job, 0
+    statistics = runner.statistics
+    for scenario in scenarios(job, runner, scans, level):
+        kinds += 1
+        failure = runner.try_run(scenario)
+        if failure is not None:
+            result.failures.append(failure)
+            if len(result.failures) >= MAX_FAILURES:
+                break
+            result.counts = [a + b for a, b in zip(result.counts, runner.rig.cpu.coverage, strict=True)]
+            runner = Runner(JobRig(project, program, job))
+            runner.statistics = statistics
+    if not result.failures:
+        failure = row(runner)
+        result.failures += [failure] if failure is not None else []
+    result.counts = [a + b for a, b in zip(result.counts, runner.rig.cpu.coverage, strict=True)]
+    if project.target.classic and not result.failures:
+        for failure, counts in wrong_numbers(project, program, job):
+            result.failures += [failure] if failure is not None else []
+            result.counts = [a + b for a, b in zip(result.counts, counts, strict=True)]
+    errors = sum(1 for _ in errors_of(job, level))
+    positions = sum(len(telegram.parts) for telegram in job.telegrams)
+    result.matrix = (
+        f"{len(known_numbers())} error numbers x {positions} positions, {kinds - errors} other faults: "
+        f"{statistics.runs:,} runs, {statistics.hangs} hangs, longest {statistics.longest:,} scans"
+    )
+    result.statistics = statistics
+
+
+def run_program(project: Project, program: Program) -> JobResult:
+    """What the jobs do to each other, through OB1."""
+    result = JobResult("program", counts=[0] * len(program.probes))
+    for scenario in program_scenarios(project):
+        failure, counts = try_program(project, program, scenario)
+        result.statistics.runs += 1
+        result.counts = [a + b for a, b in zip(result.counts, counts, strict=True)]
+        if failure is not None:
+            result.failures.append(failure)
+            if len(result.failures) >= MAX_FAILURES:
+                break
+    return result
+
+
+def _task(project: Project, program: Program, index: int, level: Level) -> JobResult:
+    """One piece of work: a job, or the program behind the last one."""
+    if index == len(project.jobs):
+        return run_program(project, program)
+    return run_job(project, program, project.jobs[index], level)
+
+
+_inherited: list[tuple[Project, Program, Level]] = []
+
+
+def _forked(index: int) -> JobResult:
+    project, program, level = _inherited[0]
+    return _task(project, program, index, level)
+
+
+def _results(
+    project: Project, program: Program, level: Level, progress: Progress | None, workers: int | None
+) -> Iterator[JobResult]:
+    """Results in the order of the jobs, that of the program last; in several processes if that helps."""
+    total = len(project.jobs) + (level != "none")
+    count = min(workers if workers is not None else os.cpu_count() or 1, total)
+    if count < 2 or level == "none" or "fork" not in multiprocessing.get_all_start_methods():
+        for index in range(total):
+            if progress is not None:
+                progress("execute", index, total)
+            yield _task(project, program, index, level)
+        return
+    _inherited[:] = [(project, program, level)]
+    found: dict[int, JobResult] = {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        with ProcessPoolExecutor(count, multiprocessing.get_context("fork")) as pool:
+            futures = {pool.submit(_forked, index): index for index in range(total)}
+            for future in as_completed(futures):
+                found[futures[future]] = future.result()
+                if progress is not None:
+                    progress("execute", len(found), total)
+    _inherited.clear()
+    yield from (found[index] for index in range(total))
+
+
+# --- reporting --------------------------------------------------------------------------------------------
+
+
+def _diagnostic(code: str, key: str, failures: list[Failure]) -> Diagnostic:
+    first = failures[0]
+    more = f" (and {len(failures) - 1} more)" if len(failures) > 1 else ""
+    line = f"; the statement is {Path(first.file).name}:{first.line}" if first.file and first.line else ""
+    return Diagnostic(
+        code,
+        f"{key}: {first}{more}",
+        Span(first.file, first.line),
+        help=f"compare this place with docs/generated-code.md{line}",
+    )
+
+
+def _job_checks(job: PlannedJob, result: JobResult, level: Level) -> Iterator[Check]:
+    if result.broken:
+        found = _diagnostic("PG620", job.key, result.failures)
+        yield Check(f"run.{job.key}", f"run {job.key}", "", Outcome.ERROR, str(result.failures[0]), found)
+        return
+    yield Check(f"run.{job.key}", f"run {job.key}", result.nominal, Outcome.OK, f"-> {result.values}")
+    name, subject = f"faults.{job.key}", f"faults {job.key}"
+    if level == "none":
+        yield Check(name, subject, "", Outcome.NOT_RUN, "not asked for")
+    elif result.failures:
+        found = _diagnostic("PG621", job.key, result.failures)
+        yield Check(name, subject, result.matrix, Outcome.ERROR, str(result.failures[0]), found)
+    else:
+        yield Check(name, subject, result.matrix, Outcome.OK, "ok")
+
+
+def _program_check(project: Project, result: JobResult) -> Check:
+    text = f"{len(project.jobs)} jobs on {len(project.tokens)} drives through OB1: {result.statistics.runs} scenarios"
+    if not result.failures:
+        return Check("together", "all jobs", text, Outcome.OK, "never two requests at once, none starves")
+    found = _diagnostic("PG621", "all jobs", result.failures)
+    return Check("together", "all jobs", text, Outcome.ERROR, str(result.failures[0]), found)
+
+
+def _coverage_check(job: PlannedJob, coverage: Coverage) -> Check:
+    name, subject, text = f"coverage.{job.key}", f"coverage {job.key}", coverage.text
+    if not coverage.missing:
+        return Check(name, subject, text, Outcome.OK, coverage.verdict)
+    first = coverage.missing[0]
+    message = f"{job.key}: {len(coverage.missing)} statements or branches were never executed"
+    found = Diagnostic("PG622", message, Span(first.file, first.line, first.column))
+    return Check(name, subject, text, Outcome.ERROR, f"line {first.line} never ran", found)
+
+
+def _shown(value: Tree, unit: str) -> str:
+    text = _text(value)
+    return f"{text} {unit}" if unit else text
+
+
+def _text(value: Tree) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(_text(item) for item in value[:4])}{', ..' if len(value) > 4 else ''}]"
+    if isinstance(value, float):
+        return f"{value:.7g}.0" if value.is_integer() and abs(value) < 1e7 else f"{value:.7g}"
+    return str(value)

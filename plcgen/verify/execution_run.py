@@ -1,0 +1,460 @@
+"""Run one scenario scan by scan and hold the block to what it must do in every scan and at the end."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass, field
+
+from plcgen.emit.status_words import STATES
+from plcgen.verify.execution_rig import JobRig, ScenarioError
+from plcgen.verify.scenarios import DONE, WORDS, Scenario
+
+MAX_SCANS = 40_000
+HOLD_SCANS = 2
+FOREIGN = 99
+"""Owner number of the job of somebody else."""
+
+IDLE, ACQUIRE, BUILD, WRITE, READ, CHECK, WAIT, DRAIN = (number for _, number, _ in STATES)
+STATE_NAMES = {number: name.removeprefix("STATE_") for name, number, _ in STATES}
+TRANSITIONS = frozenset(
+    {
+        *((state, state) for state in range(8)),
+        (IDLE, ACQUIRE),
+        (ACQUIRE, BUILD),
+        (BUILD, WRITE),
+        (WRITE, READ),
+        (READ, CHECK),
+        (CHECK, BUILD),
+        *((state, WAIT) for state in (WRITE, READ, CHECK)),
+        *((WAIT, state) for state in (BUILD, WRITE, READ)),
+        *((state, DRAIN) for state in (BUILD, WRITE, READ, CHECK, WAIT)),
+        (DRAIN, IDLE),
+        *((state, IDLE) for state in (ACQUIRE, BUILD, WRITE, READ, CHECK, WAIT)),
+    }
+)
+"""From one call to the next, as docs/generated-code.md draws them; an end without a running record call drains and
+reports in one call. A CPU restart may lead anywhere."""
+
+
+@dataclass(slots=True)
+class Failure:
+    """A scenario that failed: where it was noticed."""
+
+    scenario: str
+    scan: int
+    message: str
+    file: str
+    line: int
+
+    def __str__(self) -> str:
+        return f"{self.scenario}, scan {self.scan}: {self.message}"
+
+
+@dataclass(slots=True)
+class Statistics:
+    """What the runs of a job took."""
+
+    runs: int = 0
+    scans: int = 0
+    longest: int = 0
+    hangs: int = 0
+    transitions: set[tuple[int, int]] = field(default_factory=set)
+
+
+def following(reference: int) -> int:
+    """The request reference after this one: 1 to 255, never 0."""
+    return reference + 1 if 0 <= reference < 255 else 1
+
+
+class Runner:
+    """Runs scenarios of one job one after the other on one CPU."""
+
+    def __init__(self, rig: JobRig) -> None:
+        self.rig = rig
+        self.statistics = Statistics()
+        self.scan = 0
+        self.before: list[int] = []
+        self.name = ""
+
+    # --- entry ----------------------------------------------------------------------------------------
+
+    def try_run(self, scenario: Scenario) -> Failure | None:
+        """Run a scenario and the one after it; None if everything was right."""
+        try:
+            self.run(scenario)
+            if scenario.follow:
+                self.run(Scenario(name=f"the job after: {scenario.name}", retries=None, calls=None))
+        except ScenarioError as problem:
+            return self.failure(str(problem))
+        except Exception as problem:  # noqa: BLE001 - changed sources may make the simulated CPU itself fail
+            return self.failure(f"the simulated CPU stopped: {type(problem).__name__} {problem}")
+        return None
+
+    def failure(self, message: str) -> Failure:
+        """Where the block was: the misuse, or the last statement that not every call executes."""
+        misuses = self.rig.cpu.misuses
+        if misuses:
+            return Failure(self.name, self.scan, str(misuses[0]), misuses[0].file, misuses[0].line)
+        probes, counters = self.rig.program.probes, self.rig.cpu.coverage
+        found = [
+            probes[i]
+            for i, old in zip(self.rig.probes, self.before, strict=False)
+            if counters[i] > old and probes[i].kind == "statement"
+        ]
+        margin = min((probe.column for probe in found), default=0)
+        inner = [probe for probe in found if probe.column > margin] or found
+        line = max((probe.line for probe in inner), default=1)
+        return Failure(self.name, self.scan, message, self.rig.file, line)
+
+    # --- one run --------------------------------------------------------------------------------------
+
+    def run(self, scenario: Scenario) -> None:
+        """Run a job from the rising edge of execute to idle. Raises ScenarioError."""
+        rig = self.rig
+        self.name, self.scenario, self.scan = scenario.name, scenario, 0
+        self.prepare(scenario)
+        self.random = random.Random(scenario.name)  # noqa: S311 - scan lengths
+        self.started = rig.cpu.clock
+        self.execute = True
+        self.state = IDLE
+        self.fresh = True
+        self.stolen = False
+        self.pause_since: int | None = None
+        self.outputs = self.value_bytes()
+        limits = rig.limits
+        slack = 6 * (50 if scenario.jitter else scenario.scan)
+        away = limits.lease + 1000 if "away" in scenario.happens.values() else 0
+        latest = limits.timeout + limits.drain + slack + away
+        while True:
+            self.step()
+            if rig.flag("done") or rig.flag("error"):
+                break
+            if rig.cpu.clock - self.started > latest or self.scan > MAX_SCANS:
+                self.statistics.hangs += 1
+                raise ScenarioError(f"still {STATE_NAMES.get(self.state, self.state)} after {latest} ms")
+        self.statistics.runs += 1
+        self.statistics.scans += self.scan
+        self.statistics.longest = max(self.statistics.longest, self.scan)
+        self.check_end()
+        self.hold()
+
+    def prepare(self, scenario: Scenario) -> None:
+        """Set up drive, bus, token and clock."""
+        rig = self.rig
+        rig.next_values(factory=scenario.factory)
+        rig.drive.begin(scenario)
+        rig.bus.write_busy, rig.bus.read_busy = scenario.busy
+        if scenario.clock is not None:
+            rig.cpu.clock = scenario.clock
+            rig.set_flag("execute", value=False)
+            rig.cpu.call(rig.job.instance.name, 0)
+        if scenario.heartbeat is not None:
+            rig.token_set("heartbeat", scenario.heartbeat)
+        if scenario.reference is not None:
+            rig.token_set("requestReference", scenario.reference)
+        if scenario.owner is not None:
+            rig.token_set("owner", FOREIGN)
+        self.reference: int | None = rig.token_get("requestReference")
+
+    def step(self) -> None:
+        """One scan: what happens around the block, its call, and what must hold after every call."""
+        rig, scenario = self.rig, self.scenario
+        self.scan += 1
+        happening = scenario.happens.get(self.scan)
+        self.happen(happening)
+        self.foreign()
+        rig.set_flag("execute", value=self.execute)
+        heartbeat, owner = rig.token_get("heartbeat"), rig.token_get("owner")
+        coverage = rig.cpu.coverage
+        self.before = [coverage[i] for i in rig.probes]
+        rig.cpu.call(rig.job.instance.name, self.length())
+        self.observe(heartbeat, owner)
+
+    def length(self) -> int:
+        """Length of this scan in ms; a pause passes in one long scan."""
+        scenario = self.scenario
+        if scenario.jitter:
+            return self.random.randint(1, 50)
+        waiting = self.state == WAIT and self.pause_since != self.rig.cpu.clock
+        return self.rig.limits.pause if waiting and not scenario.happens else scenario.scan
+
+    def happen(self, happening: str | None) -> None:
+        """Execute the event of this scan."""
+        rig = self.rig
+        if happening == "drop":
+            self.execute = False
+        elif happening in {"cold", "warm", "reset"}:
+            rig.cpu.restart("cold" if happening == "cold" else "warm")
+            if happening == "reset":
+                rig.cpu.clock = 0
+            self.state = rig.get("state")
+            self.fresh = not rig.flag("busy")
+            self.pause_since = None
+            self.outputs = self.value_bytes()
+            self.reference = None
+            self.put_inputs()
+        elif happening == "lost":
+            for block in rig.cpu._records:  # noqa: SLF001 - the system blocks of the CPU under test
+                block.drop()
+            self.reference = None
+        elif happening == "steal":
+            rig.token_set("owner", FOREIGN)
+            self.stolen = True
+        elif happening == "away":
+            rig.cpu.clock += rig.limits.lease + 1000
+            rig.bus.advance(rig.limits.lease + 1000)
+
+    def put_inputs(self) -> None:
+        """Supply the inputs again, as a main program does in every scan."""
+        rig = self.rig
+        for member, data in rig.sets[rig.set_number][1]:
+            rig.put(rig.instance, rig.spots[member], data)
+
+    def foreign(self) -> None:
+        """Let the other job that owns the drive live, leave or die."""
+        rig, owner = self.rig, self.scenario.owner
+        if owner is None or rig.token_get("owner") not in {FOREIGN, FOREIGN + 1}:
+            return
+        if self.scan == owner.follows:
+            rig.token_set("owner", FOREIGN + 1)
+        if self.scan <= owner.alive:
+            rig.token_set("heartbeat", (rig.token_get("heartbeat") + 1) % 32767)
+        elif owner.leaves:
+            rig.token_set("owner", 0)
+
+    # --- every scan -----------------------------------------------------------------------------------
+
+    def observe(self, heartbeat: int, owner: int) -> None:
+        """What must hold after every call."""
+        rig = self.rig
+        if self.scenario.tolerate:
+            rig.cpu.misuses.clear()
+        if rig.cpu.misuses or rig.cpu.faulted:
+            raise ScenarioError("misuse")
+        busy, done, error = rig.flag("busy"), rig.flag("done"), rig.flag("error")
+        state, status = rig.get("state"), rig.get("status")
+        if busy + done + error != 1:
+            raise ScenarioError(f"busy {busy}, done {done}, error {error} at the same time")
+        if busy != (state != IDLE):
+            raise ScenarioError(f"busy is {busy} in state {STATE_NAMES.get(state, state)}")
+        if not error and (done or busy) and self.fresh:
+            self.check_start(status)
+        elif busy and status != WORDS["RUNNING"]:
+            raise ScenarioError(f"status is 16#{status:04X} while the job runs")
+        if (self.state, state) not in TRANSITIONS:
+            raise ScenarioError(f"state goes from {STATE_NAMES[self.state]} to {STATE_NAMES.get(state, state)}")
+        self.statistics.transitions.add((self.state, state))
+        if not done and self.value_bytes() != self.outputs:
+            raise ScenarioError("a value output changed although the job is not done")
+        number = rig.job.owner
+        self.stolen = self.stolen and rig.token_get("owner") != number
+        if self.state > ACQUIRE and owner == number and rig.token_get("heartbeat") == heartbeat:
+            raise ScenarioError("the heartbeat of the owner stands still")
+        if rig.token_get("heartbeat") < 0:
+            raise ScenarioError("the heartbeat is negative")
+        if busy and rig.cpu.jobs and rig.token_get("owner") != number and not self.stolen:
+            raise ScenarioError("a record call runs while the drive belongs to nobody or to another job")
+        if rig.cpu.jobs and done:
+            raise ScenarioError("done while a record call is running")
+        self.watch_pause(state)
+        self.fresh = False
+        self.state = state
+
+    def check_start(self, status: int) -> None:
+        """The first call of a job: everything of the job before is gone."""
+        rig = self.rig
+        if status != WORDS["STARTED"]:
+            raise ScenarioError(f"status is 16#{status:04X} in the first call")
+        left = [name for name in ("recordStatus", "retries", "responseLength", "failedParameter") if rig.get(name)]
+        if rig.get("telegram") != 1:
+            left.append("telegram")
+        left += [name for name in ("errors", "errorInfos") if any(rig.words(name))]
+        if left:
+            raise ScenarioError(f"{', '.join(left)} still show the job before")
+
+    def watch_pause(self, state: int) -> None:
+        """A retry waits RETRY_PAUSE, no less and not much more."""
+        rig = self.rig
+        if state == WAIT and self.state != WAIT:
+            self.pause_since = rig.cpu.clock
+        elif self.state == WAIT and state != WAIT and self.pause_since is not None and state != IDLE:
+            passed = rig.cpu.clock - self.pause_since
+            scan = 50 if self.scenario.jitter else self.scenario.scan
+            good = rig.limits.pause - scan <= passed <= rig.limits.pause + 2 * scan
+            if not good and "away" not in self.scenario.happens.values():
+                raise ScenarioError(f"the pause took {passed} ms instead of {rig.limits.pause}")
+
+    def value_bytes(self) -> bytes:
+        """All value outputs."""
+        first, last = self.rig.values_range
+        return bytes(self.rig.instance[first:last])
+
+    # --- the end --------------------------------------------------------------------------------------
+
+    def check_end(self) -> None:
+        """Result, values, errors, diagnostics, wire."""
+        rig, scenario = self.rig, self.scenario
+        status = rig.get("status")
+        if status not in scenario.status:
+            wanted = " or ".join(f"16#{word:04X}" for word in scenario.status)
+            raise ScenarioError(f"status is 16#{status:04X} instead of {wanted}")
+        if rig.flag("done") != (status == DONE):
+            raise ScenarioError(f"done is {rig.flag('done')} with status 16#{status:04X}")
+        if scenario.took is not None:
+            passed = rig.cpu.clock - self.started
+            if not scenario.took[0] <= passed <= scenario.took[1]:
+                raise ScenarioError(f"took {passed} ms instead of {scenario.took[0]} to {scenario.took[1]}")
+        if status == DONE:
+            self.check_values()
+        self.check_wire(status)
+        self.check_diagnostics(status)
+        owner = rig.token_get("owner")
+        if owner not in ((FOREIGN, 0) if scenario.owner else (FOREIGN,) if self.stolen else (0,)):
+            raise ScenarioError(f"the drive is not released, it belongs to job {owner}")
+        for name in ("statWriteReq", "statReadReq"):
+            if rig.flag(name):
+                raise ScenarioError(f"{name} is left standing")
+
+    def check_values(self) -> None:
+        """Outputs and response DBs hold what the drive has; the drive holds what was written."""
+        rig = self.rig
+        for use in rig.job.outputs:
+            expected = rig.expected(use)
+            found = rig.shown(rig.instance, rig.spots[use.member], len(expected))
+            if found != expected:
+                raise ScenarioError(f"{use.member} is {found.hex(' ')}, the drive has {expected.hex(' ')}")
+        for telegram, answer in zip(rig.job.telegrams, self.answers(), strict=False):
+            memory = rig.cpu.db(telegram.response_db.name)
+            if not rig.project.target.classic and bytes(memory[1 : len(answer)]) != answer[1:]:
+                fields = [f.name for f in telegram.response_fields if self.differs(f.offset, f.size, memory, answer)]
+                if fields:
+                    raise ScenarioError(f'"{telegram.response_db.name}" differs from the answer in {", ".join(fields)}')
+            elif rig.project.target.classic and bytes(memory[: len(answer)]) != answer:
+                raise ScenarioError(f'"{telegram.response_db.name}" does not hold the answer')
+
+    @staticmethod
+    def differs(offset: int, size: int, memory: bytearray, answer: bytes) -> bool:
+        """Whether a member of the response DB holds something else than the answer."""
+        return offset + size <= len(answer) and bytes(memory[offset : offset + size]) != answer[offset : offset + size]
+
+    def answers(self) -> list[bytes]:
+        """The answers that belong to the telegrams: those with the reference of the request before them."""
+        chosen: list[bytes] = []
+        reference = -1
+        for exchange in self.rig.drive.journal:
+            if exchange.direction == "write":
+                reference = exchange.data[0]
+            elif exchange.data and exchange.data[0] == reference:
+                chosen.append(exchange.data)
+        return chosen[-len(self.rig.job.telegrams) :]
+
+    def check_wire(self, status: int) -> None:
+        """Every request is a planned telegram of this run, whole and exact, with a new reference."""
+        rig, scenario = self.rig, self.scenario
+        planned = rig.requests()
+        at, before, failed = 0, self.reference or 0, False
+        writes = reads = 0
+        for exchange in rig.drive.journal:
+            if exchange.direction == "read":
+                reads += 1
+                continue
+            writes += 1
+            data = exchange.data
+            if exchange.index != rig.job.drive.record_index & 0xFFFF:
+                raise ScenarioError(f"data record 16#{exchange.index:04X} was written")
+            if self.reference is None:
+                at = next((i for i, request in enumerate(planned) if request[1:] == data[1:]), at)
+            elif at + 1 < len(planned) and data[1:] != planned[at][1:]:
+                at += 1
+            if not data or data[1:] != planned[at][1:]:
+                raise ScenarioError(f"sent {data.hex(' ').upper()} instead of {planned[at].hex(' ').upper()}")
+            repeated = failed and data[0] == before
+            if not data[0] or (self.reference is not None and not repeated and data[0] != following(before)):
+                raise ScenarioError(f"request reference {data[0]} follows {before}")
+            before, failed = data[0], exchange.status != 0
+        total = len(planned)
+        if status == DONE and at != total - 1:
+            raise ScenarioError(f"{at + 1} of {total} telegrams were sent")
+        if scenario.calls is not None:
+            extra_writes, extra_reads = scenario.calls
+            count = scenario.telegram or total
+            if (writes, reads) != (count + extra_writes, count + extra_reads):
+                wanted = f"{count + extra_writes} WRREC and {count + extra_reads} RDREC"
+                raise ScenarioError(f"{writes} WRREC and {reads} RDREC reached the drive instead of {wanted}")
+
+    def check_diagnostics(self, status: int) -> None:
+        """Errors per parameter and the details for the maintenance engineer."""
+        rig, scenario, journal = self.rig, self.scenario, self.rig.drive.journal
+        words, infos = rig.words("errors"), rig.words("errorInfos")
+        for position in range(1, len(rig.job.uses) + 1):
+            word, info = scenario.errors.get(position, (0, 0))
+            if (words[position - 1], infos[position - 1]) != (word, info):
+                found = f"16#{words[position - 1]:04X}, 16#{infos[position - 1]:04X}"
+                raise ScenarioError(
+                    f"errors[{position}], errorInfos[{position}] are {found}, not 16#{word:04X}, {info}"
+                )
+        expected = {"failedParameter": min(scenario.errors, default=0)}
+        if journal:
+            expected["recordStatus"] = journal[-1].status
+            if status not in {WORDS["DRIVE_LOST"], WORDS["WRONG_DB"]}:
+                expected["requestReference"] = [e.data[0] for e in journal if e.direction == "write"][-1]
+        received = [e.data for e in journal if e.direction == "read" and not e.status]
+        expected["responseLength"] = len(received[-1]) if received else 0
+        if scenario.retries is not None:
+            expected["retries"] = scenario.retries
+        if scenario.telegram is not None:
+            expected["telegram"] = scenario.telegram or len(rig.job.telegrams)
+        restarted = {"cold", "warm", "reset", "lost"} & set(scenario.happens.values())
+        for name, value in expected.items():
+            if rig.get(name) != value and not (restarted and name != "failedParameter"):
+                raise ScenarioError(f"diagnostics.{name} is {rig.get(name)} instead of {value} (16#{status:04X})")
+
+    def hold(self) -> None:
+        """The result stays until execute falls, for one call at least, then the block is idle."""
+        rig, scan = self.rig, self.scenario.scan
+        name, status = rig.job.instance.name, rig.get("status")
+        result = bytes(rig.instance)
+        if self.execute:
+            for _ in range(HOLD_SCANS):
+                self.scan += 1
+                rig.cpu.call(name, scan)
+                shown = rig.flag("busy"), rig.flag("done"), rig.flag("error"), rig.get("status")
+                if shown != (False, status == DONE, status != DONE, status):
+                    raise ScenarioError("the result does not stay while execute is TRUE")
+        if self.value_bytes() != bytes(result[slice(*rig.values_range)]):
+            raise ScenarioError("a value output changed after the end of the job")
+        self.fall()
+        if self.scenario.leftover:
+            self.still_draining()
+        if self.scenario.owner is not None or self.stolen:
+            rig.token_set("owner", 0)
+        if rig.cpu.misuses:
+            raise ScenarioError("misuse")
+
+    def fall(self) -> None:
+        """Execute falls: the block is idle after one call."""
+        rig = self.rig
+        self.scan += 1
+        rig.set_flag("execute", value=False)
+        rig.cpu.call(rig.job.instance.name, self.scenario.scan)
+        if rig.flag("busy") or rig.flag("done") or rig.flag("error") or rig.get("status") != WORDS["IDLE"]:
+            raise ScenarioError(f"not idle after execute has fallen: 16#{rig.get('status'):04X}")
+
+    def still_draining(self) -> None:
+        """A new start is refused while the record call of the job before is active; later it works."""
+        rig, name = self.rig, self.rig.job.instance.name
+        if not rig.cpu.jobs:
+            raise ScenarioError("the record call has ended before DRAIN_LIMIT")
+        self.scan += 1
+        rig.set_flag("execute", value=True)
+        rig.cpu.call(name, self.scenario.scan)
+        shown = rig.flag("busy"), rig.flag("done"), rig.flag("error"), rig.get("status")
+        if shown != (False, False, True, WORDS["STILL_DRAINING"]):
+            raise ScenarioError(f"a start during a running record call gives 16#{shown[3]:04X}, not 16#8103")
+        self.fall()
+        for _ in range(MAX_SCANS):
+            if not rig.cpu.jobs:
+                return
+            self.scan += 1
+            rig.cpu.call(name, self.scenario.scan)
+        raise ScenarioError("the record call is not called on after the end of the job")

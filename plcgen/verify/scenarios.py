@@ -1,0 +1,101 @@
+"""Scenarios: what a drive and a CPU do to a job block, and what the block must report.
+
+Expectations come from docs/generated-code.md and DS47, never from a run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from plcgen.emit.status_words import STATUS_WORDS
+from plcgen.sim.faults import Fault
+
+WORDS = {name.removeprefix("STATUS_"): word for name, word, _ in STATUS_WORDS}
+"""Status words by name: ``WORDS["TIMEOUT"]``."""
+
+DONE = WORDS["DONE"]
+
+Edit = Callable[[bytes], bytes]
+"""What becomes of the bytes of an answer on its way."""
+
+Happening = Literal["drop", "cold", "warm", "reset", "lost", "steal", "away"]
+"""``drop`` takes execute away, ``cold`` and ``warm`` restart the CPU, ``reset`` restarts its clock as well, ``lost``
+forgets the running record calls, ``steal`` gives the drive to another job, ``away`` leaves the block uncalled."""
+
+
+@dataclass(frozen=True, slots=True)
+class Foreign:
+    """Another job that owns the drive when this one starts: ``alive`` for so many scans, then ``leaves`` or is dead.
+
+    In scan ``follows`` a third job gets the drive, which is dead as well.
+    """
+
+    alive: int
+    leaves: bool = False
+    follows: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scenario:
+    """One run of a job: circumstances first, then what must come out.
+
+    ``writes`` and ``reads`` act on the n-th WRREC or RDREC that reaches the drive (0: on every one): a STATUS, or
+    for a read an edit of the answer. ``stale`` reads deliver an older answer first. ``busy`` is how many calls of
+    WRREC and RDREC answer BUSY. ``status`` are the permitted results; ``retries``, ``telegram``, ``calls`` None are
+    not checked; ``took`` bounds the time in ms. ``leftover`` says that a record call is still active at the end,
+    ``factory`` that the drive has its factory settings, ``tolerate`` that the block finds wrong DBs by trying, which
+    the simulated CPU calls a misuse.
+    """
+
+    name: str
+    status: tuple[int, ...] = (DONE,)
+    faults: tuple[Fault, ...] = ()
+    writes: Mapping[int, int] = field(default_factory=dict)
+    reads: Mapping[int, int | Edit] = field(default_factory=dict)
+    stale: range = range(0)
+    silent: bool = False
+    busy: tuple[int, int] = (1, 1)
+    processing: int = 0
+    generic: bool | None = None
+    scan: int = 10
+    jitter: bool = False
+    owner: Foreign | None = None
+    happens: Mapping[int, Happening] = field(default_factory=dict)
+    clock: int | None = None
+    heartbeat: int | None = None
+    reference: int | None = None
+    errors: Mapping[int, tuple[int, int]] = field(default_factory=dict)
+    retries: int | None = 0
+    telegram: int | None = 0
+    calls: tuple[int, int] | None = (0, 0)
+    took: tuple[int, int] | None = None
+    leftover: bool = False
+    tolerate: bool = False
+    factory: bool = False
+    follow: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Times of a block in ms as its head comment states them, and its retries."""
+
+    timeout: int
+    pause: int
+    retries: int
+    drain: int
+    lease: int
+
+    def repeated(self, scan: int, calls: int) -> tuple[int, ...]:
+        """Result of a temporary error for ever: retries run out, or the time does.
+
+        ``calls`` is how many scans one try takes at least besides the pause.
+        """
+        fastest = self.retries * (self.pause + calls * scan)
+        slowest = self.retries * (self.pause + (calls + 2) * scan) + 10 * scan
+        if slowest < self.timeout:
+            return (WORDS["RETRIES"],)
+        if fastest > self.timeout + 2 * scan:
+            return (WORDS["TIMEOUT"],)
+        return WORDS["RETRIES"], WORDS["TIMEOUT"]
