@@ -24,7 +24,7 @@ from plcgen.verify.folder import DIALECTS
 from plcgen.verify.scenarios import Limits, Scenario
 
 _LOCALS = re.compile(r"^( )((?:v\d+=)+)(0|0\.0|False)$", re.MULTILINE)
-_GARBAGE = {"0": "0x5A", "0.0": "1e30", "False": "True"}
+_GARBAGE = {"0": "0xA0", "0.0": "1e30", "False": "True"}
 VALUE_SETS = 3
 
 

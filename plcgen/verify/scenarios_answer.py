@@ -185,9 +185,44 @@ def _negative(shape: Shape) -> Iterator[Scenario]:
                 f"parameter {index + 1} with {name}", "RESPONSE_FORMAT", shape.negative(change), rest + len(block)
             )
     yield from _failed(shape, sizes)
+    yield from _missing(shape)
+    yield from _positive_error(shape)
     yield shape.scenario("negative without any error", "RESPONSE_FORMAT", shape.negative(lambda _: None))
     if shape.job.write:
         yield from _written(shape)
+
+
+def _positive_error(shape: Shape) -> Iterator[Scenario]:
+    """An error block under the id of a positive answer."""
+    for words in (1, 2):
+        block = bytes((0x44, words, 0, 0x11, 0, 7)[: 2 + 2 * words])
+
+        def edit(answer: bytes, block: bytes = block) -> bytes:
+            blocks = [block, *shape.content(answer)[1:]]
+            return answer[:4] + b"".join(blocks)
+
+        yield shape.scenario(f"error block of {words} words in a good answer", "RESPONSE_FORMAT", edit)
+
+
+def _missing(shape: Shape) -> Iterator[Scenario]:
+    """An answer that lacks the block of one parameter."""
+    count = len(shape.telegram.parts)
+    for index in range(count) if count > 1 else ():
+
+        def change(blocks: list[bytes], index: int = index) -> None:
+            blocks[0 if index else count - 1] = bytes.fromhex("44020011 0007")
+            blocks[index] = b""
+
+        if count > 2:
+            yield shape.scenario(f"failed without block {index + 1}", "RESPONSE_FORMAT", shape.negative(change))
+        if not shape.job.write:
+            at, size = shape.blocks[index]
+            yield shape.scenario(f"good without block {index + 1}", "RESPONSE_FORMAT", without(at, size))
+
+
+def without(at: int, size: int) -> Edit:
+    """Leave some bytes out."""
+    return lambda answer: answer[:at] + answer[at + size :]
 
 
 def _failed(shape: Shape, sizes: list[int]) -> Iterator[Scenario]:

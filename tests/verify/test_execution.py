@@ -77,7 +77,7 @@ DAMAGE = {
         "IF NOT (#statWriteActive OR #statReadActive) OR #tempDrainOver THEN",
         "IF TRUE THEN",
         "PG621",
-        "busy",
+        "busy|slow bus",
     ),
     "stale answer fatal": (
         "#tempResume := #STATE_READ;  // the answer",
