@@ -32,7 +32,7 @@ def run(unpacked: Path, cwd: Path, *arguments: str) -> subprocess.CompletedProce
 
 
 def test_demo_runs_from_the_wheel(unpacked: Path, tmp_path: Path) -> None:
-    """plcgen demo generates and verifies every shipped spec without the source tree."""
+    """The demo generates and verifies every shipped spec without the source tree."""
     where = run(unpacked, tmp_path, "-c", "import plcgen; print(plcgen.__file__)")
     assert where.stdout.startswith(str(unpacked)), where.stderr
     demo = run(unpacked, tmp_path, "-m", "plcgen", "demo", "out")
