@@ -12,7 +12,7 @@ from plcgen.plan.numbering import Numbering
 from plcgen.plan.uses import UseResolver
 from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorten
-from plcgen.spec.load import LoadedSpec
+from plcgen.spec.load import LoadedSpec, SpecPath
 from plcgen.spec.schema import Buffer, Job, ReadItem, WriteItem
 
 
@@ -40,31 +40,9 @@ def plan_job(
     faq = (job.names or loaded.spec.plc.names) == "faq"
     if len(packed) > 1 and job.split == "never":
         _report_unsplittable(job, key, uses, drive, loaded, report)
-    telegrams = tuple(
-        _telegram(
-            index,
-            parts,
-            job,
-            name,
-            _Context(key, drive, reference, numbering, write=write, faq=faq, many=len(packed) > 1),
-        )
-        for index, parts in enumerate(packed, 1)
-    )
-    block = numbering.block(
-        "FB", job.block.name or name, (*path, "block"), job.block.number, given=bool(job.block.name)
-    )
-    instance = numbering.block(
-        "DB",
-        job.instance.name or f"{name}_DB",
-        (*path, "instance"),
-        job.instance.number,
-        given=bool(job.instance.name),
-    )
-    records = (
-        (numbering.block("DB", f"{name}_WrRec", path), numbering.block("DB", f"{name}_RdRec", path))
-        if numbering.where.v5
-        else None
-    )
+    context = _Context(key, drive, reference, numbering, write=write, faq=faq, many=len(packed) > 1)
+    telegrams = tuple(_telegram(index, parts, job, name, context) for index, parts in enumerate(packed, 1))
+    block, instance, records = _blocks(job, name, path, numbering)
     return PlannedJob(
         key=key,
         member=_member(key, job, numbering),
@@ -91,6 +69,20 @@ def _member(key: str, job: Job, numbering: Numbering) -> str:
     """Name of the job in the control DB; with flags, their tags (``..Execute``) have to fit the limit too."""
     limit = V5_LIMIT if numbering.where.v5 else TIA_LIMIT
     return shorten(camel_case(key), limit if job.trigger is None else limit - len("Execute"))
+
+
+def _blocks(
+    job: Job, name: str, path: SpecPath, numbering: Numbering
+) -> tuple[BlockRef, BlockRef, tuple[BlockRef, BlockRef] | None]:
+    """The function block, its instance DB and, for STEP 7 V5, the instance DBs of WRREC and RDREC."""
+    own = job.block.name
+    block = numbering.block("FB", own or name, (*path, "block"), job.block.number, given=bool(own))
+    own = job.instance.name
+    instance = numbering.block("DB", own or f"{name}_DB", (*path, "instance"), job.instance.number, given=bool(own))
+    if not numbering.where.v5:
+        return block, instance, None
+    records = (numbering.block("DB", f"{name}_WrRec", path), numbering.block("DB", f"{name}_RdRec", path))
+    return block, instance, records
 
 
 def _packed(

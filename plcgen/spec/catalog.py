@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from plcgen.resources import specs_dir
-from plcgen.spec.source import load_yaml, read_text
+from plcgen.spec.file import read_text
+from plcgen.spec.source import load_yaml
 
 
 @dataclass(frozen=True, slots=True)

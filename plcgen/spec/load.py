@@ -12,7 +12,8 @@ from typing import Any
 from plcgen.diagnostics import Diagnostic, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.spec import schema
-from plcgen.spec.source import Node, parse_yaml, read_text, resolve_plain
+from plcgen.spec.file import read_text
+from plcgen.spec.source import Node, parse_yaml, resolve_plain
 
 SpecPath = tuple[str | int, ...]
 

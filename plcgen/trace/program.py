@@ -13,7 +13,7 @@ from plcgen.s7.blocks import BlockKind
 from plcgen.scl.dialect import Dialect
 from plcgen.sim.drive import Drive
 from plcgen.sim.load import load_drive
-from plcgen.spec.source import read_text
+from plcgen.spec.file import read_text
 from plcgen.trace.settings import FaultPlan, usage
 from plcgen.verify.bench import build_drive
 

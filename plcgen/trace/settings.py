@@ -13,7 +13,8 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.sim.faults import Fault, FaultKind
 from plcgen.sim.load import faults_from
-from plcgen.spec.source import Node, load_yaml, read_text, resolve_plain
+from plcgen.spec.file import read_text
+from plcgen.spec.source import Node, load_yaml, resolve_plain
 
 USAGE = "PG901"
 _TIME = re.compile(r"([0-9]+(?:\.[0-9]+)?)\s*(ms|s)?", re.ASCII)

@@ -43,8 +43,8 @@ def _verify(
     from plcgen.plan.resolve import resolve
     from plcgen.rules import apply_rules
     from plcgen.sim.load import load_drive
+    from plcgen.spec.file import read_text
     from plcgen.spec.load import load_spec
-    from plcgen.spec.source import read_text
     from plcgen.verify.exchanges import check_drive, check_telegrams
     from plcgen.verify.execution import check_execution
     from plcgen.verify.files import check_files
