@@ -104,11 +104,12 @@ def generate(
 
     ``check_only`` writes nothing and compares; ``force`` overwrites files that were changed by hand.
     """
-    from plcgen.render.project import render_project
+    from plcgen.render.project import collector_paused, render_project
     from plcgen.render.write import compare_folder, write_folder
 
     target = _folder(spec, folder)
-    checked = check(spec)
+    with collector_paused():
+        checked = check(spec)
     if not checked.ok or checked.project is None:
         return GenerateResult(checked.spec, target, (), (), (), "", checked.diagnostics)
     report = Report(list(checked.diagnostics))

@@ -14,14 +14,14 @@ from plcgen.render.manifest import manifest
 
 def render_project(project: Project, progress: Callable[[str, int, int], None] | None = None) -> list[RenderedFile]:
     """Every file of a project, in memory."""
-    with _collector_paused():
+    with collector_paused():
         files = render_all(emit(project), progress)
-    files.append(manifest(project, files))
+        files.append(manifest(project, files))
     return files
 
 
 @contextmanager
-def _collector_paused() -> Iterator[None]:
+def collector_paused() -> Iterator[None]:
     """No garbage collection meanwhile: views hold no cycles, and walking them again and again costs a third."""
     running = gc.isenabled()
     gc.disable()
