@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from plcgen.ds47.formats import padded
-from plcgen.ds47.model import ADDRESS_SIZE, HEADER_SIZE, MAX_ELEMENTS
+from plcgen.ds47.model import ADDRESS_SIZE, HEADER_SIZE, MAX_ELEMENTS, negative_size
 from plcgen.plan.model import Part, Use
 
 BLOCK_HEADER = 2
@@ -29,7 +29,7 @@ def positive_length(parts: Sequence[Part], *, write: bool) -> int:
 
 def negative_length(parts: Sequence[Part]) -> int:
     """Length of the response in which every parameter failed with two error words."""
-    return HEADER_SIZE + ERROR_BLOCK * len(parts)
+    return negative_size(len(parts))
 
 
 def longest_response(parts: Sequence[Part], *, write: bool) -> int:

@@ -7,7 +7,7 @@ from typing import NoReturn
 
 from plcgen.diagnostics import Diagnostic, Note
 from plcgen.scl import ast
-from plcgen.scl.lexer import EOF, ERROR, NAME, QUOTED, WORDS, Tokens
+from plcgen.scl.lexer import EOF, ERROR, NAME, WORDS, Tokens
 
 MAX_NESTING = 100
 """Statements, parentheses, structures and calls inside each other."""
@@ -212,11 +212,6 @@ class Cursor:
 def unquote(text: str) -> str:
     """Return a name without quotes."""
     return text[1 : text.rindex('"')] if text[:1] == '"' else text
-
-
-def is_quoted(kind: str) -> bool:
-    """Whether a token kind is a name in quotes."""
-    return kind == QUOTED
 
 
 def lexical_error(text: str) -> tuple[str, str]:

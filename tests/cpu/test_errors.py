@@ -152,7 +152,7 @@ def test_large_array():
 @pytest.mark.parametrize("text", ["", "\n", "garbage\n", "FUNCTION_BLOCK\n", '"\n', "BEGIN END\n", "\0\n"])
 def test_no_program(text):
     """Text that is no program is a diagnostic or nothing, and no traceback."""
-    Program.load([("x.scl", text)], T15)
+    assert Program.load([("x.scl", text)], T15).main() is None
 
 
 def test_missing_file(tmp_path):
