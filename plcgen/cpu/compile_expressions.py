@@ -8,7 +8,6 @@ from plcgen.cpu.literals import as_real, classify, source_of
 from plcgen.cpu.semantics_types import (
     BITS,
     DURATIONS,
-    HARDWARE,
     INT_CONST,
     INTEGERS,
     NUMERIC,
@@ -23,6 +22,7 @@ from plcgen.cpu.semantics_types import (
     limits,
     widens,
 )
+from plcgen.s7.types import HARDWARE
 from plcgen.scl import ast
 
 _COMPARE = {"=": "==", "<>": "!=", "<": "<", "<=": "<=", ">": ">", ">=": ">="}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from plcgen.s7.types import ALIASES, ELEMENTARY
+from plcgen.s7.types import ALIASES, ELEMENTARY, HARDWARE
 from plcgen.s7.values import RANGES
 
 INT_CONST, REAL_CONST, TEXT_CONST = "#int", "#real", "#text"
@@ -16,13 +16,14 @@ BITS = {"BYTE": 8, "WORD": 16, "DWORD": 32, "LWORD": 64}
 INTEGERS = {**SIGNED, **UNSIGNED}
 REALS = {"REAL": 32, "LREAL": 64}
 NUMERIC = frozenset({*INTEGERS, *REALS, INT_CONST, REAL_CONST})
-HARDWARE = frozenset(name for name in ELEMENTARY if name.startswith("HW_")) | {"PORT", "DB_ANY"}
-BLOCK_NUMBERS = frozenset({"TIMER", "COUNTER", "BLOCK_DB", "BLOCK_FB", "BLOCK_FC", "BLOCK_SDB"})
+BLOCK_NUMBERS = frozenset({"TIMER", "COUNTER", *(name for name in ELEMENTARY if name.startswith("BLOCK_"))})
 DURATIONS = frozenset({"TIME", "LTIME"})
 TEXTS = frozenset({"STRING", "WSTRING"})
 POINTERS = frozenset({"ANY", "POINTER", "VARIANT"})
 WIDTHS = {**INTEGERS, **BITS, **REALS, "TIME": 32, "DATE": 16, "TIME_OF_DAY": 32, "S5TIME": 16, "CHAR": 8}
-WIDTHS |= {"WCHAR": 16, "LTIME": 64, "LTIME_OF_DAY": 64, "LDT": 64} | dict.fromkeys(HARDWARE | BLOCK_NUMBERS, 16)
+WIDTHS |= {"WCHAR": 16, "LTIME": 64, "LTIME_OF_DAY": 64, "LDT": 64} | {
+    name: ELEMENTARY[name].bits for name in HARDWARE | BLOCK_NUMBERS
+}
 SIGNED_WIDTHS = {**SIGNED, "TIME": 32, "LTIME": 64, "LDT": 64}
 """Types whose memory is read with a sign."""
 

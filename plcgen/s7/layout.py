@@ -26,7 +26,8 @@ class Entry:
     """One member or array element; ``offset`` and ``size`` in bits from the start of the block.
 
     ``type`` is what lies in memory: a structured IN_OUT is a POINTER here while ``member`` keeps the declared
-    type. ``confirmed`` is False where the offset depends on a rule no compiled block confirms.
+    type. ``doubts`` are the keys of the rules (``evidence.rule``) that the offset depends on and that no compiled
+    block confirms.
     """
 
     path: str
@@ -35,8 +36,13 @@ class Entry:
     type: DataType
     member: Member
     depth: int
-    confirmed: bool
+    doubts: frozenset[str]
     shape: Shape = field(repr=False, compare=False)
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether the offset rests on compiled blocks only."""
+        return not self.doubts
 
     @property
     def byte(self) -> int:
@@ -172,9 +178,9 @@ def _element(entry: Entry, indices: tuple[int, ...]) -> Entry:
     steps = [value - low for value, (low, _) in zip(indices, shape.type.bounds, strict=True)]
     offset = entry.offset + sum(step * stride for step, stride in zip(steps, shape.strides, strict=True))
     path = f"{entry.path}[{','.join(map(str, indices))}]"
-    confirmed = entry.confirmed and (shape.stride_confirmed or not any(steps))
+    doubts = entry.doubts | shape.stride_doubts if shape.stride_doubts and any(steps) else entry.doubts
     element = shape.element
-    return Entry(path, offset, element.bits, element.type, entry.member, entry.depth, confirmed, element)
+    return Entry(path, offset, element.bits, element.type, entry.member, entry.depth, doubts, element)
 
 
 def _leaves(entry: Entry) -> Iterator[Entry]:
@@ -201,10 +207,10 @@ def _members(shape: Shape, parent: Entry | None) -> Iterator[Entry]:
 def _child(child: Field, parent: Entry | None) -> Entry:
     member, shape, name = child.member, child.shape, _quote(child.member.name)
     if parent is None:
-        return Entry(name, child.offset, shape.bits, shape.type, member, 0, child.confirmed, shape)
-    confirmed = parent.confirmed and child.confirmed
+        return Entry(name, child.offset, shape.bits, shape.type, member, 0, child.doubts, shape)
+    doubts = parent.doubts | child.doubts if child.doubts else parent.doubts
     offset, depth = parent.offset + child.offset, parent.depth + 1
-    return Entry(f"{parent.path}.{name}", offset, shape.bits, shape.type, member, depth, confirmed, shape)
+    return Entry(f"{parent.path}.{name}", offset, shape.bits, shape.type, member, depth, doubts, shape)
 
 
 _PLAIN = re.compile(r"[^\W\d]\w*")

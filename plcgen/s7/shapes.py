@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from plcgen.diagnostics import Diagnostic, Note, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.blocks import Block, BlockKind, SectionKind
+from plcgen.s7.evidence import ARRAY_END, BIT_ROWS, COMPOSITE_START, NO_DOUBTS, SIZES, STRING_STRIDE
 from plcgen.s7.system import is_literature, system_block
 from plcgen.s7.types import (
     ELEMENTARY,
@@ -34,13 +35,6 @@ MAX_ENTRIES = 1_000_000
 MAX_DEPTH = 64
 MAX_STRING = {"STRING": 254, "WSTRING": 16382}
 
-LITERATURE = frozenset(
-    {"DTL", "LREAL", "LINT", "ULINT", "LWORD", "LTIME", "LTIME_OF_DAY", "LDT", "WCHAR", "POINTER", "COUNTER"}
-    | {"BLOCK_DB", "BLOCK_FB", "BLOCK_FC", "BLOCK_SDB", "DB_ANY", "PORT"}
-    | {"HW_IO", "HW_ANY", "HW_DEVICE", "HW_SUBMODULE", "HW_INTERFACE"}
-)
-"""Elementary types whose size no compiled block confirms."""
-
 INSTANCE_SECTIONS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT, SectionKind.STATIC)
 BY_POINTER = frozenset({"DATE_AND_TIME", "DTL"})
 NO_MEMORY = frozenset({"VARIANT", "VOID"})
@@ -48,12 +42,12 @@ NO_MEMORY = frozenset({"VARIANT", "VOID"})
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Field:
-    """A member inside its parent: ``offset`` in bits from the parent's start."""
+    """A member inside its parent: ``offset`` in bits from the parent's start, ``doubts`` the rules it rests on."""
 
     member: Member
     offset: int
     shape: Shape
-    confirmed: bool
+    doubts: frozenset[str]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +56,8 @@ class Shape:
 
     ``bits`` is the room taken including padding, ``used`` without padding that only literature asks for;
     ``align`` and ``first_align`` are the alignment with and without literature rules; ``count`` is how many
-    entries a member of this type adds to a layout.
+    entries a member of this type adds to a layout. ``doubts`` are the literature rules (``evidence``) that the
+    size rests on, ``stride_doubts`` those of the places of an array's elements but the first.
     """
 
     type: DataType
@@ -70,14 +65,14 @@ class Shape:
     align: int
     used: int
     first_align: int
-    size_confirmed: bool = True
+    doubts: frozenset[str] = NO_DOUBTS
     count: int = 1
     depth: int = 0
     fields: tuple[Field, ...] = ()
     index: Mapping[str, Field] = field(default_factory=dict)
     element: Shape | None = None
     strides: tuple[int, ...] = ()
-    stride_confirmed: bool = True
+    stride_doubts: frozenset[str] = NO_DOUBTS
 
 
 @dataclass(slots=True)
@@ -86,19 +81,29 @@ class _Cursor:
 
     bits: int = 0
     low: int = 0
-    confirmed: bool = True
+    doubts: frozenset[str] = NO_DOUBTS
 
-    def place(self, shape: Shape) -> tuple[int, bool]:
-        offset = _up(self.bits, shape.align)
-        if _up(self.low, shape.first_align) != offset:
-            self.confirmed = False
-        confirmed = self.confirmed
+    def place(self, shape: Shape) -> tuple[int, frozenset[str]]:
+        align = shape.align
+        offset = -(-self.bits // align) * align
+        doubts = self.doubts
+        if (self.low != self.bits or shape.first_align != align) and _up(self.low, shape.first_align) != offset:
+            doubts |= self._reasons(shape, offset)
         self.bits, self.low = offset + shape.bits, offset + shape.used
-        self.confirmed = confirmed and shape.size_confirmed
-        return offset, confirmed
+        self.doubts = doubts | shape.doubts if shape.doubts else doubts
+        return offset, doubts
+
+    def _reasons(self, shape: Shape, offset: int) -> frozenset[str]:
+        """Tell which literature rules put a member here and not earlier; both if either would do."""
+        start = _up(self.bits, shape.first_align) != offset
+        end = _up(self.low, shape.align) != offset
+        return frozenset({COMPOSITE_START} if start and not end else {ARRAY_END} if end and not start else _BOTH)
 
     def even(self) -> None:
         self.bits = self.low = _up(self.bits, 16)
+
+
+_BOTH = frozenset({COMPOSITE_START, ARRAY_END})
 
 
 class TypeTable(dict[str, "Block"]):
@@ -128,9 +133,12 @@ class ShapeBuilder:
         notes = (note,) if note else ()
         self.diagnostics.append(Diagnostic(code, message, span or self._owner, help=help_text, notes=notes))
 
-    def find(self, name: str) -> Block | None:
-        """Find the block or type called ``name`` in any letter case; user blocks go before system types."""
-        return self._types.get(name.upper()) or system_block(name)
+    def find(self, name: str, *, quoted: bool = False) -> Block | None:
+        """Find the block or type called ``name`` in any letter case; user blocks go before system types.
+
+        In quotes a system type is a symbol of STEP 7 V5, which only the S7-300/400 have.
+        """
+        return self._types.get(name.upper()) or system_block(name, classic=quoted)
 
     def block(self, block: Block) -> Shape:
         """Shape of a block's memory: an FB's instance data, a DB, a UDT; FC and OB take none."""
@@ -140,7 +148,7 @@ class ShapeBuilder:
         self._open.append(block.name.upper())
         source = self._source(block)
         groups = [(kind, source.section(kind)) for kind in INSTANCE_SECTIONS]
-        shape = self.struct(StructType(()), groups, confirmed=not is_literature(source))
+        shape = self.struct(StructType(()), groups, doubts=_doubts(source))
         self._open.pop()
         return shape
 
@@ -162,10 +170,10 @@ class ShapeBuilder:
         type_: DataType,
         groups: Iterable[tuple[SectionKind, Sequence[Member]]],
         *,
-        confirmed: bool = True,
+        doubts: frozenset[str] = NO_DOUBTS,
     ) -> Shape:
         """Lay members out in section order; every section starts and the whole ends at an even byte."""
-        cursor = _Cursor(confirmed=confirmed)
+        cursor = _Cursor(doubts=doubts)
         fields: list[Field] = []
         index: dict[str, Field] = {}
         for kind, members in groups:
@@ -182,7 +190,7 @@ class ShapeBuilder:
             16,
             cursor.bits,
             shapes[0].first_align if shapes else 1,
-            size_confirmed=cursor.confirmed,
+            doubts=cursor.doubts,
             count=1 + sum(s.count for s in shapes),
             depth=1 + max((s.depth for s in shapes), default=0),
             fields=tuple(fields),
@@ -196,15 +204,15 @@ class ShapeBuilder:
         else:
             shape = self.shape(member.type, member)
         if member.at is None:
-            offset, confirmed = cursor.place(shape)
-            return Field(member, offset, shape, confirmed)
+            offset, doubts = cursor.place(shape)
+            return Field(member, offset, shape, doubts)
         target = index.get(member.at.strip('"#').upper())
         if target is None:
             help_text = did_you_mean(member.at, (f.member.name for f in index.values()))
             message = f"{member.name} AT {member.at}: no such variable is declared above"
             self.report("PG806", message, member.span, help_text)
-            return Field(member, cursor.bits, shape, confirmed=False)
-        return Field(member, target.offset, shape, target.confirmed)
+            return Field(member, cursor.bits, shape, NO_DOUBTS)
+        return Field(member, target.offset, shape, target.doubts)
 
     def _by_pointer(self, type_: DataType) -> bool:
         """Whether an IN_OUT of this type is kept as a 6-byte pointer to the caller's data."""
@@ -241,7 +249,7 @@ class ShapeBuilder:
             return _NOTHING
         wide = type_.name.upper() == "WSTRING"
         bits = 8 * (2 * type_.length + 4 if wide else type_.length + 2)
-        return Shape(type_, bits, 16, bits, 16, size_confirmed=not wide)
+        return Shape(type_, bits, 16, bits, 16, doubts=_WIDE if wide else NO_DOUBTS)
 
     def _array(self, type_: ArrayType, member: Member) -> Shape:
         lengths = [high - low + 1 for low, high in type_.bounds]
@@ -260,19 +268,24 @@ class ShapeBuilder:
         for length in reversed(lengths[:-1]):
             strides.insert(0, row)
             row *= length
-        padded = stride != element.bits or (len(lengths) > 1 and inner != stride * lengths[-1])
-        confirmed = element.size_confirmed and not (padded and math.prod(lengths) > 1)
+        doubts = element.doubts
+        if stride != element.bits and math.prod(lengths) > 1:
+            doubts |= {STRING_STRIDE}
+        if element.used != element.bits and math.prod(lengths) > 1:
+            doubts |= {ARRAY_END}
+        if math.prod(lengths[:-1]) > 1 and inner != stride * lengths[-1]:
+            doubts |= {BIT_ROWS}
         return Shape(
             type_,
             _up(row, 16),
             16,
             row,
             element.first_align,
-            size_confirmed=confirmed,
+            doubts=doubts,
             depth=element.depth + 1,
             element=element,
             strides=tuple(strides),
-            stride_confirmed=confirmed,
+            stride_doubts=doubts,
         )
 
     def _name(self, type_: NamedType, member: Member) -> Shape:
@@ -288,15 +301,15 @@ class ShapeBuilder:
             if plain is not None:
                 return _ELEMENTARY[plain.name]
             if key in NO_MEMORY:
-                return Shape(type_, 0, 1, 0, 1, size_confirmed=False)
-        block = self.find(type_.name)
+                return Shape(type_, 0, 1, 0, 1, doubts=frozenset({key}))
+        block = self.find(type_.name, quoted=type_.quoted)
         if block is None or block.kind not in (BlockKind.UDT, BlockKind.FB):
             self.unknown(type_.name, member.span, block)
             return _NOTHING
         self._open.append(key)
         self.check_names([m for s in block.sections for m in s.members])
         groups = [(kind, block.section(kind)) for kind in INSTANCE_SECTIONS]
-        shape = self.struct(type_, groups, confirmed=not is_literature(block))
+        shape = self.struct(type_, groups, doubts=_doubts(block))
         self._open.pop()
         self._named[key] = shape
         return shape
@@ -325,7 +338,15 @@ def _up(value: int, step: int) -> int:
 
 def _elementary_shape(type_: Elementary) -> Shape:
     align = 1 if type_.bits == 1 else 8 if type_.bits == 8 else 16
-    return Shape(type_, type_.bits, align, type_.bits, align, size_confirmed=type_.name not in LITERATURE)
+    doubts = frozenset({type_.name}) if type_.name in SIZES else NO_DOUBTS
+    return Shape(type_, type_.bits, align, type_.bits, align, doubts=doubts)
+
+
+def _doubts(block: Block) -> frozenset[str]:
+    return frozenset({block.name.upper()}) if is_literature(block) else NO_DOUBTS
+
+
+_WIDE = frozenset({"WSTRING"})
 
 
 _ELEMENTARY = {name: _elementary_shape(type_) for name, type_ in ELEMENTARY.items()}

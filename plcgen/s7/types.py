@@ -69,8 +69,15 @@ _WIDTHS = {
     "BYTE": 8, "CHAR": 8, "SINT": 8, "USINT": 8,
     "WORD": 16, "INT": 16, "UINT": 16, "WCHAR": 16, "S5TIME": 16, "DATE": 16,
     "TIMER": 16, "COUNTER": 16, "BLOCK_DB": 16, "BLOCK_FB": 16, "BLOCK_FC": 16, "BLOCK_SDB": 16,
-    "HW_IO": 16, "HW_ANY": 16, "HW_DEVICE": 16, "HW_SUBMODULE": 16, "HW_INTERFACE": 16,
-    "PORT": 16, "DB_ANY": 16,
+    "BLOCK_SFB": 16, "BLOCK_SFC": 16,
+    "HW_IO": 16, "HW_ANY": 16, "HW_DEVICE": 16, "HW_SUBMODULE": 16, "HW_INTERFACE": 16, "HW_MODULE": 16,
+    "HW_IOSYSTEM": 16, "HW_DPMASTER": 16, "HW_DPSLAVE": 16, "HW_IEPORT": 16, "HW_HSC": 16, "HW_PWM": 16, "HW_PTO": 16,
+    "HW_INTERRUPT": 16,
+    "OB_ANY": 16, "OB_DELAY": 16, "OB_TOD": 16, "OB_CYCLIC": 16, "OB_ATT": 16, "OB_PCYCLE": 16, "OB_HWINT": 16,
+    "OB_DIAG": 16, "OB_TIMEERROR": 16, "OB_STARTUP": 16,
+    "PORT": 16, "RTM": 16, "PIP": 16, "CONN_ANY": 16, "CONN_OUC": 16, "CONN_PRG": 16, "DB_ANY": 16, "DB_WWW": 16,
+    "DB_DYN": 16,
+    "CONN_R_ID": 32, "AOM_IDENT": 32, "EVENT_ANY": 32, "EVENT_ATT": 32, "EVENT_HWINT": 32,
     "DWORD": 32, "DINT": 32, "UDINT": 32, "REAL": 32, "TIME": 32, "TIME_OF_DAY": 32,
     "LWORD": 64, "LINT": 64, "ULINT": 64, "LREAL": 64, "LTIME": 64, "LTIME_OF_DAY": 64, "LDT": 64,
     "DATE_AND_TIME": 64,
@@ -81,6 +88,11 @@ _WIDTHS = {
 
 ELEMENTARY = MappingProxyType({name: Elementary(name, bits) for name, bits in _WIDTHS.items()})
 """Every elementary type by canonical name; widths from the S7 manuals, ANY/POINTER/DTL included."""
+
+HARDWARE = frozenset(
+    name for name in _WIDTHS if name.startswith(("HW_", "OB_", "EVENT_", "CONN_")) or name in {"PORT", "RTM", "PIP"}
+) | {"AOM_IDENT", "DB_ANY", "DB_WWW", "DB_DYN"}
+"""Numbers of hardware, organization blocks, events and connections (TIA Portal, "hardware data types")."""
 
 ALIASES = MappingProxyType(
     {"TOD": "TIME_OF_DAY", "DT": "DATE_AND_TIME", "LTOD": "LTIME_OF_DAY", "DATE_AND_LTIME": "LDT"}

@@ -15,20 +15,14 @@ from typing import TypeAlias
 
 from plcgen.s7 import durations
 from plcgen.s7.address import Pointer, unpack_pointer
-from plcgen.s7.types import ELEMENTARY, Elementary, StringType
+from plcgen.s7.types import ELEMENTARY, HARDWARE, Elementary, StringType
 
 Value: TypeAlias = "bool | int | float | str | dt.date | dt.datetime | Pointer | None"
 
 SIGNED = frozenset({"SINT", "INT", "DINT", "LINT"})
 BIT_STRINGS = frozenset({"BYTE", "WORD", "DWORD", "LWORD"})
 UNSIGNED = frozenset({"USINT", "UINT", "UDINT", "ULINT"})
-NUMBERS = frozenset({"TIMER", "COUNTER", "BLOCK_DB", "BLOCK_FB", "BLOCK_FC", "BLOCK_SDB", "DB_ANY", "PORT"}) | {
-    "HW_IO",
-    "HW_ANY",
-    "HW_DEVICE",
-    "HW_SUBMODULE",
-    "HW_INTERFACE",
-}
+NUMBERS = HARDWARE | {"TIMER", "COUNTER", "BLOCK_DB", "BLOCK_FB", "BLOCK_FC", "BLOCK_SDB", "BLOCK_SFB", "BLOCK_SFC"}
 _LONG = 1 << 63
 _TICKS = {"TIME": (-(1 << 31), (1 << 31) - 1), "TIME_OF_DAY": (0, 86_399_999)}
 _TICKS |= {"LTIME": (-_LONG, _LONG - 1), "LTIME_OF_DAY": (0, durations.NS_PER_DAY - 1), "LDT": (0, _LONG - 1)}

@@ -6,7 +6,7 @@ import contextlib
 import dataclasses
 
 import pytest
-from s7.vectors import block, cases, db, members
+from layout_vectors import block, cases, db, members
 
 from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind
 from plcgen.s7.image import StartValueError, image, read_member, write_member

@@ -7,7 +7,7 @@ import time
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from s7.vectors import block, cases, db, members, to_type
+from layout_vectors import block, cases, db, members, to_type
 
 from plcgen.diagnostics import DiagnosticError, Span
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind

@@ -11,7 +11,7 @@ import yaml
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types import ArrayType, DataType, Member, NamedType, StringType, StructType, elementary
 
-VECTORS = Path(__file__).parents[1] / "vectors" / "layouts.yaml"
+VECTORS = Path(__file__).parent / "vectors" / "layouts.yaml"
 
 
 @cache
