@@ -1,0 +1,118 @@
+"""Serial ports, through pyserial (extra ``serial``), the only importer of it."""
+
+from __future__ import annotations
+
+import errno
+import os
+import select
+from typing import Any
+
+from plcgen.line.model import BUSY, CANNOT_OPEN, CHUNK, MISSING_PACKAGE, LineError, LineLostError
+
+RATES = (9600, 19200, 187500)
+"""What an S7-200 knows; 187500 needs an adapter that can."""
+
+
+class SerialLine:
+    """A serial port with 8 data bits, even parity and 1 stop bit, as PPI needs it."""
+
+    def __init__(self, port: str, rate: int = 9600) -> None:
+        try:
+            import serial
+        except ImportError as problem:
+            raise LineError(
+                MISSING_PACKAGE, port, "serial ports need the package pyserial", 'pip install "plcgen[serial]"'
+            ) from problem
+        self._failures: tuple[type[Exception], ...] = (
+            *_terminal_errors(),
+            serial.SerialException,
+            OSError,
+            TypeError,
+            ValueError,
+        )
+        self._name = port
+        # Linux refuses to change nothing but the parity of a pseudo terminal, which has none.
+        parity = serial.PARITY_NONE if _is_pseudo_terminal(port) else serial.PARITY_EVEN
+        try:
+            self._port: Any = serial.Serial(
+                port, rate, serial.EIGHTBITS, parity, serial.STOPBITS_ONE, timeout=0, exclusive=True
+            )
+        except self._failures as problem:
+            raise _refused(port, problem) from problem
+
+    @property
+    def name(self) -> str:
+        """Name of the port."""
+        return self._name
+
+    def write(self, data: bytes) -> None:
+        """Send all of ``data``. Raises LineLostError."""
+        try:
+            self._port.write(data)
+            self._port.flush()
+        except self._failures as problem:
+            raise self._lost(problem) from problem
+
+    def read(self, maximum: int = CHUNK, timeout: float | None = None) -> bytes:
+        """Return what has arrived; empty after ``timeout`` seconds. Raises LineLostError."""
+        try:
+            found = self._read(maximum, timeout)
+        except self._failures as problem:
+            raise self._lost(problem) from problem
+        if found is None:
+            raise LineLostError(self._name, "the port ended", "was the cable pulled out?")
+        return found
+
+    def _read(self, maximum: int, timeout: float | None) -> bytes | None:
+        """Bytes, empty after ``timeout``, None at the end of the port."""
+        if os.name == "posix":
+            if not select.select([self._port], [], [], timeout)[0]:
+                return b""
+            return self._port.read(min(max(self._port.in_waiting, 1), maximum)) or None
+        self._port.timeout = timeout
+        first: bytes = self._port.read(1)
+        if not first:
+            return b""
+        return first + bytes(self._port.read(min(self._port.in_waiting, maximum - 1)))
+
+    def close(self) -> None:
+        """Give the port back."""
+        self._port.close()
+
+    def _lost(self, problem: Exception) -> LineLostError:
+        return LineLostError(self._name, f"the port was lost: {_reason(problem)}", "was the cable pulled out?")
+
+
+def _terminal_errors() -> tuple[type[Exception], ...]:
+    """What pyserial lets through from the system where there are terminals; it is no OSError."""
+    try:
+        import termios
+    except ImportError:
+        return ()
+    return (termios.error,)
+
+
+def _is_pseudo_terminal(port: str) -> bool:
+    return os.path.realpath(port).startswith(("/dev/pts/", "/dev/ttys"))
+
+
+def _refused(port: str, problem: Exception) -> LineError:
+    number = getattr(problem, "errno", None)
+    if number in {errno.ENOENT, errno.ENXIO, errno.ENODEV}:
+        return LineError(CANNOT_OPEN, port, "there is no such port", _known())
+    if number in {errno.EBUSY, errno.EAGAIN} or "exclusively lock" in str(problem):
+        return LineError(BUSY, port, "the port is in use by another program", "end that program first")
+    if number in {errno.EACCES, errno.EPERM}:
+        return LineError(CANNOT_OPEN, port, "the port must not be used", "on Linux, join the group dialout")
+    return LineError(CANNOT_OPEN, port, f"cannot be opened: {_reason(problem)}", _known())
+
+
+def _reason(problem: Exception) -> str:
+    return " ".join(str(getattr(problem, "strerror", None) or problem).split())
+
+
+def _known() -> str:
+    from serial.tools.list_ports import comports
+
+    ports = [str(port.device) for port in comports()]
+    return f"ports here: {', '.join(ports)}" if ports else "this machine has no serial port"
