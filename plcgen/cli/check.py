@@ -1,14 +1,21 @@
-"""``plcgen check``: every problem of one or more specs."""
+"""``plcgen check``: every problem of specs and of PLC sources."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from plcgen.cli.options import CONTEXT, FORMATS, PATH, Verb, common_options, console, format_options, output_option
-from plcgen.cli.output import OK, PROBLEMS
-from plcgen.cli.sources import SourceCache
+from plcgen.cli.output import OK, PROBLEMS, Console
+
+if TYPE_CHECKING:
+    from plcgen.diagnostics import Diagnostic
+
+TARGETS = ("v5", "tia-300", "tia-1500")
+Subject = tuple[str, Sequence["Diagnostic"]]
 
 
 @click.command(
@@ -19,36 +26,142 @@ from plcgen.cli.sources import SourceCache
         "plcgen check job.yaml",
         "plcgen check machines/*.yaml --format github",
         "plcgen check job.yaml --format sarif --output plcgen.sarif",
+        "plcgen check old_project/ --target tia-1500     what TIA would refuse in V5 sources",
+        "plcgen check sources/ --program --target v5     compile it: names, types, calls",
     ),
 )
-@click.argument("specs", nargs=-1, required=True, type=PATH, metavar="SPEC...")
+@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="SPEC|SOURCE|FOLDER...")
+@click.option(
+    "--target",
+    type=click.Choice(TARGETS),
+    metavar="TARGET",
+    help=f"Compiler of the sources: {', '.join(TARGETS)} (S7-1200 too).  [default: any of them]",
+)
+@click.option("--program", is_flag=True, help="The sources are a whole program: check names, types and calls.")
+@click.option(
+    "--tags", type=PATH, multiple=True, metavar="FILE", help="With --program: symbols as SDF, CSV or tag table XML."
+)
 @format_options(*FORMATS)
 @output_option
 @common_options
 @click.pass_context
-def command(ctx: click.Context, specs: tuple[Path, ...], format_: str, output: Path | None) -> int:
-    """Check specs and show every problem at its place.
+def command(
+    ctx: click.Context,
+    paths: tuple[Path, ...],
+    target: str | None,
+    program: bool,  # noqa: FBT001 - click's signature
+    tags: tuple[Path, ...],
+    format_: str,
+    output: Path | None,
+) -> int:
+    """Check specs (.yaml) and PLC sources (.scl .udt .db .awl), and show every problem at its place.
 
-    Nothing is written. Exit code 1 if there is an error in any spec; warnings alone give 0.
+    Sources are read as the SCL compiler of a target reads them; a folder stands for all sources below it. Nothing
+    is written. Exit code 1 if there is an error anywhere; warnings alone give 0.
     """
+    out = console(ctx)
+    if program and target is None:
+        raise click.UsageError(f"--program needs --target: one of {', '.join(TARGETS)}")
+    specs, sources = _sorted(paths)
+    if program and not sources:
+        raise click.UsageError("--program needs PLC sources (.scl .udt .db)")
+    if tags and not program:
+        raise click.UsageError("--tags belongs to --program")
+    subjects: list[Subject] = _specs(specs)
+    blocks = 0
+    if program and target is not None:
+        found_sources, blocks = _program(sources, target, tags)
+        subjects += found_sources
+    elif sources:
+        found_sources, blocks = _files(sources, target, out)
+        subjects += found_sources
+    found = [diagnostic for _, diagnostics in subjects for diagnostic in diagnostics]
+    if format_ == "text":
+        _show(out, subjects, found, output, blocks if sources else None)
+    else:
+        from plcgen.cli.formats import diagnostics_in
+
+        out.result(diagnostics_in(format_, "check", subjects), output)
+    return PROBLEMS if any(d.severity.label == "error" for d in found) else OK
+
+
+def _sorted(paths: tuple[Path, ...]) -> tuple[list[Path], list[Path]]:
+    """Tell specs from sources; what is no known source is taken for a spec."""
+    specs: list[Path] = []
+    sources: list[Path] = []
+    for path in dict.fromkeys(paths):
+        folder = path.is_dir()
+        suffix = path.suffix.lower()
+        if suffix in {".yaml", ".yml"} or (not folder and not suffix):
+            specs.append(path)
+            continue
+        from plcgen.cpu.sources import SUFFIXES, find_sources
+
+        if folder or suffix in SUFFIXES:
+            below = find_sources(path)
+            if not below:
+                raise click.UsageError(f"there is no PLC source (.scl .udt .db .awl) below {path}")
+            sources += below
+        else:
+            specs.append(path)
+    return specs, list(dict.fromkeys(sources))
+
+
+def _specs(specs: list[Path]) -> list[Subject]:
+    if not specs:
+        return []
     from plcgen import api
-    from plcgen.cli.formats import diagnostics_in
+
+    return [(result.spec.as_posix(), result.diagnostics) for result in map(api.check, specs)]
+
+
+def _files(sources: list[Path], target: str | None, out: Console) -> tuple[list[Subject], int]:
+    """Every source on its own, and the number of blocks in all of them."""
+    from plcgen.cpu.sources import check_source
+    from plcgen.scl.dialect import BY_NAME
+
+    subjects: list[Subject] = []
+    blocks = 0
+    with out.progress() as progress:
+        for number, path in enumerate(sources, 1):
+            result = check_source(path, BY_NAME[target] if target else None)
+            blocks += result.blocks
+            subjects.append((path.as_posix(), result.diagnostics))
+            if progress is not None:
+                progress(path.name, number, len(sources))
+    return subjects, blocks
+
+
+def _program(sources: list[Path], target: str, tags: tuple[Path, ...]) -> tuple[list[Subject], int]:
+    """All sources together; what has no place belongs to the first one."""
+    from plcgen.cpu.folder import Tags, read_tag_file
+    from plcgen.cpu.sources import check_program
+    from plcgen.scl.dialect import BY_NAME
+
+    known: Tags = {}
+    for path in tags:
+        known |= read_tag_file(path)
+    result = check_program(sources, BY_NAME[target], known)
+    by_file: dict[str, list[Diagnostic]] = {str(path): [] for path in sources}
+    for diagnostic in result.diagnostics:
+        by_file.setdefault(diagnostic.span.file or str(sources[0]), []).append(diagnostic)
+    return [(Path(file).as_posix(), found) for file, found in by_file.items()], result.blocks
+
+
+def _show(
+    out: Console, subjects: list[Subject], found: list[Diagnostic], output: Path | None, blocks: int | None
+) -> None:
+    """Write the diagnostics, then one line of summary."""
+    from plcgen.cli.sources import SourceCache
     from plcgen.report.text import diagnostics_text, summary_text
 
-    out = console(ctx)
-    results = [api.check(spec) for spec in dict.fromkeys(specs)]
-    found = [diagnostic for result in results for diagnostic in result.diagnostics]
-    if format_ == "text":
-        cache = SourceCache()
-        color = out.out_color and output is None
-        text = diagnostics_text(found, cache.line, color=color, width=out.out_width)
-        if text or output is not None:
-            out.result(text, output)
-        where = specs[0].as_posix() if len(specs) == 1 else f"{len(results)} specs"
-        if text:
-            out.say("")
-        out.say(summary_text(found, where))
-    else:
-        subjects = [(result.spec.as_posix(), result.diagnostics) for result in results]
-        out.result(diagnostics_in(format_, "check", subjects), output)
-    return OK if all(result.ok for result in results) else PROBLEMS
+    cache = SourceCache()
+    text = diagnostics_text(found, cache.line, color=out.out_color and output is None, width=out.out_width)
+    if text or output is not None:
+        out.result(text, output)
+    if text:
+        out.say("")
+    kind = "specs" if blocks is None else "files"
+    where = subjects[0][0] if len(subjects) == 1 else f"{len(subjects)} {kind}"
+    inside = "" if blocks is None else f" ({blocks} block{'' if blocks == 1 else 's'})"
+    out.say(summary_text(found, where + inside))

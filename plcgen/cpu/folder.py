@@ -6,6 +6,7 @@ import csv
 from pathlib import Path
 
 from plcgen.cpu.program import Program
+from plcgen.diagnostics import DiagnosticError, Severity
 from plcgen.read.output import generated_documents, generated_sources
 from plcgen.read.simaticml import read_simaticml, read_tag_table
 from plcgen.s7.blocks import BlockKind
@@ -35,6 +36,19 @@ def load_folder(folder: Path | str, dialect: Dialect, *, coverage: bool = False)
             if block.kind is BlockKind.DB and block.number is not None:
                 numbers[block.name] = block.number
     return Program.load(sources, dialect, tags=tags, numbers=numbers, coverage=coverage)
+
+
+def read_tag_file(path: Path | str) -> Tags:
+    """Symbols of any file that holds some: SDF of STEP 7 V5, CSV, or an exported tag table (``.xml``)."""
+    path = Path(path)
+    if path.suffix.lower() == ".sdf":
+        return read_symbols(path)
+    if path.suffix.lower() != ".xml":
+        return read_tags(path)
+    tables, problems = read_tag_table(path)
+    if any(problem.severity is Severity.ERROR for problem in problems):
+        raise DiagnosticError(problems)
+    return {tag.name: (tag.address, tag.type) for table in tables for tag in table.tags}
 
 
 def read_symbols(path: Path | str) -> Tags:

@@ -14,11 +14,8 @@ from plcgen.cpu.folder import load_folder
 from plcgen.cpu.program import Program, Source
 from plcgen.cpu.system.bus import Bus
 from plcgen.diagnostics import DiagnosticError
-from plcgen.scl.dialect import Dialect
+from plcgen.scl.dialect import BY_NAME, Dialect
 from plcgen.sim.drive import Drive
-
-DIALECTS = {"v5": Dialect.STEP7_V5, "tia-300": Dialect.TIA_300_400, "tia-1500": Dialect.TIA_1200_1500}
-"""Short names of the targets."""
 
 
 class Bench:
@@ -71,7 +68,7 @@ def load_scl(
 
     A single folder is loaded as ``plcgen generate`` writes it. Raises DiagnosticError if the sources are wrong.
     """
-    target = DIALECTS.get(dialect) or Dialect(dialect)
+    target = BY_NAME.get(dialect) or Dialect(dialect)
     only = sources[0] if len(sources) == 1 else None
     if isinstance(only, Path) and only.is_dir():
         program = load_folder(only, target, coverage=coverage)

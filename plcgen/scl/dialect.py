@@ -28,3 +28,6 @@ _LABELS = {
     Dialect.TIA_300_400: "TIA Portal, S7-300/400",
     Dialect.TIA_1200_1500: "TIA Portal, S7-1200/1500",
 }
+
+BY_NAME = {"v5": Dialect.STEP7_V5, "tia-300": Dialect.TIA_300_400, "tia-1500": Dialect.TIA_1200_1500}
+"""Short names of the targets, for people."""

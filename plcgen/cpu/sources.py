@@ -1,0 +1,61 @@
+"""Sources as a compiler sees them: one file for its syntax and target, or a whole program for its names and types."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+from plcgen.cpu.program import Program
+from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.read.text import read_source
+from plcgen.scl.dialect import Dialect
+
+SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".st"})
+"""What counts as a PLC source when a folder is searched."""
+
+MAX_FILES = 100_000
+
+
+@dataclass(frozen=True, slots=True)
+class SourceCheck:
+    """What was read (a file, or the files of a program), how many blocks are in it, and everything found."""
+
+    paths: tuple[Path, ...]
+    blocks: int
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether no diagnostic is an error."""
+        return not any(d.severity is Severity.ERROR for d in self.diagnostics)
+
+
+def check_source(path: Path | str, target: Dialect | None = None) -> SourceCheck:
+    """Read one file (.scl .udt .db .awl): its syntax, its declarations, and what ``target`` does not compile.
+
+    Without a target everything is right that one of the three compilers accepts.
+    """
+    found, problems = read_source(path, target)
+    return SourceCheck((Path(path),), len(found), tuple(problems))
+
+
+def check_program(
+    paths: Sequence[Path | str], target: Dialect, tags: Mapping[str, str | tuple[str, str]] | None = None
+) -> SourceCheck:
+    """Compile files that together are a program: names, types, calls, assignments and start values as well.
+
+    ``tags`` maps names to address and type, see ``Program.load``.
+    """
+    program = Program.load([Path(path) for path in paths], target, tags=tags)
+    return SourceCheck(tuple(map(Path, paths)), len(program.link.blocks), tuple(program.diagnostics))
+
+
+def find_sources(path: Path | str) -> list[Path]:
+    """Return the sources below a folder, sorted; a file is returned as it is."""
+    path = Path(path)
+    if not path.is_dir():
+        return [path]
+    found = (entry for entry in path.rglob("*") if entry.suffix.lower() in SUFFIXES and entry.is_file())
+    return sorted(islice(found, MAX_FILES))
