@@ -101,7 +101,8 @@ def test_specs_and_sources_together(plcgen, good, sources):
         (["empty"], "there is no PLC source (.scl .udt .db .awl) below empty"),
     ],
 )
-def test_usage(plcgen, sources, tmp_path, args, message):
+@pytest.mark.usefixtures("sources")
+def test_usage(plcgen, tmp_path, args, message):
     """A call that makes no sense says what is missing."""
     (tmp_path / "empty").mkdir()
     result = plcgen("check", *args)
@@ -110,7 +111,8 @@ def test_usage(plcgen, sources, tmp_path, args, message):
 
 
 @pytest.mark.parametrize("name", ["gone.scl", "gone.sdf"])
-def test_files_that_are_not_there(plcgen, sources, name):
+@pytest.mark.usefixtures("sources")
+def test_files_that_are_not_there(plcgen, name):
     """A missing source is a diagnostic; a missing tag table ends the call with its name."""
     more = [name] if name.endswith("scl") else ["src/add.scl", "--program", "--target", "tia-1500", "--tags", name]
     result = plcgen("check", *more)
