@@ -197,7 +197,7 @@ class CallCompiler(ArgumentCompiler):
                 self.enable(argument, upper, after)
                 continue
             kind = self.parameter(argument, upper, allowed, seen)
-            if kind is None:
+            if kind is None or isinstance(argument.value, ast.Omitted):
                 continue
             if system is not None and upper == "RECORD":
                 self.record_code = self.reference(argument.value)
@@ -314,7 +314,8 @@ class CallCompiler(ArgumentCompiler):
             kind = allowed[upper] if v5_output and upper not in seen else self.parameter(argument, upper, allowed, seen)
             if kind is not None:
                 seen.add(upper)
-                given[upper] = argument
+                if not isinstance(argument.value, ast.Omitted):
+                    given[upper] = argument
         return given
 
 

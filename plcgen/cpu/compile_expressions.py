@@ -67,6 +67,9 @@ class ExpressionCompiler(PlaceCompiler):
         if isinstance(node, ast.Aggregate | ast.Repetition):
             self.error("PG827", "a list of values stands in declarations only", node)
             return self.unknown()
+        if isinstance(node, ast.Omitted):
+            self.error("PG822", "the parameter has no value", node)
+            return self.unknown()
         place = self.place(node)
         return self.load(place) if place is not None else self.unknown()
 

@@ -80,6 +80,8 @@ def decode(data: bytes, file: str, encoding: str | None = None) -> str | Diagnos
         if data.startswith(mark):
             return _decode_as(data[len(mark) :], name, file)
     if b"\0" in data:
+        if text := _unmarked_utf16(data):
+            return text
         line, column = _place(data, data.index(b"\0"))
         message = "a zero byte in a file without byte order mark: neither ANSI nor UTF-8"
         text = "save it as UTF-8 with BOM"
@@ -88,6 +90,22 @@ def decode(data: bytes, file: str, encoding: str | None = None) -> str | Diagnos
         return data.decode("utf-8")
     except UnicodeDecodeError:
         return _decode_as(data, encoding or code_page(data), file)
+
+
+def _unmarked_utf16(data: bytes) -> str:
+    """Text of UTF-16 without byte order mark; empty if the bytes are none.
+
+    Keywords, blanks and line ends make every source mostly ASCII, and no source has a zero character.
+    """
+    head = data[: 2 * _SAMPLE]
+    zeros = head[0::2].count(0), head[1::2].count(0)
+    if len(data) % 2 or 4 * max(zeros) < len(head) // 2:
+        return ""
+    try:
+        text = data.decode("utf-16-be" if zeros[0] > zeros[1] else "utf-16-le")
+    except UnicodeDecodeError:
+        return ""
+    return "" if "\0" in text else text
 
 
 def code_page(data: bytes) -> str:
@@ -115,12 +133,14 @@ def code_page(data: bytes) -> str:
 
 def _refused_encoding(data: bytes, file: str, dialect: Dialect | None) -> list[Diagnostic]:
     """Report an encoding that the target misreads: UTF-8 needs its mark in TIA, V5 knows ANSI only."""
-    if dialect is None or data.isascii():
+    if dialect is None or (data.isascii() and b"\0" not in data):
         return []
     marked = any(data.startswith(mark) for mark, _ in _BOMS)
-    if dialect.is_tia and not marked and _is_utf8(data):
+    if dialect.is_tia and not marked and b"\0" in data:
+        what, text = "UTF-16 without byte order mark", "save it as UTF-8 with BOM"
+    elif dialect.is_tia and not marked and _is_utf8(data):
         what, text = "UTF-8 without byte order mark", "save it as UTF-8 with BOM"
-    elif not dialect.is_tia and (marked or _is_utf8(data)):
+    elif not dialect.is_tia and (marked or b"\0" in data or _is_utf8(data)):
         what, text = "Unicode sources", "save it in the code page of the engineering station"
     else:
         return []

@@ -21,8 +21,6 @@ class Node:
 
 
 # --- expressions -----------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, slots=True)
 class Name(Node):
     """``x`` (scope bare), ``#x`` (local) or ``"x"`` (quoted); ``name`` has neither ``#`` nor quotes."""
@@ -103,6 +101,11 @@ class Binary(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class Omitted(Node):
+    """The value of an argument that has none: ``Q => ,``."""
+
+
+@dataclass(frozen=True, slots=True)
 class Argument(Node):
     """One argument of a call or one field of a structure value; ``operator`` is ``:=``, ``=>`` or empty."""
 
@@ -137,13 +140,11 @@ class Repetition(Node):
 
 Expression: TypeAlias = (
     Name | Address | Literal | Member | Slice | Index | Dereference | Peripheral | Unary | Binary | Call
-    | Aggregate | Repetition
+    | Aggregate | Repetition | Omitted
 )  # fmt: skip
 
 
 # --- statements ------------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, slots=True)
 class Assign(Node):
     """``target := value``; the operator may be ``+=``; ``also`` holds b, c of ``a := b := c := value``."""
@@ -266,8 +267,6 @@ Body: TypeAlias = tuple[Statement, ...]
 
 
 # --- declarations ----------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, slots=True)
 class Attribute(Node):
     """``name := 'value'`` in braces; ``value`` has no quotes."""

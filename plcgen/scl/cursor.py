@@ -165,13 +165,17 @@ class Cursor:
         self.skip_to(end)
         return self.tokens.source[begin:end].strip()
 
-    def closing_title(self, code: frozenset[str]) -> None:
-        """Leave out the title behind END_REGION; what has a ``;`` or begins with a token of ``code`` is none."""
+    def closing_title(self, code: frozenset[str], title: str = "") -> None:
+        """Leave out the title behind END_REGION.
+
+        What has a ``;`` or begins with a token of ``code`` is none, unless it repeats the ``title`` of the REGION.
+        """
         begin = self.last_end
         end = self.tokens.source.find("\n", begin)
         end = len(self.tokens.source) if end < 0 else end
         line = self.tokens.source[begin:end].partition("//")[0]
-        if self.start < end and self.kinds[self.pos] not in code and ";" not in line:
+        repeated = bool(title) and line.strip() == title.partition("//")[0].strip()
+        if self.start < end and (repeated or (self.kinds[self.pos] not in code and ";" not in line)):
             self.skip_to(end)
 
     def trailing_comment(self) -> str:
@@ -221,8 +225,8 @@ def lexical_error(text: str) -> tuple[str, str]:
         return "the string is not closed on its line", "add the closing ', write an apostrophe as $'"
     if first == '"':
         return "the quoted name is not closed on its line", 'add the closing "'
-    if text.startswith(("(*", "(/*")):
-        return "the comment is never closed", "add *) or */)" if text[1] == "/" else "add *)"
+    if text.startswith(("(*", "(/*", "/*")):
+        return "the comment is never closed", {"(/": "add */)", "/*": "add */"}.get(text[:2], "add *)")
     if first == "#":
         return "'#' without a name", "write the name of a local variable directly behind it"
     return f"unexpected character {text[0]!r} (U+{ord(first):04X})", ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -47,6 +48,8 @@ _PARAMETER_FOLLOWS = frozenset({":=", "=>"})
 _INDEXED = frozenset({"DB", "DX", "DW", "DD", "DBX", "DBB", "DBW", "DBD"})
 
 _NUMBERED = re.compile(r"(?:DB|T|C|Z)[0-9]{1,5}")
+_SLASH_STAR = re.compile(r"(?<!\()/\*")
+_JOINED = re.compile(r"(?i:VAR_(?:CONSTANT|STAT(?:IC)?|RETAIN)\b)")
 _V5_NAMES = {"OK": ("the OK flag", "use ENO"), "NIL": ("NIL", "write NULL")}
 _BLOCK_FUNCTIONS = frozenset({"WORD_TO_BLOCK_DB", "BLOCK_DB_TO_WORD"})
 
@@ -60,6 +63,7 @@ def check(
     found = [
         *islice(_tokens(tokens, dialect, sorted(free_text)), MAX_ERRORS),
         *islice(_tree(units, tokens, dialect), MAX_ERRORS),
+        *islice(_comments(tokens), MAX_ERRORS),
     ]
     return [
         Diagnostic("PG803", f"{dialect.label} does not know {what}", tokens.span(start, end), severity, help=text)
@@ -68,6 +72,17 @@ def check(
 
 
 # --- tokens ----------------------------------------------------------------------------------------------
+
+
+def _comments(tokens: Tokens) -> Iterator[_Refusal]:
+    """Find ``/* */`` without parentheses around it, which no Siemens compiler knows."""
+    for match in _SLASH_STAR.finditer(tokens.source):
+        start = match.start()
+        index = bisect_right(tokens.starts, start)
+        if (not index or start >= tokens.end(index - 1)) and any(
+            comment.start == start for comment in tokens.trivia_before(index)
+        ):
+            yield start, start + 2, "comments in /* */", "write (* *)", Severity.ERROR
 
 
 def _tokens(tokens: Tokens, dialect: Dialect, free: Sequence[tuple[int, int]]) -> Iterator[_Refusal]:
@@ -143,7 +158,7 @@ def _tree(units: Iterable[ast.Unit], tokens: Tokens, dialect: Dialect) -> Iterat
     for unit in units:
         yield from _header(unit, dialect)
         for section in unit.sections:
-            yield from _section(section, dialect)
+            yield from _section(section, tokens, dialect)
         at_refused = _optimized_declarations(unit) if dialect is _T15 else frozenset()
         declared = _declared(unit)
         for node in ast.walk(unit):
@@ -153,6 +168,10 @@ def _tree(units: Iterable[ast.Unit], tokens: Tokens, dialect: Dialect) -> Iterat
                 yield from _absolute(node, dialect, declared)
             elif isinstance(node, ast.Name):
                 yield from _name(node, dialect, declared)
+            elif isinstance(node, ast.Argument):
+                if node.operator == ":=" and isinstance(node.value, ast.Omitted):
+                    text = "leave the parameter out or give it a value"
+                    yield node.start, node.end, f"{node.name} without a value", text, Severity.WARNING
             elif isinstance(node, ast.ArraySpec):
                 if dialect.is_tia and isinstance(node.element, ast.ArraySpec):
                     text = "use one array with two dimensions"
@@ -179,10 +198,14 @@ def _header(unit: ast.Unit, dialect: Dialect) -> Iterator[_Refusal]:
             yield attribute.start, attribute.end, attribute.name, "delete the attribute", Severity.ERROR
 
 
-def _section(section: ast.Section, dialect: Dialect) -> Iterator[_Refusal]:
+def _section(section: ast.Section, tokens: Tokens, dialect: Dialect) -> Iterator[_Refusal]:
+    joined = _JOINED.match(tokens.source, section.start)
+    if joined:
+        text = "write VAR" + f" {' '.join(section.modifiers)}".rstrip()
+        yield section.start, joined.end(), joined[0], text, Severity.ERROR
     if "CONSTANT" not in section.modifiers:
         return
-    if dialect is _V5:
+    if dialect is _V5 and not joined:
         what = "VAR CONSTANT"
         yield section.start, section.start + 3, what, "use CONST .. END_CONST without types", Severity.ERROR
         return
@@ -256,6 +279,9 @@ def _absolute(node: ast.Call | ast.Index, dialect: Dialect, declared: frozenset[
         elif dialect is _T15 and isinstance(node, ast.Index) and _is_memory(inner, declared):
             text = "use PEEK and POKE with area 16#81 (inputs), 16#82 (outputs) or 16#83 (memory)"
             yield node.start, node.end, "indexed absolute access", text, Severity.ERROR
+    elif dialect is _T15 and isinstance(node, ast.Call) and isinstance(inner, ast.Address) and inner.text[0] == "%":
+        text = "use PEEK and POKE, or a tag with an array"
+        yield node.start, node.end, "indexed absolute access", text, Severity.ERROR
     elif dialect is _T15 and _is_indexed(inner):
         text = "use PEEK and POKE with area 16#84"
         yield node.start, node.end, "indexed absolute access", text, Severity.ERROR

@@ -38,6 +38,8 @@ _DATE = (
     r"(?i:(?:D|DATE|DT|DATE_AND_TIME|L?TOD|L?TIME_OF_DAY|LDT|DATE_AND_LTIME|DTL)\#)"
     r"[0-9][0-9_]*+(?:[-:.][0-9]++)*+"
 )
+_COUNT = r"(?:(?:[ \t]++[A-Z_]++|\s++(?:BYTE|WORD|INT))[ \t]++\d++)?+"
+"""``BYTE 10`` behind the start of a pointer, BYTE, WORD and INT on the next line too."""
 _BYTES = r"(?<=\b[Bb]\#)\([ \t]*+[0-9]++(?:[ \t]*+,[ \t]*+[0-9]++)++[ \t]*+\)"
 """``B#(1, 2)``: the bytes of a WORD or DWORD in statement lists and their data blocks."""
 _NO_KEYWORD = "".join(
@@ -51,7 +53,7 @@ _PATTERN = re.compile(
     "|".join(
         (
             rf"(?:[\s{_BLANK}]++|//[^\n]*+)++",
-            r"(?i:P\#(?:(?:DB\d++\.)?[A-Z]{1,3}[ \t]*+)?\d++\.\d++(?:[ \t]++[A-Z_]++[ \t]++\d++)?+)",
+            rf"(?i:P\#(?:(?:DB[ \t]*+\d++\.)?[A-Z]{{1,3}}[ \t]*+)?\d++\.\d++{_COUNT})",
             rf"[Pp]\#{{1,2}}(?:\"[^\"\n]*+\"|{_WORD})(?:\.{_WORD})*+",
             _ADDRESS + r"(?!\w)(?::P(?!\w))?+",
             _DATE,
@@ -62,6 +64,7 @@ _PATTERN = re.compile(
             r"\(\*(?:[^*(]++|\*(?!\))|\((?!\*))*+\*\)",
             r"\(\*",
             r"\(/\*(?:[^*]++|\*(?!/\)))*+(?:\*/\))?+",
+            r"/\*(?:[^*]++|\*(?!/))*+(?:\*/)?+",
             r":=|=>|\?=|<=|>=|<>|\*\*=?|\+=|-=|\*=|/=|&=|\.\.|[-+*/&=<>()\[\]{}.,:;^@]",
             r"%[A-Za-z]\w*+(?:\.[A-Za-z0-9]\w*+)*+(?::P(?!\w))?+",
             _TEXT,
@@ -74,7 +77,7 @@ _DELIMITERS = re.compile(r"\(\*|\*\)")
 _OPERATORS = frozenset(
     ":= => ?= <= >= <> ** **= += -= *= /= &= .. + - * / & = < > ( ) [ ] { } . , : ; ^ @".split()  # noqa: SIM905
 )
-_TRIVIA_PARTS = re.compile(r"\n|//[^\n]*+|\(/\*[\s\S]*?\*/\)|\(\*")
+_TRIVIA_PARTS = re.compile(r"\n|//[^\n]*+|\(/\*[\s\S]*?\*/\)|/\*[\s\S]*?\*/|\(\*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,6 +180,8 @@ def _classify(text: str) -> str:
     if first == "(":
         closed = (text.startswith("(*") and text.endswith("*)") and len(text) > 3) or text.endswith("*/)")
         return _TRIVIA if closed else _NESTED if text == "(*" else ERROR
+    if first == "/":
+        return _TRIVIA if text.endswith("*/") and len(text) > 3 else ERROR
     if first == "#":
         return LOCAL if len(text) > 1 else ERROR
     if first == "%":

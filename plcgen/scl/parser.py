@@ -63,6 +63,8 @@ class Parser(DeclarationParser, StatementParser):
                     self.namespace()
                     continue
                 if self.kinds[self.pos] not in UNIT_KEYWORDS:
+                    if self.foreign_unit():
+                        continue
                     self.report(self.expected("a block or TYPE").diagnostic)
                     self.skip_to_unit()
                     continue
@@ -119,8 +121,10 @@ class Parser(DeclarationParser, StatementParser):
         opener = self.pos
         keyword = self.kinds[opener]
         self.pos += 1
+        self.skip_access()
         quoted = self.kinds[self.pos] == QUOTED
         name = self.block_name()
+        self.skip_inheritance()
         return_type = None
         if keyword == "FUNCTION" and self.accept(":"):
             return_type = self.type_spec()
@@ -211,7 +215,7 @@ class Parser(DeclarationParser, StatementParser):
         data = keyword in {"DATA_BLOCK", "TYPE"}
         while True:
             kind = self.kinds[self.pos]
-            if kind in SECTIONS:
+            if kind in SECTIONS or (kind == NAME and self.joined_section()):
                 sections.append(self.section())
             elif data and body_type is None and kind in {"STRUCT", "ARRAY", NAME, QUOTED, "{"}:
                 body_type = self.type_spec()

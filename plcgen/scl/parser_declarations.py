@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from plcgen.scl import ast
 from plcgen.scl.cursor import Fault, unquote
-from plcgen.scl.lexer import EOF, INT, NAME, QUOTED, WORDS
+from plcgen.scl.lexer import EOF, INT, LOCAL, NAME, QUOTED, WORDS
 from plcgen.scl.parser_expressions import ExpressionParser
+from plcgen.scl.parser_foreign import FOREIGN_SECTIONS
 
 SECTIONS = frozenset({"VAR", "VAR_INPUT", "VAR_OUTPUT", "VAR_IN_OUT", "VAR_TEMP", "CONST", "LABEL"})
 UNIT_KEYWORDS = frozenset({"FUNCTION_BLOCK", "FUNCTION", "ORGANIZATION_BLOCK", "DATA_BLOCK", "TYPE"})
@@ -14,6 +17,8 @@ _SECTION_ENDS = frozenset({"END_VAR", "END_CONST", "END_LABEL", "END_STRUCT", "B
     UNIT_KEYWORDS - {"TYPE"}
 ) | (SECTIONS - {"LABEL"})  # fmt: skip
 _MODIFIERS = frozenset({"CONSTANT", "RETAIN", "NON_RETAIN", "DB_SPECIFIC"})
+_JOINED = {"VAR_CONSTANT": "CONSTANT", "VAR_STAT": "", "VAR_STATIC": "", "VAR_RETAIN": "RETAIN"}
+"""Spellings in one word that other tools write, and the modifier they stand for."""
 _NUMBERED = frozenset({"UDT", "FB", "SFB", "FC", "SFC", "DB", "OB"})
 
 
@@ -24,10 +29,13 @@ class DeclarationParser(ExpressionParser):
         """One section with its END; faults inside cost one declaration each."""
         start = self.start
         keyword = self.kinds[self.pos]
+        modifiers: list[str] = []
+        if keyword == "VAR" and _JOINED.get(self.texts[self.pos].upper()):
+            modifiers.append(_JOINED[self.texts[self.pos].upper()])
         self.pos += 1
         if keyword == "LABEL":
             return self.label_section(start)
-        modifiers: list[str] = []
+        self.skip_access()
         while self.upper() in _MODIFIERS and self.kind(1) not in {":", ",", "{"}:
             modifiers.append(self.upper())
             self.pos += 1
@@ -39,6 +47,16 @@ class DeclarationParser(ExpressionParser):
                 self.pos += 1
         self.accept(";")
         return ast.Section(start, self.last_end, keyword, tuple(modifiers), declarations)
+
+    def joined_section(self) -> bool:
+        """Whether VAR_CONSTANT, VAR_STAT or a section of another dialect begins here: it is read like VAR."""
+        upper = self.upper()
+        if upper not in _JOINED and upper not in FOREIGN_SECTIONS:
+            return False
+        if upper in FOREIGN_SECTIONS:
+            self.refuse(self.pos)
+        self.kinds[self.pos] = "VAR"
+        return True
 
     def label_section(self, start: int) -> ast.Section:
         """``LABEL a, b; END_LABEL``: the labels become declarations without a type."""
@@ -96,10 +114,11 @@ class DeclarationParser(ExpressionParser):
         return ast.Declaration(start, value.end, (name,), None, None, value, self.trailing_comment())
 
     def declared_name(self) -> ast.DeclaredName:
-        """Read a name with its attributes."""
+        """Read a name with its attributes, behind it or in front of it."""
+        before = self.attributes() if self.kinds[self.pos] == "{" else ()
         pos = self.pos
         name = self.word("a declaration")
-        attributes = self.attributes() if self.kinds[self.pos] == "{" else ()
+        attributes = before + self.attributes() if self.kinds[self.pos] == "{" else before
         return ast.DeclaredName(self.starts[pos], self.tokens.end(pos), name, self.kinds[pos] == QUOTED, attributes)
 
     def declaration(self) -> ast.Declaration:
@@ -111,14 +130,23 @@ class DeclarationParser(ExpressionParser):
         at = None
         if self.upper() == "AT":
             self.pos += 1
-            at = self.word("the variable that AT overlays")
+            at = self.overlaid()
             self.attributes()
         self.expect(":")
         spec = self.type_spec()
+        if self.kinds[self.pos] == "{":
+            names[-1] = replace(names[-1], attributes=names[-1].attributes + self.attributes())
         initial = self.initial_value() if self.accept(":=") else None
         end = self.last_end
         self.end_of_declaration()
         return ast.Declaration(start, end, tuple(names), at, spec, initial, self.comment_of(spec))
+
+    def overlaid(self) -> str:
+        """Read the name behind AT; some write ``#`` in front of it."""
+        if self.kinds[self.pos] != LOCAL:
+            return self.word("the variable that AT overlays")
+        self.pos += 1
+        return self.texts[self.pos - 1][1:].strip('"')
 
     def end_of_declaration(self) -> None:
         """Read the semicolon; a missing one at the end of a line costs only its own message."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from plcgen.scl import ast
-from plcgen.scl.cursor import MAX_OPERATORS, Cursor, unquote
+from plcgen.scl.cursor import MAX_OPERATORS, unquote
 from plcgen.scl.lexer import ADDRESS, INT, LOCAL, NAME, POINTER, QUOTED, REAL, STRING, TYPED, WORDS
+from plcgen.scl.parser_foreign import ForeignSyntax
 
 PRECEDENCE = {
     "OR": 1, "XOR": 2, "AND": 3, "&": 3, "=": 4, "<>": 4, "<": 5, "<=": 5, ">": 5, ">=": 5,
@@ -19,11 +20,18 @@ _LITERALS = {INT: "int", REAL: "real", STRING: "string", TYPED: "typed", POINTER
 _POSTFIX = frozenset({".", "[", "(", "^", ":"})
 _FREE_LINKS = 8
 _SLICE_WIDTHS = "XBWDL"
+_NUMBERS = frozenset({INT, REAL})
+_SPACED = frozenset(
+    [area + width for area in "IQEAM" for width in ("", "X", "B", "W", "D")]
+    + [area + width for area in ("PI", "PQ", "PE", "PA") for width in "BWD"]
+    + ["D" + width for width in "BWDX"] + ["DB" + width for width in ("", "B", "W", "D", "X")] + ["FB", "SFB"]
+)  # fmt: skip
+"""Areas that may have a blank before their number, as in statement lists."""
 _NUMBERED = frozenset({"T", "Z", "C", "DB", "FB", "FC", "SDB"})
 """Timers, counters and blocks as start values; statement lists put a blank before the number."""
 
 
-class ExpressionParser(Cursor):
+class ExpressionParser(ForeignSyntax):
     """Operands, operators, calls and initial values."""
 
     def expression(self) -> ast.Expression:
@@ -63,6 +71,8 @@ class ExpressionParser(Cursor):
             name = text[1:] if text[1] != '"' else text[2:-1]
             base = ast.Name(start, start + len(text), name, "local")
         elif kind == NAME:
+            if self.kinds[pos + 1] in _NUMBERS and text.upper() in _SPACED:
+                return self.spaced_address(start)
             base = ast.Name(start, start + len(text), text, "bare")
         elif kind == QUOTED:
             base = self.quoted_name(text, start)
@@ -78,6 +88,15 @@ class ExpressionParser(Cursor):
             return self.prefixed(kind, start)
         self.pos = pos + 1
         return self.postfix(base) if self.kinds[pos + 1] in _POSTFIX else base
+
+    def spaced_address(self, start: int) -> ast.Expression:
+        """``EW 10``, ``M 10.0``, ``DB 10.DW 5``, ``FB 10.DB 20(..)``: the blank means nothing."""
+        text = self.texts[self.pos] + self.texts[self.pos + 1]
+        self.pos += 2
+        block = text[0] in "DFSdfs"
+        base: ast.Expression
+        base = ast.Name(start, self.last_end, text, "bare") if block else ast.Address(start, self.last_end, text)
+        return self.postfix(base) if self.kinds[self.pos] in _POSTFIX else base
 
     @staticmethod
     def quoted_name(text: str, start: int) -> ast.Expression:
@@ -130,20 +149,20 @@ class ExpressionParser(Cursor):
             elif kind == "^":
                 self.pos += 1
                 base = ast.Dereference(start, self.last_end, base)
-            elif self.at_peripheral(base):
+            elif isinstance(base, ast.Member | ast.Index | ast.Call) and self.at_periphery(self.pos):
                 self.pos += 2
                 base = ast.Peripheral(start, self.last_end, base)
             else:
                 break
         return base
 
-    def at_peripheral(self, base: ast.Expression) -> bool:
-        """Whether ``:P`` follows a member or an indexed address without a blank."""
+    def at_periphery(self, pos: int) -> bool:
+        """Whether the colon at ``pos`` begins ``:P`` without a blank on either side."""
+        start = self.starts[pos]
         return (
-            isinstance(base, ast.Member | ast.Index | ast.Call)
-            and self.upper(1) == "P"
-            and self.start == self.last_end
-            and self.starts[self.pos + 1] == self.start + 1
+            self.texts[pos + 1] in {"P", "p"}
+            and self.tokens.end(pos - 1) == start
+            and self.starts[pos + 1] == start + 1
         )
 
     def member(self, base: ast.Expression) -> ast.Expression:
@@ -153,6 +172,9 @@ class ExpressionParser(Cursor):
         text = self.texts[pos]
         end = self.starts[pos] + len(text)
         if kind in WORDS:
+            if self.kinds[pos + 1] in _NUMBERS and text.upper() in _SPACED:
+                self.pos = pos + 2
+                return ast.Member(base.start, self.last_end, base, text + self.texts[pos + 1])
             if text[0] == "%" and text[1:3].upper() == "DB":
                 self.pos = pos + 1
                 return ast.Member(base.start, end, base, text[1:])
@@ -203,7 +225,7 @@ class ExpressionParser(Cursor):
             start = self.starts[pos]
             if kinds[pos] in WORDS and kinds[pos + 1] in {":=", "=>"}:
                 self.pos = pos + 2
-                value = self.binary(0)
+                value = self.omitted() if kinds[pos + 2] in {",", ")"} else self.binary(0)
                 found.append(ast.Argument(start, value.end, unquote(self.texts[pos]), kinds[pos + 1], value))
             else:
                 value = self.binary(0)
@@ -217,6 +239,10 @@ class ExpressionParser(Cursor):
                 raise self.expected("',' or ')'")
         self.depth -= 1
         return tuple(found)
+
+    def omitted(self) -> ast.Expression:
+        """Return the missing value of ``Q => ,``."""
+        return ast.Omitted(self.last_end, self.last_end)
 
     # --- initial values -------------------------------------------------------------------------------
 

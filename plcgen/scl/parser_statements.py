@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 from plcgen.diagnostics import Note
 from plcgen.scl import ast
 from plcgen.scl.cursor import Fault
-from plcgen.scl.lexer import ADDRESS, EOF, INT, LOCAL, NAME, QUOTED, REAL, STRING, TYPED
+from plcgen.scl.lexer import ADDRESS, EOF, INT, LOCAL, NAME, QUOTED
 from plcgen.scl.parser_declarations import UNIT_ENDS, UNIT_KEYWORDS
-from plcgen.scl.parser_expressions import ExpressionParser
+from plcgen.scl.parser_labels import LabelParser
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,19 +19,15 @@ _STOPS = _CLOSERS | {"ELSIF", "ELSE", EOF} | UNIT_ENDS | UNIT_KEYWORDS
 _STARTS = frozenset({"IF", "CASE", "FOR", "WHILE", "REPEAT", "EXIT", "CONTINUE", "RETURN", "GOTO", "REGION"})
 _CODE = _STOPS | _STARTS
 _VARIABLES = frozenset({LOCAL, NAME, QUOTED, ADDRESS})
-_LITERAL_LABELS = frozenset({INT, REAL, STRING, TYPED, "-", "+", "TRUE", "FALSE"})
 _ASSIGNMENTS = frozenset({":=", "+=", "-=", "*=", "/=", "&=", "**=", "?="})
-_REGIONS_AHEAD = 16
 _NOT_A_REGION = _ASSIGNMENTS | {".", "[", "(", ":", ";", ",", ")"}
 _NAME_FOLLOWS = frozenset({":=", "."})
 """Behind a keyword they show that it is the name of a member, as in the assignments of a data block."""
-_QUALIFIED = 16
 
 
-class StatementParser(ExpressionParser):
+class StatementParser(LabelParser):
     """The code behind BEGIN."""
 
-    jump_labels: frozenset[str] = frozenset()
     has_regions = False
     """Whether the file has an END_REGION: then the title of a REGION may begin with any sign."""
     data = False
@@ -52,7 +48,8 @@ class StatementParser(ExpressionParser):
                 break
             try:
                 if kind == LOCAL or (kind in _VARIABLES and kinds[pos + 1] != ":"):
-                    found.append(self.simple())
+                    if statement := self.simple():
+                        found.append(statement)
                 elif kind == ";":
                     self.pos = pos + 1
                 elif statement := self.other(kind):
@@ -77,9 +74,10 @@ class StatementParser(ExpressionParser):
 
     # --- simple statements ----------------------------------------------------------------------------
 
-    def simple(self) -> ast.Statement:
-        """Read an assignment or a call."""
-        start = self.starts[self.pos]
+    def simple(self) -> ast.Statement | None:
+        """Read an assignment or a call; None for what was reported and left out as a whole."""
+        began = self.pos
+        start = self.starts[began]
         self.operators = 0
         self.call_depth = self.depth + 1
         target = self.variable()
@@ -96,6 +94,8 @@ class StatementParser(ExpressionParser):
             return ast.CallStatement(start, target.end, target)
         if kind == "=":
             raise self.fault("'=' compares, it does not assign", text="write ':='")
+        if self.foreign_member(began):
+            return None
         raise self.expected("':=' or '('")
 
     def chained(self, start: int, first: ast.Expression, operator: str, value: ast.Expression) -> ast.Statement:
@@ -134,7 +134,7 @@ class StatementParser(ExpressionParser):
             return None
         raise self.expected("a statement")
 
-    def keyword_as_name(self) -> ast.Statement:
+    def keyword_as_name(self) -> ast.Statement | None:
         """STEP 7 V5 knows no REGION: there it may be a variable. A member of a DB may have any name."""
         if self.texts[self.pos][0].isalpha():
             self.kinds[self.pos] = NAME
@@ -161,11 +161,11 @@ class StatementParser(ExpressionParser):
 
     # --- compound statements --------------------------------------------------------------------------
 
-    def close(self, closer: str, opener: int) -> None:
+    def close(self, closer: str, opener: int, title: str = "") -> None:
         """Step over the END of a statement; another one in its place is reported together with the opener."""
         if self.accept(closer):
             if closer == "END_REGION":
-                self.closing_title(_CODE)
+                self.closing_title(_CODE, title)
             self.accept(";")
             return
         name = self.kinds[opener]
@@ -266,7 +266,7 @@ class StatementParser(ExpressionParser):
         if in_case and self.kinds[self.pos] not in _STOPS and self.at_case_label():
             self.open_regions += 1
             return ast.Region(self.starts[opener], self.last_end, title, body)
-        self.close("END_REGION", opener)
+        self.close("END_REGION", opener, title)
         return ast.Region(self.starts[opener], self.last_end, title, body)
 
     def end_region(self) -> None:
@@ -346,47 +346,6 @@ class StatementParser(ExpressionParser):
         self.expect(":")
         body = self.nested("END_CASE", in_case=True)
         return ast.CaseBranch(start, self.last_end, tuple(labels), body, regions)
-
-    def case_range(self) -> ast.CaseRange:
-        """One value or ``low..high``."""
-        low = self.expression()
-        high = self.expression() if self.accept("..") else None
-        return ast.CaseRange(low.start, (high or low).end, low, high)
-
-    def at_case_label(self) -> bool:
-        """Whether a label of the CASE begins here; a REGION belongs to what it begins with."""
-        pos = self.pos
-        kind = self.kinds[pos]
-        if kind == "REGION":
-            return self.region_opens_label(pos)
-        if kind in _LITERAL_LABELS:
-            return True
-        if kind not in {LOCAL, NAME, QUOTED}:
-            return False
-        following = self.kinds[pos + 1]
-        if following == ":":
-            return self.texts[pos].upper() not in self.jump_labels
-        return following in {",", ".."} or (following == "." and self.at_qualified_value(pos))
-
-    def at_qualified_value(self, pos: int) -> bool:
-        """Whether ``Unit.Mode#RUN`` begins here: a named value of another software unit."""
-        last = pos + 2 * _QUALIFIED
-        while pos < last and self.kinds[pos] in _VARIABLES and self.kinds[pos + 1] == ".":
-            pos += 2
-        return self.kinds[pos] == TYPED and self.kinds[pos + 1] in {":", ",", ".."}
-
-    def region_opens_label(self, pos: int) -> bool:
-        """Whether the first token below ``REGION title`` and further REGION lines is a label."""
-        for _ in range(_REGIONS_AHEAD):
-            end = self.tokens.source.find("\n", self.starts[pos])
-            while self.kinds[pos] != EOF and self.starts[pos] < end:
-                pos += 1
-            if self.kinds[pos] != "REGION":
-                saved, self.pos = self.pos, pos
-                found = self.at_case_label()
-                self.pos = saved
-                return found
-        return False
 
 
 _COMPOUND: dict[str, Callable[[StatementParser], ast.Statement]] = {

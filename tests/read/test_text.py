@@ -25,10 +25,12 @@ UDT = 'TYPE "größe"\nSTRUCT\n  x : INT;   // Länge\nEND_STRUCT;\nEND_TYPE\n'
         codecs.BOM_UTF8 + UDT.encode(),
         codecs.BOM_UTF16_LE + UDT.encode("utf-16-le"),
         codecs.BOM_UTF16_BE + UDT.encode("utf-16-be"),
+        UDT.encode("utf-16-le"),
+        UDT.encode("utf-16-be"),
         UDT.encode("cp1252"),
         UDT.replace("\n", "\r\n").encode("cp1252"),
     ],
-    ids=["utf-8", "utf-8 with BOM", "utf-16 le", "utf-16 be", "ansi", "ansi with CRLF"],
+    ids=["utf-8", "utf-8 with BOM", "utf-16 le", "utf-16 be", "bare le", "bare be", "ansi", "ansi with CRLF"],
 )
 def test_every_encoding_of_the_engineering_tools_is_read(tmp_path: Path, data: bytes) -> None:
     """Names and comments are the same whatever the encoding."""
@@ -56,9 +58,11 @@ def test_another_code_page_can_be_named(tmp_path: Path) -> None:
         (b"TYPE a\n x\x00y", (2, 3)),
         (b"\xe4\n\n ab\x81", (3, 4)),
         (codecs.BOM_UTF8 + b"ab\n\xff", (2, 1)),
+        ("TYPE a\nx\0y\n".encode("utf-16-le"), (1, 2)),
+        (b"\0" * 100, (1, 1)),
         (codecs.BOM_UTF16_LE + "ä\nb".encode("utf-16-le") + b"\x00\xd8", (2, 2)),
     ],
-    ids=["zero byte", "no cp1252", "no utf-8 behind a BOM", "half a surrogate"],
+    ids=["zero byte", "no cp1252", "no utf-8 behind a BOM", "zero in bare utf-16", "zeros", "half a surrogate"],
 )
 def test_bytes_that_are_no_text_are_pointed_at(data: bytes, place: tuple[int, int]) -> None:
     """PG804 with line and column of the first bad byte."""
@@ -143,6 +147,7 @@ def test_a_target_adds_its_refusals(tmp_path: Path) -> None:
         ("utf-8", {Dialect.STEP7_V5, Dialect.TIA_300_400, Dialect.TIA_1200_1500}),
         ("utf-8-sig", {Dialect.STEP7_V5}),
         ("utf-16", {Dialect.STEP7_V5}),
+        ("utf-16-le", {Dialect.STEP7_V5, Dialect.TIA_300_400, Dialect.TIA_1200_1500}),
         ("cp1252", set()),
     ],
 )

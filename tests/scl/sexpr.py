@@ -30,6 +30,8 @@ def expression(node: ast.Expression) -> str:
             return _list("call", expression(node.target), *map(argument, node.arguments))
         case ast.Aggregate():
             return _list(f"list{node.bracket}", *map(argument, node.items))
+        case ast.Omitted():
+            return "-"
         case ast.Repetition():
             return _list("times", expression(node.count), *map(argument, node.items))
 

@@ -6,10 +6,13 @@ import pytest
 from scl import sexpr
 from scl.support import assert_begins, load, short
 
+from plcgen.diagnostics import Severity
 from plcgen.read.text import read_text
 from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import parse
+
+DIALECTS = {"V5": Dialect.STEP7_V5, "T3": Dialect.TIA_300_400, "T15": Dialect.TIA_1200_1500}
 
 
 def _code(text: str) -> ast.Body:
@@ -30,6 +33,16 @@ def test_expression_becomes_the_tree(text: str, expected: str) -> None:
 def test_statements_become_the_tree(text: str, expected: str) -> None:
     """Statements have exactly the expected tree and no diagnostics."""
     assert expected == sexpr.body(_code(text))
+
+
+@pytest.mark.parametrize("case", [pytest.param(c, id=c["name"]) for c in load("idioms")])
+def test_idioms_of_public_sources_are_read(case: dict) -> None:
+    """What other people's sources contain is no error: without a target, and for the targets that have it."""
+    frame = f'FUNCTION_BLOCK "a"\nVAR\n{case.get("vars", "")}\nEND_VAR\nBEGIN\n{case.get("code")}\nEND_FUNCTION_BLOCK'
+    text = case.get("source", frame)
+    for dialect in (None, *(DIALECTS[name] for name in case.get("targets", []))):
+        _, diagnostics = read_text(text, "t.scl", dialect)
+        assert [short(d) for d in diagnostics if d.severity is Severity.ERROR] == []
 
 
 @pytest.mark.parametrize("case", [pytest.param(c, id=c["name"]) for c in load("errors")])
