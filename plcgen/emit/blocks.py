@@ -22,7 +22,7 @@ DIAGNOSTICS: tuple[tuple[str, str, str], ...] = (
 )
 TOKEN: tuple[tuple[str, str, str], ...] = (
     ("owner", "INT", "number of the job that uses the drive, 0 = free"),
-    ("heartbeat", "INT", "changes in every call of the owner"),
+    ("heartbeat", "INT", "counts in every call of the owner"),
     ("requestReference", "INT", "last request reference, 1..255"),
 )
 

@@ -9,7 +9,7 @@ from plcgen.ds47.formats import generic_of, padded
 from plcgen.ds47.model import RequestId
 from plcgen.emit.document import Document
 from plcgen.emit.spelling import comment_text, elements, encodable, literal, one_line, type_text, type_words
-from plcgen.emit.status_words import DRAIN_MS, LEASE_MS, STATES, STATUS_WORDS
+from plcgen.emit.status_words import DRAIN_MS, HEARTBEATS, LEASE_MS, STATES, STATUS_WORDS
 from plcgen.plan.fields import interface_type
 from plcgen.plan.model import Field, Part, PlannedJob, Project, Telegram, Use
 from plcgen.plan.target import element_type
@@ -17,8 +17,6 @@ from plcgen.s7.types import ArrayType, DataType, Elementary
 
 _MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
 """What would begin or end something else in a TITLE line."""
-
-_T15_STATUS = tuple(row for row in STATUS_WORDS if row[0] != "STATUS_WRONG_DB")
 
 
 def job_document(project: Project, job: PlannedJob) -> Document:
@@ -32,7 +30,7 @@ def job_document(project: Project, job: PlannedJob) -> Document:
         "stat_id": "statHardwareId" if where.t15 else "statDriveAddress",
         "diagnostics_type": project.diagnostics_type.name,
         "states": STATES,
-        "statuses": [(n, f"W#16#{v:04X}", text) for n, v, text in (_T15_STATUS if where.t15 else STATUS_WORDS)],
+        "statuses": [(n, f"W#16#{v:04X}", text) for n, v, text in STATUS_WORDS if n not in _unused(project, job)],
     }
     return Document(f"scl/{job.block.name}.scl", "scl/job.scl.j2", view, where.encoding, newline(project))
 
@@ -73,10 +71,14 @@ def _job(project: Project, job: PlannedJob) -> dict[str, Any]:
     parts = [part for telegram in job.telegrams for part in telegram.parts]
     comments = [job.comment[lang] for lang in project.languages if job.comment.get(lang)]
     records = job.record_instances
+    copies = _copies(project, job, response=False), _copies(project, job, response=True)
     return {
         "block": job.block,
         "write": job.write,
         "many": len(job.telegrams) > 1,
+        "single": len(parts) == 1,
+        "refusable": _refusable(job),
+        "mixed": _refusable(job) and any(len(telegram.parts) == 1 for telegram in job.telegrams),
         "owner": job.owner,
         "title": title(project, job),
         "comment_lines": [one_line(text) for text in comments[1:] if encodable(text, where)],
@@ -86,6 +88,7 @@ def _job(project: Project, job: PlannedJob) -> dict[str, Any]:
         "drain_ms": DRAIN_MS,
         "pause_ms": job.retry_pause,
         "lease_ms": LEASE_MS,
+        "heartbeats": HEARTBEATS,
         "retries": job.retries,
         "use_count": len(job.uses),
         "inputs": [interface_row(project, use, start=True) for use in job.inputs],
@@ -96,11 +99,23 @@ def _job(project: Project, job: PlannedJob) -> dict[str, Any]:
         "negative_id": f"B#16#{0x80 | (RequestId.CHANGE if job.write else RequestId.READ):02X}",
         "telegrams": _telegrams(project, job),
         "blocks": [_block(index, part) for index, part in enumerate(parts, 1)],
-        "input_copies": _copies(project, job, response=False),
-        "output_copies": _copies(project, job, response=True),
+        "input_copies": copies[0],
+        "output_copies": copies[1],
+        "uses_index": len(job.uses) > 1 or any(copy["loop"] for side in copies for copy in side),
         "write_instance": records[0].name if records else "",
         "read_instance": records[1].name if records else "",
     }
+
+
+def _refusable(job: PlannedJob) -> bool:
+    """Whether one error block may stand for several parameters."""
+    return any(len(telegram.parts) > 1 for telegram in job.telegrams)
+
+
+def _unused(project: Project, job: PlannedJob) -> set[str]:
+    """Status words a block cannot report."""
+    unused = set() if _refusable(job) else {"STATUS_REFUSED"}
+    return unused | {"STATUS_WRONG_DB"} if project.target.t15 else unused
 
 
 def _label(job: PlannedJob, use: Use) -> str:
@@ -206,6 +221,7 @@ def _telegram(project: Project, telegram: Telegram, first: int, *, many: bool) -
         "reference": f'"{request_db.name}".{reference}',
         "mirror": f'"{response_db.name}".{mirror}',
         "count": len(telegram.parts),
+        "count_literal": f"B#16#{len(telegram.parts):02X}",
         "first_block": first,
         "last_block": first + len(telegram.parts) - 1,
         "first_use": telegram.parts[0].use.position,

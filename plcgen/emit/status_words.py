@@ -30,7 +30,7 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_READ_ERROR", 0x8202, "RDREC failed for good, see diagnostics.recordStatus"),
     ("STATUS_RETRIES", 0x8203, "still not successful after MAX_RETRIES"),
     ("STATUS_WRONG_DB", 0x8204, "a buffer DB has another number than the block expects"),
-    ("STATUS_RESPONSE_LENGTH", 0x8301, "response shorter than its header or longer than the buffer"),
+    ("STATUS_RESPONSE_LENGTH", 0x8301, "response shorter than its header"),
     ("STATUS_RESPONSE_ID", 0x8302, "response id does not belong to the request"),
     ("STATUS_DRIVE_OBJECT", 0x8303, "response comes from another drive object"),
     ("STATUS_PARAMETER_COUNT", 0x8304, "response has another number of parameters"),
@@ -45,3 +45,6 @@ DRAIN_MS = 5000
 
 LEASE_MS = 3000
 """LEASE of every job block in milliseconds."""
+
+HEARTBEATS = 30_000
+"""The heartbeat of a drive's owner counts 1, 2, .. up to this number and begins again, one step in every call."""

@@ -58,11 +58,16 @@ def plan_job(
         reference=reference,
         timeout=job.timeout,
         retry_pause=job.retry_pause,
-        retries=max(40, job.timeout // job.retry_pause) if job.retries is None else job.retries,
+        retries=_retries(job),
         faq_names=faq,
         comment=job.comment or {},
         path=path,
     )
+
+
+def _retries(job: Job) -> int:
+    """Bound on retries of one telegram; by default their pauses take 80 % of the time-out, so that it is reached."""
+    return max(1, job.timeout * 4 // (5 * job.retry_pause)) if job.retries is None else job.retries
 
 
 def _member(key: str, job: Job, numbering: Numbering) -> str:

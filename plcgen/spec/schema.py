@@ -198,7 +198,7 @@ class Job(_Model):
         None,
         ge=0,
         le=10_000,
-        description="bound on retries of one telegram; absent: what fits the timeout, at least 40",
+        description="bound on retries of one telegram; absent: as many as have pauses of 80 % of the timeout together",
     )
     split: Literal["auto", "never"] = Field("auto", description="may the job be split into several telegrams")
     allow: tuple[str, ...] = Field((), description="dangerous parameters this job may write")

@@ -43,9 +43,6 @@ class EndChecks:
         owner = rig.token_get("owner")
         if owner not in ((FOREIGN, 0) if scenario.owner else (FOREIGN,) if self.stolen else (0,)):
             raise ScenarioError(f"the drive is not released, it belongs to job {owner}")
-        for name in ("statWriteReq", "statReadReq"):
-            if rig.flag(name):
-                raise ScenarioError(f"{name} is left standing")
 
     def check_values(self) -> None:
         """Outputs and response DBs hold what the drive has; the drive holds what was written."""

@@ -127,7 +127,7 @@ class JobRig:
         self.instance = self.cpu.db(job.instance.name)
         self.token = self.cpu.db(job.drive.token.name)
         layout = self.layout(job.instance.name)
-        members = ["execute", "busy", "done", "error", "status", "errors", "errorInfos", "statWriteReq", "statReadReq"]
+        members = ["execute", "busy", "done", "error", "status", "errors", "errorInfos"]
         details = [
             "recordStatus",
             "state",

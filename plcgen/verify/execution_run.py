@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from dataclasses import dataclass, field
 
-from plcgen.emit.status_words import STATES
+from plcgen.emit.status_words import HEARTBEATS, STATES
 from plcgen.verify.execution_end import FOREIGN, EndChecks
 from plcgen.verify.execution_rig import JobRig, ScenarioError
 from plcgen.verify.scenarios import DONE, WORDS, Scenario
@@ -211,7 +211,7 @@ class Runner(EndChecks):
         if self.scan == owner.follows:
             rig.token_set("owner", FOREIGN + 1)
         if self.scan <= owner.alive:
-            rig.token_set("heartbeat", (rig.token_get("heartbeat") + 1) % 32767)
+            rig.token_set("heartbeat", rig.token_get("heartbeat") % HEARTBEATS + 1)
         elif owner.leaves:
             rig.token_set("owner", 0)
 
@@ -241,10 +241,9 @@ class Runner(EndChecks):
             raise ScenarioError("a value output changed although the job is not done")
         number = rig.job.owner
         self.stolen = self.stolen and rig.token_get("owner") != number
-        if self.state > ACQUIRE and owner == number and rig.token_get("heartbeat") == heartbeat:
-            raise ScenarioError("the heartbeat of the owner stands still")
-        if rig.token_get("heartbeat") < 0:
-            raise ScenarioError("the heartbeat is negative")
+        beat = rig.token_get("heartbeat")
+        if self.state > ACQUIRE and owner == number and beat != heartbeat % HEARTBEATS + 1:
+            raise ScenarioError(f"the heartbeat of the owner goes from {heartbeat} to {beat}")
         if busy and rig.cpu.jobs and rig.token_get("owner") != number and not self.stolen:
             raise ScenarioError("a record call runs while the drive belongs to nobody or to another job")
         if rig.cpu.jobs and done:

@@ -83,7 +83,7 @@ class Shape:
     def scenario(self, name: str, word: str, edit: Edit, length: int | None = None, **more: object) -> Scenario:
         """A scenario with one edited answer; beyond the buffer RDREC itself fails."""
         if length is not None and length > self.telegram.response_size:
-            word = "READ_ERROR" if length > self.room else "RESPONSE_LENGTH"
+            word = "READ_ERROR" if length > self.room else "RESPONSE_FORMAT"
         status = WORDS[word]
         return Scenario(
             name=f"telegram {self.telegram.index}: {name}",

@@ -72,7 +72,12 @@ def test_without_faults_only_the_nominal_run_is_made(tmp_path: Path) -> None:
 
 
 DAMAGE = {
-    "output not copied": ("        #rampUpTime1 := ", "        #tempIndex := 0; // ", "PG620", "nominal run|first run"),
+    "output not copied": (
+        "        #rampUpTime1 := ",
+        "        #tempWireCount := 0; // ",
+        "PG620",
+        "nominal run|first run",
+    ),
     "no drain": (
         "IF NOT (#statWriteActive OR #statReadActive) OR #tempDrainOver THEN",
         "IF TRUE THEN",
@@ -85,9 +90,9 @@ DAMAGE = {
         "PG621",
         "old",
     ),
-    "reference wraps to 0": (".requestReference := 1;", ".requestReference := 0;", "PG621", "reference"),
-    "length unchecked": ("OR #tempPosition <> #statLength", "", "PG621", "cut to|too long|behind"),
-    "generic formats refused": (" OR #tempWireFormat = #tempGeneric", "", "PG621", "in format 43h"),
+    "reference wraps to 0": (".requestReference < 255", ".requestReference < 256", "PG621", "reference|in a row"),
+    "length unchecked": (" OR #statLength <> 10", "", "PG621", "cut to|too long|behind"),
+    "generic formats refused": (" AND #statResponse[4] <> B#16#43", "", "PG621", "in format 43h"),
     "token kept": ('"DcmToken".owner := 0;', ";", "PG620", "run"),
 }
 
@@ -126,7 +131,9 @@ def test_a_source_that_does_not_compile_is_an_error(tmp_path: Path) -> None:
     """Nothing is executed, and the compiler's diagnostic is the check's."""
     project, folder = generated(tmp_path, FAQ.read_text(encoding="utf-8"))
     source = folder / "scl" / "ReadRampUp.scl"
-    source.write_text(source.read_text(encoding="utf-8").replace("#statDone;", "#noSuchName;"), encoding="utf-8")
+    source.write_text(
+        source.read_text(encoding="utf-8").replace(":= #statStatus;", ":= #noSuchName;"), encoding="utf-8"
+    )
     checks = list(check_execution(project, folder))
     assert [(c.outcome, c.diagnostic.code if c.diagnostic else "") for c in checks] == [(Outcome.ERROR, "PG820")]
 
