@@ -17,6 +17,7 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Sp
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from plcgen.compare.model import Comparison
     from plcgen.ds47.model import ParameterAddress, ValueBlock
     from plcgen.ds47.status import Status
     from plcgen.plan.model import Project
@@ -251,6 +252,27 @@ def layout(*paths: Path | str, s7_1500: bool = False) -> LayoutResult:
     found, problems = block_tables(blocks, types)
     report.extend(problems)
     return LayoutResult((*tables, *found), tuple(report))
+
+
+def diff(
+    old: Path | str | Sequence[Path | str],
+    new: Path | str | Sequence[Path | str],
+    *,
+    policy: Sequence[str] = (),
+    classic: bool = False,
+) -> Comparison:
+    """Compare two versions of sources (files or folders) or specs by what others notice.
+
+    ``policy`` holds ``id=class`` settings and policy files, later ones win; ``classic``: SimaticML documents are
+    for S7-300/400.
+    """
+    from plcgen.compare.run import compare
+
+    return compare(_paths(old), _paths(new), policy, classic=classic)
+
+
+def _paths(given: Path | str | Sequence[Path | str]) -> list[Path]:
+    return [Path(given)] if isinstance(given, Path | str) else [Path(path) for path in given]
 
 
 def _read_sources(paths: Sequence[Path], report: Report) -> tuple[list[Any], dict[str, Any]]:

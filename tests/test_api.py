@@ -21,6 +21,7 @@ PUBLIC = [
     "check",
     "decode",
     "decode_status",
+    "diff",
     "encode",
     "encode_read",
     "encode_write",

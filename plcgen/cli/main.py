@@ -33,6 +33,10 @@ SECTIONS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
         ),
     ),
     (
+        "Review and guard",
+        (("diff", "Compare two versions of sources or specs by what others notice."),),
+    ),
+    (
         "Read telegrams and codes",
         (
             ("encode", "Print the request telegrams of a spec or of one parameter."),

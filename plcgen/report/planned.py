@@ -10,7 +10,8 @@ from plcgen.report.layout import BlockTable, LayoutRow
 from plcgen.s7.address import Address
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.layout import layout_block
-from plcgen.s7.types import ArrayType, DataType, Elementary, NamedType, StringType, StructType
+from plcgen.s7.spelling import type_text
+from plcgen.s7.types import ArrayType, Elementary, StructType
 
 if TYPE_CHECKING:
     from plcgen.plan.model import Field, PlannedJob, Project
@@ -86,15 +87,3 @@ def _entry(entry: Entry, db: int | None, begin: Mapping[str, str], *, in_db: boo
     address = _address(db, entry.byte, bit, width) if in_db else ""
     start = begin.get(entry.path.lower(), entry.member.start or "")
     return LayoutRow(entry.byte, bit, entry.size, address, name, type_text(entry.type), start, entry.depth)
-
-
-def type_text(type_: DataType) -> str:
-    """Type in the spelling of STEP 7 V5, which every S7 engineer reads: ``ARRAY[0..3] OF BYTE``."""
-    if isinstance(type_, ArrayType):
-        bounds = ", ".join(f"{low}..{high}" for low, high in type_.bounds)
-        return f"ARRAY[{bounds}] OF {type_text(type_.element)}"
-    if isinstance(type_, StringType):
-        return f"{type_.name}[{type_.length}]"
-    if isinstance(type_, NamedType):
-        return f'"{type_.name}"' if type_.quoted else type_.name
-    return type_.name if isinstance(type_, Elementary) else "STRUCT"

@@ -30,17 +30,18 @@ def uri(path: str) -> str:
     return f"file://{quoted}" if path.startswith("/") else quoted
 
 
-def _location(span: Span, message: str = "") -> dict[str, Any]:
+def location(span: Span, message: str = "") -> dict[str, Any]:
+    """A SARIF location object; ``message`` says what the place has to do with the result."""
     place: dict[str, Any] = {"artifactLocation": {"uri": uri(span.file)}}
     if span.line:
         region = {"startLine": span.line, "startColumn": max(span.column, 1)}
         if span.end_line:
             region |= {"endLine": span.end_line, "endColumn": max(span.end_column, 1)}
         place["region"] = region
-    location: dict[str, Any] = {"physicalLocation": place}
+    found: dict[str, Any] = {"physicalLocation": place}
     if message:
-        location["message"] = {"text": message}
-    return location
+        found["message"] = {"text": message}
+    return found
 
 
 def _rule(code: str) -> dict[str, Any]:
@@ -66,10 +67,10 @@ def _result(diagnostic: Diagnostic, index: dict[str, int]) -> dict[str, Any]:
         "message": {"text": text},
     }
     if diagnostic.span.file:
-        result["locations"] = [_location(diagnostic.span)]
+        result["locations"] = [location(diagnostic.span)]
     if diagnostic.notes:
         notes = enumerate(diagnostic.notes, 1)
-        result["relatedLocations"] = [{"id": n, **_location(note.span, note.message)} for n, note in notes]
+        result["relatedLocations"] = [{"id": n, **location(note.span, note.message)} for n, note in notes]
     return result
 
 
@@ -78,23 +79,24 @@ def _check(check: Check, spec: str) -> dict[str, Any]:
         "ruleId": check.id,
         "level": check.outcome.value,
         "message": {"text": f"{check.subject}: {check.verdict}"},
-        "locations": [_location(Span(spec))],
+        "locations": [location(Span(spec))],
     }
+
+
+def problem_results(diagnostics: Sequence[Diagnostic], first: int) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Rules and results of diagnostics for a run that has ``first`` rules of its own."""
+    codes = sorted({d.code for d in diagnostics})
+    index = {code: first + position for position, code in enumerate(codes)}
+    return [_rule(code) for code in codes], [_result(d, index) for d in diagnostics]
 
 
 def _log(diagnostics: Sequence[Diagnostic], more: Sequence[dict[str, Any]] = ()) -> str:
-    codes = sorted({d.code for d in diagnostics})
-    index = {code: position for position, code in enumerate(codes)}
-    driver = {
-        "name": "plcgen",
-        "version": __version__,
-        "semanticVersion": __version__,
-        "rules": [_rule(code) for code in codes],
-    }
+    rules, results = problem_results(diagnostics, 0)
+    driver = {"name": "plcgen", "version": __version__, "semanticVersion": __version__, "rules": rules}
     run = {
         "tool": {"driver": driver},
         "columnKind": "unicodeCodePoints",
-        "results": [*(_result(d, index) for d in diagnostics), *more],
+        "results": [*results, *more],
     }
     return dump({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]})
 

@@ -8,7 +8,7 @@ import struct
 
 from plcgen.s7 import durations
 from plcgen.s7.address import Pointer
-from plcgen.s7.types import Elementary, StringType
+from plcgen.s7.types import ArrayType, DataType, Elementary, NamedType, StringType
 from plcgen.s7.values import BIT_STRINGS, Value
 
 _V5_PREFIX = {"BYTE": "B#", "WORD": "W#", "DWORD": "DW#", "LWORD": "LWORD#"}
@@ -91,3 +91,15 @@ def _character(char: str, *, wide: bool) -> str:
         return char
     codes = char.encode("utf-16-be", "surrogatepass").hex().upper() if wide else f"{ord(char):02X}"
     return "".join(f"${codes[i : i + 4]}" for i in range(0, len(codes), 4))
+
+
+def type_text(type_: DataType) -> str:
+    """Type in the spelling of STEP 7 V5, which every S7 engineer reads: ``ARRAY[0..3] OF BYTE``."""
+    if isinstance(type_, ArrayType):
+        bounds = ", ".join(f"{low}..{high}" for low, high in type_.bounds)
+        return f"ARRAY[{bounds}] OF {type_text(type_.element)}"
+    if isinstance(type_, StringType):
+        return f"{type_.name}[{type_.length}]"
+    if isinstance(type_, NamedType):
+        return f'"{type_.name}"' if type_.quoted else type_.name
+    return type_.name if isinstance(type_, Elementary) else "STRUCT"

@@ -1,0 +1,274 @@
+"""Sources to states: declarations, layout, start values and code of every block, in canonical spelling."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterable, Mapping
+
+from plcgen.compare.model import BlockState, MemberState, Snapshot
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
+from plcgen.read.sources import SourceBlock, Sources
+from plcgen.s7.blocks import Block, BlockKind, SectionKind
+from plcgen.s7.image import image
+from plcgen.s7.layout import layout_block
+from plcgen.s7.literals import LiteralError, pack_literal
+from plcgen.s7.shapes import Shape
+from plcgen.s7.spelling import spell, type_text
+from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, Elementary, Member, NamedType, StringType, StructType
+from plcgen.s7.values import unpack_value
+
+_MEMORY = frozenset({BlockKind.DB, BlockKind.UDT, BlockKind.FB})
+_LOCALS = frozenset({SectionKind.TEMP, SectionKind.CONSTANT})
+_TEXTS = frozenset(
+    {"AUTHOR", "FAMILY", "VERSION", "NAME", "HEADERAUTHOR", "HEADERFAMILY", "HEADERVERSION", "HEADERNAME"}
+)
+_IGNORED = frozenset({"PROGRAMMINGLANGUAGE", "AUTONUMBER", "NAMESPACE", "INSTANCEOFTYPE", "INSTANCEOFNUMBER"})
+_LONGEST_START = 60
+
+
+def snapshot_of(sources: Sources, label: str) -> Snapshot:
+    """States of all blocks of the sources, sorted by kind and name."""
+    snapshot = Snapshot(label, diagnostics=list(sources.diagnostics))
+    for found in sources.blocks:
+        snapshot.blocks.append(_State(found, sources.types, snapshot.diagnostics).block())
+    snapshot.blocks.sort(key=lambda block: (block.kind, block.name.upper()))
+    return snapshot
+
+
+class _State:
+    """One block with its layout and image, as far as they can be computed."""
+
+    def __init__(self, found: SourceBlock, types: Mapping[str, Block], diagnostics: list[Diagnostic]) -> None:
+        self.found = found
+        self.source = found.block
+        self.shape: Shape | None = None
+        self.size: int | None = None
+        self.memory: bytes | None = None
+        self.named: list[str] = []
+        self.owner = types.get((self.source.instance_of or "").upper())
+        if self.source.kind not in _MEMORY:
+            return
+        try:
+            layout = layout_block(self.source, types)
+            self.shape, self.size = layout.shape, layout.size
+        except DiagnosticError as problem:
+            diagnostics += [_doubt(d, self.source) for d in problem.diagnostics]
+            return
+        try:
+            self.memory = bytes(image(self.source, types))
+        except (LiteralError, DiagnosticError) as error:
+            place = getattr(error, "span", None) or self.source.span or Span(found.file)
+            message = f'{self.source.kind} "{self.source.name}": {error}'
+            diagnostics.append(Diagnostic("PG630", message, place, Severity.WARNING, help=_AS_TEXT))
+
+    def block(self) -> BlockState:
+        """The complete state."""
+        source = self.source
+        texts = {"title": source.title, "comment": source.comment}
+        attributes: dict[str, str] = {}
+        for name, value in source.attributes.items():
+            upper = name.upper()
+            if upper in _TEXTS:
+                texts[upper.removeprefix("HEADER").lower()] = value
+            elif upper not in _IGNORED:
+                attributes[name] = value
+        declared = self.owner.sections if self.owner is not None and not source.sections else source.sections
+        sections = {m.name.upper(): s.kind.value for s in declared for m in s.members}
+        foreign = source.instance_of is not None
+        members = self.members(sections, foreign=foreign)
+        return BlockState(
+            kind=source.kind.value,
+            name=source.name,
+            number=source.number,
+            size=self.size,
+            optimized=source.optimized,
+            instance_of=source.instance_of or "",
+            instance_kind="" if self.owner is None else self.owner.kind.value,
+            non_retain=not self.retentive() if self.is_document() else source.non_retain,
+            texts=tuple(sorted((key, text) for key, text in texts.items() if text)),
+            attributes=tuple(sorted(attributes.items())),
+            members=members,
+            locals=tuple(
+                self.declared(m, s.kind.value, m.name) for s in source.sections if s.kind in _LOCALS for m in s.members
+            ),
+            assignments=self.assignments(foreign=foreign),
+            code=self.found.code,
+            code_hash=self.found.code.digest,
+            span=source.span,
+        )
+
+    def is_document(self) -> bool:
+        """Whether this is a data block of a SimaticML document, where members, not blocks, are retentive."""
+        return self.source.kind is BlockKind.DB and self.found.file.lower().endswith(".xml")
+
+    def retentive(self) -> bool:
+        """Whether every member on the first level is."""
+        members = [m.name.upper() for s in self.source.sections for m in s.members]
+        return bool(members) and all(self.found.attributes.get(m, {}).get("RETAIN") == "RETAIN" for m in members)
+
+    def attributes(self, path: str) -> tuple[tuple[str, str], ...]:
+        """What stands in braces at a member; a retentive block says it once, not at every member."""
+        own = self.found.attributes.get(path.replace("[]", "").upper(), {})
+        if "RETAIN" in own and self.is_document() and self.retentive():
+            own = {name: value for name, value in own.items() if name != "RETAIN"}
+        return tuple(sorted(own.items()))
+
+    def assignments(self, *, foreign: bool) -> tuple[tuple[str, str], ...]:
+        """BEGIN lines for what is declared elsewhere; those of the block's own members are start values."""
+        pairs = [(_path(a.path), _plain(a.literal)) for a in self.source.assignments]
+        inside = tuple(f"{path}." for path in self.named)
+        return tuple(pair for pair in pairs if foreign or re.sub(r"\[[^\]]*\]", "", pair[0]).startswith(inside))
+
+    def members(self, sections: Mapping[str, str], *, foreign: bool) -> tuple[MemberState, ...]:
+        """Members with a place if the layout is known, else as declared."""
+        if self.shape is not None:
+            return tuple(
+                self.laid(f.member, f.shape, f.offset, "", sections, foreign=foreign) for f in self.shape.fields
+            )
+        found = (m for s in self.source.sections if s.kind not in _LOCALS for m in s.members)
+        return tuple(self.declared(m, sections.get(m.name.upper(), ""), m.name) for m in found)
+
+    def laid(
+        self, member: Member, shape: Shape, offset: int, prefix: str, sections: Mapping[str, str], *, foreign: bool
+    ) -> MemberState:
+        """One member at its place; the first element of an array stands for all of them."""
+        path = f"{prefix}{member.name}"
+        element, inner_path = shape, path
+        while element.element is not None:
+            element, inner_path = element.element, f"{inner_path}[]"
+        named = isinstance(_element_type(member.type), NamedType)
+        if named and not foreign:
+            self.named.append(path.replace("[]", "").upper())
+        inner = tuple(
+            self.laid(f.member, f.shape, offset + f.offset, f"{inner_path}.", {}, foreign=foreign or named)
+            for f in element.fields
+        )
+        start = ""
+        if not foreign and member.at is None:
+            start = self.start(member, shape, offset)
+        return MemberState(
+            member.name, path, _type(member), sections.get(member.name.upper(), ""), offset, shape.bits, start,
+            member.comment, self.attributes(path), inner, foreign, member.span,
+        )  # fmt: skip
+
+    def declared(self, member: Member, section: str, path: str) -> MemberState:
+        """One member without a place."""
+        type_ = _element_type(member.type)
+        inner: Iterable[Member] = type_.members if isinstance(type_, StructType) else ()
+        children = tuple(self.declared(child, "", f"{path}.{child.name}") for child in inner)
+        return MemberState(
+            member.name, path, _type(member), section, start=_literal_start(member), comment=member.comment,
+            attributes=self.attributes(path), inner=children, span=member.span,
+        )  # fmt: skip
+
+    def start(self, member: Member, shape: Shape, offset: int) -> str:
+        """Canonical start value: from the image, so that every spelling of a value is the same."""
+        if isinstance(shape.type, StructType | NamedType):
+            return "" if self.memory is None or isinstance(shape.type, StructType) else _plain(member.start or "")
+        if self.memory is None:
+            return _literal_start(member)
+        if shape.bits == 1:
+            return "TRUE" if self.memory[offset // 8] >> offset % 8 & 1 else ""
+        data = self.memory[offset // 8 : (offset + shape.bits) // 8]
+        if shape.element is not None:
+            return _array_start(data, shape)
+        return _scalar_start(data, shape.type)
+
+
+_AS_TEXT = "start values of this block are compared as text"
+
+
+def _doubt(problem: Diagnostic, block: Block) -> Diagnostic:
+    """A layout that cannot be computed is no error here: the declarations are still compared."""
+    message = f'{block.kind} "{block.name}" is compared without offsets: {problem.message}'
+    help_ = problem.help or "name the files that declare the type, too"
+    return Diagnostic("PG630", message, problem.span, Severity.WARNING, help=help_)
+
+
+def _element_type(type_: DataType) -> DataType:
+    while isinstance(type_, ArrayType):
+        type_ = type_.element
+    return type_
+
+
+def _type(member: Member) -> str:
+    text = type_text(member.type)
+    return f"{text} AT {member.at}" if member.at is not None else text
+
+
+def _plain(text: str) -> str:
+    """A literal without blanks and in upper case outside quotes."""
+    parts = text.split("'")
+    parts[::2] = ["".join(part.split()).upper() for part in parts[::2]]
+    return "'".join(parts)
+
+
+def _path(path: str) -> str:
+    return "".join(path.split()).replace('"', "").upper()
+
+
+def _literal_start(member: Member) -> str:
+    """Canonical start value of a member without an image; the text as written if it is a list or does not fit."""
+    if member.start is not None and isinstance(member.type, Elementary | StringType):
+        try:
+            data = pack_literal(member.start, member.type)
+        except LiteralError:
+            return _plain(member.start)
+        if member.type == ELEMENTARY["BOOL"]:
+            return "TRUE" if data[0] else ""
+        return _scalar_start(data, member.type)
+    return _plain(member.start or "")
+
+
+def _scalar_start(data: bytes, type_: DataType) -> str:
+    if isinstance(type_, StringType):
+        text = _spelled(data, type_)
+        return "" if text in {"''", "WSTRING#''"} else text
+    if not isinstance(type_, Elementary) or type_.name in {"ANY", "POINTER"}:
+        return "" if not any(data) else data.hex(" ").upper()
+    default = {"CHAR": b" ", "WCHAR": b"\0 "}.get(type_.name)
+    if data == default or (default is None and not any(data)):
+        return ""
+    text = _spelled(data, type_)
+    return "" if type_.name == "DATE_AND_TIME" and text.startswith("DT#1990-01-01-00:00:00") else text
+
+
+def _spelled(data: bytes, type_: Elementary | StringType) -> str:
+    try:
+        return spell(unpack_value(data, type_), type_, v5=False)
+    except ValueError:
+        return data.hex(" ").upper()
+
+
+def _array_start(data: bytes, shape: Shape) -> str:
+    """``[1, 2, 14(0)]`` for one dimension of an elementary type, else a digest of the bytes."""
+    element = shape.element
+    if element is None or not any(data):
+        return ""
+    if isinstance(element.type, Elementary) and len(shape.strides) == 1:
+        low, high = shape.type.bounds[0] if isinstance(shape.type, ArrayType) else (0, -1)
+        values = [_element(data, element, n * shape.strides[0]) for n in range(min(high - low + 1, 1000))]
+        default = {"CHAR": "' '", "BOOL": "FALSE", "REAL": "0.0", "LREAL": "0.0"}.get(element.type.name, "0")
+        if not any(values):
+            return ""
+        text = f"[{', '.join(_runs([value or default for value in values]))}]"
+        if len(text) <= _LONGEST_START and high - low < 1000:
+            return text
+    return f"sha256:{hashlib.sha256(data).hexdigest()[:16]}"
+
+
+def _element(data: bytes, element: Shape, offset: int) -> str:
+    if element.bits == 1:
+        return "TRUE" if data[offset // 8] >> offset % 8 & 1 else ""
+    return _scalar_start(data[offset // 8 : (offset + element.bits) // 8], element.type)
+
+
+def _runs(values: list[str]) -> list[str]:
+    found: list[tuple[str, int]] = []
+    for value in values:
+        if found and found[-1][0] == value:
+            found[-1] = (value, found[-1][1] + 1)
+        else:
+            found.append((value, 1))
+    return [value if count == 1 else f"{count}({value})" for value, count in found]

@@ -1,0 +1,99 @@
+"""``plcgen diff``: exit codes, streams, formats."""
+
+import json
+
+import pytest
+
+OLD = 'DATA_BLOCK "B"\nSTRUCT\n  a : Word; // x\n  b : Word;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+
+
+@pytest.fixture
+def versions(tmp_path):
+    """Write two versions and return their names."""
+
+    def make(*replaced):
+        (tmp_path / "old.db").write_text(OLD, encoding="utf-8")
+        (tmp_path / "new.db").write_text(OLD.replace(*replaced), encoding="utf-8")
+        return "old.db", "new.db"
+
+    return make
+
+
+def test_text(plcgen, versions):
+    """Differences are the result; a breaking one ends with 1."""
+    result = plcgen("diff", *versions("  b :", "  x : Word;\n  b :"))
+    assert (result.code, result.err) == (1, "")
+    assert result.out == (
+        'DB "B"\n'
+        "  breaking       member-moved        b: moved by +2 bytes: 2.0 -> 4.0\n"
+        "  compatible     block-grown         4 -> 6 bytes\n"
+        "  compatible     member-added        added: x : WORD at 2.0\n"
+        "\n"
+        "1 breaking, 2 compatible; fails: --fail-on breaking\n"
+    )
+    verbose = plcgen("diff", "old.db", "new.db", "-v").out
+    assert "at new.db:5:3" in verbose
+
+
+def test_nothing_changed(plcgen, versions):
+    """Said in one line, exit code 0."""
+    result = plcgen("diff", *versions("  a", " a"))
+    assert (result.code, result.out, result.err) == (0, "no semantic differences\n", "")
+
+
+@pytest.mark.parametrize(
+    ("args", "code"),
+    [
+        ((), 0),
+        (("--fail-on", "compatible"), 0),
+        (("--fail-on", "any"), 1),
+        (("--policy", "member-comment=breaking"), 1),
+        (("--policy", "member-comment=breaking", "--fail-on", "never"), 0),
+    ],
+)
+def test_fail_on_and_policy(plcgen, versions, args, code):
+    """A comment is documentation, unless someone says otherwise."""
+    assert plcgen("diff", *versions("// x", "// y"), *args).code == code
+
+
+def test_wrong_policy(plcgen, versions):
+    """A misspelt id is told with the right one."""
+    result = plcgen("diff", *versions("x", "y"), "--policy", "member-coment=breaking")
+    assert (result.code, result.out) == (1, "")
+    assert "error[PG631]" in result.err
+    assert 'did you mean "member-comment"' in result.err
+
+
+def test_formats(plcgen, versions, tmp_path):
+    """JSON and SARIF own stdout, Markdown is a table; --output writes the same bytes."""
+    names = versions("a : Word", "a : Int")
+    data = json.loads(plcgen("diff", *names, "--json").out)
+    assert (data["kind"], data["ok"], data["summary"]["breaking"]) == ("comparison", False, 1)
+    assert data["changes"][0]["new_place"] == {
+        "file": "new.db", "line": 3, "column": 3, "end_line": 3, "end_column": 4,
+    }  # fmt: skip
+    assert json.loads(plcgen("diff", *names, "-f", "sarif").out)["version"] == "2.1.0"
+    markdown = plcgen("diff", *names, "-f", "markdown").out
+    assert '| :red_circle: breaking | **DB "B"** | a: WORD -&gt; INT | `type-changed` |' in markdown
+    plcgen("diff", *names, "-f", "markdown", "-o", "changes.md")
+    assert (tmp_path / "changes.md").read_text("utf-8") == markdown
+
+
+def test_wrong_use(plcgen):
+    """Two versions are needed; the table of changes needs none."""
+    assert plcgen("diff", "one").code == 2
+    listed = plcgen("diff", "--list-changes")
+    assert listed.code == 0
+    assert "member-moved" in listed.out
+
+
+def test_unreadable(plcgen, versions):
+    """What cannot be read is no difference: it is an error."""
+    result = plcgen("diff", versions("x", "y")[0], "missing.db")
+    assert (result.code, result.out) == (1, "")
+    assert "error[PG804]" in result.err
+
+
+def test_dev_null_is_an_empty_version(plcgen, versions):
+    """Git hands it over for a file that was added or removed."""
+    assert "block-added" in plcgen("diff", "/dev/null", versions("x", "y")[1]).out

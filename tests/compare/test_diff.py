@@ -1,0 +1,265 @@
+"""Semantic differences: every kind of change by example, renames, moves, policies, broken and hostile input."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+import yaml
+from projects import FAQ, ROOT
+
+import plcgen
+from plcgen.compare.policy import KINDS, Level, fails, load_policy
+from plcgen.diagnostics import DiagnosticError
+from plcgen.report.comparison import comparison_markdown, comparison_sarif, comparison_text
+
+CASES = yaml.safe_load((ROOT / "tests" / "vectors" / "diff.yaml").read_text("utf-8"))
+GOLDEN = ROOT / "examples" / FAQ.stem / "expected"
+
+
+def sources(case: dict[str, object], side: str) -> str:
+    text = str(case[side])
+    if "suffix" in case:
+        return text
+    end = " END_DATA_BLOCK" if case.get("ended") and side == "new" else "\nEND_STRUCT; BEGIN END_DATA_BLOCK"
+    return f'DATA_BLOCK "Buffer" STRUCT\n{text}{end}\n'
+
+
+def diff(tmp_path: Path, old: str, new: str, suffix: str = "db", **more):
+    paths = []
+    for side, text in (("old", old), ("new", new)):
+        folder = tmp_path / side
+        folder.mkdir()
+        (folder / f"source.{suffix}").write_text(text, encoding="utf-8")
+        paths.append(folder)
+    return plcgen.diff(*paths, **more)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
+def test_changes(case, tmp_path):
+    """Exactly the expected changes, each with its id, its member and its figures."""
+    result = diff(tmp_path, sources(case, "old"), sources(case, "new"), case.get("suffix", "db"))
+    assert [d for d in result.diagnostics if d.severity.label == "error"] == []
+    found = [(c.kind, c.path, c.message) for c in result.changes]
+    for kind, path, words in case["changes"]:
+        hit = next((f for f in found if f[0] == kind and f[1] == path and words in f[2]), None)
+        assert hit is not None, f"{kind} {path} {words!r} not in {found}"
+        found.remove(hit)
+    assert not found or case.get("only") is False, f"unexpected: {found}"
+
+
+SPEC = FAQ.read_text(encoding="utf-8")
+SPEC_EDITS = {
+    "value": ("P50304: 100.0", "P50304: 50.0", {"telegram-value": "byte 12: parameter 1 value 100.0"}),
+    "parameter": ("read: [P50303]", "read: [P50304]", {"telegram-field": "parameter number 50303 -> 50304"}),
+    "reference": ("reference: 3", "reference: 9", {"telegram-reference": "byte 0: request reference 03h -> 09h"}),
+    "lengths": (
+        "read: [P50303]", "read: [P50303, P50304]",
+        {"request-length": "10 -> 16 bytes", "response-length": "positive answer 10 -> 16 bytes"},
+    ),
+    "address": ("address: 256", "address: 300", {"drive-address": "256 (16#0100) -> 300 (16#012C)"}),
+    "drive object": (
+        "drive_object: 2", "drive_object: 1",
+        {"drive-device": "drive object 2 -> 1", "telegram-field": "byte 2: drive object 2 -> 1"},
+    ),
+    "timing": ("reference: 3", "reference: 3\n    timeout: 20s", {"job-timing": "timeout 10000 ms -> 20000 ms"}),
+    "trigger": ("execute: M50.0", "execute: M60.0", {"job-trigger": "execute"}),
+    "job": ("write_ramp_down:", "write_ramp:", {"job-added": "04 02 02 01", "job-removed": "04 02 02 01"}),
+    "drive": (
+        "dcm: {device: sinamics-dcm, address: 256, drive_object: 2}",
+        "dcm: {device: sinamics-dcm, address: 256, drive_object: 2}\n  second: {device: sinamics-dcm, address: 300}",
+        {"drive-added": "sinamics-dcm at 300"},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SPEC_EDITS)
+def test_spec_changes(name, tmp_path):
+    """Two specs: what is sent to whom, byte by byte with the name of the field; figures of FAQ 109750712."""
+    old, new, expected = SPEC_EDITS[name]
+    assert old in SPEC
+    path = tmp_path / "job.yaml"
+    path.write_text(SPEC.replace(old, new), encoding="utf-8")
+    result = plcgen.diff(FAQ, path)
+    assert not [d for d in result.diagnostics if d.severity.label == "error"]
+    for kind, words in expected.items():
+        assert any(c.kind == kind and words in c.message for c in result.changes), result.changes
+        assert all(c.new_span is None or c.new_span.file == path.as_posix() for c in result.changes)
+
+
+def test_other_spec_changes(tmp_path):
+    """A drive that is gone, a job that moved to another drive, a job in more telegrams."""
+    base = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives:\n"
+    one = "  a: {device: sinamics-g120, hardware_id: 270}\n"
+    two = "  b: {device: sinamics-g120, hardware_id: 271}\n"
+    items = ", ".join(f'"r945[{n}]"' for n in range(39))
+    job = "jobs:\n  j: {drive: %s, read: [%s]}\n"
+    old, new = tmp_path / "old.yaml", tmp_path / "new.yaml"
+    old.write_text(base + one + two + job % ("a", items))
+    new.write_text(base + two + job % ("b", f"{items}, r947"))
+    kinds = {c.kind: c.message for c in plcgen.diff(old, new).changes}
+    assert kinds["drive-removed"].startswith("removed: sinamics-g120 at 270")
+    assert kinds["job-drive"] == "drive a -> b"
+    assert kinds["telegram-count"] == "1 -> 2 telegrams"
+
+
+def test_every_kind_has_an_example():
+    """The table of changes holds nothing that no example triggers, and nothing is missing in it."""
+    shown = {change[0] for case in CASES for change in case["changes"]}
+    shown |= {kind for _, _, expected in SPEC_EDITS.values() for kind in expected}
+    shown |= {"drive-removed", "job-drive", "telegram-count"}
+    assert shown == set(KINDS)
+
+
+def test_docs_list_every_kind():
+    """docs/diff.md shows the table with the default classes."""
+    text = (ROOT / "docs" / "diff.md").read_text("utf-8")
+    for kind in KINDS.values():
+        assert f"| `{kind.id}` | {kind.level} | {kind.title} | {kind.why} |" in text
+
+
+def test_the_same_folder_has_no_differences():
+    """A spec, its folder, and the SimaticML of that folder say the same."""
+    assert plcgen.diff(GOLDEN, GOLDEN).changes == ()
+    assert plcgen.diff(FAQ, GOLDEN).changes == ()
+    result = plcgen.diff(GOLDEN / "db", GOLDEN / "xml", classic=True)
+    names = {"RD_DataBuffer", "RD_DataBuffer_1", "WR_DataBuffer", "WR_DataBuffer_1"}
+    buffers = [c for c in result.changes if any(f'"{name}"' in c.subject for name in names)]
+    assert {c.kind for c in buffers} <= {"block-text", "block-renumbered"}, buffers
+
+
+def test_a_member_moved_in_simaticml(tmp_path):
+    """SimaticML against SimaticML: a member that lost its neighbour moves."""
+    new = tmp_path / "xml"
+    shutil.copytree(GOLDEN / "xml", new)
+    path = new / "WR_DataBuffer.xml"
+    text = path.read_text("utf-8-sig")
+    start = text.index('<Member Name="Request_ID"')
+    end = text.index("</Member>", start) + len("</Member>")
+    path.write_text(text[:start] + text[end:], encoding="utf-8-sig")
+    kinds = {(c.kind, c.path) for c in plcgen.diff(GOLDEN / "xml", new, classic=True).changes}
+    assert ("member-removed", "Request_ID") in kinds
+    assert ("member-moved", "Axis") in kinds
+
+
+def test_retentivity_and_access_in_simaticml(tmp_path):
+    """Remanence and the External attributes are compared as in text sources."""
+    new = tmp_path / "xml"
+    shutil.copytree(GOLDEN / "xml", new)
+    path = new / "WR_DataBuffer.xml"
+    text = path.read_text("utf-8-sig")
+    hidden = '<AttributeList><BooleanAttribute Name="ExternalVisible">false</BooleanAttribute></AttributeList>'
+    member = text.index('<Member Name="Axis"')
+    end = text.index(">", member)
+    text = f'{text[:end]} Remanence="Retain">{hidden}{text[end + 1 :]}'
+    path.write_text(text, encoding="utf-8-sig")
+    changes = {c.kind: c.message for c in plcgen.diff(GOLDEN / "xml", new, classic=True).changes if c.path == "Axis"}
+    assert changes == {
+        "hmi-access-removed": "no longer visible from HMI and OPC UA",
+        "retain-changed": "nonretain -> retain",
+    }
+
+
+def test_types_of_the_other_side_are_used(tmp_path):
+    """A single old file beside a project: its types are those of the project, as for git's external diff."""
+    (tmp_path / "a").mkdir()
+    old = tmp_path / "a" / "ReadRampUp.scl"
+    shutil.copy(GOLDEN / "scl" / "ReadRampUp.scl", old)
+    result = plcgen.diff(old, GOLDEN / "scl" / "ReadRampUp.scl")
+    assert (result.changes, result.diagnostics) == ((), ())
+
+
+def test_an_unknown_type_costs_the_offsets_only(tmp_path):
+    """Declarations, attributes and start values are compared all the same, in any spelling."""
+    text = 'DATA_BLOCK "B" STRUCT a {{S7_X := \'1\'}} : Word := {}; t : "Nowhere"; {} END_STRUCT; BEGIN END_DATA_BLOCK'
+    result = diff(tmp_path, text.format("16#10", ""), text.format("W#16#0010", "z : Int;"))
+    assert [(c.kind, c.path) for c in result.changes] == [("member-added", "z")]
+    assert {d.code for d in result.diagnostics} == {"PG630"}
+    assert result.readable
+
+
+def test_policy(tmp_path):
+    """Settings override the table in order; files and settings mix."""
+    file = tmp_path / "policy.yaml"
+    file.write_text("member-renamed: compatible\nstart-value: breaking\n")
+    policy = load_policy([str(file), "start-value=documentation"])
+    assert policy["member-renamed"] is Level.COMPATIBLE
+    assert policy["start-value"] is Level.DOCUMENTATION
+    assert policy["member-moved"] is Level.BREAKING
+    result = diff(tmp_path, *(f'DATA_BLOCK "B" STRUCT {n} : Int; END_STRUCT; BEGIN END_DATA_BLOCK' for n in "ab"))
+    assert result.failing("breaking") == 1
+    file.write_text("member-rename: compatible\nmember-moved: harmless\n")
+    with pytest.raises(DiagnosticError) as caught:
+        load_policy([str(file), "x=breaking"])
+    assert [(d.code, d.span.line) for d in caught.value.diagnostics] == [("PG631", 0), ("PG631", 1), ("PG631", 2)]
+    assert 'did you mean "member-renamed"' in caught.value.diagnostics[1].help
+
+
+def test_fail_on():
+    """Each threshold includes what is worse."""
+    table = {on: [level.value for level in Level if fails(level, on)] for on in ("breaking", "compatible", "any")}
+    assert table == {
+        "breaking": ["breaking"],
+        "compatible": ["breaking", "compatible"],
+        "any": ["breaking", "compatible", "documentation"],
+    }
+    assert not any(fails(level, "never") for level in Level)
+
+
+BROKEN = {
+    "missing": None,
+    "syntax": b'DATA_BLOCK "B" STRUCT a : ; END_STRUCT END_DATA_BLOCK',
+    "binary": bytes(range(256)),
+    "recursive": b'TYPE "A" STRUCT b : "A"; END_STRUCT; END_TYPE DATA_BLOCK "B" "A" BEGIN END_DATA_BLOCK',
+    "xml": b"<Document>",
+    "entities": b'<!DOCTYPE d [<!ENTITY x "y">]><Document/>',
+    "spec": b"plc: [",
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_input(name, tmp_path, capsys):
+    """Whatever cannot be read is a diagnostic; nothing is printed, nothing raised."""
+    suffix = {"xml": "xml", "entities": "xml", "spec": "yaml"}.get(name, "db")
+    path = tmp_path / f"x.{suffix}"
+    if BROKEN[name] is not None:
+        path.write_bytes(BROKEN[name])
+    result = plcgen.diff(path, GOLDEN / "db")
+    assert not result.readable
+    assert capsys.readouterr() == ("", "")
+
+
+def test_many_members_are_one_line(tmp_path):
+    """2,000 members that move are one change; its details name every one."""
+    members = "".join(f"m{n} : Int; " for n in range(2000))
+    block = 'DATA_BLOCK "B" STRUCT {}{} END_STRUCT; BEGIN END_DATA_BLOCK'
+    result = diff(tmp_path, block.format("", members), block.format("x : Int; ", members))
+    moved = [c for c in result.changes if c.kind == "member-moved"]
+    assert [len(c.details) for c in moved] == [2000]
+    assert comparison_text(result, "breaking").count("\n") < 10
+    assert "m1999 3998.0 -> 4000.0" in comparison_text(result, "breaking", verbose=True)
+    assert ".. and 1988 more" in comparison_markdown(result, "breaking")
+
+
+def test_markdown_cannot_be_broken_by_names(tmp_path):
+    """Names with the characters of Markdown and HTML stay text."""
+    block = 'DATA_BLOCK "a|b<i>`*" STRUCT "x|y" : Int{}; END_STRUCT; BEGIN END_DATA_BLOCK'
+    result = diff(tmp_path, block.format(""), block.format(" := 3"))
+    text = comparison_markdown(result, "breaking")
+    assert "a\\|b&lt;i&gt;\\`\\*" in text
+    assert all(line.replace("\\|", "").count("|") == 5 for line in text.splitlines() if line.startswith("|"))
+
+
+def test_sarif(tmp_path):
+    """One rule per kind, levels by class, places on both sides, diagnostics beside them."""
+    result = diff(
+        tmp_path, *(f'DATA_BLOCK "B" STRUCT a : {t}; END_STRUCT; BEGIN END_DATA_BLOCK' for t in ("Int", "Word"))
+    )
+    run = json.loads(comparison_sarif(result, "breaking"))["runs"][0]
+    assert [rule["id"] for rule in run["tool"]["driver"]["rules"]] == ["type-changed"]
+    (found,) = run["results"]
+    assert (found["level"], found["ruleIndex"]) == ("error", 0)
+    assert found["locations"][0]["physicalLocation"]["region"]["startColumn"] == 23
+    assert found["partialFingerprints"] == {"plcgenChange/v1": 'type-changed:DB "B":a'}
