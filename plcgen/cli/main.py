@@ -5,16 +5,16 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from importlib import import_module
 from pathlib import Path
 
 import click
 
 from plcgen._version import __version__
 from plcgen.cli import output
-from plcgen.cli.options import CONTEXT, Examples, common_options
+from plcgen.cli.groups import Sections, VerbGroup
+from plcgen.cli.options import CONTEXT, common_options
 
-SECTIONS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
+SECTIONS: Sections = (
     (
         "Write a job",
         (
@@ -45,6 +45,10 @@ SECTIONS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
         ),
     ),
     (
+        "Talk to an S7-200",
+        (("ppi", "Read, write, simulate and decode over PPI."),),
+    ),
+    (
         "Get to know it",
         (
             ("demo", "Generate and verify the shipped examples."),
@@ -52,54 +56,23 @@ SECTIONS: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = (
         ),
     ),
 )
-VERBS: tuple[str, ...] = tuple(verb for _, verbs in SECTIONS for verb, _ in verbs)
-
 _REPORT = "please report this with the command and the spec: it is a bug in plcgen, not in your input"
 
 
-class VerbGroup(Examples, click.Group):
-    """A group whose verbs live in modules of the same name and whose help needs none of them."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
-        """Verbs in the order of the workflow."""
-        return list(VERBS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
-        """Import the verb's module."""
-        if cmd_name not in VERBS:
-            return None
-        found: click.Command = import_module(f"plcgen.cli.{cmd_name}").command
-        return found
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
-        """Write the static table of verbs."""
-        for title, verbs in SECTIONS:
-            with formatter.section(title):
-                formatter.write_dl(list(verbs), col_spacing=3)
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the verb, or say which one was probably meant."""
-        name = str(args[0])
-        if name not in VERBS and not name.startswith("-"):
-            raise click.UsageError(f'there is no verb "{name}"{_hint(name)}', ctx)
-        return super().resolve_command(ctx, args)
-
-
 def _hint(name: str) -> str:
-    from plcgen.diagnostics.suggest import did_you_mean
-
+    """Return what a word that is no verb was probably meant as, besides a misspelt verb."""
     if name in {"help", "version"}:
         return f": it is an option, plcgen --{name}"
     if name.lower().endswith((".yaml", ".yml")) or Path(name).is_file():
         return f": a verb comes first, for example plcgen check {name}"
-    hint = did_you_mean(name, VERBS)
-    return f", {hint}" if hint else f"; the verbs are {', '.join(VERBS)}"
+    return ""
 
 
 @click.command(
     cls=VerbGroup,
+    sections=SECTIONS,
+    package="plcgen.cli",
+    hint=_hint,
     context_settings=CONTEXT,
     invoke_without_command=True,
     examples=(

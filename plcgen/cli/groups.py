@@ -1,0 +1,64 @@
+"""Groups of verbs with static help: a verb's module is imported when the verb is called, and no earlier."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+import click
+
+from plcgen.cli.options import Examples
+
+Sections = tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
+"""Titles with their verbs, each with one line of help."""
+
+
+class VerbGroup(Examples, click.Group):
+    """A group whose verbs live in modules of the same name in ``package`` and whose help needs none of them."""
+
+    def __init__(
+        self, *args: Any, sections: Sections, package: str, hint: Callable[[str], str] | None = None, **kwargs: Any
+    ) -> None:
+        super().__init__(*args, **kwargs)
+        self.sections, self.package, self.hint = sections, package, hint
+
+    @property
+    def verbs(self) -> tuple[str, ...]:
+        """Names of the verbs, in the order of the workflow."""
+        return tuple(verb for _, verbs in self.sections for verb, _ in verbs)
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+        """Verbs in the order of the workflow."""
+        return list(self.verbs)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        """Import the verb's module."""
+        if cmd_name not in self.verbs:
+            return None
+        found: click.Command = import_module(f"{self.package}.{cmd_name}").command
+        return found
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        """Write the static table of verbs."""
+        for title, verbs in self.sections:
+            with formatter.section(title):
+                formatter.write_dl(list(verbs), col_spacing=3)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the verb, or say which one was probably meant."""
+        name = str(args[0])
+        if name not in self.verbs and not name.startswith("-"):
+            raise click.UsageError(f'there is no verb "{name}"{self._hint(name)}', ctx)
+        return super().resolve_command(ctx, args)
+
+    def _hint(self, name: str) -> str:
+        from plcgen.diagnostics.suggest import did_you_mean
+
+        special = self.hint(name) if self.hint is not None else ""
+        if special:
+            return special
+        hint = did_you_mean(name, self.verbs)
+        return f", {hint}" if hint else f"; the verbs are {', '.join(self.verbs)}"

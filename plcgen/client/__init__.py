@@ -1,0 +1,5 @@
+"""PPI client for the S7-200: values and their types, symbols, exchanges over a line, and the API on top.
+
+``values`` reads and writes what people type, ``symbols`` reads Micro/WIN's symbol table, ``exchange`` moves one request
+and its answer over a line with bounded retries, ``client`` is the Python API.
+"""
