@@ -106,7 +106,7 @@ class Load:
         return self.rules.header + padded - any(size % 2 for size in sizes)
 
     def joined(self, widest: int | None) -> Load | None:
-        """Return the load with the two nearest spans joined; None for writes and if no gap is under ``widest`` bytes."""
+        """Return the load with the two nearest spans joined; None for writes and gaps of ``widest`` or more."""
         gaps = [
             (right[0] - left[1], area, index)
             for area, spans in self.spans
