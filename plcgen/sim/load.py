@@ -7,8 +7,8 @@ PG105 missing key, PG106 wrong kind of value, PG107 value out of range.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
-from typing import Any, Literal, TypeVar, cast
+from dataclasses import fields
+from typing import Any, Literal, cast
 
 from plcgen.diagnostics import Diagnostic, Report, Span
 from plcgen.ds47 import formats
@@ -17,9 +17,8 @@ from plcgen.sim.drive import Drive
 from plcgen.sim.faults import Fault, FaultKind
 from plcgen.sim.habits import Habits
 from plcgen.sim.parameters import READY, Condition, DriveObject, Limits, Parameter
+from plcgen.sim.reader import Reader, plain_node
 from plcgen.spec.source import Node, load_yaml
-
-T = TypeVar("T")
 
 _PARAMETER_KEYS = (
     "pnu", "name", "type", "value", "values", "array", "low", "high", "state_limits", "read_only",
@@ -35,20 +34,20 @@ def load_drive(text: str, file: str = "<drive>") -> Drive:
 
 def drive_from_mapping(data: Mapping[str, Any], file: str = "<mapping>") -> Drive:
     """Build a drive from data already parsed; DiagnosticError with every problem."""
-    return _drive(_node(data, Span(file)), file)
+    return _drive(plain_node(data, Span(file)), file)
 
 
 def faults_from(data: Sequence[Mapping[str, Any]], file: str = "<faults>") -> list[Fault]:
     """Build faults from plain mappings, as the key ``faults`` of a drive file holds them."""
     report = Report()
-    found = _faults(_Reader(_node({"faults": data}, Span(file)), report, "the faults"))
+    found = _faults(Reader(plain_node({"faults": data}, Span(file)), report, "the faults"))
     report.raise_on_errors()
     return found
 
 
 def _drive(root: Node, file: str) -> Drive:
     report = Report()
-    reader = _Reader(root, report, "a drive")
+    reader = Reader(root, report, "a drive")
     reader.only("habits", "objects", "faults")
     habits = _habits(reader.child("habits", "the habits"))
     objects = [_object(item) for item in reader.children("objects", "a drive object")]
@@ -61,132 +60,7 @@ def _drive(root: Node, file: str) -> Drive:
     return Drive(habits, objects, faults)
 
 
-def _node(data: Any, span: Span) -> Node:
-    """Wrap plain data as nodes without a position."""
-    if isinstance(data, Mapping):
-        pairs = {str(key): (Node("scalar", span, str(key)), _node(value, span)) for key, value in data.items()}
-        return Node("map", span, pairs=pairs)
-    if isinstance(data, list | tuple):
-        return Node("seq", span, items=[_node(item, span) for item in data])
-    return Node("scalar", span, data, str(data))
-
-
-@dataclass(slots=True)
-class _Reader:
-    """Reads the keys of one mapping; problems go to the report and the default is used instead."""
-
-    node: Node
-    report: Report
-    what: str
-
-    def error(self, code: str, message: str, span: Span, help_: str = "") -> None:
-        self.report.add(Diagnostic(code, message, span, help=help_))
-
-    def only(self, *keys: str) -> None:
-        if self.node.kind != "map":
-            self.error("PG106", f"{self.what} is a mapping", self.node.span)
-            return
-        for key in self.node.pairs:
-            if key not in keys:
-                self.error(
-                    "PG104",
-                    f'unknown key "{key}" in {self.what}',
-                    self.node.key_span(key),
-                    "keys here: " + ", ".join(keys),
-                )
-
-    def require(self, key: str) -> None:
-        if self.node.kind == "map" and self.node.get(key) is None:
-            self.error("PG105", f'{self.what} lacks the key "{key}"', self.node.span)
-
-    def child(self, key: str, what: str) -> _Reader:
-        node = self.node.get(key) or Node("map", self.node.span)
-        return _Reader(node, self.report, what)
-
-    def children(self, key: str, what: str) -> list[_Reader]:
-        return [_Reader(item, self.report, what) for item in self.items(key)]
-
-    def items(self, key: str) -> list[Node]:
-        node = self.node.get(key)
-        if node is None:
-            return []
-        if node.kind != "seq":
-            self.error("PG106", f'"{key}" of {self.what} is a list', node.span)
-            return []
-        return node.items
-
-    def number(self, key: str, default: int, low: int, high: int) -> int:
-        node = self.node.get(key)
-        if node is None:
-            return default
-        return self._integer(node, key, default, low, high)
-
-    def _integer(self, node: Node, key: str, default: int, low: int, high: int) -> int:
-        value = node.value
-        if node.kind != "scalar" or isinstance(value, bool) or not isinstance(value, int):
-            self.error("PG106", f'"{key}" of {self.what} is a whole number', node.span)
-            return default
-        if not low <= value <= high:
-            self.error("PG107", f'"{key}" of {self.what} is {value}, allowed: {low} to {high}', node.span)
-            return default
-        return value
-
-    def optional(self, key: str, low: int, high: int) -> int | None:
-        node = self.node.get(key)
-        if node is None or (node.kind == "scalar" and node.value is None):
-            return None
-        return self._integer(node, key, low, low, high)
-
-    def real(self, key: str) -> float | None:
-        node = self.node.get(key)
-        if node is None:
-            return None
-        if isinstance(node.value, bool) or not isinstance(node.value, int | float):
-            self.error("PG106", f'"{key}" of {self.what} is a number', node.span)
-            return None
-        return node.value
-
-    def flag(self, key: str, *, default: bool = False) -> bool:
-        node = self.node.get(key)
-        if node is None:
-            return default
-        if not isinstance(node.value, bool):
-            self.error("PG106", f'"{key}" of {self.what} is true or false', node.span)
-            return default
-        return node.value
-
-    def text(self, key: str, default: str = "") -> str:
-        node = self.node.get(key)
-        if node is None:
-            return default
-        if not isinstance(node.value, str):
-            self.error("PG106", f'"{key}" of {self.what} is text', node.span)
-            return default
-        return node.value
-
-    def choice(self, key: str, default: T, choices: Mapping[Any, T]) -> T:
-        node = self.node.get(key)
-        if node is None:
-            return default
-        if node.kind != "scalar" or node.value not in choices:
-            names = ", ".join(str(name) for name in choices)
-            self.error("PG107", f'"{key}" of {self.what} is one of: {names}', node.span)
-            return default
-        return choices[node.value]
-
-    def numbers(self, key: str, default: Sequence[int], high: int) -> tuple[int, ...]:
-        if self.node.get(key) is None:
-            return tuple(default)
-        return tuple(self._integer(item, key, 0, 0, high) for item in self.items(key))
-
-    def texts(self, key: str) -> tuple[str, ...]:
-        for item in self.items(key):
-            if not isinstance(item.value, str):
-                self.error("PG106", f'"{key}" of {self.what} is a list of texts', item.span)
-        return tuple(item.value for item in self.items(key) if isinstance(item.value, str))
-
-
-def _habits(reader: _Reader) -> Habits:
+def _habits(reader: Reader) -> Habits:
     reader.only(*(item.name for item in fields(Habits)))
     base = Habits()
     aliases = reader.child("aliases", "the aliases")
@@ -213,7 +87,7 @@ def _words() -> Mapping[Any, Literal[1, 2]]:
     return {1: 1, 2: 2}
 
 
-def _aliases(reader: _Reader) -> dict[int, int]:
+def _aliases(reader: Reader) -> dict[int, int]:
     if reader.node.kind != "map":
         reader.only()
         return {}
@@ -226,7 +100,7 @@ def _aliases(reader: _Reader) -> dict[int, int]:
     return found
 
 
-def _object(reader: _Reader) -> DriveObject:
+def _object(reader: Reader) -> DriveObject:
     reader.only("number", "state", "parameters")
     reader.require("number")
     number = reader.number("number", 0, 0, 255)
@@ -241,7 +115,7 @@ def _object(reader: _Reader) -> DriveObject:
     return DriveObject(number, found, reader.text("state", READY))
 
 
-def _parameter(reader: _Reader) -> Parameter | None:
+def _parameter(reader: Reader) -> Parameter | None:
     reader.only(*_PARAMETER_KEYS)
     reader.require("pnu")
     pnu = reader.number("pnu", 1, 1, 65535)
@@ -275,7 +149,7 @@ def _parameter(reader: _Reader) -> Parameter | None:
     return found if values else None
 
 
-def _format(reader: _Reader) -> Format:
+def _format(reader: Reader) -> Format:
     reader.require("type")
     name = reader.text("type", "Unsigned16")
     try:
@@ -288,7 +162,7 @@ def _format(reader: _Reader) -> Format:
     return fmt
 
 
-def _value(reader: _Reader, fmt: Format, node: Node) -> Value | None:
+def _value(reader: Reader, fmt: Format, node: Node) -> Value | None:
     """Return one value in the parameter's type; octets are written as hexadecimal text."""
     value: Any = node.value
     try:
@@ -304,7 +178,7 @@ def _value(reader: _Reader, fmt: Format, node: Node) -> Value | None:
     return cast("Value", value)
 
 
-def _limits(reader: _Reader, fmt: Format) -> Limits:
+def _limits(reader: Reader, fmt: Format) -> Limits:
     found = Limits(reader.real("low"), reader.real("high"))
     for key, value in (("low", found.low), ("high", found.high)):
         node = reader.node.get(key)
@@ -313,7 +187,7 @@ def _limits(reader: _Reader, fmt: Format) -> Limits:
     return found
 
 
-def _state_limits(reader: _Reader, fmt: Format) -> dict[str, Limits]:
+def _state_limits(reader: Reader, fmt: Format) -> dict[str, Limits]:
     states = reader.child("state_limits", f"the state limits of {reader.what}")
     if states.node.kind != "map":
         states.only()
@@ -326,7 +200,7 @@ def _state_limits(reader: _Reader, fmt: Format) -> dict[str, Limits]:
     return found
 
 
-def _condition(reader: _Reader) -> Condition:
+def _condition(reader: Reader) -> Condition:
     reader.only(*_REFUSE_KEYS)
     reader.require("error")
     while_in, unless_in = frozenset(reader.texts("while")), frozenset(reader.texts("unless"))
@@ -335,11 +209,11 @@ def _condition(reader: _Reader) -> Condition:
     return Condition(reader.number("error", 0x11, 0, 0xFF), while_in, unless_in, reader.flag("read"))
 
 
-def _faults(reader: _Reader) -> list[Fault]:
+def _faults(reader: Reader) -> list[Fault]:
     return [_fault(child) for child in reader.children("faults", "a fault")]
 
 
-def _fault(reader: _Reader) -> Fault:
+def _fault(reader: Reader) -> Fault:
     reader.only(*(item.name for item in fields(Fault)))
     reader.require("kind")
     kinds: dict[Any, FaultKind] = {kind.value: kind for kind in FaultKind}
@@ -366,7 +240,7 @@ def _fault(reader: _Reader) -> Fault:
     )
 
 
-def _data(reader: _Reader, default: bytes) -> bytes:
+def _data(reader: Reader, default: bytes) -> bytes:
     try:
         return bytes.fromhex(reader.text("data")) if reader.node.get("data") is not None else default
     except ValueError:
