@@ -1,0 +1,171 @@
+"""Read an S7-200 bus from YAML: stations with their values, faults.
+
+The file is described in docs/s7-200.md. Every problem is collected with its position: PG104 unknown key, PG105 missing
+key, PG106 wrong kind of value, PG107 value out of range, PG71x what is no address, PG724 what is beyond the CPU.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from plcgen.diagnostics import Report, Span
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.ppi.address import AddressError, parse_address
+from plcgen.ppi.areas import PDU_LIMIT, ReturnCode
+from plcgen.sim.reader import Reader
+from plcgen.sim.s7_200.bus import Bus
+from plcgen.sim.s7_200.cpu import BY_LEVEL, Mode, Service, Switch
+from plcgen.sim.s7_200.fault_text import read_fault
+from plcgen.sim.s7_200.memory import Memory
+from plcgen.sim.s7_200.profiles import Profile, profiles
+from plcgen.sim.s7_200.station import FrameCountRule, Station
+from plcgen.sim.s7_200.values import encode_value
+from plcgen.spec.source import Node, load_yaml
+
+BEYOND = "PG724"
+_STATION_KEYS = (
+    "cpu", "address", "mode", "switch", "type", "pdu", "not_ready", "frame_count", "password", "write_inputs",
+    "experimental", "symbols", "values",
+)  # fmt: skip
+_FRAME_COUNT: Mapping[Any, FrameCountRule] = {"standard": "standard", "strict": "strict", "ignore": "ignore"}
+_MOST = 1_000_000
+
+
+def load_bus(text: str, file: str = "<bus>", cpu: str | None = None, address: int | None = None) -> Bus:
+    """Build a bus from YAML text. DiagnosticError with every problem and its position.
+
+    ``cpu`` and ``address`` replace those of a file that describes a single station.
+    """
+    root = load_yaml(text, file)
+    report = Report()
+    bus = _bus(Reader(root, report, "the bus"), cpu, address)
+    report.raise_on_errors()
+    return bus
+
+
+def _bus(reader: Reader, cpu: str | None, address: int | None) -> Bus:
+    several = reader.node.get("stations") is not None
+    if several:
+        reader.only("stations", "faults")
+        stations = [_station(child, None, None) for child in reader.children("stations", "a station")]
+        if not stations:
+            reader.error("PG105", "a bus needs at least one station", reader.node.key_span("stations"))
+    else:
+        reader.what = "the station"
+        reader.only(*_STATION_KEYS, "faults")
+        stations = [_station(reader, cpu, address)]
+    addresses = [station.address for station in stations]
+    faults = [read_fault(child, addresses) for child in reader.children("faults", "a fault")]
+    bus = Bus((), faults)
+    for station in stations:
+        if station.address in bus.stations:
+            reader.error("PG107", f"two stations have the address {station.address}", reader.node.key_span("stations"))
+        else:
+            bus.add(station)
+    return bus
+
+
+def _station(reader: Reader, cpu: str | None, address: int | None) -> Station:
+    if reader.node.get("faults") is None:
+        reader.only(*_STATION_KEYS)
+    chosen = _profile(reader, cpu)
+    station = Station(
+        chosen.key,
+        reader.number("address", 2, 0, 126) if address is None else address,
+        mode=reader.choice("mode", Mode.RUN, {mode.value: mode for mode in Mode}),
+        switch=reader.choice("switch", Switch.TERM, {switch.value: switch for switch in Switch}),
+        type_=_type(reader),
+        pdu_limit=reader.number("pdu", PDU_LIMIT, 32, PDU_LIMIT),
+        not_ready=reader.number("not_ready", 0, 0, _MOST),
+        frame_count=reader.choice("frame_count", "standard", _FRAME_COUNT),
+        protected=_protected(reader.child("password", "the password")),
+        write_inputs=reader.flag("write_inputs", default=True),
+        experimental=reader.flag("experimental"),
+    )
+    station.symbols.update(_symbols(reader.child("symbols", "the symbols"), station.cpu.memory))
+    _values(reader.child("values", "the values"), station)
+    return station
+
+
+def _profile(reader: Reader, cpu: str | None) -> Profile:
+    known = profiles()
+    node = reader.node.get("cpu")
+    name = cpu if cpu is not None else "224" if node is None else str(node.raw or node.value)
+    found = known.get(name.upper().removeprefix("CPU").strip())
+    if found is None:
+        span = reader.node.span if node is None else node.span
+        hint = did_you_mean(name.upper(), list(known))
+        reader.error("PG107", f'there is no CPU "{name}"', span, hint or f"CPUs: {', '.join(known)}")
+        return known["224"]
+    return found
+
+
+def _type(reader: Reader) -> str | None:
+    node = reader.node.get("type")
+    text = reader.text("type")
+    if node is not None and (len(text) > 20 or not text.isascii()):
+        reader.error("PG107", f'"type" of {reader.what} is at most 20 ASCII characters', node.span)
+    return text if node is not None else None
+
+
+def _protected(reader: Reader) -> frozenset[Service]:
+    reader.only("level", "protects")
+    level = reader.number("level", 1, 1, 4)
+    if reader.node.get("protects") is None:
+        return BY_LEVEL[level]
+    known = {service.value: service for service in Service}
+    found = set()
+    for node in reader.items("protects"):
+        if node.value in known:
+            found.add(known[str(node.value)])
+        else:
+            reader.error("PG107", f'"{node.raw}" cannot be protected', node.span, f"services: {', '.join(known)}")
+    return frozenset(found)
+
+
+def _symbols(reader: Reader, memory: Memory) -> dict[str, str]:
+    if reader.node.kind != "map":
+        reader.only()
+        return {}
+    found = {}
+    for name, (_, node) in reader.node.pairs.items():
+        if _known(reader, str(node.raw), node.span, memory):
+            found[name] = str(node.raw)
+    return found
+
+
+def _known(reader: Reader, text: str, span: Span, memory: Memory) -> bool:
+    """Whether an address makes sense and the CPU has it; problems go to the report."""
+    try:
+        code = memory.check(parse_address(text))
+    except AddressError as problem:
+        reader.error(problem.code, problem.message, span, problem.help)
+        return False
+    if code != ReturnCode.OK:
+        reader.error(BEYOND, f"{text} is beyond the memory of a {memory.profile.title}", span, _sizes(memory.profile))
+    return code == ReturnCode.OK
+
+
+def _sizes(profile: Profile) -> str:
+    return ", ".join(f"{area.name} 0..{size - 1}" for area, size in profile.sizes.items())
+
+
+def _values(reader: Reader, station: Station) -> None:
+    if reader.node.kind != "map":
+        reader.only()
+        return
+    for name, (key, node) in reader.node.pairs.items():
+        address = station.symbols.get(name, name)
+        if not _known(reader, address, key.span, station.cpu.memory):
+            continue
+        item = station.item(name)
+        try:
+            station.cpu.memory.put(item, encode_value(item, _plain(node)))
+        except ValueError as problem:
+            reader.error("PG107", f"{name}: {problem}", node.span)
+
+
+def _plain(node: Node) -> Any:
+    data = node.data()
+    return list(data) if isinstance(data, tuple) else data
