@@ -18,6 +18,12 @@ MAX_OPERATORS = 256
 MAX_ERRORS = 100
 """After so many errors the rest of a file is not looked at."""
 
+_HABITS = {
+    "!": "write NOT, or <> for !=", "|": "write OR", "~": "write NOT", "\\": "write /", "?": "write IF .. THEN .. ELSE",
+    **dict.fromkeys("‘’“”„«»`´", "write a straight ' around a text, a straight \" around a name"),
+    **dict.fromkeys("；：，（）＝。", "switch the keyboard to half-width characters"),
+}  # fmt: skip
+"""Characters of other languages, of word processors and of Chinese keyboards."""
 _LINE_COMMENT = re.compile(r"[ \t]*(?://([^\n]*)|\(\*((?:(?!\*\))[^\n])*)\*\))")
 
 
@@ -82,9 +88,9 @@ class Cursor:
             self.diagnostic(message, self.starts[index], max(self.tokens.end(index), self.starts[index]), text=text)
         )
 
-    def expected(self, what: str) -> Fault:
-        """Return the usual message."""
-        return self.fault(f"expected {what}, found {self.describe(self.pos)}")
+    def expected(self, what: str, text: str = "") -> Fault:
+        """Return the usual message; ``text`` says how to fix it."""
+        return self.fault(f"expected {what}, found {self.describe(self.pos)}", text=text)
 
     def report(self, diagnostic: Diagnostic) -> None:
         """Keep a diagnostic; too many of them end the run."""
@@ -227,6 +233,8 @@ def lexical_error(text: str) -> tuple[str, str]:
         return "the quoted name is not closed on its line", 'add the closing "'
     if text.startswith(("(*", "(/*", "/*")):
         return "the comment is never closed", {"(/": "add */)", "/*": "add */"}.get(text[:2], "add *)")
+    if text[0] in _HABITS:
+        return f"unexpected character {first!r} (U+{ord(first):04X})", _HABITS[first]
     if first == "#":
         return "'#' without a name", "write the name of a local variable directly behind it"
     return f"unexpected character {text[0]!r} (U+{ord(first):04X})", ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Span
@@ -23,6 +23,11 @@ _PROPERTIES = frozenset({"TITLE", "AUTHOR", "NAME", "FAMILY", "VERSION"})
 _FLAGS = frozenset({"NON_RETAIN", "RETAIN", "KNOW_HOW_PROTECT", "READ_ONLY", "UNLINKED", "CODE_VERSION1", "STANDARD"})
 _VERSION = re.compile(r"[ \t]*('[^'\n]*'|[0-9.]+)")
 _QUOTED_VALUE = re.compile(r"[ \t]*'([^'\n]*)'")
+_NO_BLOCK = (
+    "a source consists of FUNCTION_BLOCK, FUNCTION, ORGANIZATION_BLOCK, DATA_BLOCK and TYPE, each with its END: "
+    "put statements into a block"
+)
+_TITLE = re.compile(r"(?im)^[ \t]*+TITLE[ \t]*+=[^\n]*+")
 _NAMESPACES = frozenset({"NAMESPACE", "USING", "END_NAMESPACE"})
 _NUMBERED = frozenset({"DB", "FB", "FC", "OB", "UDT", "SFB", "SFC"})
 
@@ -63,9 +68,10 @@ class Parser(DeclarationParser, StatementParser):
                     self.namespace()
                     continue
                 if self.kinds[self.pos] not in UNIT_KEYWORDS:
-                    if self.foreign_unit():
+                    if self.foreign_unit() or self.misspelt_unit():
                         continue
-                    self.report(self.expected("a block or TYPE").diagnostic)
+                    found = self.expected("a block or TYPE").diagnostic
+                    self.report(found if found.help else replace(found, help=_NO_BLOCK))
                     self.skip_to_unit()
                     continue
                 self.recover_unit(units)
@@ -137,6 +143,9 @@ class Parser(DeclarationParser, StatementParser):
         self.collect_comment()
         comment = "\n".join(self.comment_lines)
         sections, body_type = self.declaration_part(keyword)
+        if isinstance(body_type, ast.TypeName):
+            more = self.header()
+            attributes, properties, flags = attributes + more[0], properties + more[1], flags + more[2]
         statements = self.code(keyword)
         if not self.accept("END_" + keyword):
             self.missing_end(keyword)
@@ -217,6 +226,8 @@ class Parser(DeclarationParser, StatementParser):
             kind = self.kinds[self.pos]
             if kind in SECTIONS or (kind == NAME and self.joined_section()):
                 sections.append(self.section())
+            elif kind == NAME and not data and self.misspelt_section():
+                continue
             elif data and body_type is None and kind in {"STRUCT", "ARRAY", NAME, QUOTED, "{"}:
                 body_type = self.type_spec()
                 if keyword == "TYPE" and self.kinds[self.pos] == "(":
@@ -232,6 +243,14 @@ class Parser(DeclarationParser, StatementParser):
             else:
                 return tuple(sections), body_type
 
+    def at_unit(self) -> bool:
+        """Whether a line begins here with the header of a block: in a statement list END is missing then."""
+        return (
+            self.kinds[self.pos] in UNIT_KEYWORDS
+            and self.kind(1) in {NAME, QUOTED, ADDRESS}
+            and "\n" in self.tokens.source[self.last_end : self.start]
+        )
+
     def code(self, keyword: str) -> ast.Body:
         """Statements, or nothing if bodies are not wanted; a stray END costs one message."""
         self.accept("BEGIN")
@@ -240,7 +259,7 @@ class Parser(DeclarationParser, StatementParser):
         self.data = keyword == "DATA_BLOCK"
         if not self.bodies and keyword != "DATA_BLOCK":
             begin = self.start
-            while self.kinds[self.pos] not in UNIT_ENDS and self.kinds[self.pos] != EOF:
+            while self.kinds[self.pos] not in UNIT_ENDS and self.kinds[self.pos] != EOF and not self.at_unit():
                 self.pos += 1
             self.free_text.append((begin, self.start))
             return ()
@@ -264,7 +283,7 @@ def parse(text: str, file: str, dialect: Dialect | None = None, *, bodies: bool 
     if len(text) > MAX_CHARACTERS:
         large = f"the file has {len(text)} characters, more than {MAX_CHARACTERS}"
         return ParseResult((), (Diagnostic("PG802", large, Span(file)),), tokenize("", file))
-    tokens = tokenize(text, file)
+    tokens = tokenize(text, file) if bodies else _statement_list(text, file)
     parser = Parser(tokens, bodies=bodies)
     units = parser.source()
     found = parser.diagnostics + _lexical(parser)
@@ -276,6 +295,15 @@ def parse(text: str, file: str, dialect: Dialect | None = None, *, bodies: bool 
     return ParseResult(units, tuple(sorted(unique, key=lambda d: d.sort_key)), tokens)
 
 
+def _statement_list(text: str, file: str) -> Tokens:
+    """Tokens of a statement list, where ``(*`` in the title of a network begins no comment."""
+    if "(*" not in text and "/*" not in text:
+        return tokenize(text, file)
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    masked = _TITLE.sub(lambda match: match[0].replace("(*", "( ").replace("/*", "/ "), text)
+    return replace(tokenize(masked, file), source=text)
+
+
 def _lexical(parser: Parser) -> list[Diagnostic]:
     """Report what is no token outside free text, also where the parser skipped it."""
     if ERROR not in parser.kinds:
@@ -284,11 +312,16 @@ def _lexical(parser: Parser) -> list[Diagnostic]:
     free = iter(sorted(parser.free_text))
     current = next(free, None)
     found: list[Diagnostic] = []
+    last = -1
     for index, kind in enumerate(tokens.kinds):
         start = tokens.starts[index]
         while current is not None and start >= current[1]:
             current = next(free, None)
         if kind != ERROR or (current is not None and current[0] <= start) or len(found) > 100:
+            continue
+        same_line = last >= 0 and "\n" not in tokens.source[last:start]
+        last = start
+        if same_line:
             continue
         message, text = lexical_error(tokens.texts[index])
         found.append(parser.diagnostic(message, start, tokens.end(index), text=text))

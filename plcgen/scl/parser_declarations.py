@@ -138,7 +138,7 @@ class DeclarationParser(ExpressionParser):
             names[-1] = replace(names[-1], attributes=names[-1].attributes + self.attributes())
         initial = self.initial_value() if self.accept(":=") else None
         end = self.last_end
-        self.end_of_declaration()
+        self.end_of_declaration(optional=initial is None and _ends_structure(spec))
         return ast.Declaration(start, end, tuple(names), at, spec, initial, self.comment_of(spec))
 
     def overlaid(self) -> str:
@@ -148,12 +148,18 @@ class DeclarationParser(ExpressionParser):
         self.pos += 1
         return self.texts[self.pos - 1][1:].strip('"')
 
-    def end_of_declaration(self) -> None:
-        """Read the semicolon; a missing one at the end of a line costs only its own message."""
+    def end_of_declaration(self, *, optional: bool = False) -> None:
+        """Read the semicolon; a missing one at the end of a line costs only its own message.
+
+        ``optional`` is for END_STRUCT, behind which statement lists may leave it out.
+        """
         if self.accept(";"):
             return
         end = self.last_end
-        if self.kinds[self.pos] in _SECTION_ENDS or "\n" in self.tokens.source[end : self.start]:
+        following = self.kinds[self.pos] in _SECTION_ENDS or "\n" in self.tokens.source[end : self.start]
+        if optional and following:
+            return
+        if following:
             self.report(self.diagnostic("expected ';' at the end of the declaration", end, end + 1))
             return
         raise self.expected("';'")
@@ -268,3 +274,10 @@ class DeclarationParser(ExpressionParser):
             self.report(self.expected("END_STRUCT").diagnostic)
         self.depth -= 1
         return ast.StructSpec(start, self.last_end, members)
+
+
+def _ends_structure(spec: ast.TypeSpec) -> bool:
+    """Whether the last word of a type is END_STRUCT."""
+    while isinstance(spec, ast.ArraySpec):
+        spec = spec.element
+    return isinstance(spec, ast.StructSpec)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from plcgen.scl import ast
-from plcgen.scl.cursor import MAX_OPERATORS, unquote
+from plcgen.scl.cursor import MAX_OPERATORS, Fault, unquote
 from plcgen.scl.lexer import ADDRESS, INT, LOCAL, NAME, POINTER, QUOTED, REAL, STRING, TYPED, WORDS
 from plcgen.scl.parser_foreign import ForeignSyntax
 
@@ -119,7 +119,11 @@ class ExpressionParser(ForeignSyntax):
             self.expect(")")
             self.depth -= 1
             return replace(inner, start=start, end=self.last_end)
-        raise self.expected("an expression")
+        raise self.no_expression()
+
+    def no_expression(self) -> Fault:
+        """Return the fault about a token that begins no expression."""
+        return self.expected("an expression")
 
     def variable(self) -> ast.Expression:
         """Read an operand that may stand left of ``:=``."""
@@ -235,6 +239,9 @@ class ExpressionParser(ForeignSyntax):
             elif kinds[self.pos] == ")":
                 self.pos += 1
                 break
+            elif kinds[self.pos] == ";" and self.kind(1) in WORDS and self.kind(2) in {":=", "=>"}:
+                self.report(self.expected("',' or ')'", "a comma stands between two arguments").diagnostic)
+                self.pos += 1
             else:
                 raise self.expected("',' or ')'")
         self.depth -= 1

@@ -8,8 +8,8 @@ from plcgen.diagnostics import Note
 from plcgen.scl import ast
 from plcgen.scl.cursor import Fault
 from plcgen.scl.lexer import ADDRESS, EOF, INT, LOCAL, NAME, QUOTED
-from plcgen.scl.parser_declarations import UNIT_ENDS, UNIT_KEYWORDS
-from plcgen.scl.parser_labels import LabelParser
+from plcgen.scl.parser_declarations import SECTIONS, UNIT_ENDS, UNIT_KEYWORDS
+from plcgen.scl.parser_recovery import RecoveryParser
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,11 +25,13 @@ _NAME_FOLLOWS = frozenset({":=", "."})
 """Behind a keyword they show that it is the name of a member, as in the assignments of a data block."""
 
 
-class StatementParser(LabelParser):
+class StatementParser(RecoveryParser):
     """The code behind BEGIN."""
 
     has_regions = False
     """Whether the file has an END_REGION: then the title of a REGION may begin with any sign."""
+    else_if = False
+    """Whether the open IF has an ELSE with another IF on the same line."""
     data = False
     """Whether the statements are those of a data block: start values, not expressions."""
 
@@ -92,11 +94,9 @@ class StatementParser(LabelParser):
         if isinstance(target, ast.Call):
             self.semicolon()
             return ast.CallStatement(start, target.end, target)
-        if kind == "=":
-            raise self.fault("'=' compares, it does not assign", text="write ':='")
-        if self.foreign_member(began):
+        if self.foreign_member(began) or self.misspelt_statement(began):
             return None
-        raise self.expected("':=' or '('")
+        raise self.wrong_assignment()
 
     def chained(self, start: int, first: ast.Expression, operator: str, value: ast.Expression) -> ast.Statement:
         """Read ``a := b := c := value;``."""
@@ -116,7 +116,7 @@ class StatementParser(LabelParser):
         if "\n" in self.tokens.source[end : self.start] or self.kinds[self.pos] in _STOPS:
             self.report(self.diagnostic("expected ';' at the end of the statement", end, end + 1))
             return
-        raise self.expected("';'")
+        raise self.no_end()
 
     def other(self, kind: str) -> ast.Statement | None:
         """Statements that begin with a keyword, labels and attributes."""
@@ -132,7 +132,19 @@ class StatementParser(LabelParser):
         if kind == "{":
             self.attributes()
             return None
+        if kind in SECTIONS:
+            self.late_section()
+            return None
         raise self.expected("a statement")
+
+    def late_section(self) -> None:
+        """Step over declarations between the statements."""
+        fault = self.fault(f"{self.kinds[self.pos]} behind the first statement", text="declarations stand before BEGIN")
+        while (kind := self.kinds[self.pos]) not in _STOPS:
+            self.pos += 1
+            if kind in {"END_VAR", "END_CONST", "END_LABEL"}:
+                break
+        self.report(fault.diagnostic)
 
     def keyword_as_name(self) -> ast.Statement | None:
         """STEP 7 V5 knows no REGION: there it may be a variable. A member of a DB may have any name."""
@@ -170,7 +182,7 @@ class StatementParser(LabelParser):
             return
         name = self.kinds[opener]
         span = self.tokens.span(self.starts[opener], self.tokens.end(opener))
-        fault = self.expected(closer)
+        fault = self.expected(closer, self.help_for(opener))
         self.report(
             self.diagnostic(
                 fault.diagnostic.message,
@@ -184,6 +196,11 @@ class StatementParser(LabelParser):
             self.pos += 1
             self.accept(";")
 
+    def help_for(self, opener: int) -> str:
+        """Tell what to do about an open statement."""
+        otherwise = self.kinds[opener] == "IF" and bool(opener) and self.kinds[opener - 1] == "ELSE"
+        return "ELSE IF opens another IF: write ELSIF" if otherwise or self.else_if else ""
+
     def nested(self, closer: str, *, in_case: bool = False) -> ast.Body:
         """Read a body whose closing keyword is known."""
         self.open.append(closer)
@@ -194,31 +211,36 @@ class StatementParser(LabelParser):
     def if_statement(self) -> ast.Statement:
         """IF .. THEN .. ELSIF .. ELSE .. END_IF."""
         opener = self.pos
+        else_if, self.else_if = self.else_if, False
         branches: list[ast.IfBranch] = []
         while True:
             start = self.start
             self.pos += 1
-            condition = self.expression()
-            self.keyword("THEN")
+            condition = self.condition("THEN", _CODE)
+            self.keyword("THEN", "END_IF")
             body = self.nested("END_IF")
             branches.append(ast.IfBranch(start, self.last_end, condition, body))
             if self.kinds[self.pos] != "ELSIF":
                 break
         otherwise = None
         if self.accept("ELSE"):
+            self.braces("ELSE", "END_IF")
+            self.else_if = self.kinds[self.pos] == "IF" and "\n" not in self.tokens.source[self.last_end : self.start]
             otherwise = self.nested("END_IF")
         self.close("END_IF", opener)
+        self.else_if = else_if
         return ast.If(self.starts[opener], self.last_end, tuple(branches), otherwise)
 
-    def keyword(self, kind: str) -> None:
+    def keyword(self, kind: str, closer: str) -> None:
         """THEN, DO, OF: if it is missing the body is read all the same."""
-        if self.accept(kind):
+        if self.accept(kind) or self.braces(kind, closer):
             return
         fault = self.expected(kind)
         if self.kinds[self.pos] in {":=", ")", "]", "="}:
             raise fault
         self.report(fault.diagnostic)
-        self.accept(";")
+        if self.accept(";"):
+            self.accept(kind)
 
     def for_statement(self) -> ast.Statement:
         """FOR i := a TO b BY c DO .. END_FOR."""
@@ -230,7 +252,7 @@ class StatementParser(LabelParser):
         self.expect("TO")
         last = self.expression()
         step = self.expression() if self.accept("BY") else None
-        self.keyword("DO")
+        self.keyword("DO", "END_FOR")
         body = self.nested("END_FOR")
         self.close("END_FOR", opener)
         return ast.For(self.starts[opener], self.last_end, variable, first, last, step, body)
@@ -239,8 +261,8 @@ class StatementParser(LabelParser):
         """WHILE .. DO .. END_WHILE."""
         opener = self.pos
         self.pos += 1
-        condition = self.expression()
-        self.keyword("DO")
+        condition = self.condition("DO", _CODE)
+        self.keyword("DO", "END_WHILE")
         body = self.nested("END_WHILE")
         self.close("END_WHILE", opener)
         return ast.While(self.starts[opener], self.last_end, condition, body)
@@ -250,9 +272,12 @@ class StatementParser(LabelParser):
         opener = self.pos
         self.pos += 1
         body = self.nested("UNTIL")
-        self.expect("UNTIL")
-        condition = self.expression()
-        self.accept(";")
+        condition: ast.Expression = ast.Literal(self.start, self.start, "TRUE", "bool")
+        if self.accept("UNTIL"):
+            condition = self.expression()
+            self.accept(";")
+        else:
+            self.report(self.expected("UNTIL", "UNTIL and a condition stand before END_REPEAT").diagnostic)
         self.close("END_REPEAT", opener)
         return ast.Repeat(self.starts[opener], self.last_end, body, condition)
 
@@ -283,7 +308,7 @@ class StatementParser(LabelParser):
         opener = self.pos
         self.pos += 1
         selector = self.expression()
-        self.keyword("OF")
+        self.keyword("OF", "END_CASE")
         outer = self.case_depth, self.open_regions
         self.case_depth, self.open_regions = self.depth + 1, 0
         branches = self.case_branches()

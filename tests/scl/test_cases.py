@@ -45,6 +45,13 @@ def test_idioms_of_public_sources_are_read(case: dict) -> None:
         assert [short(d) for d in diagnostics if d.severity is Severity.ERROR] == []
 
 
+@pytest.mark.parametrize("case", [pytest.param(c, id=c["name"]) for c in load("typos")])
+def test_typical_mistakes_get_one_helpful_message_each(case: dict) -> None:
+    """Place, message and help of what engineers mistype; no mistake causes a second message."""
+    _, diagnostics = read_text(case["source"], "t.scl")
+    assert case["expected"] == [short(d) + (f" | {d.help}" if d.help else "") for d in diagnostics]
+
+
 @pytest.mark.parametrize("case", [pytest.param(c, id=c["name"]) for c in load("errors")])
 def test_errors_come_together_with_their_places(case: dict) -> None:
     """Every mistake of a file is reported once, at its line and column, and nothing else is."""
