@@ -11,7 +11,11 @@ from plcgen.s7.blocks import BlockKind, SectionKind
 from plcgen.s7.shapes import Shape
 from plcgen.s7.types import Elementary, Member, NamedType, StringType
 from plcgen.scl import ast
+from plcgen.scl.instructions import INSTRUCTIONS
 
+_METHODS = frozenset({"TON", "TOF", "TP"})
+_TIMER_TYPES = frozenset({"IEC_TIMER", *(f"{name}_TIME" for name in _METHODS)})
+"""Types of one layout that are called as ``timer.TON(..)`` on an S7-1200/1500."""
 _IN, _OUT, _INOUT = SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT
 
 
@@ -41,7 +45,7 @@ class CallCompiler(ArgumentCompiler):
                 if value is not None:
                     return value
             if found is None:
-                self.error("PG825", f"there is no block {target.name}", node, self.near_block(target.name))
+                self.missing_block(node, target)
                 return self.unknown()
         self.error("PG821", f"{self.text(target)} has no value", node, "only functions have one")
         return self.unknown()
@@ -73,6 +77,11 @@ class CallCompiler(ArgumentCompiler):
             if type_:
                 self.call_by_type(node, target, type_)
                 return
+        if isinstance(target, ast.Member) and target.name.upper() in _METHODS and self.is_timer(target.base):
+            place = self.place(target.base)
+            if place is not None:
+                self.call_instance(node, place, target.name.upper())
+            return
         place = self.place(target)
         if place is not None:
             type_ = place.shape.type.name if isinstance(place.shape.type, NamedType) else ""
@@ -81,13 +90,33 @@ class CallCompiler(ArgumentCompiler):
                 type_ = self.link.instance_type(found) if found is not None else ""
             self.call_instance(node, place, type_)
 
+    def is_timer(self, node: ast.Expression) -> bool:
+        """Whether ``x`` of ``x.TON(..)`` is an IEC_TIMER of its own or in a data block."""
+        if isinstance(node, ast.Name) and self.symbol(node) is None:
+            found = self.link.find(node.name)
+            if found is not None and found.block.kind is BlockKind.DB and found.block.instance_of:
+                return found.block.instance_of.upper() in _TIMER_TYPES
+        place = self.place(node)
+        return (
+            place is not None
+            and isinstance(place.shape.type, NamedType)
+            and (place.shape.type.name.upper() in _TIMER_TYPES)
+        )
+
     def plain_call(self, node: ast.Call, target: ast.Name) -> None:
         """Compile a function of the language whose value nobody wants, or report a missing block."""
         value = self.function(node, target.name.upper()) if target.scope == "bare" else None
         if value is None:
-            self.error("PG825", f"there is no block {target.name}", node, self.near_block(target.name))
+            self.missing_block(node, target)
         else:
             self.discard(value)
+
+    def missing_block(self, node: ast.Call, target: ast.Name) -> None:
+        """PG825, or PG827 for a function of the language that the soft CPU does not have."""
+        if target.scope == "bare" and target.name.upper() in INSTRUCTIONS:
+            self.error("PG827", f"the soft CPU does not execute {target.name}", node)
+            return
+        self.error("PG825", f"there is no block {target.name}", node, self.near_block(target.name))
 
     def discard(self, value: Val) -> None:
         """Evaluate an expression for what it does."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from plcgen.cpu.compile_model import Place, Probe, ProgramBlock, Val
 from plcgen.cpu.memory import CODECS
 from plcgen.cpu.semantics_scope import Scope, scalar_name
-from plcgen.diagnostics import Diagnostic, Span
+from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.s7.types import StringType
 from plcgen.scl import ast
 
@@ -67,10 +67,12 @@ class Emitter:
         """Where a node stands."""
         return self.owner.result.span(node)
 
-    def error(self, code: str, message: str, node: ast.Node, text: str = "") -> None:
+    def error(
+        self, code: str, message: str, node: ast.Node, text: str = "", severity: Severity = Severity.ERROR
+    ) -> None:
         """Report a problem at a node."""
         if len(self.diagnostics) < MAX_DIAGNOSTICS:
-            self.diagnostics.append(Diagnostic(code, message, self.span(node), help=text))
+            self.diagnostics.append(Diagnostic(code, message, self.span(node), severity, help=text))
 
     def text(self, node: ast.Node) -> str:
         """Source text of a node on one line."""

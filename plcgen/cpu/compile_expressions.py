@@ -242,6 +242,8 @@ class ExpressionCompiler(PlaceCompiler):
         common = common_type(left.type, right.type, classic=self.classic)
         word, symbol = _LOGIC[node.operator]
         pure = left.pure and right.pure
+        if common == "BOOL" and not {left.const, right.const} <= {None, 0, 1}:
+            return self.mismatch(node, left, right)
         if common == "BOOL":
             if word and right.pure:
                 before = left.parts[1] if left.parts and left.parts[0] == word else [left.code]
@@ -261,6 +263,8 @@ class ExpressionCompiler(PlaceCompiler):
         if left.const is not None and right.const is not None and {left.type, right.type} <= NUMERIC:
             return Val(f"({left.code}{symbol}{right.code})", "BOOL")
         common = common_type(left.type, right.type, classic=self.classic)
+        if common == "BOOL" and not {left.const, right.const} <= {None, 0, 1}:
+            return self.mismatch(node, left, right)
         if common == "BOOL" and equality:
             return Val(f"((not {left.code}){symbol}(not {right.code}))", "BOOL", pure=pure)
         if not common or common in POINTERS or common == "BOOL":

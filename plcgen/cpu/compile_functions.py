@@ -23,6 +23,7 @@ from plcgen.cpu.semantics_types import (
 )
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.scl import ast
+from plcgen.scl.instructions import INSTRUCTIONS
 
 _CONVERSION = re.compile(r"([A-Z][A-Z0-9_]*?)_TO_([A-Z][A-Z0-9_]*)")
 _MATH = frozenset("SQR SQRT EXP EXPD LN LOG SIN COS TAN ASIN ACOS ATAN FRAC".split())  # noqa: SIM905
@@ -238,6 +239,8 @@ class FunctionCompiler(CallCompiler):
         """``A_TO_B`` with one argument."""
         if name in {"BCD_TO_INT", "WORD_BCD_TO_INT", "INT_TO_BCD_WORD", "INT_TO_BCD"} or "BCD" in name:
             return self.bcd(node, name)
+        if name in INSTRUCTIONS:
+            return None
         source, target = canonical(source), canonical(target)
         if (source, target) not in conversions(classic=self.classic):
             self.error("PG820", f"{self.link.dialect.label} has no function {name}", node)

@@ -12,7 +12,7 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.shapes import Shape
-from plcgen.s7.types import ELEMENTARY, ArrayType, NamedType
+from plcgen.s7.types import ELEMENTARY, ArrayType, NamedType, StringType
 from plcgen.scl import ast
 
 _SHORT = re.compile(r"(%?DB\d+\.)D([XBWD])?(?=\d)", re.IGNORECASE)
@@ -148,6 +148,8 @@ class PlaceCompiler(Emitter):
             return None
         position = 0
         while position < len(node.indices):
+            if isinstance(place.shape.type, StringType) and not place.local:
+                place = characters(place)
             shape = place.shape
             if not isinstance(shape.type, ArrayType) or shape.element is None or place.local:
                 self.error("PG821", f"{self.text(node.base)} is no array", node)
@@ -265,3 +267,16 @@ class PlaceCompiler(Emitter):
             bit = codes[1] if len(codes) > 1 else "0"
             return Place(shape, mem, 0, dynbit=f"ck({codes[0]},{last})*8+ck({bit},7)")
         return Place(shape, mem, 0, f"ck({codes[0]},{last})")
+
+
+def characters(text: Place) -> Place:
+    """Return the characters of a STRING or WSTRING as an array: ``s[1]`` is the first one."""
+    type_ = text.shape.type
+    assert isinstance(type_, StringType)  # noqa: S101 - the caller looked
+    wide = type_.name == "WSTRING"
+    element = bare_shape("WCHAR" if wide else "CHAR")
+    array = ArrayType(((1, type_.length),), element.type)
+    bits = element.bits * type_.length
+    shape = Shape(array, bits, 16, bits, 16, element=element, strides=(element.bits,))
+    header = 32 if wide else 16
+    return PlaceCompiler.shifted(text, header, shape, overlay=True)

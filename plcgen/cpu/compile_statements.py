@@ -10,7 +10,8 @@ from plcgen.cpu.compile_model import UNKNOWN, Place, ProgramBlock, Val
 from plcgen.cpu.linkage import Linkage
 from plcgen.cpu.semantics_scope import Scope, bare_shape, scalar_name
 from plcgen.cpu.semantics_types import BITS, INT_CONST, INTEGERS, limits
-from plcgen.s7.blocks import SectionKind
+from plcgen.diagnostics import Severity
+from plcgen.s7.blocks import BlockKind, SectionKind
 from plcgen.scl import ast
 
 MAX_INDENT = 90
@@ -102,7 +103,10 @@ class StatementCompiler(MoveCompiler):
         if place is None:
             return None
         if place.section is SectionKind.INPUT:
-            self.error("PG823", f"{self.text(node)} is an input", node, "copy it to a variable of its own")
+            # STEP 7 V5 lets an FB write its inputs: public libraries reset their commands that way
+            tolerated = not self.link.dialect.is_tia and self.scope.block.kind is BlockKind.FB
+            severity = Severity.WARNING if tolerated else Severity.ERROR
+            self.error("PG823", f"{self.text(node)} is an input", node, "copy it to a variable of its own", severity)
         if "(" in place.dyn:
             name = self.temporary()
             self.emit(f"{name}={place.dyn}")

@@ -79,6 +79,8 @@ def common_type(left: str, right: str, *, classic: bool) -> str | None:
 
 
 def _with_constant(type_: str, constant: str) -> str | None:
+    if constant == INT_CONST and type_ == "BOOL":
+        return type_
     if constant == INT_CONST:
         fits = type_ in INTEGERS or type_ in BITS or type_ in REALS or type_ in HARDWARE or type_ in BLOCK_NUMBERS
         return type_ if fits or type_ in {REAL_CONST, INT_CONST} else None
