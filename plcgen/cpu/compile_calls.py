@@ -113,7 +113,8 @@ class CallCompiler(ArgumentCompiler):
 
     def missing_block(self, node: ast.Call, target: ast.Name) -> None:
         """PG825, or PG827 for a function of the language that the soft CPU does not have."""
-        if target.scope == "bare" and target.name.upper() in INSTRUCTIONS:
+        upper = target.name.upper()
+        if target.scope == "bare" and (upper in INSTRUCTIONS or (upper[:3] == "SFC" and upper[3:].isdecimal())):
             self.error("PG827", f"the soft CPU does not execute {target.name}", node)
             return
         self.error("PG825", f"there is no block {target.name}", node, self.near_block(target.name))

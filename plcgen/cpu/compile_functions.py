@@ -11,6 +11,7 @@ from plcgen.cpu.semantics_types import (
     BITS,
     INT_CONST,
     INTEGERS,
+    NOT_EXECUTED,
     NUMERIC,
     REAL_CONST,
     REALS,
@@ -242,6 +243,9 @@ class FunctionCompiler(CallCompiler):
         if name in INSTRUCTIONS:
             return None
         source, target = canonical(source), canonical(target)
+        if (source, target) in NOT_EXECUTED and not self.classic:
+            self.error("PG827", f"the soft CPU does not execute {name}", node)
+            return self.unknown()
         if (source, target) not in conversions(classic=self.classic):
             self.error("PG820", f"{self.link.dialect.label} has no function {name}", node)
             return self.unknown()

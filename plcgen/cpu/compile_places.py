@@ -121,6 +121,9 @@ class PlaceCompiler(Emitter):
             if scalar_name(base.shape) == "DTL" and name.upper() in _DTL:
                 offset, type_ = _DTL[name.upper()]
                 return self.shifted(base, offset, bare_shape(type_), overlay=True)
+            if scalar_name(base.shape) in {"BLOCK_DB", "DB_ANY"}:
+                self.error("PG827", "the soft CPU does not open data blocks by a parameter", node)
+                return None
             near = did_you_mean(name, [f.member.name for f in base.shape.fields])
             self.error("PG820", f"there is no member {name}", node, near)
             return None

@@ -119,6 +119,16 @@ _CLASSIC_CONVERSIONS = {
 }
 
 
+_STAMPS = ("DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "DATE_AND_TIME", "LDT", "DTL")
+NOT_EXECUTED = frozenset(
+    {("STRING", "WSTRING"), ("WSTRING", "STRING"), ("CHAR", "WCHAR"), ("WCHAR", "CHAR"), ("STRING", "CHAR"),
+     ("WCHAR", "WSTRING"), ("WSTRING", "WCHAR"), *((name, "WSTRING") for name in (*INTEGERS, *REALS)),
+     *(("WSTRING", name) for name in (*INTEGERS, *REALS)),
+     *((source, target) for source in ("DTL", "LDT", "DATE_AND_TIME") for target in _STAMPS if source != target)}
+)  # fmt: skip
+"""Conversions of the S7-1200/1500 that the soft CPU does not have."""
+
+
 @cache
 def conversions(*, classic: bool) -> frozenset[tuple[str, str]]:
     """Every ``A_TO_B`` function of a target as a pair of canonical type names."""
