@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -224,14 +223,17 @@ class EncodeResult:
 SPEC_SUFFIXES = frozenset({".yaml", ".yml"})
 
 
-def layout(*paths: Path | str, s7_1500: bool = False) -> LayoutResult:
-    """Lay out the telegram buffers of specs (``.yaml``) and the blocks of text sources (all others).
+Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
 
-    Types may stand in any of the files, in any order; UDT and SCL
-    files beside a source (or in ``../udt`` and ``../scl``) are looked at too. ``s7_1500``: system blocks in FBs
-    are those of the S7-1200/1500.
+
+def layout(*paths: Path | str, family: Family | None = None, block: str = "", expand: bool = False) -> LayoutResult:
+    """Lay out the telegram buffers of specs (``.yaml``) and the blocks of PLC sources (all other files, folders).
+
+    Types may stand in any of the files, in any order; UDT and SCL files beside a source (or in ``../udt`` and
+    ``../scl``) are looked at too. ``family`` decides what a TON or WRREC inside an FB is, ``block`` picks blocks by
+    name or number (``DB3``), ``expand`` shows every element of every array.
     """
-    from plcgen.report.planned import block_tables, project_tables
+    from plcgen.report.planned import project_tables
 
     tables: list[BlockTable] = []
     report = Report()
@@ -244,14 +246,12 @@ def layout(*paths: Path | str, s7_1500: bool = False) -> LayoutResult:
                 tables += project_tables(checked.project)
         else:
             sources.append(path)
-    blocks, types = _read_sources(sources, report)
-    if s7_1500:
-        from plcgen.s7.system import s7_1500_types
-
-        types = {**s7_1500_types(), **types}
-    found, problems = block_tables(blocks, types)
-    report.extend(problems)
-    return LayoutResult((*tables, *found), tuple(report))
+    tables = [table for table in tables if not block or _is_called(table.name, table.kind, table.number, block)]
+    if sources:
+        tables += _source_tables(sources, report, family, block, expand=expand)
+    if block and not tables and not report.has_errors:
+        report.add(Diagnostic("PG806", f'there is no DB, UDT or FB "{block}" in these files', Span(str(paths[0]))))
+    return LayoutResult(tuple(tables), tuple(report))
 
 
 def diff(
@@ -275,28 +275,30 @@ def _paths(given: Path | str | Sequence[Path | str]) -> list[Path]:
     return [Path(given)] if isinstance(given, Path | str) else [Path(path) for path in given]
 
 
-def _read_sources(paths: Sequence[Path], report: Report) -> tuple[list[Any], dict[str, Any]]:
-    """Blocks of the files, and every type known to them by name: their own and those of sibling UDT files."""
-    from plcgen.read.text import read_source
+def _source_tables(
+    paths: Sequence[Path], report: Report, family: Family | None, block: str, *, expand: bool
+) -> list[BlockTable]:
+    from plcgen.read.files import read_files
+    from plcgen.report.declared import block_tables
+    from plcgen.s7.system import family_types
 
-    blocks: list[Any] = []
-    types: dict[str, Any] = {}
-    siblings = {near for path in paths if path.is_file() for near in _siblings(path)}
-    for path in sorted(siblings - set(paths)):
-        types |= {block.name: block for block in read_source(path)[0]}
-    for path in paths:
-        found, problems = read_source(path)
-        report.extend(problems)
-        blocks += found
-        types |= {block.name: block for block in found}
-    return blocks, types
+    classic = family in {"s7-300", "s7-400"}
+    files = read_files(paths, classic=classic)
+    report.extend(files.diagnostics)
+    known = {(d.code, d.span) for d in files.diagnostics}
+    circles = any(d.code == "PG807" for d in files.diagnostics)
+    types = files.types
+    for name, system in family_types(family).items():
+        types.setdefault(name, system)
+    chosen = [b for b in files.blocks if not block or _is_called(b.name, b.kind.value, b.number, block)]
+    tables, problems = block_tables(chosen, types, expand=expand)
+    report.extend(d for d in problems if (d.code, d.span) not in known and not (circles and d.code == "PG807"))
+    return tables
 
 
-def _siblings(path: Path) -> Iterable[Path]:
-    """Files that may hold a source's types: UDTs, and FBs for instance DBs, beside it or one folder over."""
-    for folder, suffix in product((path.parent, path.parent.parent), (".udt", ".scl")):
-        where = folder if folder == path.parent else folder / suffix[1:]
-        yield from where.glob(f"*{suffix}")
+def _is_called(name: str, kind: str, number: int | None, wanted: str) -> bool:
+    plain = wanted.strip('"').upper()
+    return plain == name.upper() or (number is not None and plain.replace(" ", "") == f"{kind}{number}")
 
 
 def encode(spec: Path | str, job: str | None = None) -> EncodeResult:

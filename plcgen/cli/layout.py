@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, format_options, output_option
-from plcgen.cli.output import OK, PROBLEMS
+from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, format_options
+from plcgen.cli.output import OK, PROBLEMS, Console
+
+if TYPE_CHECKING:
+    from plcgen.api import Family, LayoutResult
+
+_BOM = "\ufeff"
 
 
 @click.command(
@@ -16,51 +22,76 @@ from plcgen.cli.output import OK, PROBLEMS
     context_settings=CONTEXT,
     examples=(
         "plcgen layout job.yaml",
-        "plcgen layout job_generated/db/*.db --format csv",
-        "plcgen layout old_project.awl types.udt",
+        "plcgen layout old_project.awl types.udt --block DB3",
+        "plcgen layout exported_project/ --format csv --out layout.csv",
     ),
 )
-@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="SPEC|FILE...")
+@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="SPEC|FILE|FOLDER...")
 @format_options("text", "markdown", "csv", "json")
+@click.option("--block", default="", metavar="NAME", help="Only this block: its name, or DB3, UDT5, FB7.")
+@click.option("--expand", is_flag=True, help="Every element of every array, not only the first.")
+@click.option(
+    "--family",
+    type=click.Choice(["s7-300", "s7-400", "s7-1200", "s7-1500"]),
+    metavar="FAMILY",
+    help="Whose WRREC, RDREC and TON lie in the blocks: s7-300, s7-400, s7-1200 or s7-1500.",
+)
 @click.option("--grid/--no-grid", default=True, help="Draw requests byte by byte (text).  [default: grid]")
-@click.option("--s7-1500", "s7_1500", is_flag=True, help="Sources are for S7-1200/1500: their WRREC and RDREC.")
-@output_option
+@click.option("--separator", default=";", metavar="CHARACTER", help="Between the cells of csv.  [default: ;]")
+@click.option(
+    "-o", "--out", "--output", "output", type=PATH, metavar="FILE", help="Write the result to FILE instead of stdout."
+)
+@click.option("--force", is_flag=True, help="Overwrite FILE.")
 @common_options
 @click.pass_context
 def command(
     ctx: click.Context,
     paths: tuple[Path, ...],
     format_: str,
-    grid: bool,  # noqa: FBT001 - click's signature
-    s7_1500: bool,  # noqa: FBT001
+    block: str,
+    expand: bool,  # noqa: FBT001 - click's signature
+    family: Family | None,
     output: Path | None,
+    force: bool,  # noqa: FBT001
+    grid: bool,  # noqa: FBT001
+    separator: str,
 ) -> int:
-    """Show offset, address, type and start value of every member.
+    """Show offset, address, type, start value and comment of every member, and every gap.
 
-    For a spec: the request and response data blocks of every telegram. For PLC text sources (.db .udt .scl
-    .awl): every block in them, with the standard-access layout a CPU gives it; types may stand in other files.
+    For a spec: the request and response data blocks of every telegram. For PLC sources (.db .udt .scl .awl, TIA
+    exports .xml, folders of them): every block in them, with the standard-access layout a CPU gives it; types may
+    stand in other files.
     """
     from plcgen import api
-    from plcgen.report import layout as report
 
     out = console(ctx)
-    result = api.layout(*dict.fromkeys(paths), s7_1500=s7_1500)
-    if format_ == "json":
-        from plcgen.report.json import diagnostic_data
-
-        data = [diagnostic_data(d) for d in result.diagnostics]
-        out.result(report.layout_json(result.blocks, data, ok=result.ok), output)
-        return OK if result.ok else PROBLEMS
-    out.complain(result.diagnostics)
-    if format_ == "markdown":
-        text = report.layout_markdown(result.blocks)
-    elif format_ == "csv":
-        text = report.layout_csv(result.blocks)
-    else:
-        color = out.out_color and output is None
-        text = report.layout_text(result.blocks, color=color, grid=grid, width=out.out_width)
-    if result.blocks or output is not None:
-        out.result(text, output)
+    if len(separator) != 1 or separator in "\"\r\n'":
+        raise click.UsageError("--separator is one character, for example ; or ,", ctx)
+    result = api.layout(*dict.fromkeys(paths), family=family, block=block, expand=expand)
+    if format_ != "json":
+        out.complain(result.diagnostics)
+    if result.blocks or format_ == "json":
+        out.result(_spelled(result, format_, out, output, grid=grid, separator=separator), output, force=force)
     elif result.ok:
         out.say("no data block, type or function block found")
     return OK if result.ok else PROBLEMS
+
+
+def _spelled(
+    result: LayoutResult, format_: str, out: Console, output: Path | None, *, grid: bool, separator: str
+) -> str:
+    """The result in one of the formats."""
+    if format_ == "json":
+        from plcgen.report.json import diagnostic_data
+        from plcgen.report.layout_data import layout_json
+
+        return layout_json(result.blocks, [diagnostic_data(d) for d in result.diagnostics], ok=result.ok)
+    if format_ == "csv":
+        from plcgen.report.layout_data import layout_csv
+
+        return (_BOM if output is not None else "") + layout_csv(result.blocks, separator)
+    from plcgen.report.layout import layout_markdown, layout_text
+
+    if format_ == "markdown":
+        return layout_markdown(result.blocks)
+    return layout_text(result.blocks, color=out.out_color and output is None, grid=grid, width=out.out_width)

@@ -95,9 +95,11 @@ class Console:
         """Columns for results."""
         return terminal_width(sys.stdout)
 
-    def result(self, text: str, output: Path | None = None) -> None:
-        """Deliver a result to stdout, or to a file if one is given (UTF-8, LF)."""
+    def result(self, text: str, output: Path | None = None, *, force: bool = True) -> None:
+        """Deliver a result to stdout, or to a file if one is given (UTF-8, LF); without ``force`` to a new one."""
         if output is not None:
+            if not force and output.exists():
+                raise OutputError(f"{output} exists: another name, or --force to overwrite it")
             _write_file(output, text)
             self.say(f"wrote {output}")
             return

@@ -3,25 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from plcgen.report.cells import clean, cut, pad
-from plcgen.report.json import dump, head
 from plcgen.report.paint import paint
-from plcgen.report.table import csv_table, markdown_table, text_table
+from plcgen.report.table import markdown_table, text_table
+from plcgen.s7.address import Address
 
-HEADER = ("offset", "address", "name", "type", "size", "start value")
+if TYPE_CHECKING:
+    from plcgen.s7.evidence import Rule
+    from plcgen.s7.shapes import Shape
+
+HEADER = ("offset", "address", "name", "type", "size", "start value", "comment")
+_RULES = "rule"
 _RIGHT = frozenset({0, 4})
 _LONG = 6
 """Rows after which the picture shortens a member to its first and last two bytes."""
+_START = 36
+"""Columns of start values on a screen; files have them whole."""
+
+MEMBER, GAP, MORE = "member", "gap", "more"
 
 
 @dataclass(frozen=True, slots=True)
 class LayoutRow:
-    """One member: ``byte``.``bit`` from the start of the block (bit None for whole bytes), size in ``bits``."""
+    """One line of a layout: a member, a gap that nothing uses, or a fold of further array elements.
 
-    byte: int
+    ``byte``.``bit`` from the start of the block (bit None for whole bytes, byte None in optimized blocks), size
+    in ``bits``; ``rules`` are the keys of the rules that no compiled block confirms and on which place or size rest.
+    """
+
+    byte: int | None
     bit: int | None
     bits: int
     address: str
@@ -29,38 +42,90 @@ class LayoutRow:
     type: str
     start: str
     depth: int = 0
+    comment: str = ""
+    kind: str = MEMBER
+    rules: tuple[str, ...] = ()
 
     @property
     def offset(self) -> str:
         """Offset as S7 editors write it: ``6.0``."""
-        return f"{self.byte}.{self.bit or 0}"
+        return "" if self.byte is None else f"{self.byte}.{self.bit or 0}"
 
     @property
     def size(self) -> str:
-        """``2 B`` or ``1 bit``."""
-        return f"{self.bits // 8} B" if self.bits % 8 == 0 else f"{self.bits} bit"
+        """``2 B``, ``1 bit`` or ``1 B 5 bit``."""
+        return "" if self.byte is None else size_text(self.bits)
 
     def cells(self) -> tuple[str, ...]:
         """Texts of the table's columns."""
-        return (self.offset, self.address, "  " * self.depth + self.name, self.type, self.size, self.start)
+        name = "  " * self.depth + self.name
+        return (self.offset, self.address, name, self.type, self.size, self.start, self.comment)
 
 
 @dataclass(frozen=True, slots=True)
 class BlockTable:
-    """One block: identity, size in bytes, members; ``data`` and ``role`` if it is a telegram's buffer."""
+    """One block: identity, size in bytes (None if its access is optimized), rows.
+
+    ``data`` and ``role`` if it is a telegram's buffer; ``unused`` counts the bits of all gaps, those inside folded
+    arrays included; ``shape`` is the memory the rows were made from; ``file`` and ``line`` where it is declared.
+    """
 
     kind: str
     name: str
     number: int | None
-    size: int
+    size: int | None
     rows: tuple[LayoutRow, ...]
     role: str = ""
     data: bytes | None = None
+    unused: int = 0
+    rules: tuple[Rule, ...] = ()
+    comment: str = ""
+    file: str = ""
+    line: int = 0
+    shape: Shape | None = field(default=None, repr=False, compare=False)
 
     @property
     def title(self) -> str:
-        """``DB3 "WR_DataBuffer"``."""
-        return f'{self.kind}{"" if self.number is None else self.number} "{clean(self.name)}"'
+        """``DB3 "WR_DataBuffer"``, ``DB3`` alone if it has no other name."""
+        short = f"{self.kind}{'' if self.number is None else self.number}"
+        return short if self.name.upper() == short else f'{short} "{clean(self.name)}"'
+
+    @property
+    def summary(self) -> str:
+        """``10 bytes, 3 B unused``; optimized blocks have no offsets."""
+        if self.size is None:
+            return "optimized access: no offsets"
+        unused = f", {size_text(self.unused)} unused" if self.unused else ""
+        return f"{self.size} bytes{unused}"
+
+    def mark(self, row: LayoutRow) -> str:
+        """Letters of the footnotes of a row: ``a``, ``a b``."""
+        keys = [rule.key for rule in self.rules]
+        return " ".join(letter(keys.index(key)) for key in row.rules if key in keys)
+
+    @property
+    def footnotes(self) -> list[tuple[str, str]]:
+        """(letter, sentence) of every rule that no compiled block confirms and that a row rests on."""
+        return [(letter(n), f"{r.text}: {r.evidence}, no compiled block") for n, r in enumerate(self.rules)]
+
+
+def letter(position: int) -> str:
+    """``a`` to ``z``, then ``aa``, ``ab``."""
+    head, tail = divmod(position, 26)
+    return (letter(head - 1) if head else "") + chr(ord("a") + tail)
+
+
+def size_text(bits: int) -> str:
+    """``2 B``, ``1 bit``, ``1 B 5 bit``."""
+    size, rest = divmod(bits, 8)
+    parts = ([f"{size} B"] if size or not rest else []) + ([f"{rest} bit"] if rest else [])
+    return " ".join(parts)
+
+
+def member_address(db: int | None, byte: int, bit: int | None, bits: int) -> str:
+    """``DB3.DBW6``; ``DBW6`` without a number; larger members show their first byte."""
+    place = Address("DB", db, byte, bit, bits if bits in {1, 8, 16, 32} else 8).text()
+    return place if db is not None else place.partition(".")[2]
 
 
 def layout_text(blocks: Sequence[BlockTable], *, color: bool = False, grid: bool = True, width: int = 0) -> str:
@@ -70,12 +135,32 @@ def layout_text(blocks: Sequence[BlockTable], *, color: bool = False, grid: bool
 
 def _block(block: BlockTable, *, color: bool, grid: bool, width: int) -> str:
     role = f", {clean(block.role)}" if block.role else ""
-    lines = [f"{paint(block.title, 'bold', color=color)}  {block.size} bytes{role}"]
-    header, *rows = text_table(HEADER, [row.cells() for row in block.rows], right=_RIGHT, limit=width)
-    lines += [paint(header, "dim", color=color), *rows]
+    lines = [f"{paint(block.title, 'bold', color=color)}  {block.summary}{role}"]
+    if block.comment:
+        lines.append(paint(f"  {cut(clean(block.comment), width or 160)}", "dim", color=color))
+    shown, right = _columns(block, width)
+    header, *rows = text_table(shown[0], shown[1:], right=right, limit=width)
+    lines.append(paint(header, "dim", color=color))
+    lines += [
+        paint(text, "dim", color=color and row.kind != MEMBER) for row, text in zip(block.rows, rows, strict=True)
+    ]
+    lines += [f"  {mark}  {text}" for mark, text in block.footnotes]
     if grid and block.data is not None:
         lines += ["", *picture(block)]
     return "\n".join(lines) + "\n"
+
+
+def _columns(block: BlockTable, width: int) -> tuple[list[tuple[str, ...]], frozenset[int]]:
+    """Header and rows, without columns that are empty in every row; the numbers of the right-aligned ones."""
+    rows = [row.cells() for row in block.rows]
+    if width:
+        rows = [(*cells[:5], cut(clean(cells[5]), _START), cells[6]) for cells in rows]
+    marks = [(block.mark(row),) for row in block.rows]
+    table: list[tuple[str, ...]] = [(*HEADER[:5], _RULES, *HEADER[5:])]
+    table += [(*cells[:5], *mark, *cells[5:]) for cells, mark in zip(rows, marks, strict=True)]
+    kept = [n for n in range(len(table[0])) if n in {2, 3} or any(row[n] for row in table[1:])]
+    right = frozenset(kept.index(n) for n in _RIGHT if n in kept)
+    return [tuple(row[n] for n in kept) for row in table], right
 
 
 def picture(block: BlockTable, columns: int = 72) -> list[str]:
@@ -85,8 +170,9 @@ def picture(block: BlockTable, columns: int = 72) -> list[str]:
     rule = f"       +{'-' * cell}+{'-' * cell}+"
     lines = [f"  byte  {pad('+0', cell)} +1", rule]
     byte = 0
-    rows = [row for row in block.rows if row.bits >= 8]
-    for row in rows:
+    for row in block.rows:
+        if row.byte is None or row.bits < 8:
+            continue
         size = row.bits // 8
         if byte == 4:
             lines.append(rule)
@@ -124,51 +210,14 @@ def _draw(lines: list[str], row: LayoutRow, data: bytes, step: tuple[int, int], 
 
 
 def layout_markdown(blocks: Sequence[BlockTable]) -> str:
-    """Write one heading and one table a block."""
+    """Write one heading and one table a block, its footnotes below."""
     parts = []
     for block in blocks:
         role = f", {clean(block.role)}" if block.role else ""
-        table = markdown_table(HEADER, [row.cells() for row in block.rows], right=_RIGHT)
+        shown, right = _columns(block, 0)
+        table = markdown_table(shown[0], shown[1:], right=right)
         title = block.title.replace("_", "\\_")
-        parts.append("\n".join([f"### {title}", "", f"{block.size} bytes{role}", "", *table]) + "\n")
+        notes = [f"- {mark}: {text}" for mark, text in block.footnotes]
+        lines = [f"### {title}", "", f"{block.summary}{role}", "", *table, *([""] if notes else []), *notes]
+        parts.append("\n".join(lines) + "\n")
     return "\n".join(parts)
-
-
-def layout_csv(blocks: Sequence[BlockTable]) -> str:
-    """One table for all blocks, the block in the first column."""
-    rows = [(block.title, *row.cells()[:2], row.name, *row.cells()[3:]) for block in blocks for row in block.rows]
-    return csv_table(("block", *HEADER), rows)
-
-
-def layout_json(blocks: Sequence[BlockTable], diagnostics: Sequence[dict[str, Any]], *, ok: bool) -> str:
-    """Blocks with their members; offsets and sizes as numbers."""
-    return dump(
-        {
-            **head("layout", ok=ok),
-            "blocks": [
-                {
-                    "kind": block.kind,
-                    "name": block.name,
-                    "number": block.number,
-                    "size": block.size,
-                    "role": block.role,
-                    "data": None if block.data is None else block.data.hex().upper(),
-                    "members": [
-                        {
-                            "name": row.name,
-                            "byte": row.byte,
-                            "bit": row.bit,
-                            "bits": row.bits,
-                            "address": row.address,
-                            "type": row.type,
-                            "start": row.start,
-                            "depth": row.depth,
-                        }
-                        for row in block.rows
-                    ],
-                }
-                for block in blocks
-            ],
-            "diagnostics": list(diagnostics),
-        }
-    )

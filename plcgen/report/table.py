@@ -44,15 +44,18 @@ def _markdown(row: Row) -> str:
     return "| " + " | ".join(cells) + " |"
 
 
-def csv_table(header: Row, rows: Sequence[Row]) -> str:
+def csv_table(header: Row, rows: Sequence[Row], separator: str = ",") -> str:
     """Write CSV (RFC 4180 quoting, LF line ends); a leading = + - @ is quoted so that no sheet computes it."""
-    return "".join(",".join(_csv(cell) for cell in row) + "\n" for row in [header, *rows])
+    special = {separator, '"', "\r", "\n"}
+    return "".join(separator.join(_csv(cell, special) for cell in row) + "\n" for row in [header, *rows])
 
 
-def _csv(cell: str) -> str:
-    if cell[:1] in {"=", "@"} or (cell[:1] in {"+", "-"} and not _number(cell)):
+def _csv(cell: str, special: set[str]) -> str:
+    if not cell:
+        return cell
+    if cell[0] in "=@\t\r" or (cell[0] in "+-" and not _number(cell)):
         cell = f"'{cell}"
-    quoted = any(character in cell for character in ',"\r\n')
+    quoted = not special.isdisjoint(cell)
     return '"' + cell.replace('"', '""') + '"' if quoted else cell
 
 

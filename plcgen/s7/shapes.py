@@ -7,6 +7,7 @@ only makes an offset doubtful where it changes the outcome.
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -55,9 +56,10 @@ class Shape:
     """One type in memory; every measure in bits.
 
     ``bits`` is the room taken including padding, ``used`` without padding that only literature asks for;
-    ``align`` and ``first_align`` are the alignment with and without literature rules; ``count`` is how many
-    entries a member of this type adds to a layout. ``doubts`` are the literature rules (``evidence``) that the
-    size rests on, ``stride_doubts`` those of the places of an array's elements but the first.
+    ``align`` and ``first_align`` are the alignment with and without literature rules; ``has_struct`` says that it
+    is a structure or has one inside; ``count`` is how many entries a member of this type adds to a layout.
+    ``doubts`` are the literature rules (``evidence``) that the size rests on, ``stride_doubts`` those of the places
+    of an array's elements but the first.
     """
 
     type: DataType
@@ -65,6 +67,7 @@ class Shape:
     align: int
     used: int
     first_align: int
+    has_struct: bool = False
     doubts: frozenset[str] = NO_DOUBTS
     count: int = 1
     depth: int = 0
@@ -77,33 +80,53 @@ class Shape:
 
 @dataclass(slots=True)
 class _Cursor:
-    """The next free bit: ``bits`` by all rules, ``low`` without the literature padding of the last member."""
+    """The next free bit: ``bits`` by all rules, ``low`` without those that only literature asks for.
+
+    While the two differ, ``causes`` are the rules behind it; ``doubts`` are those of sizes, which never go away.
+    """
 
     bits: int = 0
     low: int = 0
     doubts: frozenset[str] = NO_DOUBTS
+    causes: frozenset[str] = NO_DOUBTS
 
     def place(self, shape: Shape) -> tuple[int, frozenset[str]]:
         align = shape.align
         offset = -(-self.bits // align) * align
-        doubts = self.doubts
-        if (self.low != self.bits or shape.first_align != align) and _up(self.low, shape.first_align) != offset:
-            doubts |= self._reasons(shape, offset)
-        self.bits, self.low = offset + shape.bits, offset + shape.used
-        self.doubts = doubts | shape.doubts if shape.doubts else doubts
+        if shape.first_align == align and self.low == self.bits:
+            self.bits = self.low = offset + shape.bits
+            doubts = self.doubts
+        else:
+            doubts = self._compare(shape, offset)
+        if shape.used != shape.bits:
+            self.low -= shape.bits - shape.used
+            self.causes |= {ARRAY_END}
+        if shape.doubts:
+            self.doubts |= shape.doubts
         return offset, doubts
 
-    def _reasons(self, shape: Shape, offset: int) -> frozenset[str]:
-        """Tell which literature rules put a member here and not earlier; both if either would do."""
-        start = _up(self.bits, shape.first_align) != offset
-        end = _up(self.low, shape.align) != offset
-        return frozenset({COMPOSITE_START} if start and not end else {ARRAY_END} if end and not start else _BOTH)
+    def _compare(self, shape: Shape, offset: int) -> frozenset[str]:
+        """Place a member in both ways; equal places need no literature rule."""
+        first = shape.first_align
+        low = _up(self.low, first)
+        if low == offset:
+            self.causes, doubts = NO_DOUBTS, self.doubts
+        else:
+            if low != _up(self.low, shape.align) or _up(self.bits, first) != offset:
+                self.causes |= {COMPOSITE_START}
+            doubts = self.doubts | self.causes
+            if shape.has_struct and first != shape.align:
+                self.doubts = doubts  # its own padding is then unknown: the two ways do not surely meet again
+        self.bits, self.low = offset + shape.bits, low + shape.bits
+        return doubts
 
     def even(self) -> None:
-        self.bits = self.low = _up(self.bits, 16)
+        self.bits, self.low = _up(self.bits, 16), _up(self.low, 16)
+        if self.bits == self.low:
+            self.causes = NO_DOUBTS
 
 
-_BOTH = frozenset({COMPOSITE_START, ARRAY_END})
+_SYSTEM = re.compile(r"SF[BC][0-9]{1,3}", re.IGNORECASE)
 
 
 class TypeTable(dict[str, "Block"]):
@@ -128,10 +151,9 @@ class ShapeBuilder:
         self._depth = 0
         self.diagnostics: list[Diagnostic] = []
 
-    def report(self, code: str, message: str, span: Span | None, help_text: str = "", note: Note | None = None) -> None:
+    def report(self, code: str, message: str, span: Span | None, help_text: str = "") -> None:
         """Add one problem; without a span it is put at the block."""
-        notes = (note,) if note else ()
-        self.diagnostics.append(Diagnostic(code, message, span or self._owner, help=help_text, notes=notes))
+        self.diagnostics.append(Diagnostic(code, message, span or self._owner, help=help_text))
 
     def find(self, name: str, *, quoted: bool = False) -> Block | None:
         """Find the block or type called ``name`` in any letter case; user blocks go before system types.
@@ -190,7 +212,8 @@ class ShapeBuilder:
             16,
             cursor.bits,
             shapes[0].first_align if shapes else 1,
-            doubts=cursor.doubts,
+            has_struct=True,
+            doubts=cursor.doubts | cursor.causes,
             count=1 + sum(s.count for s in shapes),
             depth=1 + max((s.depth for s in shapes), default=0),
             fields=tuple(fields),
@@ -279,8 +302,9 @@ class ShapeBuilder:
             type_,
             _up(row, 16),
             16,
-            row,
+            _up(row, 8),
             element.first_align,
+            has_struct=element.has_struct,
             doubts=doubts,
             depth=element.depth + 1,
             element=element,
@@ -315,12 +339,16 @@ class ShapeBuilder:
         return shape
 
     def unknown(self, name: str, span: Span | None, block: Block | None = None) -> None:
-        """Report a name that is no type."""
+        """Report a name that is no type; the same words for every use, so that uses can be put together."""
         if block is not None:
             self.report("PG806", f"{name} is {block.kind.value}, not a data type", span)
-            return
-        help_text = did_you_mean(name, [*self._types, *ELEMENTARY])
-        self.report("PG806", f"unknown data type {name}", span, help_text)
+        elif _SYSTEM.fullmatch(name):
+            help_text = "name the source of a block that declares the same members"
+            self.report("PG806", f"the members of {name} are not known to plcgen", span, help_text)
+        else:
+            near = did_you_mean(name, [*self._types, *ELEMENTARY])
+            help_text = near or "name the file that declares it, too; several files and folders can be given"
+            self.report("PG806", f"unknown data type {name}", span, help_text)
 
     def check_names(self, members: Sequence[Member]) -> None:
         """Report members that share a name in one scope; letter case does not tell names apart."""
@@ -328,8 +356,14 @@ class ShapeBuilder:
         for member in members:
             first = seen.setdefault(member.name.upper(), member)
             if first is not member:
-                note = Note("first declared here", first.span) if first.span else None
-                self.report("PG805", f"{member.name} is declared twice", member.span, note=note)
+                self.diagnostics.append(declared_twice(member, first, self._owner))
+
+
+def declared_twice(member: Member, first: Member, owner: Span) -> Diagnostic:
+    """PG805 for two members with one name, with both places."""
+    notes = (Note("first declared here", first.span),) if first.span else ()
+    text = "S7 names do not tell upper case from lower case: give one of them another name"
+    return Diagnostic("PG805", f'"{member.name}" is declared twice', member.span or owner, help=text, notes=notes)
 
 
 def _up(value: int, step: int) -> int:

@@ -127,6 +127,13 @@ def s7_300_types() -> Mapping[str, Block]:
     return MappingProxyType({name: block for name, block in found.items() if block is not None})
 
 
+def family_types(family: str | None) -> Mapping[str, Block]:
+    """System types that only one family of CPUs has like this; none if the family is not known."""
+    if family in {"s7-1200", "s7-1500"}:
+        return s7_1500_types()
+    return s7_300_types() if family in {"s7-300", "s7-400"} else {}
+
+
 def is_literature(block: Block) -> bool:
     """Whether the layout of a system type rests on literature instead of compiled blocks."""
     return block.attributes.get(_EVIDENCE) == _LITERATURE

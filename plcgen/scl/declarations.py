@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind
+from plcgen.s7.shapes import declared_twice
 from plcgen.s7.types import (
     ALIASES,
     ELEMENTARY,
@@ -197,16 +198,7 @@ class _Builder:
 
     def duplicate(self, member: Member, known: Member) -> None:
         """Two members with one name, with both places."""
-        notes = (Note("first declared here", known.span),) if known.span else ()
-        self.diagnostics.append(
-            Diagnostic(
-                "PG805",
-                f'"{member.name}" is declared twice',
-                member.span or Span(self.result.tokens.file),
-                help="S7 names do not tell upper case from lower case: give one of them another name",
-                notes=notes,
-            )
-        )
+        self.diagnostics.append(declared_twice(member, known, Span(self.result.tokens.file)))
 
     # --- types ----------------------------------------------------------------------------------------
 

@@ -187,7 +187,10 @@ def test_layout_of_a_spec(plcgen, good):
 def test_layout_formats(plcgen, good):
     """Markdown, CSV and JSON of the same table."""
     assert "| 6.0 | DB3.DBW6 | Para_No | WORD | 2 B | 16#C47F |" in plcgen("layout", good, "-f", "markdown").out
-    assert '"DB3 ""ReadIt_Request""",6.0,DB3.DBW6,Para_No,WORD,2 B,16#C47F\n' in plcgen("layout", good, "-f", "csv").out
+    assert (
+        '"DB3 ""ReadIt_Request""";6;;DB3.DBW6;0;Para_No;WORD;16;16#C47F;;member;\n'
+        in plcgen("layout", good, "-f", "csv").out
+    )
     data = json.loads(plcgen("layout", good, "--json").out)
     assert data["blocks"][0]["data"] == "030102011001C47F0000"
     assert data["blocks"][0]["members"][6] == {
@@ -199,6 +202,9 @@ def test_layout_formats(plcgen, good):
         "type": "WORD",
         "start": "16#C47F",
         "depth": 0,
+        "comment": "",
+        "kind": "member",
+        "unconfirmed": [],
     }
 
 
@@ -219,18 +225,25 @@ END_DATA_BLOCK
 
 
 def test_layout_of_a_source(plcgen, tmp_path):
-    """Offsets by the rules of S7: strings and structures start even, an array fills its last word."""
+    """Offsets by the rules of S7: strings and structures start even, an array fills its last word; gaps are rows.
+
+    7 bits behind flag and byte 1; byte 7 behind the text of 5 bytes; byte 13 behind the array of 3: 31 bits.
+    """
     (tmp_path / "old.awl").write_text(AWL, encoding="utf-8")
     result = plcgen("layout", "old.awl")
     assert (result.code, result.err) == (0, "")
     rows = [line.split() for line in result.out.splitlines()[2:]]
     assert rows == [
         ["0.0", "DB7.DBX0.0", "flag", "BOOL", "1", "bit", "TRUE"],
+        ["0.1", "(unused)", "1", "B", "7", "bit"],
         ["2.0", "DB7.DBB2", "text", "STRING[3]", "5", "B"],
+        ["7.0", "(unused)", "1", "B"],
         ["8.0", "DB7.DBB8", "s", "STRUCT", "6", "B"],
         ["8.0", "DB7.DBW8", "a", "INT", "2", "B", "6"],
-        ["10.0", "DB7.DBB10", "b", "ARRAY[1..3]", "OF", "BYTE", "4", "B"],
+        ["10.0", "DB7.DBB10", "b", "ARRAY[1..3]", "OF", "BYTE", "3", "B"],
+        ["13.0", "(unused)", "1", "B"],
     ]
+    assert result.out.startswith("DB7  14 bytes, 3 B 7 bit unused\n")
 
 
 def test_layout_of_record_blocks(plcgen, tmp_path):
@@ -242,7 +255,7 @@ def test_layout_of_record_blocks(plcgen, tmp_path):
         data = json.loads(plcgen("layout", "f.scl", "--json", *options).out)
         return next(m["type"] for m in data["blocks"][0]["members"] if m["name"] == "INDEX")
 
-    assert (index(), index("--s7-1500")) == ("INT", "DINT")
+    assert (index(), index("--family", "s7-1500")) == ("INT", "DINT")
 
 
 def test_layout_finds_types_beside_the_source(plcgen, good, tmp_path):

@@ -1,0 +1,78 @@
+"""Memory layouts for other programs: CSV for a spreadsheet, JSON for tools."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from plcgen.report.json import dump, head
+from plcgen.report.layout import BlockTable, LayoutRow
+from plcgen.report.table import csv_table
+
+COLUMNS = (
+    "block", "byte", "bit", "address", "level", "name", "type", "bits", "start value", "comment", "kind", "unconfirmed"
+)  # fmt: skip
+
+
+def layout_csv(blocks: Sequence[BlockTable], separator: str = ",") -> str:
+    """One table for all blocks, the block in the first column, offsets and sizes as whole numbers.
+
+    Byte and bit stand in columns of their own: a spreadsheet takes ``12.3`` for a date.
+    """
+    rows = [_csv_row(block, row) for block in blocks for row in block.rows]
+    return csv_table(COLUMNS, rows, separator)
+
+
+def _csv_row(block: BlockTable, row: LayoutRow) -> tuple[str, ...]:
+    byte = "" if row.byte is None else str(row.byte)
+    bit = "" if row.bit is None else str(row.bit)
+    bits = "" if row.byte is None else str(row.bits)
+    texts = {rule.key: rule.text for rule in block.rules}
+    unconfirmed = ", ".join(texts.get(key, key) for key in row.rules)
+    place = (block.title, byte, bit, row.address, str(row.depth))
+    return (*place, row.name, row.type, bits, row.start, row.comment, row.kind, unconfirmed)
+
+
+def layout_json(blocks: Sequence[BlockTable], diagnostics: Sequence[dict[str, Any]], *, ok: bool) -> str:
+    """Blocks with their members; offsets and sizes as numbers."""
+    return dump(
+        {
+            **head("layout", ok=ok),
+            "blocks": [_block(block) for block in blocks],
+            "diagnostics": list(diagnostics),
+        }
+    )
+
+
+def _block(block: BlockTable) -> dict[str, Any]:
+    return {
+        "kind": block.kind,
+        "name": block.name,
+        "number": block.number,
+        "size": block.size,
+        "unused_bits": block.unused,
+        "optimized": block.size is None,
+        "role": block.role,
+        "comment": block.comment,
+        "file": block.file,
+        "line": block.line,
+        "data": None if block.data is None else block.data.hex().upper(),
+        "members": [_member(row) for row in block.rows],
+        "unconfirmed_rules": {rule.key: rule.text for rule in block.rules},
+    }
+
+
+def _member(row: LayoutRow) -> dict[str, Any]:
+    return {
+        "name": row.name,
+        "byte": row.byte,
+        "bit": row.bit,
+        "bits": None if row.byte is None else row.bits,
+        "address": row.address,
+        "type": row.type,
+        "start": row.start,
+        "depth": row.depth,
+        "comment": row.comment,
+        "kind": row.kind,
+        "unconfirmed": list(row.rules),
+    }
