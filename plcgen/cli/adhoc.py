@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plcgen.cli.arguments import ARGUMENTS, Argument
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.ds47 import formats
@@ -14,31 +14,6 @@ from plcgen.plan.references import Reference, parse_bico, parse_reference
 
 if TYPE_CHECKING:
     from plcgen.spec.catalog import Device
-
-ARGUMENTS = "<arguments>"
-
-
-@dataclass(frozen=True, slots=True)
-class Argument:
-    """One argument and where it stands in the joined command line (column from 1)."""
-
-    text: str
-    column: int
-
-    def problem(self, code: str, message: str, help_: str = "") -> DiagnosticError:
-        """Build the error that points at this argument."""
-        span = Span(ARGUMENTS, 1, self.column, 1, self.column + len(self.text))
-        return DiagnosticError([Diagnostic(code, message, span, help=help_)])
-
-
-def arguments(words: tuple[str, ...]) -> list[Argument]:
-    """Give every word its column in ``" ".join(words)``."""
-    placed: list[Argument] = []
-    column = 1
-    for word in words:
-        placed.append(Argument(word, column))
-        column += len(word) + 1
-    return placed
 
 
 def find_device(key: str | None) -> Device | None:

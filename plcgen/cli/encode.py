@@ -84,6 +84,7 @@ def _adhoc(
 ) -> int:
     from plcgen import api
     from plcgen.cli import adhoc
+    from plcgen.cli.arguments import ARGUMENTS, arguments
     from plcgen.diagnostics import Span
     from plcgen.ds47.codec import TelegramError
 
@@ -91,7 +92,7 @@ def _adhoc(
     try:
         device = adhoc.find_device(key)
         target = drive_object if drive_object is not None else device.drive_object if device else 1
-        placed = adhoc.arguments(words)
+        placed = arguments(words)
         if verb == "read":
             addresses = [adhoc.address(argument, argument.text, device) for argument in placed]
             data = api.encode_read(addresses, drive_object=target, reference=reference)
@@ -101,7 +102,7 @@ def _adhoc(
     except DiagnosticError as problem:
         found: tuple[Diagnostic, ...] = problem.diagnostics
     except TelegramError as problem:
-        found = tuple(Diagnostic("PG703", item.message, Span(adhoc.ARGUMENTS)) for item in problem.problems)
+        found = tuple(Diagnostic("PG703", item.message, Span(ARGUMENTS)) for item in problem.problems)
     else:
         row = {"job": verb, "telegram": 1, "block": "", "length": len(data), "hex": data.hex().upper()}
         if as_json:
@@ -112,7 +113,7 @@ def _adhoc(
     if as_json:
         _json(out, [], found)
     else:
-        out.complain(found, {adhoc.ARGUMENTS: " ".join(words)})
+        out.complain(found, {ARGUMENTS: " ".join(words)})
     return PROBLEMS
 
 

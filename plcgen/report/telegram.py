@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 HEADER = ("offset", "bytes", "field", "value", "meaning")
 _SHOWN = 8
-_PARAMETER = re.compile(r"(parameter [0-9]+(?: \(P[0-9]+\))?) (.+)")
+_PARAMETER = re.compile(r"((?:parameter|item|value) [0-9]+(?: \([^)]*\))?) (.+)")
 _RETRY = {
     "none": "no error: nothing to repeat",
     "wait": "the job is running: call again with the same inputs",

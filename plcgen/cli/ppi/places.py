@@ -1,0 +1,149 @@
+"""Addresses, symbols and values on the command line of the ``ppi`` verbs: all problems at once, each at its word."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import click
+
+from plcgen.cli.arguments import ARGUMENTS, Argument, arguments
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.ppi.errors import PpiError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from plcgen.client.places import Place, PlaceError
+    from plcgen.client.symbols import SymbolTable
+    from plcgen.ppi.model import Item, WriteItem
+    from plcgen.sim.s7_200.profiles import Profile  # type: ignore[import-untyped,import-not-found,unused-ignore]
+
+Callback = TypeVar("Callback", bound=Callable[..., object])
+Result = TypeVar("Result")
+
+
+def cpu_option(verb: Callback) -> Callback:
+    """Add ``--cpu``; the parameter is called ``cpu``."""
+    return click.option("--cpu", metavar="CPU", help="Refuse addresses that this CPU does not have: 221 ... ST40.")(
+        verb
+    )
+
+
+def symbols_option(verb: Callback) -> Callback:
+    """Add ``--symbols``; the parameter is called ``symbols``."""
+    option = click.option(
+        "--symbols", metavar="FILE", help="Symbol table of Micro/WIN as CSV or text: Symbol, Address, Comment."
+    )
+    return option(verb)
+
+
+def find_profile(key: str | None) -> Profile | None:
+    """Return the CPU of ``--cpu``. Raises DiagnosticError if there is none of that name."""
+    if key is None:
+        return None
+    from plcgen.diagnostics.suggest import did_you_mean
+    from plcgen.sim.s7_200.profiles import profile, profiles
+
+    try:
+        return profile(key)
+    except KeyError:
+        names = list(profiles())
+        help_ = f"{did_you_mean(key, names)} known CPUs: {', '.join(names)}".strip()
+        raise DiagnosticError([Diagnostic("PG713", f'unknown CPU "{key}"', Span(ARGUMENTS), help=help_)]) from None
+
+
+def find_symbols(name: str | None) -> SymbolTable | None:
+    """Return the table of ``--symbols``. Raises DiagnosticError with everything wrong in it."""
+    if name is None:
+        return None
+    from plcgen.client.symbols import load_symbols
+
+    return load_symbols(Path(name))
+
+
+def places(
+    words: Sequence[str], symbols: SymbolTable | None, cpu: Profile | None, limit: int | None = None
+) -> list[Place]:
+    """Read what is to be read; ``limit`` is the longest value. Raises DiagnosticError with every problem."""
+    from plcgen.client.places import parse_place
+
+    def read(argument: Argument) -> Place:
+        place = parse_place(argument.text, symbols)
+        _require_memory(place.item, cpu)
+        _require_length(place.item, limit)
+        return place
+
+    return _each(words, read)
+
+
+def assignments(
+    words: Sequence[str], symbols: SymbolTable | None, cpu: Profile | None, limit: int | None = None
+) -> list[tuple[Place, WriteItem]]:
+    """Read what is to be written, see ``places``. Raises DiagnosticError with every problem, overlaps included."""
+    from plcgen.client.places import parse_assignment
+    from plcgen.ppi.pack import require_apart
+
+    def read(argument: Argument) -> tuple[Place, WriteItem]:
+        place, entry = parse_assignment(argument.text, symbols)
+        _require_memory(place.item, cpu)
+        _require_length(place.item, limit)
+        return place, entry
+
+    found = _each(words, read)
+    try:
+        require_apart([place.item for place, _ in found])
+    except PpiError as problem:
+        raise DiagnosticError(telegram_problems(problem)) from problem
+    return found
+
+
+def _each(words: Sequence[str], read: Callable[[Argument], Result]) -> list[Result]:
+    from plcgen.client.places import PlaceError
+
+    found: list[Result] = []
+    problems: list[Diagnostic] = []
+    for argument in arguments(words):
+        try:
+            found.append(read(argument))
+        except PlaceError as problem:
+            problems.append(_diagnostic(problem, argument))
+    if problems:
+        raise DiagnosticError(problems)
+    return found
+
+
+def _diagnostic(problem: PlaceError, argument: Argument) -> Diagnostic:
+    return Diagnostic(problem.code, problem.message, argument.span, help=problem.help)
+
+
+def _require_memory(item: Item, cpu: Profile | None) -> None:
+    from plcgen.client.places import beyond
+
+    error = beyond(item, cpu.sizes, cpu.title) if cpu is not None else None
+    if error is not None:
+        raise error
+
+
+def _require_length(item: Item, limit: int | None) -> None:
+    from plcgen.client.places import too_long
+
+    error = too_long(item, limit) if limit is not None else None
+    if error is not None:
+        raise error
+
+
+def telegram_problems(problem: PpiError) -> tuple[Diagnostic, ...]:
+    """Return what keeps a telegram from being built, as diagnostics without a word to point at."""
+    from plcgen.ppi.errors import Kind
+
+    codes = {Kind.LIMIT: "PG715", Kind.ADDRESS: "PG716", Kind.EXPERIMENTAL: "PG716"}
+    helps = {
+        Kind.LIMIT: "plcgen ppi read and write, and encode --pack, use as many telegrams as needed",
+        Kind.EXPERIMENTAL: "--experimental does it all the same",
+    }
+    return tuple(
+        Diagnostic(codes.get(found.kind, "PG716"), found.message, Span(ARGUMENTS), help=helps.get(found.kind, ""))
+        for found in problem.violations
+    )
