@@ -16,6 +16,7 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Sp
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from plcgen.compare.lock import LockResult
     from plcgen.compare.model import Comparison
     from plcgen.ds47.model import ParameterAddress, ValueBlock
     from plcgen.ds47.status import Status
@@ -269,6 +270,27 @@ def diff(
     from plcgen.compare.run import compare
 
     return compare(_paths(old), _paths(new), policy, classic=classic)
+
+
+def lock(
+    *paths: Path | str, out: Path | str = "plcgen.lock.yaml", classic: bool = False, force: bool = False
+) -> LockResult:
+    """Write the layout lock of sources (files or folders) or one spec; without paths, of those the lock names."""
+    from plcgen.compare.lock import write_lock
+
+    return write_lock([Path(path) for path in paths], Path(out), classic=classic, force=force)
+
+
+def check_lock(
+    *paths: Path | str,
+    lock: Path | str = "plcgen.lock.yaml",
+    policy: Sequence[str] = (),
+    classic: bool = False,
+) -> Comparison:
+    """Compare a layout lock with sources or a spec; without paths, with those the lock names."""
+    from plcgen.compare.lock import check_lock as run
+
+    return run([Path(path) for path in paths], Path(lock), policy, classic=classic)
 
 
 def _paths(given: Path | str | Sequence[Path | str]) -> list[Path]:

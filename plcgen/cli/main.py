@@ -34,7 +34,10 @@ SECTIONS: Sections = (
     ),
     (
         "Review and guard",
-        (("diff", "Compare two versions of sources or specs by what others notice."),),
+        (
+            ("diff", "Compare two versions of sources or specs by what others notice."),
+            ("lock", "Write a layout lock file, or check that nothing moved."),
+        ),
     ),
     (
         "Read telegrams and codes",

@@ -24,7 +24,9 @@ _TEXTS = frozenset(
     {"AUTHOR", "FAMILY", "VERSION", "NAME", "HEADERAUTHOR", "HEADERFAMILY", "HEADERVERSION", "HEADERNAME"}
 )
 _IGNORED = frozenset({"PROGRAMMINGLANGUAGE", "AUTONUMBER", "NAMESPACE", "INSTANCEOFTYPE", "INSTANCEOFNUMBER"})
+_BLANK = {"CHAR": b" ", "WCHAR": b"\0 "}
 _LONGEST_START = 60
+_LONGEST_TEXT = 300
 
 
 def snapshot_of(sources: Sources, label: str) -> Snapshot:
@@ -224,10 +226,12 @@ def _literal_start(member: Member) -> str:
 def _scalar_start(data: bytes, type_: DataType) -> str:
     if isinstance(type_, StringType):
         text = _spelled(data, type_)
-        return "" if text in {"''", "WSTRING#''"} else text
+        if text in {"''", "WSTRING#''"}:
+            return ""
+        return text if len(text) <= _LONGEST_TEXT else f"sha256:{hashlib.sha256(data).hexdigest()[:16]}"
     if not isinstance(type_, Elementary) or type_.name in {"ANY", "POINTER"}:
         return "" if not any(data) else data.hex(" ").upper()
-    default = {"CHAR": b" ", "WCHAR": b"\0 "}.get(type_.name)
+    default = _BLANK.get(type_.name)
     if data == default or (default is None and not any(data)):
         return ""
     text = _spelled(data, type_)
@@ -249,7 +253,8 @@ def _array_start(data: bytes, shape: Shape) -> str:
     if isinstance(element.type, Elementary) and len(shape.strides) == 1:
         low, high = shape.type.bounds[0] if isinstance(shape.type, ArrayType) else (0, -1)
         values = [_element(data, element, n * shape.strides[0]) for n in range(min(high - low + 1, 1000))]
-        default = {"CHAR": "' '", "BOOL": "FALSE", "REAL": "0.0", "LREAL": "0.0"}.get(element.type.name, "0")
+        blank = _BLANK.get(element.type.name, bytes(element.bits // 8))
+        default = "FALSE" if element.bits == 1 else _spelled(blank, element.type)
         if not any(values):
             return ""
         text = f"[{', '.join(_runs([value or default for value in values]))}]"

@@ -1,0 +1,102 @@
+"""``plcgen lock``: a layout in the repository, and the check that nothing moved since."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from plcgen.cli.diff import FAIL_ON
+from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, format_options, output_option
+from plcgen.cli.output import OK, PROBLEMS
+
+if TYPE_CHECKING:
+    from plcgen.cli.output import Console
+    from plcgen.compare.model import Comparison
+
+
+@click.command(
+    "lock",
+    cls=Verb,
+    context_settings=CONTEXT,
+    examples=(
+        "plcgen lock plc",
+        "plcgen lock --check",
+        "plcgen lock job.yaml --out job.lock.yaml",
+        "plcgen lock --check --fail-on breaking --format sarif --output lock.sarif",
+    ),
+)
+@click.argument("paths", nargs=-1, type=PATH, metavar="[SPEC|FILE|FOLDER]...")
+@click.option("--out", "path", type=PATH, default="plcgen.lock.yaml", show_default=True, help="The lock file.")
+@click.option("--check", is_flag=True, help="Write nothing; exit 1 if the sources differ from the lock.")
+@click.option(
+    "--fail-on",
+    type=click.Choice(FAIL_ON),
+    default="any",
+    show_default=True,
+    help="With --check: exit code 1 only for this class or a worse one.",
+)
+@click.option("--policy", multiple=True, metavar="ID=CLASS|FILE", help="Classify changes otherwise, as in diff.")
+@click.option("-v", "--verbose", is_flag=True, help="List every moved member.")
+@click.option("--classic", is_flag=True, help="SimaticML documents are for S7-300/400.")
+@click.option("--force", is_flag=True, help="Overwrite a file that is no lock.")
+@format_options("text", "markdown", "json", "sarif")
+@output_option
+@common_options
+@click.pass_context
+def command(
+    ctx: click.Context,
+    paths: tuple[Path, ...],
+    path: Path,
+    check: bool,  # noqa: FBT001 - click's signature
+    fail_on: str,
+    policy: tuple[str, ...],
+    verbose: bool,  # noqa: FBT001
+    classic: bool,  # noqa: FBT001
+    force: bool,  # noqa: FBT001
+    format_: str,
+    output: Path | None,
+) -> int:
+    """Write where every member of the blocks lies into a lock file, or check that nothing moved.
+
+    Commit the file. --check shows old and new offsets, classified as by diff. Without paths both take the
+    sources that the lock names.
+    """
+    from plcgen import api
+
+    out = console(ctx)
+    if check:
+        result = api.check_lock(*paths, lock=path, policy=policy, classic=classic)
+        return _show(out, result, fail_on, format_, output, verbose=verbose)
+    if format_ != "text" or output is not None:
+        raise click.UsageError("--format and --output belong to --check", ctx)
+    written = api.lock(*paths, out=path, classic=classic, force=force)
+    out.complain(written.diagnostics)
+    if not written.ok:
+        out.say("nothing was written")
+        return PROBLEMS
+    what = "wrote" if written.changed else "unchanged:"
+    out.say(f"{what} {written.path.as_posix()}, {written.blocks} block{'' if written.blocks == 1 else 's'}")
+    return OK
+
+
+def _show(out: Console, result: Comparison, fail_on: str, format_: str, output: Path | None, *, verbose: bool) -> int:
+    from plcgen.report import comparison as report
+
+    failed = not result.readable or bool(result.failing(fail_on))
+    if format_ in {"json", "sarif"}:
+        write = report.comparison_json if format_ == "json" else report.comparison_sarif
+        out.result(write(result, fail_on), output)
+        return PROBLEMS if failed else OK
+    out.complain(result.diagnostics)
+    if format_ == "markdown":
+        out.result(report.comparison_markdown(result, fail_on, verbose=verbose), output)
+    elif result.changes:
+        color = out.out_color and output is None
+        text = report.comparison_text(result, fail_on, verbose=verbose, color=color, width=out.out_width)
+        out.result(text, output)
+        out.say(f"wanted? write the lock again: plcgen lock --out {result.old}")
+    elif result.readable:
+        out.say(f"{result.compared} blocks as in {result.old}")
+    return PROBLEMS if failed else OK

@@ -1,0 +1,54 @@
+"""``plcgen lock``: exit codes and streams."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+SOURCE = 'DATA_BLOCK "B"\nSTRUCT\n  a : Word;\n  b : Word;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+
+
+@pytest.fixture
+def source(tmp_path):
+    """Write one source."""
+    path = tmp_path / "b.db"
+    path.write_text(SOURCE, encoding="utf-8")
+    return path
+
+
+def test_write_and_check(plcgen, source):
+    """Chatter on stderr, nothing on stdout; drift ends with 1 and shows both offsets."""
+    result = plcgen("lock", "b.db")
+    assert (result.code, result.out, result.err) == (0, "", "wrote plcgen.lock.yaml, 1 block\n")
+    assert plcgen("lock").err == "unchanged: plcgen.lock.yaml, 1 block\n"
+    result = plcgen("lock", "--check")
+    assert (result.code, result.out, result.err) == (0, "", "1 blocks as in plcgen.lock.yaml\n")
+    source.write_text(SOURCE.replace("  b :", "  x : Word;\n  b :"), encoding="utf-8")
+    result = plcgen("lock", "--check")
+    assert result.code == 1
+    assert "breaking       member-moved        b: moved by +2 bytes: 2.0 -> 4.0\n" in result.out
+    assert result.err == "wanted? write the lock again: plcgen lock --out plcgen.lock.yaml\n"
+    assert plcgen("lock", "--check", "--fail-on", "never").code == 0
+    data = json.loads(plcgen("lock", "--check", "--json").out)
+    assert (data["ok"], data["old"]) == (False, "plcgen.lock.yaml")
+    assert json.loads(plcgen("lock", "--check", "-f", "sarif").out)["version"] == "2.1.0"
+    assert "b: moved by" in plcgen("lock", "--check", "-f", "markdown").out
+
+
+def test_any_difference_is_drift(plcgen, source):
+    """A start value is no move, but the lock no longer says what is in the sources."""
+    plcgen("lock", "b.db")
+    source.write_text(SOURCE.replace("a : Word", "a : Word := 1"), encoding="utf-8")
+    assert plcgen("lock", "--check").code == 1
+    assert plcgen("lock", "--check", "--fail-on", "breaking").code == 0
+
+
+def test_errors(plcgen, source):
+    """Nothing is written if the sources have errors; formats belong to --check."""
+    source.write_text(SOURCE.replace("Word", ""), encoding="utf-8")
+    result = plcgen("lock", "b.db")
+    assert result.code == 1
+    assert result.err.endswith("nothing was written\n")
+    assert not Path("plcgen.lock.yaml").exists()
+    assert plcgen("lock", "b.db", "--json").code == 2
+    assert plcgen("lock", "--check").code == 1
