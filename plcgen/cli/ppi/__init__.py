@@ -16,6 +16,7 @@ SECTIONS: Sections = (
             ("decode", "Explain telegrams and captures byte by byte."),
         ),
     ),
+    ("Simulate", (("serve", "Be an S7-200 on a pseudo terminal, serial port or TCP port."),)),
 )
 
 

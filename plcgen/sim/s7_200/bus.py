@@ -101,12 +101,11 @@ class Bus:
         self.receive(data, now)
         return self.transmit(now)
 
-    def disconnect(self) -> None:
-        """Forget the masters and everything under way: the cable was pulled, another one is plugged in."""
-        self._splitter = Splitter()
-        self._queue.clear()
-        for station in self.stations.values():
-            station.restart()
+    def branch(self) -> Bus:
+        """Another line to the same CPUs, with masters of its own; faults, journal and listener are shared."""
+        other = Bus((station.twin() for station in self.stations.values()), (), self._tell)
+        other.faults, other.journal = self.faults, self.journal
+        return other
 
     def _addressed(self, frame: Frame | None) -> Station | None:
         return self.stations.get(frame.destination) if isinstance(frame, FixedFrame | VariableFrame) else None
@@ -169,10 +168,13 @@ class Bus:
             and (answer is None or fault.kind not in SPOILING or can_spoil(fault, answer))
             and fault.use()
         ]
-        self.faults = [fault for fault in self.faults if not fault.spent]
+        self.faults[:] = [fault for fault in self.faults if not fault.spent]
         return found
 
     def _note(self, entry: Traffic) -> None:
         self.journal.append(entry)
+        self._tell(entry)
+
+    def _tell(self, entry: Traffic) -> None:
         if self.listener is not None:
             self.listener(entry)

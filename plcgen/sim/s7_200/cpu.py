@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from plcgen.ppi.areas import JOB_HEADER, PDU_LIMIT, Area, Function, ReturnCode, Rosctr
 from plcgen.ppi.errors import Kind, Violation
@@ -29,6 +29,9 @@ from plcgen.sim.s7_200.memory import Memory
 
 WRONG_SWITCH, NOT_SUPPORTED, BUSY, LENGTH_ERROR, PASSWORD = 0x8001, 0x8104, 0x8404, 0x8500, 0xD602
 """Errors in the header of an answer. Of D6xx, "password", the last two digits were not checked with a CPU."""
+
+LEAST_PDU = 32
+"""A smaller PDU would hold no answer; no S7-200 negotiates one."""
 
 _LENGTHS = frozenset({
     Kind.SHORT, Kind.PARAMETER_LENGTH, Kind.DATA_LENGTH, Kind.ITEM_COUNT, Kind.LIMIT,
@@ -72,43 +75,54 @@ CPU": user data, RUN and STOP stay allowed at every level, forcing and writing o
 
 
 @dataclass(slots=True)
+class Session:
+    """What a CPU remembers of one master: the PDU size they negotiated, None before that."""
+
+    limit: int | None = None
+
+
+@dataclass(slots=True)
 class Cpu:
-    """One CPU. ``protected`` names the services that it refuses with D6xx, as nobody has given the password."""
+    """One CPU. ``protected`` names the services that it refuses with D6xx, as nobody has given the password.
+
+    ``jobs`` counts the PDUs that it was given.
+    """
 
     memory: Memory
     mode: Mode = Mode.RUN
     switch: Switch = Switch.TERM
     pdu_limit: int = PDU_LIMIT
     protected: frozenset[Service] = frozenset()
-    limits: dict[int, int] = field(default_factory=dict)
+    jobs: int = 0
 
     def answer(
-        self, data: bytes, master: int = 0, *, refuse: int | None = None, items: Mapping[int, int] | None = None
+        self, data: bytes, session: Session, *, refuse: int | None = None, items: Mapping[int, int] | None = None
     ) -> bytes | None:
-        """Execute the PDU in ``data`` for a master and return the PDU of the answer; None if it is thrown away.
+        """Execute the PDU in ``data`` and return the PDU of the answer; None if it is thrown away.
 
         ``refuse`` is a header error that ends the job at once, ``items`` return codes that item numbers (from 1) get
         instead of being executed: both are faults.
         """
+        self.jobs += 1
         if len(data) < JOB_HEADER or data[0] != PROTOCOL or data[1] not in {Rosctr.JOB, Rosctr.USERDATA}:
             return None
         reference = data[4] << 8 | data[5]
-        limit = self.limits.get(master, self.pdu_limit)
+        limit = session.limit or self.pdu_limit
         pdu, found = examine_pdu(data)
         code = refuse or _header_error(found) or (LENGTH_ERROR if len(data) > limit else 0)
         if code or pdu is None:
             return encode_pdu(_error(reference, code or LENGTH_ERROR))
-        return encode_pdu(self._execute(pdu, master, limit, items or {}))
+        return encode_pdu(self._execute(pdu, session, limit, items or {}))
 
-    def _execute(self, pdu: Pdu, master: int, limit: int, items: Mapping[int, int]) -> Reply:
+    def _execute(self, pdu: Pdu, session: Session, limit: int, items: Mapping[int, int]) -> Reply:
         reference = pdu.reference
         if isinstance(pdu, ReadRequest):
             return self._read(pdu, limit, items)
         if isinstance(pdu, WriteRequest):
             return self._write(pdu, items)
         if isinstance(pdu, SetupRequest):
-            size = self.limits[master] = min(pdu.pdu_size, self.pdu_limit)
-            return SetupReply(reference, size, 1, 1)
+            session.limit = max(LEAST_PDU, min(pdu.pdu_size, self.pdu_limit))
+            return SetupReply(reference, session.limit, 1, 1)
         if isinstance(pdu, RunRequest):
             return self._switch(reference, Function.PI_SERVICE, Service.RUN, Mode.RUN)
         if isinstance(pdu, StopRequest):

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from plcgen.diagnostics import Report, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.ppi.address import AddressError, parse_address
 from plcgen.ppi.areas import PDU_LIMIT, ReturnCode
@@ -21,9 +21,9 @@ from plcgen.sim.s7_200.memory import Memory
 from plcgen.sim.s7_200.profiles import Profile, profiles
 from plcgen.sim.s7_200.station import FrameCountRule, Station
 from plcgen.sim.s7_200.values import encode_value
-from plcgen.spec.source import Node, load_yaml
+from plcgen.spec.source import Node, load_yaml, resolve_plain
 
-BEYOND = "PG724"
+USAGE, BEYOND = "PG901", "PG724"
 _STATION_KEYS = (
     "cpu", "address", "mode", "switch", "type", "pdu", "not_ready", "frame_count", "password", "write_inputs",
     "experimental", "symbols", "values",
@@ -44,10 +44,35 @@ def load_bus(text: str, file: str = "<bus>", cpu: str | None = None, address: in
     return bus
 
 
+def assign(bus: Bus, text: str) -> None:
+    """Give an address or symbol a value: ``VW100=1234``, or ``3:VW100=1234`` for station 3. Raises DiagnosticError.
+
+    Without a station the first one is meant.
+    """
+    option = Span(f"--set {text}")
+    name, equals, value = (part.strip() for part in text.partition("="))
+    number, colon, rest = (part.strip() for part in name.partition(":"))
+    address = int(number) if colon and number.isascii() and number.isdecimal() and len(number) < 4 else None
+    station = next(iter(bus.stations.values())) if not colon else bus.stations.get(-1 if address is None else address)
+    if not equals or not name or not value or station is None:
+        known = ", ".join(str(number) for number in bus.stations)
+        what = "an address and its value are needed" if station is not None else f"there is no station {number}"
+        help_ = "for example VW100=1234" if station is not None else f"stations: {known}"
+        raise DiagnosticError([Diagnostic(USAGE, what, option, help=help_)])
+    node = Node("map", option)
+    node.pairs[rest if colon else name] = (Node("scalar", option), Node("scalar", option, resolve_plain(value), value))
+    report = Report()
+    _values(Reader(node, report, "the values"), station)
+    if report.has_errors:
+        raise DiagnosticError([Diagnostic(USAGE, found.message, option, help=found.help) for found in report])
+
+
 def _bus(reader: Reader, cpu: str | None, address: int | None) -> Bus:
-    several = reader.node.get("stations") is not None
-    if several:
+    if reader.node.get("stations") is not None:
         reader.only("stations", "faults")
+        if cpu is not None or address is not None:
+            where = reader.node.key_span("stations")
+            reader.error(USAGE, "--cpu and --station are for a single station, the file has several", where)
         stations = [_station(child, None, None) for child in reader.children("stations", "a station")]
         if not stations:
             reader.error("PG105", "a bus needs at least one station", reader.node.key_span("stations"))
@@ -83,8 +108,8 @@ def _station(reader: Reader, cpu: str | None, address: int | None) -> Station:
         write_inputs=reader.flag("write_inputs", default=True),
         experimental=reader.flag("experimental"),
     )
-    station.symbols.update(_symbols(reader.child("symbols", "the symbols"), station.cpu.memory))
-    _values(reader.child("values", "the values"), station)
+    station.symbols.update(_symbols(reader.child("symbols", "the key symbols"), station.cpu.memory))
+    _values(reader.child("values", "the key values"), station)
     return station
 
 

@@ -8,14 +8,15 @@ a new sequence.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from plcgen.ppi.address import parse_address
 from plcgen.ppi.areas import PDU_LIMIT, ReturnCode
 from plcgen.ppi.model import FCB, FCV, REQUEST, Acknowledgement, FixedFrame, Frame, Item, VariableFrame
 from plcgen.ppi.telegram import DATA_FUNCTION
-from plcgen.sim.s7_200.cpu import BY_LEVEL, Cpu, Mode, Service, Switch
+from plcgen.sim.s7_200.cpu import BY_LEVEL, Cpu, Mode, Service, Session, Switch
 from plcgen.sim.s7_200.memory import Memory
 from plcgen.sim.s7_200.profiles import profile
 from plcgen.sim.s7_200.values import decode_value, encode_value
@@ -34,6 +35,7 @@ _ACK = Acknowledgement()
 class _Link:
     """What a station remembers of one master: last frame count bit, last answer, the answer that waits for a poll."""
 
+    session: Session = field(default_factory=Session)
     bit: int | None = None
     last: Frame | None = None
     waiting: bytes | None = None
@@ -80,7 +82,6 @@ class Station:
         self.symbols = dict(symbols or {})
         self.not_ready = not_ready
         self.frame_count = frame_count
-        self.executed = 0
         self._links: dict[int, _Link] = {}
         for name, value in (values or {}).items():
             self[name] = value
@@ -89,6 +90,11 @@ class Station:
     def mode(self) -> Mode:
         """RUN or STOP."""
         return self.cpu.mode
+
+    @property
+    def executed(self) -> int:
+        """How many requests have been executed."""
+        return self.cpu.jobs
 
     def item(self, name: str) -> Item:
         """Return the item of an address or symbol. Raises AddressError, IndexError if this CPU does not have it."""
@@ -106,10 +112,11 @@ class Station:
         item = self.item(name)
         self.cpu.memory.put(item, encode_value(item, value))
 
-    def restart(self) -> None:
-        """Forget the masters, as after power-off; memory and mode stay."""
-        self._links.clear()
-        self.cpu.limits.clear()
+    def twin(self) -> Station:
+        """The same CPU on another line: memory and mode are shared, masters are not."""
+        other = copy(self)
+        other._links = {}  # noqa: SLF001 - its own class
+        return other
 
     def receive(self, frame: Frame, interfere: Callable[[], Interference] = Interference) -> Frame | None:
         """Take a frame from the line and return the answer, None if it is not for this station or gets none.
@@ -141,8 +148,7 @@ class Station:
     def _new(self, link: _Link, frame: FixedFrame | VariableFrame, interfere: Callable[[], Interference]) -> Frame:
         if isinstance(frame, VariableFrame):
             found = interfere()
-            self.executed += 1
-            link.waiting = self.cpu.answer(frame.pdu, frame.source, refuse=found.refuse, items=found.items)
+            link.waiting = self.cpu.answer(frame.pdu, link.session, refuse=found.refuse, items=found.items)
             link.polls = 0
             return _ACK
         if link.waiting is None:

@@ -226,18 +226,21 @@ def test_several_stations_on_one_line() -> None:
         bus.add(Station(address=5))
 
 
-def test_a_new_cable_forgets_the_sequence(talk: Talk, station: Station) -> None:
-    """A client that starts with 7Ch is not taken for the one before it."""
-    for _ in range(2):
-        talk.send(WRITE_VB100_0C)
-        talk.bus.disconnect()
+def test_a_second_line_has_its_own_masters_and_the_same_memory(talk: Talk, station: Station) -> None:
+    """Another connection that starts with 7Ch is not taken for the one before it."""
+    for line in (talk.bus, talk.bus.branch()):
+        assert line.exchange(WRITE_VB100_0C) == E5
     assert station.executed == 2
+    assert station["VB100"] == 0x0C
+    other = Talk(talk.bus.branch())
+    assert talk.ask(SetupRequest(3, 100)) == SetupReply(3, 100)
+    assert len(other.read("VB0[200]")[0][1]) == 200
 
 
 # ---- Services ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("asked", "expected"), [(960, 240), (240, 240), (100, 100)])
+@pytest.mark.parametrize(("asked", "expected"), [(960, 240), (240, 240), (100, 100), (0, 32)])
 def test_the_pdu_size_is_negotiated_down(talk: Talk, asked: int, expected: int) -> None:
     assert talk.ask(SetupRequest(3, asked)) == SetupReply(3, expected)
 

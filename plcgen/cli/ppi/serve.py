@@ -1,0 +1,182 @@
+"""``plcgen ppi serve``: be an S7-200."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, json_option
+from plcgen.cli.output import OK, Console, is_terminal
+
+if TYPE_CHECKING:
+    from plcgen.line.model import Line
+    from plcgen.line.tcp import TcpServer
+    from plcgen.sim.s7_200 import Bus, Traffic
+
+
+@click.command(
+    "serve",
+    cls=Verb,
+    context_settings=CONTEXT,
+    examples=(
+        "plcgen ppi serve                                  a CPU 224 on a pseudo terminal",
+        "plcgen ppi serve --cpu 226 --set VW100=1234 --log",
+        "plcgen ppi serve --values plant.yaml --tcp 0.0.0.0:4000",
+        "plcgen ppi serve --port /dev/ttyUSB0 --baud 19200",
+        "plcgen ppi serve --fault not_ready:times=always --fault fcs:after=3",
+    ),
+)
+@click.option("--values", "file", type=PATH, metavar="FILE", help="Stations, values and faults from a YAML file.")
+@click.option("--cpu", metavar="CPU", help="221, 222, 224, 224XP, 226, ST20 or ST40.  [default: 224]")
+@click.option("--station", type=click.IntRange(0, 126), metavar="N", help="Address of the station.  [default: 2]")
+@click.option("--set", "sets", multiple=True, metavar="ADDRESS=VALUE", help="Give an address or symbol a value.")
+@click.option("--tcp", metavar="HOST:PORT", help="Listen for connections, as a serial server does; port 0 is any.")
+@click.option("--port", metavar="DEVICE", help="Use a serial port instead of a pseudo terminal.")
+@click.option(
+    "--baud", type=click.IntRange(300), default=9600, metavar="RATE", help="Speed of --port.  [default: 9600]"
+)
+@click.option("--fault", "faults", multiple=True, metavar="KIND[:KEY=VALUE,...]", help="Let the line go wrong.")
+@click.option("--log", is_flag=True, help="Show every frame, decoded.")
+@json_option
+@common_options
+@click.pass_context
+def command(ctx: click.Context, /, *, as_json: bool, log: bool, baud: int, **given: Any) -> int:
+    """Simulate one or more S7-200 stations until Ctrl-C.
+
+    The first line of the output is the name of the line to open: a pseudo terminal, unless --tcp or --port is given.
+    """
+    if given["tcp"] is not None and given["port"] is not None:
+        raise click.UsageError("--tcp and --port exclude each other: a station has one line", ctx)
+    out = console(ctx)
+    bus = _bus(given["file"], given["cpu"], given["station"], given["sets"], given["faults"])
+    line = _line(given["tcp"], given["port"], baud)
+    show = _Show(out, as_json=as_json, log=log)
+    bus.listener = show.frame
+    try:
+        _serve(bus, line, show)
+    finally:
+        line.close()
+    show.ended(bus)
+    return OK
+
+
+def _bus(file: Path | None, cpu: str | None, address: int | None, sets: Sequence[str], faults: Sequence[str]) -> Bus:
+    """Everything that was told about the stations, with all mistakes at once."""
+    from plcgen.diagnostics import Diagnostic, DiagnosticError
+    from plcgen.sim.s7_200.bus import Bus
+    from plcgen.sim.s7_200.fault_text import parse_fault
+    from plcgen.sim.s7_200.load import assign, load_bus
+    from plcgen.spec.file import read_text
+
+    problems: list[Diagnostic] = []
+    bus = Bus()
+    try:
+        text = "{}" if file is None else read_text(file)
+        bus = load_bus(text, "--cpu" if file is None else str(file), cpu, address)
+    except DiagnosticError as problem:
+        problems += problem.diagnostics
+    for text in faults:
+        try:
+            bus.faults.append(parse_fault(text))
+        except DiagnosticError as problem:
+            problems += problem.diagnostics
+    for text in sets if bus.stations else ():
+        try:
+            assign(bus, text)
+        except DiagnosticError as problem:
+            problems += problem.diagnostics
+    if problems:
+        raise DiagnosticError(problems)
+    return bus
+
+
+def _line(tcp: str | None, port: str | None, baud: int) -> Line | TcpServer:
+    if tcp is not None:
+        from plcgen.line.tcp import TcpServer
+
+        return TcpServer(tcp)
+    if port is not None:
+        from plcgen.line.serial import SerialLine
+
+        return SerialLine(port, baud)
+    from plcgen.line.pty import PtyLine
+
+    return PtyLine()
+
+
+def _serve(bus: Bus, line: Line | TcpServer, show: _Show) -> None:
+    """Serve until SIGINT or SIGTERM; a second signal ends at once."""
+    from plcgen.line.tcp import TcpServer
+    from plcgen.sim.s7_200.serve import serve_line, serve_tcp
+
+    ended = False
+
+    def end(number: int, _frame: Any) -> None:
+        nonlocal ended
+        if ended:
+            raise KeyboardInterrupt
+        ended = bool(number)
+
+    before = {number: signal.signal(number, end) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        show.opened(bus, line)
+        if isinstance(line, TcpServer):
+            serve_tcp(bus, line, lambda: ended, tell=show.tell)
+        else:
+            serve_line(bus, line, lambda: ended)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+class _Show:
+    """What the verb says: the name of the line, frames if wanted, and chatter."""
+
+    def __init__(self, out: Console, *, as_json: bool, log: bool) -> None:
+        from plcgen.report.traffic import TrafficText
+
+        self.out, self.as_json, self.log = out, as_json, log
+        self.text = TrafficText()
+
+    def opened(self, bus: Bus, line: Line | TcpServer) -> None:
+        if self.as_json:
+            stations = [
+                {"address": station.address, "cpu": station.cpu.memory.profile.title, "mode": station.mode.value}
+                for station in bus.stations.values()
+            ]
+            self._json({"event": "open", "line": line.name, "stations": stations})
+        else:
+            self.out.result(f"{line.name}\n")
+        for station in bus.stations.values():
+            what = f"{station.cpu.memory.profile.title}, station {station.address}, {station.mode.value.upper()}"
+            self.out.say(f"{what}, on {line.name}")
+        self.out.say("Ctrl-C ends")
+
+    def frame(self, entry: Traffic) -> None:
+        if self.as_json:
+            self._json(self.text.data(entry))
+        elif self.log:
+            width = self.out.out_width if is_terminal(sys.stdout) else 0
+            self.out.result(self.text.line(entry, color=self.out.out_color, width=width) + "\n")
+
+    def tell(self, text: str) -> None:
+        if self.as_json:
+            self._json({"event": "connection", "text": text})
+        else:
+            self.out.say(text)
+
+    def ended(self, bus: Bus) -> None:
+        executed = sum(station.executed for station in bus.stations.values())
+        if self.as_json:
+            self._json({"event": "end", "requests": executed})
+        else:
+            self.out.say(f"ended after {executed} request{'s' * (executed != 1)}")
+
+    def _json(self, data: dict[str, Any]) -> None:
+        self.out.result(json.dumps(data) + "\n")
