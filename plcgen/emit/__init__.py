@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from plcgen.emit.document import Document
 from plcgen.plan.model import Project
@@ -11,7 +12,9 @@ from plcgen.plan.model import Project
 def emit(project: Project) -> Iterator[Document]:
     """Every document of a project, one job after the other; the files know their import order, not this one."""
     from plcgen.emit.blocks import control_document, job_documents, main_document, shared_documents
+    from plcgen.emit.code import job_twins, main_twin
     from plcgen.emit.jobs import job_document
+    from plcgen.emit.openness import openness_documents
     from plcgen.emit.simaticml import closing_xml, job_xml, shared_xml
     from plcgen.emit.tables import sheet, table_documents, watch_document, watch_rows
 
@@ -22,14 +25,15 @@ def emit(project: Project) -> Iterator[Document]:
     sheets = []
     for job in project.jobs:
         yield from job_documents(project, job)
-        yield job_document(project, job)
+        yield replace(job_document(project, job), twins=job_twins(project, job))
         watch = watch_rows(project, job)
         yield watch_document(job, watch)
         if xml:
             yield from job_xml(project, job, watch)
         sheets.append(sheet(project, job))
     yield control_document(project)
-    yield main_document(project)
+    yield replace(main_document(project), twins=main_twin(project))
     if xml:
         yield from closing_xml(project)
+        yield from openness_documents(project)
     yield from table_documents(project, sheets)

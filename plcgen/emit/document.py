@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from typing import Any
+
+RAW = "text/raw.j2"
+"""The template of a text that is finished: its view has it as ``text``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -11,7 +15,8 @@ class Document:
     """One file to be rendered.
 
     ``path`` is relative to the output folder, with forward slashes; ``encoding`` a Python codec name;
-    ``newline`` the line ending; ``experimental`` why the file was never seen in a real import ("" if it was).
+    ``newline`` the line ending; ``experimental`` why the file was never seen in a real import ("" if it was);
+    ``twins`` makes further documents from the finished text of this one.
     """
 
     path: str
@@ -20,3 +25,4 @@ class Document:
     encoding: str = "utf-8"
     newline: str = "\n"
     experimental: str = ""
+    twins: Callable[[str], Iterator[Document]] | None = field(default=None, repr=False)

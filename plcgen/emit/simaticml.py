@@ -1,4 +1,4 @@
-"""SimaticML of types, global DBs, tag table and watch tables for TIA Portal V16..V21.
+"""SimaticML of types, global DBs, tag table and watch tables for TIA Portal V14 SP1..V21.
 
 Source of the structure: genuine exports as described by Siemens' Openness manual; the interface island follows
 ``SW.InterfaceSections``. IDs are upper-case hexadecimal in document order; attribute lists are alphabetical.
@@ -11,15 +11,16 @@ from functools import lru_cache
 from typing import Any
 
 from plcgen.emit.blocks import DIAGNOSTICS, TOKEN, control_fields
+from plcgen.emit.code import VERSION_NOTE
 from plcgen.emit.document import Document
 from plcgen.emit.jobs import title
 from plcgen.emit.rows import Row, telegram_rows
 from plcgen.emit.spelling import culture, one_line, type_words
 from plcgen.emit.tables import tags
 from plcgen.plan.model import BlockRef, PlannedJob, Project
+from plcgen.simaticml.versions import VERSIONS
 
-INTERFACE_NAMESPACE = {"V16": "v4", "V17": "v5", "V18": "v5", "V19": "v5", "V20": "v5", "V21": "v5"}
-"""Version of the interface namespace per TIA Portal version."""
+TAG_TABLE = "DriveJobTags"
 
 WATCH_NOTE = "watch tables follow the Openness manual; no genuine export was at hand to compare with"
 
@@ -111,12 +112,13 @@ def _texts(project: Project, comment: dict[str, str], ids: _Ids) -> list[dict[st
 
 @lru_cache(maxsize=4)
 def _base(project: Project) -> dict[str, Any]:
-    version = project.target.xml_version or ""
+    version = VERSIONS[project.target.xml_version or ""]
     return {
-        "version": version,
-        "namespace": f"http://www.siemens.com/automation/Openness/SW/Interface/{INTERFACE_NAMESPACE[version]}",
+        "version": version.name,
+        "namespace": version.interface_namespace,
         "layout": "Standard" if project.target.t15 else "",
-        "with_namespace": int(version[1:]) >= 19,
+        "with_namespace": version.has_type_namespace,
+        "note": VERSION_NOTE if version.early else "",
     }
 
 
@@ -135,7 +137,7 @@ def _type(
         "id": ids(),
         "texts": _texts(project, comment, ids),
     }
-    return _document(f"xml/{block.name}.xml", "simaticml/type.xml.j2", view)
+    return _document(f"xml/{block.name}.xml", "simaticml/type.xml.j2", view, view["note"])
 
 
 def _db(
@@ -150,7 +152,7 @@ def _db(
         "id": ids(),
         "texts": _texts(project, comment, ids),
     }
-    return _document(f"xml/{block.name}.xml", "simaticml/db.xml.j2", view)
+    return _document(f"xml/{block.name}.xml", "simaticml/db.xml.j2", view, view["note"])
 
 
 def _tags(project: Project, rows: list[dict[str, Any]]) -> Document:
@@ -161,5 +163,5 @@ def _tags(project: Project, rows: list[dict[str, Any]]) -> Document:
         tag = {**row, "id": ids(), "text_id": ids()}
         tag["entries"] = [{"id": ids(), "culture": culture(language)} for language in project.languages]
         entries.append(tag)
-    view = {**_base(project), "name": "DriveJobTags", "id": table_id, "tags": entries}
-    return _document("xml/DriveJobTags.xml", "simaticml/tags.xml.j2", view)
+    view = {**_base(project), "name": TAG_TABLE, "id": table_id, "tags": entries}
+    return _document(f"xml/{TAG_TABLE}.xml", "simaticml/tags.xml.j2", view, view["note"])

@@ -8,15 +8,13 @@ from collections.abc import Iterator
 from typing import Any
 
 from plcgen.emit.blocks import extension, flag_name
-from plcgen.emit.document import Document
+from plcgen.emit.document import RAW, Document
 from plcgen.emit.jobs import newline, title
 from plcgen.emit.rows import telegram_rows
 from plcgen.emit.spelling import encodable, literal
 from plcgen.plan.fields import interface_type
 from plcgen.plan.model import PlannedJob, Project, Telegram, Use
 from plcgen.s7.types import ArrayType, Elementary
-
-RAW = "text/raw.j2"
 
 
 def tags(project: Project) -> list[dict[str, Any]]:

@@ -50,6 +50,12 @@ class Target:
         return not self.t15
 
 
+_XML_VERSIONS = {
+    "tia-v14sp1": "V14 SP1", "tia-v15": "V15", "tia-v15.1": "V15.1", "tia-v16": "V16", "tia-v17": "V17",
+    "tia-v18": "V18", "tia-v19": "V19", "tia-v20": "V20", "tia-v21": "V21",
+}  # fmt: skip
+"""``Engineering@version`` by toolchain; STEP 7 V5, V13 SP1 and V14 get text sources only: they know no SCL as XML."""
+
 _NUMBERS = {
     "s7-300": {"FB": 7999, "DB": 16000, "UDT": 65535},
     "s7-400": {"FB": 7999, "DB": 16000, "UDT": 65535},
@@ -65,8 +71,7 @@ def target(family: str, toolchain: str) -> Target:
     new = family in {"s7-1200", "s7-1500"}
     v5 = toolchain == "step7-v5"
     dialect = Dialect.T15 if new else Dialect.V5 if v5 else Dialect.T3
-    version = toolchain.removeprefix("tia-v")
-    xml = f"V{version}" if not v5 and version.isdigit() and int(version) >= 16 else None
+    xml = _XML_VERSIONS.get(toolchain)
     return Target(family, toolchain, dialect, "cp1252" if v5 else "utf-8-sig", xml, _NUMBERS[family], _FLAGS[family])
 
 

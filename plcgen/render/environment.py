@@ -52,7 +52,10 @@ def render_text(template: str, view: dict[str, Any]) -> str:
 
 def render(document: Document) -> RenderedFile:
     """Render one document to bytes; characters were checked before, what is left over becomes ``?``."""
-    text = render_text(document.template, document.view)
+    return _finished(document, render_text(document.template, document.view))
+
+
+def _finished(document: Document, text: str) -> RenderedFile:
     if document.newline != "\n":
         text = text.replace("\n", document.newline)
     return RenderedFile(document.path, text.encode(document.encoding, "replace"), document.experimental)
@@ -61,10 +64,16 @@ def render(document: Document) -> RenderedFile:
 def render_all(
     documents: Iterable[Document], progress: Callable[[str, int, int], None] | None = None
 ) -> list[RenderedFile]:
-    """Render documents in order; ``progress(what, done, 0)``: how many there will be is not known before."""
+    """Render documents in order, twins behind their original.
+
+    ``progress(what, done, 0)``: how many there will be is not known before.
+    """
     files = []
     for number, document in enumerate(documents, 1):
-        files.append(render(document))
+        text = render_text(document.template, document.view)
+        files.append(_finished(document, text))
+        if document.twins is not None:
+            files += [render(twin) for twin in document.twins(text)]
         if progress is not None and number % 50 == 0:
             progress("render", number, 0)
     return files

@@ -35,10 +35,11 @@ class SectionKind(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """The members of one declaration section, in source order."""
+    """The members of one declaration section, in source order; ``retain`` is RETAIN, NON_RETAIN or empty."""
 
     kind: SectionKind
     members: tuple[Member, ...]
+    retain: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +56,8 @@ class Block:
     """A block as declared.
 
     ``instance_of`` names the FB, SFB or UDT a DB is made from. ``optimized`` is None when the source does
-    not say. ``attributes`` keeps every other header attribute as written.
+    not say. ``attributes`` keeps every other header attribute as written. ``code`` is the text of an FB, FC or
+    OB between BEGIN and its end, without the line breaks there; None if it is not SCL or was not read.
     """
 
     kind: BlockKind
@@ -70,6 +72,7 @@ class Block:
     attributes: dict[str, str] = field(default_factory=dict)
     assignments: tuple[Assignment, ...] = ()
     span: Span | None = None
+    code: str | None = None
 
     def section(self, kind: SectionKind) -> tuple[Member, ...]:
         """Members of one section; empty if the block has none of that kind."""

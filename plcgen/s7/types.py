@@ -54,7 +54,10 @@ DataType: TypeAlias = Elementary | StringType | ArrayType | StructType | NamedTy
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """One declared variable: ``start`` is the literal text of its start value, exactly as written."""
+    """One declared variable: ``start`` is the literal text of its start value, exactly as written.
+
+    ``attributes`` are the pairs in braces, such as (InstructionName, WRREC), (LibVersion, 1.1).
+    """
 
     name: str
     type: DataType
@@ -62,6 +65,7 @@ class Member:
     comment: str = ""
     at: str | None = None
     span: Span | None = None
+    attributes: tuple[tuple[str, str], ...] = ()
 
 
 _WIDTHS = {

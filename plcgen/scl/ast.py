@@ -351,7 +351,7 @@ class Unit(Node):
     """A block or type. ``body_type`` is a DB's or UDT's structure, or the type an instance DB is made from.
 
     ``properties`` are TITLE, AUTHOR, NAME, FAMILY, VERSION as text; ``flags`` NON_RETAIN and the like.
-    ``statements`` are the code, or the assignments behind BEGIN of a DB.
+    ``statements`` are the code, or the assignments behind BEGIN of a DB; ``code`` are the offsets of its text.
     """
 
     keyword: str
@@ -365,6 +365,7 @@ class Unit(Node):
     sections: tuple[Section, ...]
     body_type: TypeSpec | None
     statements: Body
+    code: tuple[int, int] = field(default=(0, 0), compare=False)
 
 
 def walk(root: Node) -> Iterator[Node]:

@@ -40,6 +40,8 @@ _SECTIONS = {
     "VAR_INPUT": SectionKind.INPUT, "VAR_OUTPUT": SectionKind.OUTPUT, "VAR_IN_OUT": SectionKind.IN_OUT,
     "VAR": SectionKind.STATIC, "VAR_TEMP": SectionKind.TEMP, "CONST": SectionKind.CONSTANT,
 }  # fmt: skip
+_CODE_BLOCKS = frozenset({"FUNCTION_BLOCK", "FUNCTION", "ORGANIZATION_BLOCK"})
+_RETAIN = frozenset({"RETAIN", "NON_RETAIN"})
 _DEFAULT_STRING = 254
 _PLAIN = [name for name in (*ELEMENTARY, *ALIASES, "STRING", "WSTRING") if "_" not in name]
 _LONGEST = 9
@@ -113,7 +115,13 @@ class _Builder:
             attributes={**attributes, **properties},
             assignments=self.assignments(unit) if kind is BlockKind.DB else (),
             span=self.result.tokens.span(unit.start, unit.start + len(unit.keyword)),
+            code=self.code(unit) if unit.keyword in _CODE_BLOCKS else None,
         )
+
+    def code(self, unit: ast.Unit) -> str:
+        """Text of the statements: the rest of the line of BEGIN and the line of the END do not belong to it."""
+        begin, stop = unit.code
+        return trim_code(self.source[begin:stop])
 
     def sections(self, unit: ast.Unit) -> list[Section]:
         """Return the declaration sections in source order; labels are no members."""
@@ -126,7 +134,8 @@ class _Builder:
                 kind = SectionKind.CONSTANT
             elif kind is SectionKind.STATIC and unit.keyword in {"FUNCTION", "ORGANIZATION_BLOCK"}:
                 kind = SectionKind.TEMP
-            found.append(Section(kind, self.members(section.declarations)))
+            retain = next((m for m in section.modifiers if m in _RETAIN), "")
+            found.append(Section(kind, self.members(section.declarations), retain))
         return found
 
     def body_members(self, body: ast.TypeSpec) -> tuple[Member, ...]:
@@ -177,8 +186,11 @@ class _Builder:
         else:
             return
         start = self.text(declaration.initial) if declaration.initial is not None else None
+        of_type = declaration.type.attributes if isinstance(declaration.type, ast.TypeName) else ()
         for name in declaration.names:
-            yield Member(name.name, data_type, start, declaration.comment, declaration.at, self.result.span(name))
+            pairs = tuple((a.name, a.value) for a in (*name.attributes, *of_type))
+            span = self.result.span(name)
+            yield Member(name.name, data_type, start, declaration.comment, declaration.at, span, pairs)
 
     def check_duplicates(self, sections: Iterable[Section]) -> None:
         """PG805: names are unique within a block and within a structure, whatever their case."""
@@ -289,6 +301,15 @@ class _Builder:
             self.error("PG801", f"{spec.name.upper()} needs a constant length from 1 to {limit}", spec.length)
             return _DEFAULT_STRING
         return value
+
+
+def trim_code(text: str) -> str:
+    """Code without the end of the line before it and without the line break and indentation behind it."""
+    first, newline, rest = text.partition("\n")
+    if newline and not first.strip(" \t"):
+        text = rest
+    head, newline, last = text.rpartition("\n")
+    return head if newline and not last.strip(" \t") else text
 
 
 def _is_instruction(attributes: Iterable[ast.Attribute]) -> bool:

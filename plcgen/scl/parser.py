@@ -52,6 +52,7 @@ class Parser(DeclarationParser, StatementParser):
         super().__init__(tokens)
         self.bodies = bodies
         self.comment_lines: list[str] = []
+        self.code_start = 0
         gotos = (i + 1 for i, kind in enumerate(self.kinds) if kind == "GOTO")
         self.has_regions = "END_REGION" in self.kinds
         self.jump_labels = frozenset(self.texts[i].upper() for i in gotos)
@@ -147,12 +148,13 @@ class Parser(DeclarationParser, StatementParser):
             more = self.header()
             attributes, properties, flags = attributes + more[0], properties + more[1], flags + more[2]
         statements = self.code(keyword)
+        code = self.code_start, self.start
         if not self.accept("END_" + keyword):
             self.missing_end(keyword)
         self.accept(";")
         return ast.Unit(
             self.starts[opener], self.last_end, keyword, name, quoted, return_type, attributes, properties,
-            flags, comment, sections, body_type, statements,
+            flags, comment, sections, body_type, statements, code,
         )  # fmt: skip
 
     def missing_end(self, keyword: str) -> None:
@@ -254,6 +256,7 @@ class Parser(DeclarationParser, StatementParser):
     def code(self, keyword: str) -> ast.Body:
         """Statements, or nothing if bodies are not wanted; a stray END costs one message."""
         self.accept("BEGIN")
+        self.code_start = self.last_end
         if keyword == "TYPE":
             return ()
         self.data = keyword == "DATA_BLOCK"

@@ -1,0 +1,75 @@
+"""SimaticML of code blocks: made from the rendered SCL text, so text and document can never differ."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import lru_cache, partial
+
+from plcgen.emit.document import RAW, Document
+from plcgen.emit.spelling import culture
+from plcgen.plan.model import BlockRef, PlannedJob, Project
+from plcgen.s7.blocks import Block, BlockKind
+from plcgen.simaticml.documents import Setting
+from plcgen.simaticml.twin import code_document, instance_document, read_block
+from plcgen.simaticml.versions import VERSIONS
+
+RECORD_NOTE = "the call form of WRREC and RDREC is inferred; no genuine export was at hand to compare with"
+VERSION_NOTE = "no genuine export of this TIA Portal version was at hand to compare with"
+_MAIN_NUMBER = 1
+
+
+def job_twins(project: Project, job: PlannedJob) -> Callable[[str], Iterator[Document]] | None:
+    """Return what makes the documents of a job's FB and of its instance DB from the FB's text."""
+    if project.target.xml_version is None:
+        return None
+    return partial(_job, project, job)
+
+
+def main_twin(project: Project) -> Callable[[str], Iterator[Document]] | None:
+    """Return what makes the document of the example OB1 from its text."""
+    if project.target.xml_version is None:
+        return None
+    return partial(_main, project)
+
+
+def version_note(project: Project) -> str:
+    """Why documents of this version are experimental, if they are."""
+    version = VERSIONS[project.target.xml_version or ""]
+    return VERSION_NOTE if version.inferred or version.early else ""
+
+
+def _job(project: Project, job: PlannedJob, text: str) -> Iterator[Document]:
+    setting = _setting(project)
+    block = replace(read_block(text), number=job.block.number)
+    yield _document(job.block, code_document(block, setting), RECORD_NOTE)
+    instance = Block(
+        BlockKind.DB,
+        job.instance.name,
+        (),
+        number=job.instance.number,
+        instance_of=block.name,
+        attributes=block.attributes,
+    )
+    yield _document(job.instance, instance_document(instance, block, setting), version_note(project))
+
+
+def _main(project: Project, text: str) -> Iterator[Document]:
+    instances = tuple(Block(BlockKind.DB, job.instance.name, (), instance_of=job.block.name) for job in project.jobs)
+    block = replace(read_block(text), number=_MAIN_NUMBER)
+    document = code_document(block, _setting(project), instances)
+    yield _raw(f"xml/{block.name}.xml", document, version_note(project))
+
+
+@lru_cache(maxsize=4)
+def _setting(project: Project) -> Setting:
+    cultures = tuple(culture(language) for language in project.languages)
+    return Setting(VERSIONS[project.target.xml_version or ""], project.target.classic, cultures)
+
+
+def _document(block: BlockRef, text: str, experimental: str) -> Document:
+    return _raw(f"xml/{block.name}.xml", text, experimental)
+
+
+def _raw(path: str, text: str, experimental: str) -> Document:
+    return Document(path, RAW, {"text": text}, "utf-8-sig", "\n", experimental)

@@ -1,0 +1,43 @@
+"""Spelling of data types in the Datatype attribute and in SCL of the TIA Portal."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from plcgen.s7.types import ArrayType, DataType, Elementary, StringType, StructType
+
+_SPELLING = {
+    name.upper(): name
+    for name in """Bool Byte Word DWord LWord SInt USInt Int UInt DInt UDInt LInt ULInt Real LReal Char WChar Time LTime
+    S5Time Date Time_Of_Day LTime_Of_Day LDT DTL Date_And_Time Timer Counter Block_DB Block_FB Block_FC Block_SDB
+    Any Pointer Variant Void String WString Port Struct""".split()  # noqa: SIM905 - one word each
+}
+DEFAULT_STRING = 254
+
+
+def type_name(name: str) -> str:
+    """Spelling of an unquoted type: ``Bool``, ``Time_Of_Day``; what is not in the table stays as it is."""
+    return _SPELLING.get(name.upper(), name)
+
+
+@lru_cache(maxsize=4096)
+def datatype(type_: DataType) -> str:
+    """A type without the members of a structure: ``Array[0..9] of "typeMotor"``, ``String[16]``, ``Struct``."""
+    if isinstance(type_, Elementary):
+        return type_name(type_.name)
+    if isinstance(type_, StringType):
+        length = "" if type_.length == DEFAULT_STRING else f"[{type_.length}]"
+        return f"{type_name(type_.name)}{length}"
+    if isinstance(type_, ArrayType):
+        bounds = ", ".join(f"{low}..{high}" for low, high in type_.bounds)
+        return f"Array[{bounds}] of {datatype(type_.element)}"
+    if isinstance(type_, StructType):
+        return "Struct"
+    return f'"{type_.name}"' if type_.quoted else type_name(type_.name)
+
+
+def innermost(type_: DataType) -> DataType:
+    """What an array is made of; any other type as it is."""
+    while isinstance(type_, ArrayType):
+        type_ = type_.element
+    return type_

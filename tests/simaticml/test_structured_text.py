@@ -1,0 +1,119 @@
+"""SCL code as StructuredText: every construct has the elements of genuine exports, and no text is lost."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from plcgen.scl.declarations import blocks
+from plcgen.scl.parser import parse
+from plcgen.simaticml.scope import Scope
+from plcgen.simaticml.structured_text import elements, numbered
+
+DECLARATIONS = """
+VAR_INPUT start : Bool; "my input" : Int; END_VAR
+VAR
+  list : Array[0..9] of Int;
+  data : Struct inner : "typeX"; bits : Word; END_STRUCT;
+  timer {InstructionName := 'TON_TIME'; LibVersion := '1.0'} : TON_TIME;
+  motor : "Motor";
+  motors : Array[1..3] of "Motor";
+END_VAR
+VAR_TEMP i : Int; ref : REF_TO Int; END_VAR
+VAR CONSTANT LIMIT : Int := 5; END_VAR
+"""
+
+
+def written(code: str) -> str:
+    """Elements without UIds, where ``~`` is a Blank."""
+    result = parse(f'FUNCTION_BLOCK "X"\n{DECLARATIONS}BEGIN\n{code}\nEND_FUNCTION_BLOCK\n', "x.scl")
+    others = parse(
+        'DATA_BLOCK "Drive1"\n"Motor"\nBEGIN\nEND_DATA_BLOCK\nDATA_BLOCK "T1"\nTON_TIME\nBEGIN\nEND_DATA_BLOCK', "y"
+    )
+    block, known = blocks(result)[0][0], blocks(others)[0]
+    tokens = parse(code, "code").tokens
+    text = numbered(elements(tokens, 0, len(code), Scope.of(block, known)))
+    uids = [int(uid) for uid in re.findall(r'UId="(\d+)"', text)]
+    assert uids == list(range(21, 21 + len(uids)))
+    text = re.sub(r' UId="\d+"', "", text)
+    return text.replace("<Blank />", "~").replace("\n", "")
+
+
+def local(name: str) -> str:
+    return f'<Access Scope="LocalVariable"><Symbol><Component Name="{name}" /></Symbol></Access>'
+
+
+def number(text: str, scope: str = "LiteralConstant") -> str:
+    return f'<Access Scope="{scope}"><Constant><ConstantValue>{text}</ConstantValue></Constant></Access>'
+
+
+def token(text: str) -> str:
+    return f'<Token Text="{text}" />'
+
+
+DOT = '<Token Text="." />'
+CASES = {
+    "#i := 1;": f"{local('i')}~{token(':=')}~{number('1')}{token(';')}",
+    "#i := -1;": f"{local('i')}~{token(':=')}~{number('-1')}{token(';')}",
+    "#i-1": f"{local('i')}{token('-')}{number('1')}",
+    "(#i) -1": f"{token('(')}{local('i')}{token(')')}~{token('-')}{number('1')}",
+    "#LIMIT": '<Access Scope="LocalConstant"><Constant Name="LIMIT" /></Access>',
+    "T#10s": number("T#10s", "TypedConstant"),
+    "W#16#FF": number("W#16#FF", "TypedConstant"),
+    "16#FF 3.5E-3 TRUE 'it$'s'": "~".join(map(number, ["16#FF", "3.5E-3", "TRUE", "'it$'s'"])),
+    "P#DB3.DBX0.0 BYTE 10": number("P#DB3.DBX0.0 BYTE 10", "AddressConstant"),
+    '"tag"': '<Access Scope="GlobalVariable"><Symbol><Component Name="tag" /></Symbol></Access>',
+    '#"my input"': local("my input"),
+    '#"start"': '<Access Scope="LocalVariable"><Symbol><Component Name="start">'
+    '<BooleanAttribute Name="HasQuotes">true</BooleanAttribute></Component></Symbol></Access>',
+    '"DB"."a b".c': '<Access Scope="GlobalVariable"><Symbol><Component Name="DB" />'
+    f'{DOT}<Component Name="a b" />{DOT}<Component Name="c" /></Symbol></Access>',
+    "#list[#i + 1]": '<Access Scope="LocalVariable"><Symbol><Component Name="list" AccessModifier="Array">'
+    f"{token('[')}{local('i')}~{token('+')}~{number('1')}{token(']')}</Component></Symbol></Access>",
+    "#data.bits.%X3": '<Access Scope="LocalVariable"><Symbol><Component Name="data" />'
+    f'{DOT}<Component Name="bits" />{DOT}<Token Text="%X3" /></Symbol></Access>',
+    "#ref^": f'<Access Scope="LocalVariable"><Symbol><Component Name="ref" />{token("^")}</Symbol></Access>',
+    '"in":P': '<Access Scope="GlobalVariable"><Symbol>'
+    '<Component Name="in" SimpleAccessModifier="Periphery" /></Symbol></Access>',
+    "%DB3.DBW6": '<Access Scope="Address"><Address Area="DB" Type="Word" BlockNumber="3" BitOffset="48" /></Access>',
+    "%M50.1": '<Access Scope="Address"><Address Area="Memory" Type="Bool" BitOffset="401" /></Access>',
+    "%IW256:P": '<Access Scope="Address"><Address Area="PeripheryInput" Type="Word" BitOffset="2048" /></Access>',
+    "ENO": '<Access Scope="PredefinedVariable"><PredefinedVariable Name="ENO" /></Access>',
+    "if #start then": f"{token('IF')}~{local('start')}~{token('THEN')}",
+    "INT_TO_REAL(#i)": f'<Access Scope="Call"><Instruction Name="INT_TO_REAL">{token("(")}'
+    f"<NamelessParameter>{local('i')}</NamelessParameter>{token(')')}</Instruction></Access>",
+    "SHL(IN := #i, N := 8)": f'<Access Scope="Call"><Instruction Name="SHL">{token("(")}'
+    f'<Parameter Name="IN">~{token(":=")}~{local("i")}</Parameter>{token(",")}~'
+    f'<Parameter Name="N">~{token(":=")}~{number("8")}</Parameter>{token(")")}</Instruction></Access>',
+    "TIME_TCK()": f'<Access Scope="Call"><Instruction Name="TIME_TCK">{token("(")}{token(")")}</Instruction></Access>',
+    '"Scale"(a := 1)': f'<Access Scope="Call"><CallInfo Name="Scale" BlockType="FC">{token("(")}'
+    f'<Parameter Name="a">~{token(":=")}~{number("1")}</Parameter>{token(")")}</CallInfo></Access>',
+    "#motor()": '<Access Scope="Call"><CallInfo Name="Motor" BlockType="FB"><Instance Scope="LocalVariable">'
+    f'<Component Name="motor" /></Instance>{token("(")}{token(")")}</CallInfo></Access>',
+    "#motors[1]()": '<Access Scope="Call"><CallInfo Name="Motor" BlockType="FB"><Instance Scope="LocalVariable">'
+    f'<Component Name="motors" AccessModifier="Array">{token("[")}{number("1")}{token("]")}</Component></Instance>'
+    f"{token('(')}{token(')')}</CallInfo></Access>",
+    '"Drive1"()': '<Access Scope="Call"><CallInfo Name="Motor" BlockType="FB"><Instance Scope="GlobalVariable">'
+    f'<Component Name="Drive1" /></Instance>{token("(")}{token(")")}</CallInfo></Access>',
+    '"Pump_DB"()': '<Access Scope="Call"><CallInfo Name="Pump" BlockType="FB"><Instance Scope="GlobalVariable">'
+    f'<Component Name="Pump_DB" /></Instance>{token("(")}{token(")")}</CallInfo></Access>',
+    "#timer(IN := #start)": f'{local("timer")}<Access Scope="Call"><Instruction>{token("(")}'
+    f'<Parameter Name="IN">~{token(":=")}~{local("start")}</Parameter>{token(")")}</Instruction></Access>',
+    '"T1"(Q => #start)': '<Access Scope="GlobalVariable"><Symbol><Component Name="T1" /></Symbol></Access>'
+    f'<Access Scope="Call"><Instruction>{token("(")}<Parameter Name="Q">~{token("=&gt;")}~{local("start")}</Parameter>'
+    f"{token(')')}</Instruction></Access>",
+    "// a <b>": "<LineComment><Text> a &lt;b&gt;</Text></LineComment>",
+    "(* a *)": '<LineComment Inserted="true"><Text> a </Text></LineComment>',
+    "(/* a */)": '<Comment Inserted="true"><MultiLanguageText Lang="en-US"> a </MultiLanguageText></Comment>',
+    "REGION one; two // x\nEND_REGION": f"{token('REGION')}~<Text>one; two // x</Text><NewLine />{token('END_REGION')}",
+    "GOTO out;\nout: ;": f'{token("GOTO")}~<Access Scope="Label"><Label Name="out" /></Access>{token(";")}<NewLine />'
+    f'<Access Scope="Label"><Label Name="out" /></Access>{token(":")}~{token(";")}',
+    "EXIT;\n\n\n  EXIT;": f'{token("EXIT")}{token(";")}<NewLine Num="3" /><Blank Num="2" />{token("EXIT")}{token(";")}',
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("code", CASES)
+def test_construct(code: str) -> None:
+    """One construct, the elements of its document."""
+    assert written(code) == CASES[code]

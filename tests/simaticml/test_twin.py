@@ -1,0 +1,145 @@
+"""The documents of generated code blocks: line by line or as a whole, the same bytes; marked and in order."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from projects import SPECS, TARGETS, every_type
+
+from plcgen import api
+from plcgen.scl.declarations import blocks
+from plcgen.scl.lexer import tokenize
+from plcgen.scl.parser import parse
+from plcgen.simaticml import twin
+from plcgen.simaticml.documents import Setting, document
+from plcgen.simaticml.scope import Scope
+from plcgen.simaticml.structured_text import elements, numbered
+from plcgen.simaticml.versions import VERSIONS
+
+SETTING = Setting(VERSIONS["V19"], classic=False)
+
+
+def texts(folder: Path) -> list[str]:
+    return [path.read_text("utf-8-sig") for path in sorted(folder.glob("scl/*.scl"))]
+
+
+@pytest.fixture(scope="module")
+def generated(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Folders of every shipped spec and of every type on every target of the TIA Portal."""
+    base = tmp_path_factory.mktemp("twin")
+    specs = {spec.stem: spec.read_text("utf-8") for spec in SPECS if "step7" not in spec.read_text("utf-8")}
+    specs |= {target: every_type(target) for target in TARGETS if target != "v5"}
+    for name, text in specs.items():
+        (base / f"{name}.yaml").write_text(text, "utf-8")
+        assert api.generate(base / f"{name}.yaml", base / name).ok
+    return {name: base / name for name in specs}
+
+
+def test_line_by_line_and_as_a_whole_give_the_same_document(generated: dict[str, Path]) -> None:
+    """The kept pieces of code are what the whole text gives, in a fresh memory and in a used one."""
+    twin._LINES.pieces.clear()
+    twin._PARAGRAPHS.pieces.clear()
+    seen = 0
+    for _ in range(3):
+        for folder in generated.values():
+            for text in texts(folder):
+                block = blocks(parse(text, "x"))[0][0]
+                code = block.code or ""
+                whole = elements(tokenize(code, "x"), 0, len(code), Scope.of(block))
+                quick = twin.read_block(text)
+                assert document(block, SETTING, numbered(whole))[0] == twin.code_document(quick, SETTING)
+                seen += 1
+    assert seen > 30
+    assert twin._PARAGRAPHS.pieces
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        '#a := "X"\n.b;', "#a := (1\n\n + 2);", "#f(\n\n a := 1);", "(* ( *) #a := 1;", "#a := 'x\"y';",
+        '// 5" ( pipe\n#a := 1;', '#a := "B".c; // "q" and 6"', "#a :=\n\n-1;", "#a := 5\n-1;",
+        "#a\n\n\n(x := 1);", "", "\n\n", '"A"."b c" := "A"."d";',
+    ],
+)  # fmt: skip
+def test_awkward_code_line_by_line(code: str) -> None:
+    """What goes over the end of a line is written as the whole text is."""
+    text = f'FUNCTION_BLOCK "X"\nVAR\n  a : Int;\n  f : "F";\nEND_VAR\nBEGIN\n{code}\nEND_FUNCTION_BLOCK\n'
+    block = twin.read_block(text)
+    whole = numbered(elements(tokenize(block.code or "", "x"), 0, len(block.code or ""), Scope.of(block)))
+    for _ in range(3):
+        assert document(block, SETTING, whole)[0] == twin.code_document(block, SETTING)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["FUNCTION_BLOCK x", 'FUNCTION_BLOCK "X"\nBEGIN\n#a := ;\nEND_FUNCTION_BLOCK\n', "",
+     'FUNCTION_BLOCK "X"\nVAR\n  a : Nonsense;\n  b := 1;\nEND_VAR\nBEGIN\nEND_FUNCTION_BLOCK'],
+)  # fmt: skip
+def test_a_source_that_does_not_parse_is_an_error_of_the_generator(text: str) -> None:
+    """No document is made from a text that is not one block."""
+    if ":= ;" in text:  # the code is not parsed on the quick way: verify reads both files
+        assert twin.read_block(text).code == "#a := ;"
+        return
+    with pytest.raises(ValueError, match="does not parse"):
+        twin.read_block(text)
+
+
+@pytest.mark.parametrize(
+    "toolchain", ["tia-v13sp1", "tia-v14", "tia-v14sp1", "tia-v15", "tia-v15.1", "tia-v16", "tia-v20"]
+)
+def test_what_each_version_gets(toolchain: str, tmp_path: Path) -> None:
+    """V13 SP1 and V14 know no StructuredText; later ones get every block in their own namespaces."""
+    spec = tmp_path / "job.yaml"
+    spec.write_text(every_type("t15").replace("tia-v21", toolchain), "utf-8")
+    assert api.generate(spec, tmp_path / "out").ok
+    found = {path.stem for path in (tmp_path / "out/xml").glob("*.xml")}
+    if toolchain in {"tia-v13sp1", "tia-v14"}:
+        assert not (tmp_path / "out/xml").exists()
+        return
+    assert {"Main", "ReadAll", "ReadAll_DB", "WriteAll", "typeDriveToken"} <= found
+    version = {"tia-v14sp1": "V14 SP1", "tia-v15.1": "V15.1"}.get(toolchain, toolchain[4:].upper())
+    namespaces = {
+        "V14 SP1": ("v2", "v1"), "V15": ("v3", "v2"), "V15.1": ("v3", "v2"), "V16": ("v4", "v3"), "V20": ("v5", "v4"),
+    }[version]  # fmt: skip
+    text = (tmp_path / "out/xml/ReadAll.xml").read_text("utf-8-sig")
+    assert f'<Engineering version="{version}" />' in text
+    assert re.findall(r"/(?:Interface|StructuredText)/(v\d)\"", text) == list(namespaces)
+    notes = {
+        f["path"]: f.get("experimental", "")
+        for f in json.loads((tmp_path / "out/manifest.json").read_text("utf-8"))["files"]
+    }
+    assert "WRREC" in notes["xml/ReadAll.xml"]
+    assert "watch tables" in notes["xml/Watch_ReadAll.xml"]
+    assert bool(notes["xml/Main.xml"]) == (toolchain != "tia-v16")
+    assert bool(notes["xml/typeDriveToken.xml"]) == (toolchain in {"tia-v14sp1", "tia-v15", "tia-v15.1"})
+
+
+def test_import_script_names_every_document_once_in_order(generated: dict[str, Path]) -> None:
+    """Types, data blocks, function blocks, instance DBs, OB; the S7-300 gets no script."""
+    folder = generated["s7-1500_g120_pn"] / "xml"
+    script = (folder / "import.ps1").read_bytes()
+    assert script.startswith(b"\xef\xbb\xbf")
+    assert b"\r\n" in script
+    names = re.findall(r"^        '([^']+\.xml)'", script.decode("utf-8-sig").replace("\r\n", "\n"), re.MULTILINE)
+    assert sorted(names) == sorted(path.name for path in folder.glob("*.xml"))
+    order = [
+        names.index(n)
+        for n in ("typeSetRamps_Request.xml", "SetRamps_Request.xml", "SetRamps.xml", "SetRamps_DB.xml", "Main.xml")
+    ]
+    assert order == sorted(order)
+    assert not (generated["s7-300_6ra80_dp_tia"] / "xml/import.ps1").exists()
+    assert "no script" in (generated["s7-300_6ra80_dp_tia"] / "xml/IMPORT.md").read_text("utf-8")
+
+
+def test_classic_documents_have_none_of_the_new_attributes(generated: dict[str, Path]) -> None:
+    """S7-300/400: no MemoryLayout, no SetENOAutomatically, an OB with Temp and Constant only."""
+    folder = generated["s7-300_6ra80_dp_tia"] / "xml"
+    for path in folder.glob("*.xml"):
+        text = path.read_text("utf-8-sig")
+        assert "MemoryLayout" not in text
+        assert "SetENOAutomatically" not in text
+    main = (folder / "Main.xml").read_text("utf-8-sig")
+    assert re.findall(r'<Section Name="(\w+)"', main) == ["Temp", "Constant"]
