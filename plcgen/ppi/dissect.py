@@ -23,7 +23,7 @@ from plcgen.ppi.areas import (
 from plcgen.ppi.codes import function_text, header_error, return_code
 from plcgen.ppi.errors import Violation
 from plcgen.ppi.fdl import SD1, SD2, SD3, SD4
-from plcgen.ppi.items import bare_item, octets_of, walk_values
+from plcgen.ppi.items import bare_item, find_values, octets_of
 from plcgen.ppi.model import ACKNOWLEDGE, CLIPPED, Item
 from plcgen.ppi.pdu import FORCE_PARAMETER
 from plcgen.ppi.telegram import PDU_OFFSET
@@ -243,11 +243,7 @@ def _item(walker: _Walker, number: int) -> Item:
 
 
 def _values(walker: _Walker, count: int, items: Sequence[Item], *, reply: bool) -> None:
-    values, end = walk_values(walker.data, walker.offset, count, reply=reply)
-    if len(values) < count or end not in {len(walker.data), len(walker.data) - 1}:
-        bare, bare_end = walk_values(walker.data, walker.offset, count, reply=reply, padded=False)
-        if len(bare) == count and bare_end == len(walker.data):
-            values = bare
+    values, _, _ = find_values(walker.data, walker.offset, count, reply=reply)
     for number, value in enumerate(values, 1):
         label = f"value {number}{_label(items, number)}"
         if reply:

@@ -66,7 +66,7 @@ def _require(frame: VariableFrame | FixedFrame | DataFrame | TokenFrame) -> None
     for value in (frame.destination, frame.source, 0 if function is None else function):
         if not 0 <= value <= 0xFF:
             raise PpiError.of(Kind.STATION, f"{value} is no byte")
-    _check_stations(found, frame.destination, frame.source, 0)
+    _check_stations(found, frame.destination, frame.source, 0, token=function is None)
     if function is not None:
         _check_function(found, function, 0)
     if isinstance(frame, DataFrame) and len(frame.data) != 8:

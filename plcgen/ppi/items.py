@@ -164,6 +164,11 @@ class Value:
     data: bytes
     padded: bool
 
+    @property
+    def end(self) -> int:
+        """Offset behind its bytes, where its pad is if it has one."""
+        return self.at + VALUE_HEADER + len(self.data)
+
 
 def octets_of(size_code: int, length: int) -> int:
     """Bytes of a value: the length counts bytes for size codes 06, 07 and 09, otherwise bits."""
@@ -192,17 +197,26 @@ def walk_values(data: bytes, at: int, count: int, *, reply: bool, padded: bool =
     return values, at
 
 
-def read_values(findings: Findings, data: bytes, at: int, count: int, *, reply: bool) -> tuple[list[Value], bool]:
-    """Return the values behind offset ``at``, and whether the last one has a pad; everything wrong is noted.
+def find_values(data: bytes, at: int, count: int, *, reply: bool) -> tuple[list[Value], int, bool]:
+    """Return the values behind offset ``at``, where they end, and whether there are pads between odd ones.
 
-    Values without pads in between are recognised if they alone use up the data exactly.
+    Values without pads are recognised if they use up the data exactly and the usual reading does not, or meets pads
+    other than 00.
     """
     values, end = walk_values(data, at, count, reply=reply)
-    if len(values) < count or end not in {len(data), len(data) - 1}:
+    doubtful = len(values) < count or end not in {len(data), len(data) - 1}
+    if doubtful or any(value.padded and data[value.end] for value in values):
         bare, bare_end = walk_values(data, at, count, reply=reply, padded=False)
         if len(bare) == count and bare_end == len(data):
-            findings.add(Kind.PAD, at, "values of odd length have no pad byte before the next one")
-            values, end = bare, bare_end
+            return bare, bare_end, False
+    return values, end, True
+
+
+def read_values(findings: Findings, data: bytes, at: int, count: int, *, reply: bool) -> tuple[list[Value], bool]:
+    """Return the values behind offset ``at``, and whether the last one has a pad; everything wrong is noted."""
+    values, end, padded = find_values(data, at, count, reply=reply)
+    if not padded:
+        findings.add(Kind.PAD, at, "values of odd length have no pad byte before the next one")
     for number, value in enumerate(values, 1):
         _check_value(findings, data, value, number, reply=reply)
     if len(values) < count:
@@ -242,10 +256,8 @@ def _check_value(findings: Findings, data: bytes, value: Value, number: int, *, 
         findings.add(Kind.VALUE_LENGTH, at + 2, f"{what}: {value.length} bits are no whole bytes")
     if not value.data:
         findings.add(Kind.VALUE_LENGTH, at + 2, f"{what} has no bytes")
-    if value.padded and data[at + VALUE_HEADER + len(value.data)]:
-        pad = data[at + VALUE_HEADER + len(value.data)]
-        text = f"the pad byte behind {what} is {pad:02X}h instead of 00h"
-        findings.add(Kind.PAD, at + VALUE_HEADER + len(value.data), text)
+    if value.padded and data[value.end]:
+        findings.add(Kind.PAD, value.end, f"the pad byte behind {what} is {data[value.end]:02X}h instead of 00h")
 
 
 def result_of(value: Value) -> ItemResult:
