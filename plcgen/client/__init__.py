@@ -3,3 +3,8 @@
 ``values`` reads and writes what people type, ``symbols`` reads Micro/WIN's symbol table, ``exchange`` moves one request
 and its answer over a line with bounded retries, ``client`` is the Python API.
 """
+
+from plcgen.client.client import Client, CpuInfo, Reading, Written
+from plcgen.client.exchange import ClientError, NoAnswerError, RefusedError, Settings
+
+__all__ = ["Client", "ClientError", "CpuInfo", "NoAnswerError", "Reading", "RefusedError", "Settings", "Written"]

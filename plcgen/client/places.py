@@ -84,9 +84,10 @@ def _item(name: str, symbols: SymbolTable | None) -> Item:
     try:
         return parse_address(name)
     except AddressError as problem:
-        near = did_you_mean(name, symbols.names) if symbols is not None else ""
-        help_ = f"{near} {problem.help}".strip()
-        raise PlaceError(problem.code, problem.message, help_) from problem
+        if symbols is None or any(char in "0123456789" for char in name):
+            raise PlaceError(problem.code, problem.message, problem.help) from problem
+        hint = did_you_mean(name, symbols.names) or "symbols are looked up in any letter case"
+        raise PlaceError(problem.code, f'"{name}" is no symbol of the table and no address', hint) from problem
 
 
 def parse_assignment(text: str, symbols: SymbolTable | None = None) -> tuple[Place, WriteItem]:

@@ -47,9 +47,11 @@ class ItemValueError(ValueError):
 
 
 def default_type(item: Item) -> str:
-    """Type that an item has if none is given: BOOL, BYTE, WORD or DWORD; WORD for the value of a counter."""
+    """Type that an item has if none is given: BOOL, BYTE, WORD or DWORD; CHAR for the CPU type in SYS."""
     if item.area == Area.C:
         return "WORD"
+    if item.area == Area.SYS and item.size == TransportSize.BYTE and item.count > 1:
+        return "CHAR"
     return _DEFAULTS.get(TransportSize(item.size), "DWORD")
 
 

@@ -55,6 +55,15 @@ class ReadPlan:
             for number, telegram in enumerate(self.telegrams)
         )
 
+    def shared(self, asked: int) -> bool:
+        """Whether an asked item is read in one item with others, so that its return code may not be its own."""
+        return any(
+            len({part.asked for part in planned.parts}) > 1
+            for telegram in self.telegrams
+            for planned in telegram
+            if any(part.asked == asked for part in planned.parts)
+        )
+
     def collect(self, replies: Sequence[ReadReply]) -> tuple[ItemResult, ...]:
         """Return one result per asked item from one reply per telegram.
 

@@ -16,6 +16,22 @@ SECTIONS: Sections = (
             ("decode", "Explain telegrams and captures byte by byte."),
         ),
     ),
+    (
+        "Values",
+        (
+            ("read", "Read values by address or symbol."),
+            ("monitor", "Read values again and again."),
+            ("write", "Write values (with --yes-write)."),
+        ),
+    ),
+    (
+        "The CPU",
+        (
+            ("info", "Show CPU type and firmware."),
+            ("run", "Put the CPU into RUN (with --yes-run)."),
+            ("stop", "Put the CPU into STOP (with --yes-stop)."),
+        ),
+    ),
     ("Simulate", (("serve", "Be an S7-200 on a pseudo terminal, serial port or TCP port."),)),
 )
 
@@ -28,8 +44,9 @@ SECTIONS: Sections = (
     context_settings=CONTEXT,
     invoke_without_command=True,
     examples=(
-        "plcgen ppi encode read VB100 M0.0",
-        "plcgen ppi decode 10 02 00 5C 5E 16",
+        "plcgen ppi read VB100 VD200:REAL M0.0 --port /dev/ttyUSB0",
+        "plcgen ppi monitor VW100 --port socket://192.168.1.50:4000",
+        "plcgen ppi decode --file capture.txt",
     ),
 )
 @common_options

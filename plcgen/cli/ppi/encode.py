@@ -17,7 +17,7 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError
 if TYPE_CHECKING:
     from plcgen.client.symbols import SymbolTable
     from plcgen.ppi.model import Request
-    from plcgen.sim.s7_200.profiles import Profile  # type: ignore[import-untyped,import-not-found,unused-ignore]
+    from plcgen.sim.s7_200.profiles import Profile
 
 _BARE = ("run", "stop", "setup", "poll")
 _WITH_ITEMS = ("read", "write", "force", "unforce")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from plcgen.client.places import Place, PlaceError
     from plcgen.client.symbols import SymbolTable
     from plcgen.ppi.model import Item, WriteItem
-    from plcgen.sim.s7_200.profiles import Profile  # type: ignore[import-untyped,import-not-found,unused-ignore]
+    from plcgen.sim.s7_200.profiles import Profile
 
 Callback = TypeVar("Callback", bound=Callable[..., object])
 Result = TypeVar("Result")

@@ -1,0 +1,72 @@
+"""``plcgen ppi write``: change values of an S7-200."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from plcgen.cli.options import CONTEXT, Verb, common_options, console, json_option
+from plcgen.cli.output import OK, PROBLEMS
+from plcgen.cli.ppi.connection import failed, line_options, open_client
+from plcgen.cli.ppi.places import cpu_option, symbols_option
+from plcgen.diagnostics import DiagnosticError
+
+
+@click.command(
+    "write",
+    cls=Verb,
+    context_settings=CONTEXT,
+    examples=(
+        "plcgen ppi write VW100=1234 M0.0=1 --port /dev/ttyUSB0 --yes-write",
+        "plcgen ppi write VD200:REAL=1.5 VB0[21]:STRING='Recipe 7' --port COM3 --yes-write",
+        "plcgen ppi write setpoint=16#04D2 --symbols press.csv --port socket://10.0.0.5:4000 --yes-write",
+    ),
+)
+@click.argument("words", nargs=-1, required=True, metavar="ADDRESS=VALUE...")
+@click.option("--yes-write", is_flag=True, help="Really write; without it only what would be written is shown.")
+@click.option("--experimental", is_flag=True, help="Allow writing of T and C, which no capture confirms.")
+@line_options
+@cpu_option
+@symbols_option
+@json_option
+@common_options
+@click.pass_context
+def command(
+    ctx: click.Context,
+    /,
+    words: tuple[str, ...],
+    cpu: str | None,
+    symbols: str | None,
+    *,
+    yes_write: bool,
+    experimental: bool,
+    as_json: bool,
+    **given: Any,
+) -> int:
+    """Write values to addresses or symbols; only with --yes-write, since a machine may move.
+
+    Values: 1234, -5, 16#04D2, 2#1010, 1.5, 0 or 1 for bits, several with commas for VB0[4]; text for CHAR and STRING.
+    All values are checked before the first telegram is sent. Exit code 1 if the station refuses an item, 2 without
+    --yes-write.
+    """
+    from plcgen.cli.ppi.places import assignments, find_profile, find_symbols
+    from plcgen.report.ppi_values import entries_text, written_json, written_problems, written_text
+
+    out = console(ctx)
+    try:
+        entries = assignments(words, find_symbols(symbols), find_profile(cpu))
+        if not yes_write:
+            out.say(entries_text(entries))
+            raise click.UsageError("nothing was written: writing needs --yes-write", ctx)
+        with open_client(ctx, given) as client:
+            written = client.write_items(entries, experimental=experimental)
+    except DiagnosticError as problem:
+        return failed(out, "ppi write", problem.diagnostics, words, as_json=as_json)
+    found = written_problems(given["port"], written)
+    if as_json:
+        out.result(written_json(entries, written, found))
+    else:
+        out.result(written_text(entries, written, color=out.out_color, width=out.out_width))
+        out.complain(found)
+    return PROBLEMS if found else OK
