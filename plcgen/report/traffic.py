@@ -45,15 +45,11 @@ class TrafficText:
         shown = entry.data if width == 0 else entry.data[:_BYTES]
         more = f" .. {len(entry.data)} bytes" if len(shown) < len(entry.data) else ""
         text = f"{entry.time / 1000:8.3f}  {arrow}  {self.words(entry)}"
-        note = f"  [{entry.note}]" if entry.note else ""
+        note = f"  [{_fault(entry)}]" if _fault(entry) else ""
         raw = f"  {shown.hex(' ').upper()}{more}"
         if width:
             raw = cut(raw, max(width - len(text) - len(note), len("  68 ...")))
-        return (
-            text
-            + paint(note, "error" if entry.direction == "<" else "warning", color=color)
-            + paint(raw, "dim", color=color)
-        )
+        return text + paint(note, "error", color=color) + paint(raw, "dim", color=color)
 
     def data(self, entry: Traffic) -> dict[str, Any]:
         """One frame for programs."""
@@ -63,13 +59,14 @@ class TrafficText:
             "direction": "request" if entry.direction == ">" else "answer",
             "bytes": entry.data.hex(" ").upper(),
             "text": self.words(entry),
-            "fault": entry.note or None,
+            "fault": _fault(entry) or None,
         }
 
     def words(self, entry: Traffic) -> str:
         """What a frame says."""
-        if entry.note in {"no frame", "unfinished"}:
-            return f"{len(entry.data)} byte{'s' * (len(entry.data) != 1)} of {entry.note}"
+        if entry.direction == ">" and entry.frame is None:
+            size = f"{len(entry.data)} byte{'s' * (len(entry.data) != 1)}"
+            return f"{size} without a frame" if entry.note == "no frame" else f"{size} of an unfinished frame"
         words = title(entry.data)
         frame = entry.frame
         if isinstance(frame, FixedFrame | VariableFrame):
@@ -99,6 +96,11 @@ class TrafficText:
         if isinstance(pdu, SetupRequest | SetupReply):
             return f"PDU size {pdu.pdu_size}"
         return ""
+
+
+def _fault(entry: Traffic) -> str:
+    """Fault behind an answer; what is noted about other bytes is in their words."""
+    return entry.note if entry.direction == "<" else ""
 
 
 def _named(names: Sequence[str], number: int, text: str) -> str:

@@ -95,7 +95,7 @@ def test_the_log_shows_every_frame_decoded(tmp_path: Path) -> None:
     assert err == ""
     lines = [line[10:] for line in out.splitlines()]
     assert lines == [
-        "->  1 byte of no frame  [no frame]  00",
+        "->  1 byte without a frame  00",
         f"->  read request, station 0 to 2 (6C): VB100  {REQUEST.hex(' ').upper()}",
         "<-  acknowledgement  E5",
         "->  poll, station 0 to 2 (5C)  10 02 00 5C 5E 16",

@@ -160,6 +160,8 @@ class Bus:
         """Faults of some kinds that strike a frame; each counts the occasion, and those that spoil need an answer
         that can be spoilt.
         """
+        if not self.faults:
+            return []
         found = [
             fault
             for fault in self.faults

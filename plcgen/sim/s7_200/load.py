@@ -24,7 +24,7 @@ from plcgen.sim.s7_200.values import encode_value
 from plcgen.spec.source import Node, load_yaml, resolve_plain
 
 USAGE, BEYOND = "PG901", "PG724"
-_STATION_KEYS = (
+STATION_KEYS = (
     "cpu", "address", "mode", "switch", "type", "pdu", "not_ready", "frame_count", "password", "write_inputs",
     "experimental", "symbols", "values",
 )  # fmt: skip
@@ -78,7 +78,7 @@ def _bus(reader: Reader, cpu: str | None, address: int | None) -> Bus:
             reader.error("PG105", "a bus needs at least one station", reader.node.key_span("stations"))
     else:
         reader.what = "the station"
-        reader.only(*_STATION_KEYS, "faults")
+        reader.only(*STATION_KEYS, "faults")
         stations = [_station(reader, cpu, address)]
     addresses = [station.address for station in stations]
     faults = [read_fault(child, addresses) for child in reader.children("faults", "a fault")]
@@ -93,7 +93,7 @@ def _bus(reader: Reader, cpu: str | None, address: int | None) -> Bus:
 
 def _station(reader: Reader, cpu: str | None, address: int | None) -> Station:
     if reader.node.get("faults") is None:
-        reader.only(*_STATION_KEYS)
+        reader.only(*STATION_KEYS)
     chosen = _profile(reader, cpu)
     station = Station(
         chosen.key,
