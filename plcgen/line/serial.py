@@ -100,7 +100,7 @@ def _refused(port: str, problem: Exception) -> LineError:
     number = getattr(problem, "errno", None)
     if number in {errno.ENOENT, errno.ENXIO, errno.ENODEV}:
         return LineError(CANNOT_OPEN, port, "there is no such port", _known())
-    if number in {errno.EBUSY, errno.EAGAIN} or "exclusively lock" in str(problem):
+    if number in {errno.EBUSY, errno.EAGAIN}:
         return LineError(BUSY, port, "the port is in use by another program", "end that program first")
     if number in {errno.EACCES, errno.EPERM}:
         return LineError(CANNOT_OPEN, port, "the port must not be used", "on Linux, join the group dialout")

@@ -167,6 +167,14 @@ def test_mistakes_end_without_a_traceback(plcgen, args, code, words) -> None:
     assert result.out == ""
 
 
+def test_signals_are_given_back(plcgen, monkeypatch) -> None:
+    """A program that calls the verb in its own process keeps its Ctrl-C."""
+    monkeypatch.setattr("plcgen.sim.s7_200.serve.serve_line", lambda *_: None)
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    assert plcgen("ppi", "serve").code == 0
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
+
+
 def test_a_busy_port_is_told(plcgen) -> None:
     with socket.create_server(("127.0.0.1", 0)) as other:
         result = plcgen("ppi", "serve", "--tcp", f"127.0.0.1:{other.getsockname()[1]}")

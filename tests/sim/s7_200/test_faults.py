@@ -170,6 +170,15 @@ def test_a_job_is_refused_as_a_whole_and_not_executed() -> None:
     assert replied(master) == GOOD
 
 
+def test_lines_to_the_same_cpus_share_their_faults() -> None:
+    """What has struck on one connection is over on all of them."""
+    bus = talk("silence", "silence:after=1").bus
+    first, second = bus.branch(), bus.branch()
+    assert [line.exchange(REQUEST) for line in (first, second, first)] == [b"", b"", E5]
+    assert bus.faults == []
+    assert len(bus.journal) == 4
+
+
 def test_faults_wait_and_choose_their_station() -> None:
     bus = Bus([Station(address=2), Station(address=3)], ["silence:station=3,after=1,times=2"])
     request = {address: encode_request(READ, destination=address) for address in (2, 3)}
@@ -262,8 +271,8 @@ def test_a_pause_inside_a_frame_ends_it() -> None:
     """200 ms still belong together, 201 ms do not; the journal says what became of the rest."""
     for pause, expected in ((200, E5), (201, b"")):
         bus = talk().bus
-        bus.receive(REQUEST[:10], 0)
-        assert bus.exchange(REQUEST[10:], pause) == expected
+        bus.receive(REQUEST[:10], 5000)
+        assert bus.exchange(REQUEST[10:], 5000 + pause) == expected
         assert ("unfinished" in [entry.note for entry in bus.journal]) == (expected == b"")
 
 

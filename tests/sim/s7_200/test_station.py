@@ -9,6 +9,7 @@ from plcgen.ppi.areas import Area
 from plcgen.ppi.model import (
     AckReply,
     ErrorReply,
+    FixedFrame,
     Item,
     ReadRequest,
     RunRequest,
@@ -198,6 +199,12 @@ def test_it_is_silent_and_keeps_the_answer(talk: Talk, frame: bytes) -> None:
     assert talk.send(POLL) == VB100_IS_22
 
 
+def test_a_station_knows_its_own_address(station: Station) -> None:
+    """Whoever hands it a frame, it answers its own only."""
+    assert station.receive(FixedFrame(3, 0, 0x49)) is None
+    assert station.receive(FixedFrame(2, 0, 0x49)) == FixedFrame(0, 2, 0x00)
+
+
 def test_a_broken_request_is_not_executed(talk: Talk, station: Station) -> None:
     assert talk.send(WRITE_VB100_0C[:-2] + b"\xba\x16") == b""
     assert station.executed == 0
@@ -246,10 +253,13 @@ def test_the_pdu_size_is_negotiated_down(talk: Talk, asked: int, expected: int) 
 
 
 def test_the_negotiated_size_is_a_limit(talk: Talk) -> None:
-    """A PDU of 100 bytes holds 100 - 12 - 2 - 4 = 82 bytes of one item."""
+    """A PDU of 100 bytes holds 100 - 12 - 2 - 4 = 82 bytes of one item, written 100 - 10 - 14 - 4 = 72."""
     talk.ask(SetupRequest(3, 100))
     assert talk.read("VB0[82]")[0][0] == 0xFF
     assert talk.ask(ReadRequest(4, (Item.memory(Area.V, 0, 83),))) == ErrorReply(4, 0x85, 0x00)
+    assert talk.write(("VB0[72]", bytes(72))) == [0xFF]
+    too_long = WriteRequest(5, (WriteItem(Item.memory(Area.V, 0, 73), bytes(73)),))
+    assert talk.ask(too_long) == ErrorReply(5, 0x85, 0x00)
 
 
 @pytest.mark.parametrize(
