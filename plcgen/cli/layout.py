@@ -24,10 +24,11 @@ _BOM = "\ufeff"
         "plcgen layout job.yaml",
         "plcgen layout old_project.awl types.udt --block DB3",
         "plcgen layout exported_project/ --format csv --out layout.csv",
+        "plcgen layout exported_project/ --format html --out layout.html",
     ),
 )
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="SPEC|FILE|FOLDER...")
-@format_options("text", "markdown", "csv", "json")
+@format_options("text", "markdown", "csv", "json", "svg", "html")
 @click.option("--block", default="", metavar="NAME", help="Only this block: its name, or DB3, UDT5, FB7.")
 @click.option("--expand", is_flag=True, help="Every element of every array, not only the first.")
 @click.option(
@@ -90,6 +91,10 @@ def _spelled(
         from plcgen.report.layout_data import layout_csv
 
         return (_BOM if output is not None else "") + layout_csv(result.blocks, separator)
+    if format_ in {"svg", "html"}:
+        from plcgen.report import layout_page
+
+        return layout_page.html(result.blocks) if format_ == "html" else layout_page.svg(result.blocks)
     from plcgen.report.layout import layout_markdown, layout_text
 
     if format_ == "markdown":

@@ -84,7 +84,7 @@ class Symbols:
             if len(steps) == 1:
                 return memory, None, "", 0, None
             rest = _join(steps[1:])
-            layout = Layout(entry.shape.bits // 8, (), entry.shape)
+            layout = Layout(entry.shape.bits // 8, entry.shape)
             try:
                 locate(layout, rest)
             except KeyError as problem:

@@ -25,13 +25,16 @@ class RenderedFile:
     experimental: str = ""
 
 
+_MARKUP = (".xml.j2", ".html.j2", ".svg.j2")
+
+
 @functools.cache
 def environment() -> jinja2.Environment:
-    """Environment for the shipped templates: no user templates, XML templates escape by default."""
+    """Environment for the shipped templates: no user templates, templates of markup escape by default."""
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(templates_dir()),
         undefined=jinja2.StrictUndefined,
-        autoescape=lambda name: name is not None and name.endswith(".xml.j2"),  # noqa: S701 - SCL is no markup
+        autoescape=lambda name: name is not None and name.endswith(_MARKUP),  # noqa: S701 - SCL is no markup
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,

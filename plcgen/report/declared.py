@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from plcgen.s7.types import Member
 
 MAX_ROWS = 200_000
-"""Rows of one block with ``expand``; the elements that follow are folded."""
+"""Rows of all blocks together; after that structures and arrays are one row."""
 
 _MAX_NOTES = 8
 _WITH_MEMORY = frozenset({BlockKind.DB, BlockKind.UDT, BlockKind.FB})
@@ -37,10 +37,12 @@ def block_tables(
     """
     tables: list[BlockTable] = []
     found: list[Diagnostic] = []
+    room = MAX_ROWS
     for block in blocks:
         if block.kind in _WITH_MEMORY:
             try:
-                tables.append(_declared(block, types, expand=expand))
+                tables.append(_declared(block, types, room, expand=expand))
+                room -= len(tables[-1].rows)
             except DiagnosticError as problem:
                 found += problem.diagnostics
     return tables, _grouped(dict.fromkeys(found))
@@ -66,10 +68,10 @@ def _with_uses(group: list[Diagnostic]) -> Diagnostic:
     return replace(first, notes=(*first.notes, *notes))
 
 
-def _declared(block: Block, types: Mapping[str, Block], *, expand: bool) -> BlockTable:
+def _declared(block: Block, types: Mapping[str, Block], room: int, *, expand: bool) -> BlockTable:
     layout = layout_block(block, types)
     begin = {_plain(assignment.path): assignment.literal for assignment in block.assignments}
-    rows = _Rows(block, begin, expand=expand)
+    rows = _Rows(block, begin, room, expand=expand)
     rows.fields(layout.shape, 0, 0, "", NO_DOUBTS)
     keys = sorted({key for row in rows.found for key in row.rules})
     offsets = not block.optimized
@@ -86,6 +88,7 @@ def _declared(block: Block, types: Mapping[str, Block], *, expand: bool) -> Bloc
         file=block.span.file if block.span else "",
         line=block.span.line if block.span else 0,
         shape=layout.shape if offsets else None,
+        begin=begin,
     )
 
 
@@ -113,6 +116,7 @@ class _Rows:
 
     block: Block
     begin: Mapping[str, str]
+    room: int
     expand: bool
     found: list[LayoutRow] = field(default_factory=list)
 
@@ -142,10 +146,12 @@ class _Rows:
         self.inside(shape, start, depth + 1, path, doubts)
 
     def inside(self, shape: Shape, start: int, depth: int, path: str, doubts: frozenset[str]) -> None:
-        """Members of a structure, elements of an array."""
+        """Members of a structure, elements of an array, as long as there is room."""
+        if len(self.found) >= self.room:
+            return
         if shape.fields:
             self.fields(shape, start, depth, f"{path}.", doubts)
-        elif shape.element is not None and (self.expand or _is_composite(shape)):
+        elif shape.element is not None and (self.expand or is_composite(shape)):
             self.elements(shape, start, depth, path, doubts)
 
     def elements(self, shape: Shape, start: int, depth: int, path: str, doubts: frozenset[str]) -> None:
@@ -154,9 +160,9 @@ class _Rows:
         if element is None or not isinstance(shape.type, ArrayType):
             return
         total = math.prod(high - low + 1 for low, high in shape.type.bounds)
-        for done, (index, offset) in enumerate(_places(shape)):
+        for done, (index, offset) in enumerate(places(shape)):
             place = start + offset
-            if (done and not self.expand) or len(self.found) >= MAX_ROWS:
+            if (done and not self.expand) or len(self.found) >= self.room:
                 self.fold(shape, (offset, place), depth, (done, total), index, doubts)
                 return
             self.gap(end, place, depth)
@@ -238,7 +244,7 @@ def _plain(path: str) -> str:
     return "".join(parts).lstrip(".").lower()
 
 
-def _is_composite(shape: Shape) -> bool:
+def is_composite(shape: Shape) -> bool:
     """Whether one row does not tell what an array holds: structures, arrays, elements with a gap behind them."""
     element = shape.element
     if element is None:
@@ -256,7 +262,7 @@ def _type(member: Member, shape: Shape) -> str:
     return f"{declared} AT {member.at}" if member.at is not None else declared
 
 
-def _places(shape: Shape) -> Iterator[tuple[str, int]]:
+def places(shape: Shape) -> Iterator[tuple[str, int]]:
     """Index and offset in bits of every element, the last index counting fastest."""
     if not isinstance(shape.type, ArrayType):
         return

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -67,7 +67,8 @@ class BlockTable:
     """One block: identity, size in bytes (None if its access is optimized), rows.
 
     ``data`` and ``role`` if it is a telegram's buffer; ``unused`` counts the bits of all gaps, those inside folded
-    arrays included; ``shape`` is the memory the rows were made from; ``file`` and ``line`` where it is declared.
+    arrays included; ``shape`` is the memory the rows were made from, ``begin`` the values of the BEGIN part
+    by lower-case path; ``file`` and ``line`` where it is declared.
     """
 
     kind: str
@@ -83,6 +84,7 @@ class BlockTable:
     file: str = ""
     line: int = 0
     shape: Shape | None = field(default=None, repr=False, compare=False)
+    begin: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def title(self) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import itertools
 import re
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import DiagnosticError, Span
@@ -55,17 +56,21 @@ class Entry:
         return self.offset % 8
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Layout:
-    """Memory of one block: ``size`` in bytes (even), one entry per declared member in memory order.
-
-    Members of structures and multi-instances follow their parent, one ``depth`` deeper; arrays are one entry,
-    :func:`leaves` takes them apart.
-    """
+    """Memory of one block: ``size`` in bytes (even); ``shape`` is its whole content as a structure."""
 
     size: int
-    entries: tuple[Entry, ...]
     shape: Shape = field(repr=False, compare=False)
+
+    @cached_property
+    def entries(self) -> tuple[Entry, ...]:
+        """One entry per declared member in memory order; made when first asked for.
+
+        Members of structures and multi-instances follow their parent, one ``depth`` deeper; arrays are one entry,
+        :func:`leaves` takes them apart.
+        """
+        return tuple(_members(self.shape, None))
 
 
 def layout_block(block: Block, types: Mapping[str, Block], limit: int = MAX_BYTES) -> Layout:
@@ -94,14 +99,13 @@ def _finish(builder: ShapeBuilder, shape: Shape, name: str, limit: int) -> Layou
         builder.report("PG808", f"{name} has {shape.count} members, the limit is {MAX_ENTRIES}", None)
     if builder.diagnostics:
         raise DiagnosticError(dict.fromkeys(builder.diagnostics))
-    return Layout(shape.bits // 8, tuple(_members(shape, None)), shape)
+    return Layout(shape.bits // 8, shape)
 
 
 def leaves(layout: Layout) -> Iterator[Entry]:
     """Every elementary and string entry in memory order, arrays taken apart; lazy, linear in what is read."""
-    for entry in layout.entries:
-        if entry.depth == 0:
-            yield from _leaves(entry)
+    for child in layout.shape.fields:
+        yield from _leaves(_child(child, None))
 
 
 def locate(layout: Layout, path: str) -> Entry:

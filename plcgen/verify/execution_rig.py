@@ -157,7 +157,7 @@ class JobRig:
         entry = self.program.link.find(name)
         if entry is None or entry.shape is None:
             raise ScenarioError(f'"{name}" is missing')
-        return Layout(entry.shape.bits // 8, (), entry.shape)
+        return Layout(entry.shape.bits // 8, entry.shape)
 
     def get(self, name: str) -> int:
         """Unsigned value of a member of the instance."""

@@ -1,0 +1,101 @@
+"""plcgen layout on files, folders and things that are neither."""
+
+from __future__ import annotations
+
+import json
+import struct
+
+import pytest
+
+DB = 'DATA_BLOCK "D"\nSTRUCT\n x : INT := 5;  // größer\n y : BOOL;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+
+
+@pytest.fixture
+def source(tmp_path):
+    (tmp_path / "d.db").write_text(DB, "utf-8")
+    return "d.db"
+
+
+def test_out_never_overwrites_without_force(plcgen, source, tmp_path):
+    """A file that exists stays as it is, exit code 1; --force replaces it."""
+    assert plcgen("layout", source, "--out", "x.txt").code == 0
+    first = (tmp_path / "x.txt").read_bytes()
+    refused = plcgen("layout", source, "--format", "html", "--out", "x.txt")
+    assert (refused.code, refused.out) == (1, "")
+    assert "x.txt exists" in refused.err
+    assert (tmp_path / "x.txt").read_bytes() == first
+    assert plcgen("layout", source, "--format", "html", "--out", "x.txt", "--force").code == 0
+    assert (tmp_path / "x.txt").read_bytes().startswith(b"<!DOCTYPE html>")
+
+
+def test_csv_files_have_the_mark_that_excel_needs_and_stdout_has_not(plcgen, source, tmp_path):
+    """UTF-8 with byte order mark and semicolons in a file; --separator for other sheets."""
+    plcgen("layout", source, "-f", "csv", "-o", "x.csv")
+    data = (tmp_path / "x.csv").read_bytes()
+    assert data.startswith(b"\xef\xbb\xbfblock;byte;bit;")
+    assert "größer" in data.decode("utf-8-sig")
+    assert plcgen("layout", source, "-f", "csv", "--separator", ",").out.startswith("block,byte,bit,")
+    assert plcgen("layout", source, "-f", "csv", "--separator", "ab").code == 2
+    assert plcgen("layout", source, "-f", "csv", "--separator", '"').code == 2
+
+
+def test_one_block_of_many(plcgen, tmp_path):
+    """By name in any case, by number; a name nobody has is an error."""
+    text = "DATA_BLOCK DB 3\nSTRUCT\n x : INT;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n"
+    (tmp_path / "a.awl").write_text(text + DB, "utf-8")
+    for wanted, title in (("d", 'DB "D"'), ('"D"', 'DB "D"'), ("db3", "DB3"), ("DB 3", "DB3")):
+        assert plcgen("layout", "a.awl", "--block", wanted).out.splitlines()[0].startswith(title)
+    missing = plcgen("layout", "a.awl", "--block", "DB4")
+    assert (missing.code, missing.out) == (1, "")
+    assert "error[PG806]" in missing.err
+
+
+def test_a_folder_means_every_source_in_it(plcgen, tmp_path):
+    (tmp_path / "p" / "inner").mkdir(parents=True)
+    (tmp_path / "p" / "d.db").write_text(DB.replace("INT := 5", '"T"'), "utf-8")
+    (tmp_path / "p" / "inner" / "t.udt").write_text('TYPE "T"\nSTRUCT\n a : REAL;\nEND_STRUCT\nEND_TYPE\n', "utf-8")
+    result = plcgen("layout", "p", "--json")
+    assert [block["size"] for block in json.loads(result.out)["blocks"]] == [6, 4]
+
+
+NESTED = "TYPE U\n" + "STRUCT\na : " * 10_000 + "INT;" + "END_STRUCT;" * 10_000 + "END_TYPE\n"
+ALIASES = "".join(
+    f'TYPE "U{n}"\nSTRUCT\n a : "U{n - 1}";\n b : "U{n - 1}";\nEND_STRUCT\nEND_TYPE\n' for n in range(1, 60)
+)
+
+
+@pytest.mark.parametrize(
+    ("data", "code"),
+    [
+        (b"TYPE U\nSTRUCT\n a : ARRAY[0..2147483647] OF LREAL;\nEND_STRUCT\nEND_TYPE\n", "PG808"),
+        (b"TYPE U\nSTRUCT\n a : ARRAY[0..2147483647, 0..2147483647] OF BOOL;\nEND_STRUCT\nEND_TYPE\n", "PG808"),
+        (b"TYPE U\nSTRUCT\n a : U;\nEND_STRUCT\nEND_TYPE\n", "PG807"),
+        (b"TYPE U\nSTRUCT\n a : INT;\n A : INT;\nEND_STRUCT\nEND_TYPE\n", "PG805"),
+        (b'TYPE U\nSTRUCT\n a : "V";\nEND_STRUCT\nEND_TYPE\n', "PG806"),
+        (NESTED.encode(), "PG802"),
+        (ALIASES.encode() + b'TYPE "U0"\nSTRUCT\n x : INT;\nEND_STRUCT\nEND_TYPE\n', "PG808"),
+        (struct.pack("<1000I", *range(1000)), "PG804"),
+        (b"\x00" * 50_000_000, "PG802"),
+        ("TYPE U\nSTRUCT\n größe : INT;\n".encode("utf-16")[:-1], "PG804"),
+        (b"\xef\xbb\xbfTYPE U \xff\xfe", "PG804"),
+    ],
+    ids=[
+        "huge array", "huge matrix", "recursive", "twice", "missing", "nested 10,000 deep", "doubling", "binary",
+        "50 MB", "half a character", "no UTF-8",
+    ],
+)  # fmt: skip
+def test_hostile_sources_are_diagnostics_and_the_output_is_bounded(plcgen, tmp_path, data, code):
+    """A diagnostic with exit code 1, no traceback, and a bounded amount of text."""
+    (tmp_path / "x.udt").write_bytes(data)
+    result = plcgen("layout", "x.udt")
+    assert result.code == 1
+    assert f"error[{code}]" in result.err
+    assert "PG902" not in result.err
+    assert len(result.out) < 50_000_000
+
+
+def test_hostile_text_on_a_terminal_stays_one_line(plcgen, tmp_path):
+    (tmp_path / "x.db").write_text(DB.replace("größer", "a\x1b[31mred\u202e"), "utf-8")
+    out = plcgen("layout", "x.db").out
+    assert "\x1b" not in out
+    assert "\u202e" not in out
