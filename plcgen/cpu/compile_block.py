@@ -8,7 +8,7 @@ from plcgen.cpu.compile_statements import StatementCompiler, has_labels
 from plcgen.cpu.linkage import Linkage
 from plcgen.cpu.memory import CODECS
 from plcgen.cpu.semantics_scope import Scope
-from plcgen.diagnostics import Diagnostic, Span
+from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.s7.blocks import BlockKind, SectionKind
 from plcgen.s7.types import Elementary, Member
 from plcgen.scl.dialect import Dialect
@@ -26,7 +26,7 @@ def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False) 
         compiler.tidy()
         source = "\n".join(compiler.lines)
         result = Compiled(owner.name, name, source, compiler.map, file)
-        if not compiler.diagnostics:
+        if all(found.severity is not Severity.ERROR for found in compiler.diagnostics):
             result.code = compile(source, f"<{file}>", "exec", dont_inherit=True, optimize=1)
     except (RecursionError, SyntaxError, MemoryError, OverflowError):
         result = Compiled(owner.name, name, "", [], file)

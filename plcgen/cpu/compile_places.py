@@ -78,6 +78,8 @@ class PlaceCompiler(Emitter):
             block = self.link.find(upper)
             if block is not None and block.block.kind is BlockKind.DB and block.shape is not None:
                 return self.data_block(block)
+            if block is self.owner and upper in self.scope.symbols:
+                return self.scope.symbols[upper].place
             if block is not None:
                 self.error("PG820", f"{node.name} is {block.block.kind.value}, not data", node)
                 return None

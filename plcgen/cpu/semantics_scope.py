@@ -8,11 +8,11 @@ from plcgen.cpu.compile_model import Place, Symbol, Val
 from plcgen.cpu.literals import literal_value
 from plcgen.cpu.memory import CODECS
 from plcgen.cpu.semantics_types import INT_CONST, POINTERS
-from plcgen.diagnostics import DiagnosticError
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.s7.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.layout import layout_members
 from plcgen.s7.shapes import Shape
-from plcgen.s7.types import ELEMENTARY, DataType, Elementary, Member, NamedType, StringType
+from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, Elementary, Member, NamedType, StringType
 from plcgen.scl.constants import evaluate
 from plcgen.scl.cursor import Fault
 from plcgen.scl.lexer import tokenize
@@ -122,6 +122,10 @@ class Scope:
 
     def shape_of(self, member: Member) -> Shape:
         """Shape of one declared type."""
+        if isinstance(member.type, ArrayType) and not member.type.bounds:
+            message = f"the soft CPU does not execute ARRAY[*]: {member.name}"
+            self.problems.append(DiagnosticError([Diagnostic("PG827", message, member.span or Span(""))]))
+            return bare_shape("WORD")
         try:
             plain = Member(member.name, member.type, span=member.span)
             return layout_members([plain], self.types).shape.fields[0].shape
