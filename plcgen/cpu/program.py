@@ -38,6 +38,8 @@ class Program:
     diagnostics: list[Diagnostic] = field(default_factory=list)
     compiled: list[Compiled] = field(default_factory=list)
     images: dict[int, bytes] = field(default_factory=dict)
+    circles: bool = False
+    """Whether types that contain themselves have been reported: the layout finds them again."""
 
     @property
     def ok(self) -> bool:
@@ -140,7 +142,9 @@ class Program:
         for number, name in link.aliases.items():
             if name in link.blocks and link.blocks[name].block.kind in {BlockKind.UDT, BlockKind.FB}:
                 link.types[number] = link.blocks[name].block
-        self.diagnostics += recursive_types(entry.block for entry in link.blocks.values())
+        circles = list(recursive_types(entry.block for entry in link.blocks.values()))
+        self.diagnostics += circles
+        self.circles = bool(circles)
         types = TypeTable.of(link.types)
         for entry in link.blocks.values():
             if entry.block.kind in {BlockKind.FB, BlockKind.DB}:
@@ -161,7 +165,7 @@ class Program:
             if block.kind is BlockKind.DB:
                 self.images[entry.index] = bytes(image(block, types))
         except DiagnosticError as problem:
-            self.diagnostics += problem.diagnostics
+            self.diagnostics += (d for d in problem.diagnostics if d.code != "PG807" or not self.circles)
         except StartValueError as problem:
             self.report("PG824", str(problem), problem.span or block.span)
             if entry.shape is not None:

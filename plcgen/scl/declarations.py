@@ -209,8 +209,9 @@ class _Builder:
                     pending.append(inner.members)
 
     def duplicate(self, member: Member, known: Member) -> None:
-        """Two members with one name, with both places."""
-        self.diagnostics.append(declared_twice(member, known, Span(self.result.tokens.file)))
+        """Two members with one name, with both places; so many that nobody reads them are left out."""
+        if len(self.diagnostics) < MAX_ERRORS:
+            self.diagnostics.append(declared_twice(member, known, Span(self.result.tokens.file)))
 
     # --- types ----------------------------------------------------------------------------------------
 

@@ -11,19 +11,18 @@ from plcgen.diagnostics import Diagnostic, Severity
 from plcgen.scl import ast
 from plcgen.scl.cursor import MAX_ERRORS
 from plcgen.scl.dialect import Dialect
-from plcgen.scl.lexer import ADDRESS, LOCAL, QUOTED, REAL, TYPED, Tokens
+from plcgen.scl.dialects_tree import tree
+from plcgen.scl.lexer import ADDRESS, LOCAL, REAL, TYPED, Tokens
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
+
+    from plcgen.scl.dialects_tree import Refusal
 
 _V5, _T3, _T15 = Dialect.STEP7_V5, Dialect.TIA_300_400, Dialect.TIA_1200_1500
 _CLASSIC = frozenset({_V5, _T3})
 _TIA = frozenset({_T3, _T15})
 
-_WIDE_TYPES = frozenset(
-    """LWORD LINT ULINT LREAL LTIME LTOD LTIME_OF_DAY LDT DATE_AND_LTIME DTL SINT USINT UINT UDINT
-    WCHAR WSTRING VARIANT HW_IO HW_ANY HW_DEVICE HW_SUBMODULE HW_INTERFACE PORT DB_ANY""".split()  # noqa: SIM905
-)
 _WIDE_PREFIXES = frozenset(
     "LT LTIME LTOD LTIME_OF_DAY LDT DTL WSTRING WCHAR LW LWORD LINT ULINT LREAL SINT USINT UINT UDINT".split()  # noqa: SIM905
 )
@@ -35,25 +34,10 @@ _KEYWORDS: dict[str, tuple[frozenset[Dialect], str, str]] = {
     "=>": (frozenset({_V5}), "=>", "read the output from the instance DB after the call"),
 }
 _COMBINED = frozenset({"+=", "-=", "*=", "/=", "&=", "**=", "?="})
-_PEEKS = frozenset({"PEEK", "PEEK_BOOL", "PEEK_BYTE", "PEEK_WORD", "PEEK_DWORD", "POKE", "POKE_BOOL", "POKE_BLK"})
-_MEMORY = frozenset(
-    area + width
-    for area in ("I", "Q", "M", "E", "A", "PI", "PQ", "PE", "PA")
-    for width in ("", "X", "B", "W", "D")
-    if area + width not in {"PI", "PQ", "PE", "PA"}
-)
 _NAME_FOLLOWS = frozenset({":", ":=", "=>", ",", ".", "{", "[", ")", ";"})
 """Behind LABEL, CONST, DIV or REGION they show that the word is the name of a member or parameter."""
 _PARAMETER_FOLLOWS = frozenset({":=", "=>"})
-_INDEXED = frozenset({"DB", "DX", "DW", "DD", "DBX", "DBB", "DBW", "DBD"})
-
-_NUMBERED = re.compile(r"(?:DB|T|C|Z)[0-9]{1,5}")
 _SLASH_STAR = re.compile(r"(?<!\()/\*")
-_JOINED = re.compile(r"(?i:VAR_(?:CONSTANT|STAT(?:IC)?|RETAIN)\b)")
-_V5_NAMES = {"OK": ("the OK flag", "use ENO"), "NIL": ("NIL", "write NULL")}
-_BLOCK_FUNCTIONS = frozenset({"WORD_TO_BLOCK_DB", "BLOCK_DB_TO_WORD"})
-
-_Refusal = tuple[int, int, str, str, Severity]
 
 
 def check(
@@ -62,7 +46,7 @@ def check(
     """PG803 for every construct that ``dialect`` refuses, up to a bound; ``free_text`` ranges are no code."""
     found = [
         *islice(_tokens(tokens, dialect, sorted(free_text)), MAX_ERRORS),
-        *islice(_tree(units, tokens, dialect), MAX_ERRORS),
+        *islice(tree(units, tokens, dialect), MAX_ERRORS),
         *islice(_comments(tokens), MAX_ERRORS),
     ]
     return [
@@ -74,18 +58,20 @@ def check(
 # --- tokens ----------------------------------------------------------------------------------------------
 
 
-def _comments(tokens: Tokens) -> Iterator[_Refusal]:
+def _comments(tokens: Tokens) -> Iterator[Refusal]:
     """Find ``/* */`` without parentheses around it, which no Siemens compiler knows."""
+    last = -1
     for match in _SLASH_STAR.finditer(tokens.source):
-        start = match.start()
-        index = bisect_right(tokens.starts, start)
-        if (not index or start >= tokens.end(index - 1)) and any(
-            comment.start == start for comment in tokens.trivia_before(index)
-        ):
-            yield start, start + 2, "comments in /* */", "write (* *)", Severity.ERROR
+        index = bisect_right(tokens.starts, match.start())
+        if index == last or (index and match.start() < tokens.end(index - 1)):
+            continue
+        last = index
+        for comment in tokens.trivia_before(index):
+            if comment.text.startswith("/*"):
+                yield comment.start, comment.start + 2, "comments in /* */", "write (* *)", Severity.ERROR
 
 
-def _tokens(tokens: Tokens, dialect: Dialect, free: Sequence[tuple[int, int]]) -> Iterator[_Refusal]:
+def _tokens(tokens: Tokens, dialect: Dialect, free: Sequence[tuple[int, int]]) -> Iterator[Refusal]:
     """Find constructs that one token gives away."""
     suspects = {LOCAL, ADDRESS, TYPED, REAL, *_COMBINED, *_KEYWORDS}
     ranges = iter(free)
@@ -148,161 +134,3 @@ def _address(text: str, dialect: Dialect, *, after_dot: bool) -> tuple[str, str,
 def _with_point(text: str) -> str:
     upper = text.upper()
     return text[: upper.index("E")] + ".0" + text[upper.index("E") :]
-
-
-# --- tree ------------------------------------------------------------------------------------------------
-
-
-def _tree(units: Iterable[ast.Unit], tokens: Tokens, dialect: Dialect) -> Iterator[_Refusal]:
-    """Find constructs that show in the tree only."""
-    for unit in units:
-        yield from _header(unit, dialect)
-        for section in unit.sections:
-            yield from _section(section, tokens, dialect)
-        at_refused = _optimized_declarations(unit) if dialect is _T15 else frozenset()
-        declared = _declared(unit)
-        for node in ast.walk(unit):
-            if isinstance(node, ast.CallStatement):
-                yield from _call_statement(node, tokens, dialect)
-            elif isinstance(node, ast.Call | ast.Index):
-                yield from _absolute(node, dialect, declared)
-            elif isinstance(node, ast.Name):
-                yield from _name(node, dialect, declared)
-            elif isinstance(node, ast.Argument):
-                if node.operator == ":=" and isinstance(node.value, ast.Omitted):
-                    text = "leave the parameter out or give it a value"
-                    yield node.start, node.end, f"{node.name} without a value", text, Severity.WARNING
-            elif isinstance(node, ast.ArraySpec):
-                if dialect.is_tia and isinstance(node.element, ast.ArraySpec):
-                    text = "use one array with two dimensions"
-                    yield node.start, node.end, "arrays of arrays", text, Severity.ERROR
-            elif isinstance(node, ast.TypeName | ast.StringSpec):
-                yield from _type(node, dialect)
-            elif isinstance(node, ast.Declaration):
-                if node.at is not None and id(node) in at_refused:
-                    text = "add { S7_Optimized_Access := 'FALSE' } to the block"
-                    yield node.start, node.end, "AT in a block with optimized access", text, Severity.ERROR
-            elif isinstance(node, ast.Assign) and node.also and dialect in _CLASSIC:
-                yield (
-                    node.start,
-                    node.end,
-                    "several targets in one assignment",
-                    "write one each",
-                    Severity.ERROR,
-                )
-
-
-def _header(unit: ast.Unit, dialect: Dialect) -> Iterator[_Refusal]:
-    for attribute in unit.attributes:
-        if dialect is _V5 and attribute.name == "S7_Optimized_Access":
-            yield attribute.start, attribute.end, attribute.name, "delete the attribute", Severity.ERROR
-
-
-def _section(section: ast.Section, tokens: Tokens, dialect: Dialect) -> Iterator[_Refusal]:
-    joined = _JOINED.match(tokens.source, section.start)
-    if joined:
-        text = "write VAR" + f" {' '.join(section.modifiers)}".rstrip()
-        yield section.start, joined.end(), joined[0], text, Severity.ERROR
-    if "CONSTANT" not in section.modifiers:
-        return
-    if dialect is _V5 and not joined:
-        what = "VAR CONSTANT"
-        yield section.start, section.start + 3, what, "use CONST .. END_CONST without types", Severity.ERROR
-        return
-    for declaration in section.declarations:
-        value = declaration.initial
-        if isinstance(value, ast.Binary):
-            text = "write the result"
-            yield value.start, value.end, "expressions as the value of a constant", text, Severity.ERROR
-
-
-def _declared(unit: ast.Unit) -> frozenset[str]:
-    """Upper-case names of the parameters and variables of a block."""
-    found = (name.name.upper() for s in unit.sections for d in s.declarations for name in d.names)
-    return frozenset(found)
-
-
-def _optimized_declarations(unit: ast.Unit) -> frozenset[int]:
-    """Identities of the declarations in optimized memory; DB_SPECIFIC lays them out as in standard blocks."""
-    if _is_standard(unit):
-        return frozenset()
-    return frozenset(id(d) for s in unit.sections if "DB_SPECIFIC" not in s.modifiers for d in s.declarations)
-
-
-def _name(node: ast.Name, dialect: Dialect, declared: frozenset[str]) -> Iterator[_Refusal]:
-    """Find names that only STEP 7 V5 knows, unless the block declares them itself."""
-    upper = node.name.upper()
-    if dialect.is_tia and node.scope == "bare" and upper in _V5_NAMES and upper not in declared:
-        what, text = _V5_NAMES[upper]
-        yield node.start, node.end, what, text, Severity.ERROR
-    if dialect.is_tia and node.scope == "bare" and _NUMBERED.fullmatch(upper) and upper not in declared:
-        yield node.start, node.end, f"{node.name} without %", f"write %{node.name}", Severity.WARNING
-    if dialect is _T15 and node.scope == "bare" and upper in _BLOCK_FUNCTIONS:
-        yield node.start, node.end, node.name, "use PEEK and POKE with dbNumber", Severity.ERROR
-
-
-def _is_standard(unit: ast.Unit) -> bool:
-    values = [a.value.upper() for a in unit.attributes if a.name == "S7_Optimized_Access"]
-    return values == ["FALSE"]
-
-
-def _type(node: ast.TypeName | ast.StringSpec, dialect: Dialect) -> Iterator[_Refusal]:
-    quoted = isinstance(node, ast.TypeName) and node.quoted
-    if dialect in _CLASSIC and not quoted and node.name.upper() in _WIDE_TYPES:
-        yield node.start, node.end, f"the type {node.name}", "", Severity.ERROR
-
-
-def _call_statement(node: ast.CallStatement, tokens: Tokens, dialect: Dialect) -> Iterator[_Refusal]:
-    """Find ``"FB"."DB"(..)`` and ``SFB53.DB53(..)`` in the TIA Portal.
-
-    An instance inside a DB is called like that too, but has quotes only where its name needs them.
-    """
-    target = node.call.target
-    if not dialect.is_tia or not isinstance(target, ast.Member) or not isinstance(target.base, ast.Name):
-        return
-    base = target.base
-    numbered = base.scope == "bare" and base.name.upper().startswith(("FB", "SFB")) and base.name[-1].isdigit()
-    quoted = tokens.source[target.end - 1] == '"'
-    instance = (quoted and target.name.isidentifier()) or (not quoted and _is_db(target.name))
-    if numbered or (base.scope == QUOTED and instance):
-        what = "a call with function block and instance DB"
-        yield target.start, target.end, what, f'write "{target.name}"(..)', Severity.ERROR
-
-
-def _absolute(node: ast.Call | ast.Index, dialect: Dialect, declared: frozenset[str]) -> Iterator[_Refusal]:
-    """PEEK and POKE outside S7-1200/1500, indexed absolute access inside."""
-    inner = node.target if isinstance(node, ast.Call) else node.base
-    if isinstance(inner, ast.Name):
-        if inner.scope == "bare" and inner.name.upper() in _PEEKS and dialect in _CLASSIC:
-            text = "use DB100.DW[i]" if dialect is _V5 else "use %DB1.DW(IDX := #i)"
-            yield inner.start, inner.end, inner.name, text, Severity.ERROR
-        elif dialect is _T15 and isinstance(node, ast.Index) and _is_memory(inner, declared):
-            text = "use PEEK and POKE with area 16#81 (inputs), 16#82 (outputs) or 16#83 (memory)"
-            yield node.start, node.end, "indexed absolute access", text, Severity.ERROR
-    elif dialect is _T15 and isinstance(node, ast.Call) and isinstance(inner, ast.Address) and inner.text[0] == "%":
-        text = "use PEEK and POKE, or a tag with an array"
-        yield node.start, node.end, "indexed absolute access", text, Severity.ERROR
-    elif dialect is _T15 and _is_indexed(inner):
-        text = "use PEEK and POKE with area 16#84"
-        yield node.start, node.end, "indexed absolute access", text, Severity.ERROR
-
-
-def _is_memory(inner: ast.Name, declared: frozenset[str]) -> bool:
-    upper = inner.name.upper()
-    return inner.scope == "bare" and upper in _MEMORY and upper not in declared
-
-
-def _is_indexed(inner: ast.Expression) -> bool:
-    if isinstance(inner, ast.Address):
-        return inner.text.upper().rpartition(".")[2] in _INDEXED
-    return (
-        isinstance(inner, ast.Member)
-        and inner.name.upper() in _INDEXED
-        and isinstance(inner.base, ast.Name)
-        and inner.base.scope == "bare"
-        and _is_db(inner.base.name)
-    )
-
-
-def _is_db(name: str) -> bool:
-    return name[:2].upper() == "DB" and name[2:].isdigit()
