@@ -1,156 +1,106 @@
-"""Damage the generated SCL of the two seeds and count what verify notices: ``python -m mutation [SPEC..]``."""
+"""Damage the generated SCL and count what verify notices: ``python -m mutation [SPEC..] [--deletions]``."""
 
 from __future__ import annotations
 
 import argparse
 import multiprocessing
 import os
-import shutil
 import sys
-import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
-from pathlib import Path
 
+from mutation.cases import KINDS, ROOT, Case, cases, is_single, known_cases
 from mutation.equivalent import reason
 from mutation.known import FAQ, KNOWN, MM4
-from mutation.operators import Mutant, mutants
-from plcgen.diagnostics import DiagnosticError, Report
-from plcgen.plan.model import PlannedJob, Project
-from plcgen.plan.resolve import resolve
-from plcgen.spec.load import load_spec
-from plcgen.verify import execution
-from plcgen.verify.coverage import measure, merge
-from plcgen.verify.execution_rig import load_program
+from mutation.run import Verdict, clean, notice
 
-ROOT = Path(__file__).resolve().parent.parent
 GOAL = 98.0
-
-
-@dataclass(frozen=True, slots=True)
-class Case:
-    """A mutant in its place."""
-
-    spec: str
-    file: str
-    job: str
-    mutant: Mutant
-
-
-_projects: dict[str, Project] = {}
-
-
-def project_of(spec: str) -> Project:
-    """The plan of a shipped spec."""
-    if spec not in _projects:
-        loaded = load_spec(ROOT / "specs" / f"{spec}.yaml", Report())
-        if loaded is None:
-            raise SystemExit(f"{spec} cannot be read")
-        _projects[spec] = resolve(loaded, Report())
-    return _projects[spec]
-
-
-def golden(spec: str) -> Path:
-    """The generated files of a shipped spec."""
-    return ROOT / "examples" / spec / "expected"
-
-
-def notice(case: Case) -> str:
-    """What verify says about a mutant; empty if it notices nothing."""
-    project = project_of(case.spec)
-    folder = Path(tempfile.gettempdir()) / f"plcgen-mutation-{os.getpid()}" / case.spec
-    if not folder.exists():
-        shutil.copytree(golden(case.spec), folder)
-    path = folder / case.file
-    before = path.read_bytes()
-    encoding = "cp1252" if project.target.v5 else "utf-8-sig"
-    path.write_text(case.mutant.text, encoding=encoding, newline="")
-    try:
-        return executed(project, folder, case.job)
-    finally:
-        path.write_bytes(before)
-
-
-def executed(project: Project, folder: Path, key: str) -> str:
-    """Run one job, then all of them together, then look at coverage."""
-    try:
-        program = load_program(project, folder)
-    except DiagnosticError as problem:
-        return f"does not compile: {problem.diagnostics[0].message}"
-    job: PlannedJob = next(job for job in project.jobs if job.key == key)
-    execution.MAX_FAILURES = 1
-    first = execution.run_job(project, program, job, "quick")
-    if first.failures:
-        return str(first.failures[0])
-    second = execution.run_program(project, program)
-    if second.failures:
-        return str(second.failures[0])
-    counts = [a + b for a, b in zip(first.counts, second.counts, strict=True)]
-    missing = merge(job, measure(program, job.block.name, counts)).missing
-    return f"line {missing[0].line} never ran" if missing else ""
-
-
-def cases(specs: list[str], every: int) -> Iterator[Case]:
-    """Every mutant of every block; every n-th one for a quick look."""
-    for spec in specs:
-        project = project_of(spec)
-        for job in project.jobs:
-            file = f"scl/{job.block.name}.scl"
-            encoding = "cp1252" if project.target.v5 else "utf-8-sig"
-            text = (golden(spec) / file).read_text(encoding=encoding)
-            for number, mutant in enumerate(mutants(text)):
-                if number % every == 0:
-                    yield Case(spec, file, job.key, mutant)
-
-
-def known_cases() -> Iterator[Case]:
-    """The ten faults of other libraries."""
-    for known in KNOWN:
-        project = project_of(known.spec)
-        encoding = "cp1252" if project.target.v5 else "utf-8-sig"
-        text = (golden(known.spec) / known.file).read_text(encoding=encoding)
-        if known.old not in text:
-            raise SystemExit(f"{known.name}: {known.old!r} is not in {known.file}")
-        key = next(job.key for job in project.jobs if job.block.name in known.file)
-        yield Case(known.spec, known.file, key, Mutant(known.name, 0, text.replace(known.old, known.new)))
-
-
-def is_single(case: Case) -> bool:
-    """Whether the job has one parameter."""
-    return next(len(job.uses) == 1 for job in project_of(case.spec).jobs if job.key == case.job)
 
 
 def say(line: str) -> None:
     """One line of the report."""
     sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
+
+
+def verdicts_of(work: Sequence[Case]) -> list[Verdict]:
+    """Run every case, on every core."""
+    found = []
+    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("fork")) as pool:
+        for number, verdict in enumerate(pool.map(notice, work, chunksize=4), 1):
+            found.append(verdict)
+            if sys.stderr.isatty():
+                sys.stderr.write(f"\r{number}/{len(work)} " if number < len(work) else "\r\033[K")
+    clean()
+    return found
+
+
+def options() -> argparse.Namespace:
+    """What to damage."""
+    parser = argparse.ArgumentParser(prog="mutation")
+    parser.add_argument("specs", nargs="*", help="names of shipped specs (default: the two S7-300 examples)")
+    parser.add_argument("--deletions", action="store_true", help="delete every statement of every block of every spec")
+    parser.add_argument("--kind", choices=tuple(KINDS), action="append", help="this kind of damage only; repeatable")
+    parser.add_argument("--every", type=int, default=1, help="take every n-th mutant only")
+    parser.add_argument("--file", default="", help="only files with this in their name")
+    parser.add_argument("--text", default="", help="only mutants with this in their description")
+    parser.add_argument("--verbose", action="store_true", help="say how each was noticed")
+    return parser.parse_args()
+
+
+def chosen(given: argparse.Namespace) -> list[Case]:
+    """The mutants of this run, without the known faults."""
+    every = sorted(path.stem for path in (ROOT / "specs").glob("*.yaml"))
+    specs = given.specs or (every if given.deletions else [FAQ, MM4])
+    kinds = ("dropped",) if given.deletions else given.kind or tuple(KINDS)
+    found = cases(specs, kinds, main=given.deletions)
+    return [c for c in found if given.file in c.file and given.text in c.mutant.what][:: given.every]
+
+
+def deletions(work: Sequence[Case], found: Sequence[Verdict]) -> int:
+    """Print every deletion that was not noticed or not located; 1 if there is one."""
+    noticed = sum(bool(verdict.text) for verdict in found)
+    located = sum(verdict.located for verdict in found)
+    for case, verdict in zip(work, found, strict=True):
+        if not verdict.located:
+            say(f"{case.spec}/{case.file}:{case.mutant.line}: {case.mutant.what}: {verdict.text or 'NOT NOTICED'}")
+    say(f"{len(work)} deletions, {noticed} noticed, {located} of them with scenario, scan and line of the source")
+    return 0 if located == len(work) else 1
+
+
+def share(work: Sequence[Case], found: Sequence[Verdict]) -> float:
+    """Print every survivor; the share of noticed ones among those that change something, in percent."""
+    noticed = equivalent = 0
+    for case, verdict in zip(work, found, strict=True):
+        why = "" if verdict.text else reason(case.mutant, single=is_single(case))
+        noticed += bool(verdict.text)
+        equivalent += bool(why)
+        if not verdict.text:
+            say(f"{case.spec}/{case.file}:{case.mutant.line}: {case.mutant.what}: {why or 'NOT NOTICED'}")
+    result = 100.0 * noticed / max(1, len(work) - equivalent)
+    say(f"{len(work)} mutants, {noticed} noticed, {equivalent} change nothing that can be seen: {result:.2f} %")
+    return result
 
 
 def main() -> int:
     """Print the figures and every survivor; 1 if the goal is missed."""
-    parser = argparse.ArgumentParser(prog="mutation")
-    parser.add_argument("specs", nargs="*", default=[FAQ, MM4])
-    parser.add_argument("--every", type=int, default=1, help="take every n-th mutant only")
-    parser.add_argument("--file", default="", help="only files with this in their name")
-    options = parser.parse_args()
+    given = options()
     started = time.monotonic()
-    work = [*known_cases(), *(case for case in cases(options.specs, options.every) if options.file in case.file)]
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("fork")) as pool:
-        verdicts = list(pool.map(notice, work, chunksize=8))
-    for folder in Path(tempfile.gettempdir()).glob("plcgen-mutation-*"):
-        shutil.rmtree(folder, ignore_errors=True)
-    noticed = equivalent = 0
-    for case, verdict in zip(work, verdicts, strict=True):
-        why = "" if verdict else reason(case.mutant, single=is_single(case))
-        noticed += bool(verdict)
-        equivalent += bool(why)
-        if not verdict:
-            say(f"{case.spec}/{case.file}:{case.mutant.line}: {case.mutant.what}: {why or 'NOT NOTICED'}")
-    share = 100.0 * noticed / (len(work) - equivalent)
-    say(f"{len(work)} mutants, {noticed} noticed, {equivalent} change nothing that can be seen: {share:.2f} %")
-    say(f"all {len(KNOWN)} known faults noticed: {all(verdicts[: len(KNOWN)])}; {time.monotonic() - started:.0f} s")
-    return 0 if share >= GOAL and all(verdicts[: len(KNOWN)]) else 1
+    known = [] if given.deletions else list(known_cases())
+    work = [*known, *chosen(given)]
+    found = verdicts_of(work)
+    if given.verbose:
+        for case, verdict in zip(work, found, strict=True):
+            say(f"{case.file}:{case.mutant.line}: {case.mutant.what} -> {verdict.text or '-'}")
+    if given.deletions:
+        code = deletions(work, found)
+    else:
+        all_known = all(verdict.text for verdict in found[: len(KNOWN)])
+        code = 0 if share(work, found) >= GOAL and all_known else 1
+        say(f"all {len(KNOWN)} known faults noticed: {all_known}")
+    say(f"{time.monotonic() - started:.0f} s")
+    return code
 
 
 if __name__ == "__main__":

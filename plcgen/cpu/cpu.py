@@ -211,11 +211,15 @@ class Cpu:
                 memory[:] = self.program.images[entry.index]
         for memory in self.areas.values():
             memory[:] = bytes(AREA_SIZE)
-        for block in self._records:
-            block.drop()
+        self.drop_records()
         if self._start_up is not None:
             self._passes[0] = 0
             self._run(self._start_up, ())
+
+    def drop_records(self) -> None:
+        """Forget the record jobs that run, as after a failure of the bus: their blocks are neither busy nor done."""
+        for block in self._records:
+            block.drop()
 
     # --- access ---------------------------------------------------------------------------------------
 

@@ -77,7 +77,9 @@ def _job(project: Project, job: PlannedJob) -> dict[str, Any]:
         "write": job.write,
         "many": len(job.telegrams) > 1,
         "single": len(parts) == 1,
+        "aligned": len(parts) == len(job.uses),
         "refusable": _refusable(job),
+        "gaps": _gaps(job),
         "mixed": _refusable(job) and any(len(telegram.parts) == 1 for telegram in job.telegrams),
         "owner": job.owner,
         "title": title(project, job),
@@ -110,6 +112,14 @@ def _job(project: Project, job: PlannedJob) -> dict[str, Any]:
 def _refusable(job: PlannedJob) -> bool:
     """Whether one error block may stand for several parameters."""
     return any(len(telegram.parts) > 1 for telegram in job.telegrams)
+
+
+def _gaps(job: PlannedJob) -> bool:
+    """Whether an answer that lacks a block can have the right length.
+
+    With two parameters written it cannot: one error block alone is the refusal of the whole request.
+    """
+    return not job.write or any(len(telegram.parts) > 2 for telegram in job.telegrams)
 
 
 def _unused(project: Project, job: PlannedJob) -> set[str]:

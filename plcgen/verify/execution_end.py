@@ -2,9 +2,24 @@
 
 from __future__ import annotations
 
+from plcgen.plan.model import Telegram
 from plcgen.verify.execution_rig import JobRig, ScenarioError
 from plcgen.verify.scenarios import DONE, WORDS, Scenario
 
+CHECKED = frozenset(
+    WORDS[name]
+    for name in (
+        "RESPONSE_LENGTH",
+        "RESPONSE_ID",
+        "DRIVE_OBJECT",
+        "PARAMETER_COUNT",
+        "RESPONSE_FORMAT",
+        "PARAMETER_ERROR",
+        "REFUSED",
+        "NOT_SUPPORTED",
+    )
+)
+"""Results that come from looking at an answer."""
 FOREIGN = 99
 """Owner number of the job of somebody else."""
 
@@ -38,6 +53,9 @@ class EndChecks:
                 raise ScenarioError(f"took {passed} ms instead of {scenario.took[0]} to {scenario.took[1]}")
         if status == DONE:
             self.check_values()
+        elif status in CHECKED:
+            last = rig.drive.journal[-1].data
+            self.check_response(rig.job.telegrams[rig.get("telegram") - 1], last)
         self.check_wire(status)
         self.check_diagnostics(status)
         owner = rig.token_get("owner")
@@ -53,13 +71,14 @@ class EndChecks:
             if found != expected:
                 raise ScenarioError(f"{use.member} is {found.hex(' ')}, the drive has {expected.hex(' ')}")
         for telegram, answer in zip(rig.job.telegrams, self.answers(), strict=False):
-            memory = rig.cpu.db(telegram.response_db.name)
-            if not rig.project.target.classic and bytes(memory[1 : len(answer)]) != answer[1:]:
-                fields = [f.name for f in telegram.response_fields if self.differs(f.offset, f.size, memory, answer)]
-                if fields:
-                    raise ScenarioError(f'"{telegram.response_db.name}" differs from the answer in {", ".join(fields)}')
-            elif rig.project.target.classic and bytes(memory[: len(answer)]) != answer:
-                raise ScenarioError(f'"{telegram.response_db.name}" does not hold the answer')
+            self.check_response(telegram, answer)
+
+    def check_response(self, telegram: Telegram, answer: bytes) -> None:
+        """The response DB holds an answer, good or bad: every member that the answer reaches the end of."""
+        memory = self.rig.cpu.db(telegram.response_db.name)
+        fields = [f.name for f in telegram.response_fields if self.differs(f.offset, f.size, memory, answer)]
+        if fields:
+            raise ScenarioError(f'"{telegram.response_db.name}" differs from the answer in {", ".join(fields)}')
 
     @staticmethod
     def differs(offset: int, size: int, memory: bytearray, answer: bytes) -> bool:

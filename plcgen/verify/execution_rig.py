@@ -123,7 +123,7 @@ class JobRig:
         self.bus.attach(job.drive.id_value, self.drive)
         self.cpu = Cpu(program, self.bus, job_limit=job_limit)
         self.cpu.restart("cold")
-        self.limits = Limits(job.timeout, job.retry_pause, job.retries, DRAIN_MS, LEASE_MS)
+        self.limits = Limits(job.timeout, job.retry_pause, job.retries, DRAIN_MS, LEASE_MS, int(project.target.t15))
         self.instance = self.cpu.db(job.instance.name)
         self.token = self.cpu.db(job.drive.token.name)
         layout = self.layout(job.instance.name)
@@ -151,6 +151,17 @@ class JobRig:
         self.sets = [_value_set(self.drive, job, number) for number in range(VALUE_SETS)]
         self.sets.append(_factory_set(self.drive, job))
         self.set_number = 0
+        self.buffers = [
+            (self.instance, Spot.of(layout, "statRequest").byte, max(len(t.request) for t in job.telegrams)),
+            (self.instance, Spot.of(layout, "statResponse").byte, max(t.response_size for t in job.telegrams)),
+        ]
+        if project.target.classic:
+            self.buffers += [(self.cpu.db(t.response_db.name), 0, t.response_size) for t in job.telegrams]
+
+    def soil(self, pattern: bytes) -> None:
+        """Fill everything that a request or an answer will overwrite."""
+        for memory, first, size in self.buffers:
+            memory[first : first + size] = (pattern * size)[:size]
 
     def layout(self, name: str) -> Layout:
         """Layout of a block as the soft CPU has it."""

@@ -5,15 +5,27 @@ from __future__ import annotations
 import random
 from dataclasses import dataclass, field
 
-from plcgen.emit.status_words import HEARTBEATS, STATES
+from plcgen.emit.status_words import HEARTBEATS
 from plcgen.verify.execution_end import FOREIGN, EndChecks
 from plcgen.verify.execution_rig import JobRig, ScenarioError
+from plcgen.verify.execution_times import (
+    ACQUIRE,
+    BUILD,
+    CHECK,
+    DRAIN,
+    IDLE,
+    READ,
+    STATE_NAMES,
+    WAIT,
+    WRITE,
+    TimeChecks,
+)
 from plcgen.verify.scenarios import DONE, WORDS, Scenario
 
 MAX_SCANS = 40_000
 HOLD_SCANS = 2
-IDLE, ACQUIRE, BUILD, WRITE, READ, CHECK, WAIT, DRAIN = (number for _, number, _ in STATES)
-STATE_NAMES = {number: name.removeprefix("STATE_") for name, number, _ in STATES}
+SOIL = (b"\x40\x00", b"\x44\x02\x00\x11\x00\x07", b"\xa5")
+"""What the buffers hold before a request is built: good blocks, error blocks, garbage. None of it may count."""
 TRANSITIONS = frozenset(
     {
         *((state, state) for state in range(8)),
@@ -59,7 +71,7 @@ class Statistics:
     transitions: set[tuple[int, int]] = field(default_factory=set)
 
 
-class Runner(EndChecks):
+class Runner(EndChecks, TimeChecks):
     """Runs scenarios of one job one after the other on one CPU."""
 
     def __init__(self, rig: JobRig) -> None:
@@ -112,7 +124,8 @@ class Runner(EndChecks):
         self.state = IDLE
         self.fresh = True
         self.stolen = False
-        self.pause_since: int | None = None
+        self.lost = ""
+        self.begin_times()
         self.outputs = self.value_bytes()
         limits = rig.limits
         slack = 6 * (50 if scenario.jitter else scenario.scan)
@@ -157,19 +170,13 @@ class Runner(EndChecks):
         self.happen(happening)
         self.foreign()
         rig.set_flag("execute", value=self.execute)
+        if self.state == BUILD:
+            rig.soil(scenario.soil or SOIL[self.statistics.runs % len(SOIL)])
         heartbeat, owner = rig.token_get("heartbeat"), rig.token_get("owner")
         coverage = rig.cpu.coverage
         self.before = [coverage[i] for i in rig.probes]
         rig.cpu.call(rig.job.instance.name, self.length())
         self.observe(heartbeat, owner)
-
-    def length(self) -> int:
-        """Length of this scan in ms; a pause passes in one long scan."""
-        scenario = self.scenario
-        if scenario.jitter:
-            return self.random.randint(1, 50)
-        waiting = self.state == WAIT and self.pause_since != self.rig.cpu.clock
-        return self.rig.limits.pause if waiting and not scenario.happens else scenario.scan
 
     def happen(self, happening: str | None) -> None:
         """Execute the event of this scan."""
@@ -182,13 +189,13 @@ class Runner(EndChecks):
                 rig.cpu.clock = 0
             self.state = rig.get("state")
             self.fresh = not rig.flag("busy")
-            self.pause_since = None
+            self.begin_times()
             self.outputs = self.value_bytes()
             self.reference = None
             self.put_inputs()
         elif happening == "lost":
-            for block in rig.cpu._records:  # noqa: SLF001 - the system blocks of the CPU under test
-                block.drop()
+            self.lost = "call" if rig.cpu.jobs else ""
+            rig.cpu.drop_records()
             self.reference = None
         elif happening == "steal":
             rig.token_set("owner", FOREIGN)
@@ -249,6 +256,8 @@ class Runner(EndChecks):
         if rig.cpu.jobs and done:
             raise ScenarioError("done while a record call is running")
         self.watch_pause(state)
+        self.watch_lease(heartbeat, owner)
+        self.watch_loss(state)
         self.fresh = False
         self.state = state
 
@@ -264,17 +273,17 @@ class Runner(EndChecks):
         if left:
             raise ScenarioError(f"{', '.join(left)} still show the job before")
 
-    def watch_pause(self, state: int) -> None:
-        """A retry waits RETRY_PAUSE, no less and not much more."""
-        rig = self.rig
-        if state == WAIT and self.state != WAIT:
-            self.pause_since = rig.cpu.clock
-        elif self.state == WAIT and state != WAIT and self.pause_since is not None and state != IDLE:
-            passed = rig.cpu.clock - self.pause_since
-            scan = 50 if self.scenario.jitter else self.scenario.scan
-            good = rig.limits.pause - scan <= passed <= rig.limits.pause + 2 * scan
-            if not good and "away" not in self.scenario.happens.values():
-                raise ScenarioError(f"the pause took {passed} ms instead of {rig.limits.pause}")
+    def watch_loss(self, state: int) -> None:
+        """A lost record call is a temporary error: pause, then a new request. A lost drive ends the job at once."""
+        wanted = {"call": WAIT, "pause": BUILD}.get(self.lost)
+        if wanted == state:
+            self.lost = "pause" if state == WAIT else ""
+        elif wanted is not None and (self.lost == "call" or state != WAIT):
+            raise ScenarioError(
+                f"after the loss of a record call comes {STATE_NAMES[state]}, not {STATE_NAMES[wanted]}"
+            )
+        if self.stolen and self.state > ACQUIRE and state not in {DRAIN, IDLE}:
+            raise ScenarioError(f"the drive belongs to another job and the state is {STATE_NAMES[state]}")
 
     def value_bytes(self) -> bytes:
         """All value outputs."""

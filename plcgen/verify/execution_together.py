@@ -12,6 +12,7 @@ from plcgen.cpu.system.bus import Bus
 from plcgen.plan.model import PlannedJob, Project
 from plcgen.s7.blocks import BlockKind
 from plcgen.sim.drive import Drive
+from plcgen.sim.faults import Fault, FaultKind
 from plcgen.verify.bench import build_drive
 from plcgen.verify.execution_rig import JobRig, ScenarioError, ScriptedDrive
 from plcgen.verify.execution_run import Failure, Runner
@@ -142,10 +143,24 @@ def _one_by_one(plant: Plant) -> None:
             expected = rig.expected(use)
             if rig.shown(memory, spots[use.member], len(expected)) != expected:
                 raise ScenarioError(f"{control}.{job.member}.{use.member} does not hold the drive's value")
-        plant.start(job, value=False)
-        plant.step()
-        if plant.result(job) != (False, False, WORDS["IDLE"]):
-            raise ScenarioError(f"{job.key} is not idle after its command has fallen")
+        _fall(plant, job)
+        drive.begin(Scenario(name="OB1", faults=(Fault(FaultKind.ERROR, number=0x11, position=1, words=1),)))
+        plant.start(job)
+        for _ in range(200):
+            plant.step()
+            if any(plant.result(job)[:2]):
+                break
+        if plant.result(job) != (False, True, WORDS["PARAMETER_ERROR"]):
+            raise ScenarioError(f"{job.key} gives {plant.result(job)} after an error of the drive")
+        _fall(plant, job)
+
+
+def _fall(plant: Plant, job: PlannedJob) -> None:
+    """The command of a job falls."""
+    plant.start(job, value=False)
+    plant.step()
+    if plant.result(job) != (False, False, WORDS["IDLE"]):
+        raise ScenarioError(f"{job.key} is not idle after its command has fallen")
 
 
 def _again_and_again(plant: Plant) -> None:
@@ -230,30 +245,31 @@ def _take_over(first: PlannedJob, second: PlannedJob, calls: int) -> Callable[[P
 def wrong_numbers(project: Project, program: Program, job: PlannedJob) -> Iterator[tuple[Failure | None, list[int]]]:
     """Buffer DBs that have other numbers than the block expects: nothing is sent."""
     blocks = {entry.name: entry for entry in program.link.blocks.values() if entry.block.kind is BlockKind.DB}
-    for index in range(1, len(job.telegrams) + 1):
-        telegram = job.telegrams[index - 1]
+    for index, telegram in enumerate(job.telegrams, 1):
         request, response = telegram.request_db.name, telegram.response_db.name
         control = project.control_db.name
-        cases = (
-            ("the request DB is missing", {request: UNUSED_NUMBER}),
-            ("the response DB is missing", {response: UNUSED_NUMBER}),
-            (
-                "request and response DB are exchanged",
-                {request: blocks[response].number, response: blocks[request].number},
-            ),
-            ("another DB has the number of the request DB", {request: UNUSED_NUMBER, control: blocks[request].number}),
-            (
-                "another DB has the number of the response DB",
-                {response: UNUSED_NUMBER, control: blocks[response].number},
-            ),
-        )
-        for title, numbers in cases:
+        first, second = blocks[request].number, blocks[response].number
+        cases: list[tuple[str, dict[str, int | None], bytes | None]] = [
+            ("request and response DB are exchanged", {request: second, response: first}, None),
+            ("another DB has the number of the request DB", {request: UNUSED_NUMBER, control: first}, None),
+            ("another DB has the number of the response DB", {response: UNUSED_NUMBER, control: second}, None),
+        ]
+        for which, name in (("request", request), ("response", response)):
+            for byte in (0, index, 0xFF - index):
+                title = f"the {which} DB is missing, byte {byte:02X}h is left behind"
+                cases.append((title, {name: UNUSED_NUMBER}, bytes((byte,))))
+        for title, numbers, soil in cases:
             before = {name: blocks[name].number for name in numbers}
             for name, number in numbers.items():
                 blocks[name].number = number
-            name = f"telegram {index}: {title}"
             scenario = Scenario(
-                name=name, status=(WORDS["WRONG_DB"],), telegram=index, calls=(-1, -1), tolerate=True, follow=False
+                name=f"telegram {index}: {title}",
+                status=(WORDS["WRONG_DB"],),
+                telegram=index,
+                calls=(-1, -1),
+                soil=soil,
+                tolerate=True,
+                follow=False,
             )
             rig = JobRig(project, program, job)
             size = len(rig.cpu.db(control))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from math import ceil, gcd
 from typing import Literal
 
 from plcgen.emit.status_words import STATUS_WORDS
@@ -46,7 +47,7 @@ class Scenario:
     WRREC and RDREC answer BUSY. ``status`` are the permitted results; ``retries``, ``telegram``, ``calls`` None are
     not checked; ``took`` bounds the time in ms. ``leftover`` says that a record call is still active at the end,
     ``factory`` that the drive has its factory settings, ``tolerate`` that the block finds wrong DBs by trying, which
-    the simulated CPU calls a misuse.
+    the simulated CPU calls a misuse. ``soil`` fills the buffers before a request is built, None with changing bytes.
     """
 
     name: str
@@ -73,19 +74,41 @@ class Scenario:
     took: tuple[int, int] | None = None
     leftover: bool = False
     tolerate: bool = False
+    soil: bytes | None = None
     factory: bool = False
     follow: bool = True
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Times of a block in ms as its head comment states them, and its retries."""
+    """Times of a block in ms as its head comment states them, and its retries.
+
+    ``late`` is by how many calls its timers start later than its clock: 1 with IEC timers.
+    """
 
     timeout: int
     pause: int
     retries: int
     drain: int
     lease: int
+    late: int = 0
+
+    def timed_out(self, scan: int) -> int:
+        """Time of a run in ms when TIMEOUT is noticed: in the first call in which it is over.
+
+        The first call comes one scan after the start; the clock of S7-300/400 runs from that call on, an IEC timer
+        from the next one (``late`` = 1).
+        """
+        return scan * (1 + self.late) + ceil(self.timeout / scan) * scan
+
+    def drained(self, scan: int) -> int:
+        """Time of a run in ms when DRAIN_LIMIT behind TIMEOUT is noticed."""
+        return self.timed_out(scan) + scan * self.late + ceil(self.drain / scan) * scan
+
+    def even(self, least: int) -> int:
+        """The shortest scan of that length or longer that TIMEOUT and DRAIN_LIMIT are multiples of, if there is one."""
+        common = gcd(self.timeout, self.drain)
+        return next((scan for scan in range(least, 3 * least) if not common % scan), least)
 
     def repeated(self, scan: int, calls: int) -> tuple[int, ...]:
         """Result of a temporary error for ever: retries run out, or the time does.

@@ -106,6 +106,7 @@ def answer_scenarios(job: PlannedJob, *, classic: bool) -> Iterator[Scenario]:
         yield from _length(shape)
         yield from _negative(shape)
         yield from _refused(shape)
+        yield from _leftovers(shape)
         if not job.write:
             yield from _formats(shape)
     for generic in (False, True):
@@ -218,6 +219,33 @@ def _missing(shape: Shape) -> Iterator[Scenario]:
         if not shape.job.write:
             at, size = shape.blocks[index]
             yield shape.scenario(f"good without block {index + 1}", "RESPONSE_FORMAT", without(at, size))
+
+
+def _leftovers(shape: Shape) -> Iterator[Scenario]:
+    """What stands in the buffer behind a short answer does not count, nor what a block before the wrong one was."""
+    if shape.job.write:
+        if len(shape.telegram.parts) > 2:
+
+            def change(blocks: list[bytes]) -> None:
+                blocks[0], blocks[-1] = bytes.fromhex("440200110007"), b""
+
+            name = "last block missing, 41 00 left behind"
+            yield shape.scenario(name, "RESPONSE_FORMAT", shape.negative(change), soil=b"\x41\x00")
+        return
+    before, total = 0, shape.telegram.positive_length
+    for index, (at, size) in enumerate(shape.blocks, 1):
+        name = f"block {index} missing, format 0Eh left behind"
+        yield shape.scenario(name, "RESPONSE_FORMAT", cut(at), soil=b"\x0e\x01")
+        if before:
+            wrong = bytes((0x0E, 1)) + bytes(before - 2)
+            name = f"block {index} in format 0Eh, as long as the one before"
+            yield shape.scenario(name, "RESPONSE_FORMAT", instead(at, size, wrong), total - size + before)
+        before = size
+
+
+def instead(at: int, size: int, block: bytes) -> Edit:
+    """Put another block in the place of one."""
+    return lambda answer: answer[:at] + block + answer[at + size :]
 
 
 def without(at: int, size: int) -> Edit:

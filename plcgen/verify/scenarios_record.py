@@ -109,10 +109,10 @@ def _busy(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
             continue
         yield Scenario(name=f"WRREC busy for {scans} scans", busy=(scans, 0), follow=False)
         yield Scenario(name=f"RDREC busy for {scans} scans", busy=(0, scans), follow=False)
-    scan = max(50, limits.timeout // 200)
+    scan = limits.even(max(50, limits.timeout // 200))
     long = ceil((limits.timeout + 1000) / scan)
     for_ever = ceil((limits.timeout + limits.drain + 2000) / scan)
-    timeout, drained = limits.timeout, limits.timeout + limits.drain
+    timeout, drained = limits.timeout, limits.drained(scan)
     for write, name in ((True, "WRREC"), (False, "RDREC")):
         yield Scenario(
             name=f"{name} busy beyond TIMEOUT",
@@ -130,7 +130,7 @@ def _busy(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
                 status=(WORDS["DRAIN_TIMEOUT"],),
                 busy=(for_ever, 0) if write else (0, for_ever),
                 scan=scan,
-                took=(drained, drained + 4 * scan),
+                took=(drained, drained),
                 telegram=1,
                 calls=(-1, -1) if write else (0, -1),
                 clock=clock,
@@ -245,7 +245,7 @@ def _owner(limits: Limits, scans: int) -> Iterator[Scenario]:
         status=(WORDS["DRIVE_OCCUPIED"],),
         owner=Foreign(ALWAYS),
         scan=50,
-        took=(limits.timeout, limits.timeout + 200),
+        took=(limits.timed_out(50), limits.timed_out(50)),
         **none,  # type: ignore[arg-type]
     )
     if limits.timeout > limits.lease + 3000:

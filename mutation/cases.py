@@ -1,0 +1,77 @@
+"""Which source is damaged how: every mutant of the shipped examples in its place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from mutation.known import KNOWN
+from mutation.operators import Mutant, dropped, swapped, tokens
+from plcgen.diagnostics import Report
+from plcgen.plan.model import Project
+from plcgen.plan.resolve import resolve
+from plcgen.spec.load import load_spec
+
+ROOT = Path(__file__).resolve().parent.parent
+KINDS: dict[str, Callable[[str], Iterable[Mutant]]] = {"dropped": dropped, "exchanged": swapped, "changed": tokens}
+"""Kinds of damage by name: statements dropped, neighbours exchanged, operators and constants changed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A mutant in its place; ``job`` is empty for the main program."""
+
+    spec: str
+    file: str
+    job: str
+    mutant: Mutant
+
+
+_projects: dict[str, Project] = {}
+
+
+def project_of(spec: str) -> Project:
+    """The plan of a shipped spec."""
+    if spec not in _projects:
+        loaded = load_spec(ROOT / "specs" / f"{spec}.yaml", Report())
+        if loaded is None:
+            raise SystemExit(f"{spec} cannot be read")
+        _projects[spec] = resolve(loaded, Report())
+    return _projects[spec]
+
+
+def golden(spec: str) -> Path:
+    """The generated files of a shipped spec."""
+    return ROOT / "examples" / spec / "expected"
+
+
+def encoding_of(spec: str) -> str:
+    """Encoding of the sources of a spec."""
+    return "cp1252" if project_of(spec).target.v5 else "utf-8-sig"
+
+
+def cases(specs: Iterable[str], kinds: Iterable[str] = tuple(KINDS), *, main: bool = False) -> Iterator[Case]:
+    """Every mutant of every function block; ``main`` takes the organization block too."""
+    for spec in specs:
+        files = {f"scl/{job.block.name}.scl": job.key for job in project_of(spec).jobs}
+        for file, job in {**files, **({"scl/Main.scl": ""} if main else {})}.items():
+            text = (golden(spec) / file).read_text(encoding=encoding_of(spec))
+            for kind in kinds:
+                for mutant in KINDS[kind](text):
+                    yield Case(spec, file, job, mutant)
+
+
+def known_cases() -> Iterator[Case]:
+    """The ten faults of other libraries."""
+    for known in KNOWN:
+        text = (golden(known.spec) / known.file).read_text(encoding=encoding_of(known.spec))
+        if known.old not in text:
+            raise SystemExit(f"{known.name}: {known.old!r} is not in {known.file}")
+        key = next(job.key for job in project_of(known.spec).jobs if job.block.name in known.file)
+        yield Case(known.spec, known.file, key, Mutant(known.name, 0, text.replace(known.old, known.new)))
+
+
+def is_single(case: Case) -> bool:
+    """Whether the job has one parameter."""
+    return any(len(job.uses) == 1 for job in project_of(case.spec).jobs if job.key == case.job)

@@ -1,0 +1,73 @@
+"""When a block must go on: pauses and leases end in the first call in which their time is over, in no other."""
+
+from __future__ import annotations
+
+import random
+
+from plcgen.emit.status_words import STATES
+from plcgen.verify.execution_rig import JobRig, ScenarioError
+from plcgen.verify.scenarios import Scenario
+
+IDLE, ACQUIRE, BUILD, WRITE, READ, CHECK, WAIT, DRAIN = (number for _, number, _ in STATES)
+STATE_NAMES = {number: name.removeprefix("STATE_") for name, number, _ in STATES}
+
+
+class TimeChecks:
+    """Clock of a run. ``since`` are the calls in which pause and lease began, None if that is not known."""
+
+    rig: JobRig
+    scenario: Scenario
+    state: int
+    random: random.Random
+    pausing: bool
+    pause_since: int | None
+    lease_since: int | None
+    seen: tuple[int, int] | None
+
+    def begin_times(self) -> None:
+        """Nothing runs yet."""
+        self.pausing = False
+        self.pause_since = self.lease_since = self.seen = None
+
+    def length(self) -> int:
+        """Length of this scan in ms; a pause passes in one long scan and ends with a short one."""
+        scenario, clock = self.scenario, self.rig.cpu.clock
+        if scenario.jitter:
+            return self.random.randint(1, 50)
+        if self.pausing and self.pause_since is not None and not scenario.happens:
+            left = self.pause_since + self.rig.limits.pause - clock
+            return left - scenario.scan if left > scenario.scan else max(left, 1)
+        return scenario.scan
+
+    def watch_pause(self, state: int) -> None:
+        """A retry waits RETRY_PAUSE: no call less and none more."""
+        limits, clock = self.rig.limits, self.rig.cpu.clock
+        if state == WAIT and self.state != WAIT:
+            self.pausing = True
+            self.pause_since = None if limits.late else clock
+            return
+        if self.pausing and self.pause_since is None:
+            self.pause_since = clock
+        elif self.pausing and self.pause_since is not None and state in {BUILD, WRITE, READ, WAIT}:
+            passed = clock - self.pause_since
+            if (passed >= limits.pause) != (state != WAIT):
+                raise ScenarioError(
+                    f"after {passed} ms of the pause of {limits.pause} the state is {STATE_NAMES[state]}"
+                )
+        self.pausing = self.pausing and state == WAIT
+
+    def watch_lease(self, heartbeat: int, owner: int) -> None:
+        """A foreign owner keeps the drive as long as it shows itself, and LEASE longer."""
+        limits, clock, own = self.rig.limits, self.rig.cpu.clock, self.rig.job.owner
+        if self.state != ACQUIRE or (heartbeat, owner) != self.seen:
+            self.lease_since = None if limits.late else clock
+        elif self.lease_since is None:
+            self.lease_since = clock
+        self.seen = heartbeat, owner
+        if self.state != ACQUIRE or owner in {0, own}:
+            return
+        passed = clock - self.lease_since if self.lease_since is not None else 0
+        claimed = self.rig.token_get("owner") == own
+        if claimed != (passed >= limits.lease):
+            verb = "claimed" if claimed else "not claimed"
+            raise ScenarioError(f"the drive of a dead owner is {verb} after {passed} ms, LEASE is {limits.lease}")
