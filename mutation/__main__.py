@@ -10,7 +10,7 @@ import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 
-from mutation.cases import KINDS, ROOT, Case, cases, is_single, known_cases
+from mutation.cases import KINDS, ROOT, Case, cases, known_cases
 from mutation.equivalent import reason
 from mutation.known import FAQ, KNOWN, MM4
 from mutation.run import Verdict, clean, notice
@@ -73,7 +73,7 @@ def share(work: Sequence[Case], found: Sequence[Verdict]) -> float:
     """Print every survivor; the share of noticed ones among those that change something, in percent."""
     noticed = equivalent = 0
     for case, verdict in zip(work, found, strict=True):
-        why = "" if verdict.text else reason(case.mutant, single=is_single(case))
+        why = "" if verdict.text else reason(case.mutant)
         noticed += bool(verdict.text)
         equivalent += bool(why)
         if not verdict.text:

@@ -70,8 +70,3 @@ def known_cases() -> Iterator[Case]:
             raise SystemExit(f"{known.name}: {known.old!r} is not in {known.file}")
         key = next(job.key for job in project_of(known.spec).jobs if job.block.name in known.file)
         yield Case(known.spec, known.file, key, Mutant(known.name, 0, text.replace(known.old, known.new)))
-
-
-def is_single(case: Case) -> bool:
-    """Whether the job has one parameter."""
-    return any(len(job.uses) == 1 for job in project_of(case.spec).jobs if job.key == case.job)

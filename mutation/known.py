@@ -22,7 +22,7 @@ KNOWN = (
     Known("every value of a multi-write from the first parameter", MM4, "db/WriteParams_Request.scl", "22.0", "11.0"),
     Known("subindex ignored", MM4, "db/ReadParams_Request.scl", "W#16#0001", "W#16#0000"),
     Known("reference wraps to 0", MM4, READ, ".requestReference := 1;", ".requestReference := 0;"),
-    Known("answers in 41h to 43h taken for errors", MM4, READ, " OR tempWireFormat = tempGeneric", ""),
+    Known("answers in 41h to 43h taken for errors", MM4, READ, " OR tempWireFormat = B#16#43", ""),
     Known("unsigned values taken for signed ones", MM4, READ, ".requestReference < 255", ".requestReference < 127"),
     Known("no drain", MM4, READ, "IF NOT (statWriteActive OR statReadActive) OR tempDrainOver THEN", "IF TRUE THEN"),
     Known(

@@ -19,7 +19,7 @@ def explanation(job: PlannedJob, probe: Probe, line: str) -> str:
     text = line.replace("#", "")
     if probe.kind == "else" and text.startswith(("CASE statTelegram OF", "CASE tempBlock OF")):
         return NO_OTHER
-    if probe.kind == "else" and text == "IF tempFailed = 0 THEN" and all(len(t.parts) == 1 for t in job.telegrams):
+    if probe.kind == "else" and text == "IF statFailed = 0 THEN" and all(len(t.parts) == 1 for t in job.telegrams):
         return ONE_ERROR
     retries = ("IF statRetries < MAX_RETRIES THEN", "statResult := STATUS_RETRIES;", "statState := STATE_DRAIN;")
     if job.retries * job.retry_pause >= job.timeout and text in retries and probe.kind != "branch":

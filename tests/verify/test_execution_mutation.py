@@ -1,4 +1,4 @@
-"""The mutation runner itself, and a handful of dropped statements that verify must notice."""
+"""The mutation runner itself, and dropped statements that verify must notice."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from projects import ROOT
 
 sys.path.insert(0, str(ROOT))
 
-from mutation.__main__ import cases, known_cases, notice
+from mutation.cases import Case, cases, known_cases
 from mutation.equivalent import reason
 from mutation.known import FAQ
-from mutation.operators import mutants, numbers
+from mutation.operators import Mutant, mutants, numbers
+from mutation.run import notice
 
 SOURCE = "FUNCTION_BLOCK f\nVAR\n  a : INT;\nEND_VAR\nBEGIN\n"
 SOURCE += "IF a > 1 THEN\n  a := 2;\n  a := a + 1;\nEND_IF;\nEND_FUNCTION_BLOCK\n"
@@ -39,13 +40,23 @@ def test_numbers_change_within_their_type() -> None:
 
 
 @pytest.mark.parametrize("case", [pytest.param(case, id=case.mutant.what) for case in known_cases()])
-def test_faults_of_other_libraries_are_noticed(case: object) -> None:
+def test_faults_of_other_libraries_are_noticed(case: Case) -> None:
     """The ten faults are noticed, each by a scenario or by the compiler."""
-    assert notice(case)  # type: ignore[arg-type]
+    assert notice(case).text
 
 
-def test_a_sample_of_dropped_statements_is_noticed() -> None:
-    """Every 12th statement of one block: the scenario and the scan are named."""
-    chosen = [case for case in cases([FAQ], 1) if "ReadRampUp" in case.file and case.mutant.what.startswith("dropped")]
-    silent = [case.mutant.what for case in chosen[::12] if not (notice(case) or reason(case.mutant, single=True))]
-    assert silent == []
+@pytest.mark.parametrize("file", ["ReadRampUp", "Main"])
+def test_every_deleted_statement_is_noticed_and_located(file: str) -> None:
+    """Without any one statement of a block a scenario fails, and names scan and line; ``--deletions`` takes all files."""
+    chosen = [case for case in cases([FAQ], ["dropped"], main=True) if file in case.file]
+    found = [(case.mutant.line, case.mutant.what, notice(case)) for case in chosen]
+    assert len(found) > 1
+    assert [entry for entry in found if not entry[2].located] == []
+
+
+def test_an_equivalent_mutant_has_a_reason() -> None:
+    """The table explains a mutant by its description, in both spellings; anything else has to be noticed."""
+    moved = "exchanged: {0}tempMove := {1}(SRCBLK := P#DB3.DBX0 / {0}tempMove := {1}(SRCBLK := P#DB4.DBX0"
+    assert reason(Mutant(moved.format("#", "BLKMOV"), 1, ""))
+    assert reason(Mutant(moved.format("", "SFC20"), 1, ""))
+    assert not reason(Mutant("dropped: tempMove := SFC20(SRCBLK := P#DB3.DBX0", 1, ""))
