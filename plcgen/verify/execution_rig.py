@@ -155,12 +155,14 @@ class JobRig:
             (self.instance, Spot.of(layout, "statRequest").byte, max(len(t.request) for t in job.telegrams)),
             (self.instance, Spot.of(layout, "statResponse").byte, max(t.response_size for t in job.telegrams)),
         ]
-        if project.target.classic:
-            self.buffers += [(self.cpu.db(t.response_db.name), 0, t.response_size) for t in job.telegrams]
 
     def soil(self, pattern: bytes) -> None:
-        """Fill everything that a request or an answer will overwrite."""
-        for memory, first, size in self.buffers:
+        """Fill everything that the next request and its answer will overwrite."""
+        buffers = list(self.buffers)
+        if self.project.target.classic:
+            telegram = self.job.telegrams[self.get("telegram") - 1]
+            buffers.append((self.cpu.db(telegram.response_db.name), 0, telegram.response_size))
+        for memory, first, size in buffers:
             memory[first : first + size] = (pattern * size)[:size]
 
     def layout(self, name: str) -> Layout:

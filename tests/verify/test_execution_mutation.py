@@ -47,7 +47,7 @@ def test_faults_of_other_libraries_are_noticed(case: Case) -> None:
 
 @pytest.mark.parametrize("file", ["ReadRampUp", "Main"])
 def test_every_deleted_statement_is_noticed_and_located(file: str) -> None:
-    """Without any one statement of a block a scenario fails, and names scan and line; ``--deletions`` takes all files."""
+    """Without any one statement a scenario fails, and names scan and line; ``--deletions`` does it for all files."""
     chosen = [case for case in cases([FAQ], ["dropped"], main=True) if file in case.file]
     found = [(case.mutant.line, case.mutant.what, notice(case)) for case in chosen]
     assert len(found) > 1
