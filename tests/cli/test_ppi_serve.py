@@ -133,6 +133,16 @@ def test_stations_values_and_faults_from_a_file(tmp_path: Path) -> None:
     assert err.startswith(f"CPU 224, station 2, RUN, on {name}\nCPU 226, station 3, STOP, on {name}\n")
 
 
+def test_symbols_of_micro_win_name_addresses(tmp_path: Path) -> None:
+    """The table's names work in the file and on the command line."""
+    (tmp_path / "plant.csv").write_text("Symbol,Address,Comment\nfill level,VB100,\nmode,VB101,\n")
+    (tmp_path / "plant.yaml").write_text('values: {"fill level": 1, mode: 7}\n')
+    args = ("--symbols", "plant.csv", "--values", "plant.yaml", "--set", "fill level=16#22", "--tcp", "127.0.0.1:0")
+    with running(tmp_path, *args) as (process, name):
+        assert exchange(name) == b"\xe5" + ANSWER
+        ended(process)
+
+
 def test_mistakes_in_file_and_options_are_told_together(plcgen, tmp_path) -> None:
     (tmp_path / "plant.yaml").write_text("cpu: 225\nvalues:\n  VB100: 300\n")
     result = plcgen("ppi", "serve", "--values", "plant.yaml", "--fault", "slience")

@@ -13,6 +13,7 @@ import click
 
 from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, json_option
 from plcgen.cli.output import OK, Console, is_terminal
+from plcgen.cli.ppi.places import find_symbols, symbols_option
 
 if TYPE_CHECKING:
     from plcgen.line.model import Line
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 @click.option("--cpu", metavar="CPU", help="221, 222, 224, 224XP, 226, ST20 or ST40.  [default: 224]")
 @click.option("--station", type=click.IntRange(0, 126), metavar="N", help="Address of the station.  [default: 2]")
 @click.option("--set", "sets", multiple=True, metavar="ADDRESS=VALUE", help="Give an address or symbol a value.")
+@symbols_option
 @click.option("--tcp", metavar="HOST:PORT", help="Listen for connections, as a serial server does; port 0 is any.")
 @click.option("--port", metavar="DEVICE", help="Use a serial port instead of a pseudo terminal.")
 @click.option(
@@ -54,7 +56,7 @@ def command(ctx: click.Context, /, *, as_json: bool, log: bool, baud: int, **giv
     if given["tcp"] is not None and given["port"] is not None:
         raise click.UsageError("--tcp and --port exclude each other: a station has one line", ctx)
     out = console(ctx)
-    bus = _bus(given["file"], given["cpu"], given["station"], given["sets"], given["faults"])
+    bus = _bus(given["file"], given["cpu"], given["station"], given["symbols"], given["sets"], given["faults"])
     line = _line(given["tcp"], given["port"], baud)
     show = _Show(out, as_json=as_json, log=log)
     bus.listener = show.frame
@@ -66,9 +68,17 @@ def command(ctx: click.Context, /, *, as_json: bool, log: bool, baud: int, **giv
     return OK
 
 
-def _bus(file: Path | None, cpu: str | None, address: int | None, sets: Sequence[str], faults: Sequence[str]) -> Bus:
+def _bus(
+    file: Path | None,
+    cpu: str | None,
+    address: int | None,
+    table: str | None,
+    sets: Sequence[str],
+    faults: Sequence[str],
+) -> Bus:
     """Everything that was told about the stations, with all mistakes at once."""
     from plcgen.diagnostics import Diagnostic, DiagnosticError
+    from plcgen.ppi.address import address_text
     from plcgen.sim.s7_200.bus import Bus
     from plcgen.sim.s7_200.fault_text import parse_fault
     from plcgen.sim.s7_200.load import assign, load_bus
@@ -77,8 +87,10 @@ def _bus(file: Path | None, cpu: str | None, address: int | None, sets: Sequence
     problems: list[Diagnostic] = []
     bus = Bus()
     try:
+        found = find_symbols(table)
+        symbols = {} if found is None else {entry.name: address_text(entry.item) for entry in found.symbols}
         text = "{}" if file is None else read_text(file)
-        bus = load_bus(text, "--cpu" if file is None else str(file), cpu, address)
+        bus = load_bus(text, "--cpu" if file is None else str(file), cpu, address, symbols)
     except DiagnosticError as problem:
         problems += problem.diagnostics
     for text in faults:

@@ -7,6 +7,7 @@ key, PG106 wrong kind of value, PG107 value out of range, PG71x what is no addre
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
@@ -32,14 +33,30 @@ _FRAME_COUNT: Mapping[Any, FrameCountRule] = {"standard": "standard", "strict": 
 _MOST = 1_000_000
 
 
-def load_bus(text: str, file: str = "<bus>", cpu: str | None = None, address: int | None = None) -> Bus:
+@dataclass(frozen=True, slots=True)
+class _Given:
+    """What stands outside the file: CPU and address of a single station, symbols of all."""
+
+    cpu: str | None
+    address: int | None
+    symbols: Mapping[str, str]
+
+
+def load_bus(
+    text: str,
+    file: str = "<bus>",
+    cpu: str | None = None,
+    address: int | None = None,
+    symbols: Mapping[str, str] | None = None,
+) -> Bus:
     """Build a bus from YAML text. DiagnosticError with every problem and its position.
 
-    ``cpu`` and ``address`` replace those of a file that describes a single station.
+    ``cpu`` and ``address`` replace those of a file that describes a single station; ``symbols`` are names of addresses
+    for every station, beside those of the file.
     """
     root = load_yaml(text, file)
     report = Report()
-    bus = _bus(Reader(root, report, "the bus"), cpu, address)
+    bus = _bus(Reader(root, report, "the bus"), _Given(cpu, address, symbols or {}))
     report.raise_on_errors()
     return bus
 
@@ -67,19 +84,19 @@ def assign(bus: Bus, text: str) -> None:
         raise DiagnosticError([Diagnostic(USAGE, found.message, option, help=found.help) for found in report])
 
 
-def _bus(reader: Reader, cpu: str | None, address: int | None) -> Bus:
+def _bus(reader: Reader, given: _Given) -> Bus:
     if reader.node.get("stations") is not None:
         reader.only("stations", "faults")
-        if cpu is not None or address is not None:
+        if given.cpu is not None or given.address is not None:
             where = reader.node.key_span("stations")
             reader.error(USAGE, "--cpu and --station are for a single station, the file has several", where)
-        stations = [_station(child, None, None) for child in reader.children("stations", "a station")]
+        stations = [_station(child, given) for child in reader.children("stations", "a station")]
         if not stations:
             reader.error("PG105", "a bus needs at least one station", reader.node.key_span("stations"))
     else:
         reader.what = "the station"
         reader.only(*STATION_KEYS, "faults")
-        stations = [_station(reader, cpu, address)]
+        stations = [_station(reader, given)]
     addresses = [station.address for station in stations]
     faults = [read_fault(child, addresses) for child in reader.children("faults", "a fault")]
     bus = Bus((), faults)
@@ -91,13 +108,13 @@ def _bus(reader: Reader, cpu: str | None, address: int | None) -> Bus:
     return bus
 
 
-def _station(reader: Reader, cpu: str | None, address: int | None) -> Station:
+def _station(reader: Reader, given: _Given) -> Station:
     if reader.node.get("faults") is None:
         reader.only(*STATION_KEYS)
-    chosen = _profile(reader, cpu)
+    chosen = _profile(reader, given.cpu)
     station = Station(
         chosen.key,
-        reader.number("address", 2, 0, 126) if address is None else address,
+        reader.number("address", 2, 0, 126) if given.address is None else given.address,
         mode=reader.choice("mode", Mode.RUN, {mode.value: mode for mode in Mode}),
         switch=reader.choice("switch", Switch.TERM, {switch.value: switch for switch in Switch}),
         type_=_type(reader),
@@ -108,6 +125,7 @@ def _station(reader: Reader, cpu: str | None, address: int | None) -> Station:
         write_inputs=reader.flag("write_inputs", default=True),
         experimental=reader.flag("experimental"),
     )
+    station.symbols.update(given.symbols)
     station.symbols.update(_symbols(reader.child("symbols", "the key symbols"), station.cpu.memory))
     _values(reader.child("values", "the key values"), station)
     return station
