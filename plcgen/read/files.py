@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
@@ -16,6 +16,7 @@ from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import TypeTable
 from plcgen.s7.types import ArrayType, NamedType, StructType
 from plcgen.scl.declarations import recursive_types
+from plcgen.scl.parser import ParseResult
 
 TEXT_SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl"})
 XML_SUFFIXES = frozenset({".xml"})
@@ -52,12 +53,15 @@ class Files:
     diagnostics: list[Diagnostic] = field(default_factory=list)
 
 
-def read_files(paths: Iterable[Path], *, classic: bool = False) -> Files:
+def read_files(
+    paths: Iterable[Path], *, classic: bool = False, keep: Callable[[ParseResult], object] | None = None
+) -> Files:
     """Read files and folders; a folder means every source below it, hidden ones left out.
 
     Of a block that is there as text and as SimaticML the text counts. Types that are missing are looked for in
     UDT and SCL files beside the named files, or in ``../udt`` and ``../scl``. Symbol tables of STEP 7 V5
     (``.sdf``, ``.asc``) give blocks their numbers. ``classic``: the documents are for S7-300/400.
+    ``keep`` gets the syntax tree of every text.
     """
     found = Files()
     files = list(source_files(paths, found.diagnostics))
@@ -68,7 +72,7 @@ def read_files(paths: Iterable[Path], *, classic: bool = False) -> Files:
             table, problems = read_symbols(file.path)
             symbols |= table
         else:
-            blocks, problems = _read(file, classic=classic)
+            blocks, problems = _read(file, classic=classic, keep=keep)
             read += [(block, file) for block in blocks]
         found.diagnostics += problems
     found.blocks = [_numbered(block, symbols) for block in _unique(read, found.diagnostics)]
@@ -111,9 +115,11 @@ def _walk(folder: Path, diagnostics: list[Diagnostic]) -> list[SourceFile]:
     return found
 
 
-def _read(file: SourceFile, *, classic: bool) -> tuple[list[Block], list[Diagnostic]]:
+def _read(
+    file: SourceFile, *, classic: bool, keep: Callable[[ParseResult], object] | None
+) -> tuple[list[Block], list[Diagnostic]]:
     if not file.is_xml:
-        return read_source(file.path)
+        return read_source(file.path, keep=keep)
     from plcgen.read.simaticml import read_simaticml
 
     blocks, problems = read_simaticml(file.path, classic=classic)

@@ -13,8 +13,11 @@ from plcgen.scl.declarations import blocks
 from plcgen.scl.parser import MAX_CHARACTERS, parse
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from plcgen.s7.blocks import Block
     from plcgen.scl.dialect import Dialect
+    from plcgen.scl.parser import ParseResult
 
 MAX_BYTES = 2 * MAX_CHARACTERS
 """Larger files are refused with PG802 before they are read."""
@@ -39,13 +42,17 @@ _BOMS = (
 
 
 def read_source(
-    path: Path | str, dialect: Dialect | None = None, *, encoding: str | None = None
+    path: Path | str,
+    dialect: Dialect | None = None,
+    *,
+    encoding: str | None = None,
+    keep: Callable[[ParseResult], object] | None = None,
 ) -> tuple[list[Block], list[Diagnostic]]:
     """Blocks of one file and everything wrong with it; a file that cannot be read is a diagnostic too.
 
     Without ``dialect`` everything is accepted that one of the three compilers accepts. ``encoding`` names the
     code page of an ANSI file (by default it is guessed, see ``code_page``); a byte order mark and valid UTF-8
-    come first.
+    come first. ``keep`` gets the syntax tree.
     """
     path = Path(path)
     file = str(path)
@@ -61,15 +68,25 @@ def read_source(
     if isinstance(text, Diagnostic):
         return [], [text]
     bodies = path.suffix.lower() not in _DECLARATIONS_ONLY
-    found, diagnostics = read_text(text, file, dialect, bodies=bodies)
+    found, diagnostics = read_text(text, file, dialect, bodies=bodies, keep=keep)
     return found, [*_refused_encoding(data, file, dialect), *diagnostics]
 
 
 def read_text(
-    text: str, file: str, dialect: Dialect | None = None, *, bodies: bool = True
+    text: str,
+    file: str,
+    dialect: Dialect | None = None,
+    *,
+    bodies: bool = True,
+    keep: Callable[[ParseResult], object] | None = None,
 ) -> tuple[list[Block], list[Diagnostic]]:
-    """Blocks of a source that is already decoded; ``bodies=False`` skips code, as for STL."""
+    """Blocks of a source that is already decoded; ``bodies=False`` skips code, as for STL.
+
+    ``keep`` gets the syntax tree.
+    """
     result = parse(text, file, dialect, bodies=bodies)
+    if keep is not None:
+        keep(result)
     found, diagnostics = blocks(result, dialect)
     return found, sorted([*result.diagnostics, *diagnostics], key=lambda d: d.sort_key)
 
