@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         EncodeResult,
         GenerateResult,
         LayoutResult,
+        audit,
         check,
         check_lock,
         decode,
@@ -47,6 +48,7 @@ __all__ = [
     "Severity",
     "Span",
     "__version__",
+    "audit",
     "check",
     "check_lock",
     "decode",
@@ -80,10 +82,10 @@ def __dir__() -> list[str]:
 
 
 class _Package(ModuleType):
-    """Keeps ``plcgen.verify`` the function: importing the package of that name must not replace it."""
+    """Keeps ``plcgen.verify`` and ``plcgen.audit`` functions: importing the packages must not replace them."""
 
     def __setattr__(self, name: str, value: object) -> None:
-        if name != "verify":
+        if name not in {"verify", "audit"}:
             super().__setattr__(name, value)
 
 

@@ -293,6 +293,13 @@ def check_lock(
     return run([Path(path) for path in paths], Path(lock), policy, classic=classic)
 
 
+def audit(*paths: Path | str, spec: Path | str) -> Verification:
+    """Audit hand-written request and response DBs, and the record calls, in sources against a spec and DS47."""
+    from plcgen.audit.run import audit as run
+
+    return run([Path(path) for path in paths], Path(spec))
+
+
 def _paths(given: Path | str | Sequence[Path | str]) -> list[Path]:
     return [Path(given)] if isinstance(given, Path | str) else [Path(path) for path in given]
 

@@ -18,6 +18,7 @@ PUBLIC = [
     "Severity",
     "Span",
     "__version__",
+    "audit",
     "check",
     "check_lock",
     "decode",
@@ -54,8 +55,11 @@ def test_import_is_free():
 
 def test_verify_is_the_function_whatever_was_imported():
     """Importing the package of the same name does not replace the function."""
+    from plcgen.audit import model as audited
     from plcgen.verify import model
 
+    assert audited.Match is not None
+    assert callable(plcgen.audit)
     assert callable(plcgen.verify)
     assert model.Outcome.OK == "ok"
 

@@ -33,8 +33,8 @@ def diagnostics_in(format_: str, verb: str, subjects: Subjects, **more: Any) -> 
     return diagnostics_json(verb, found, specs=[subject for subject, _ in subjects], **more)
 
 
-def verification_in(format_: str, verification: Verification) -> str:
-    """Write a verification in a machine format."""
+def verification_in(format_: str, verification: Verification, verb: str = "verify") -> str:
+    """Write a verification (or what an audit found) in a machine format."""
     if format_ == "sarif":
         from plcgen.report.sarif import verification_sarif
 
@@ -42,11 +42,11 @@ def verification_in(format_: str, verification: Verification) -> str:
     if format_ == "junit":
         from plcgen.report.junit import verification_junit
 
-        return verification_junit(verification)
+        return verification_junit(verification, verb)
     if format_ == "github":
         from plcgen.report.github import verification_github
 
         return verification_github(verification)
     from plcgen.report.json import verification_json
 
-    return verification_json(verification)
+    return verification_json(verification, "verification" if verb == "verify" else verb)

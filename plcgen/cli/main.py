@@ -37,6 +37,7 @@ SECTIONS: Sections = (
         (
             ("diff", "Compare two versions of sources or specs by what others notice."),
             ("lock", "Write a layout lock file, or check that nothing moved."),
+            ("audit", "Audit hand-written request and response DBs against a spec."),
         ),
     ),
     (

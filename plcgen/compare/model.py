@@ -60,7 +60,8 @@ class BlockState:
     @property
     def title(self) -> str:
         """``DB3 "WR_DataBuffer"``."""
-        return f'{self.kind}{"" if self.number is None else self.number} "{self.name}"'
+        number = f"{self.kind}{'' if self.number is None else self.number}"
+        return number if self.name.upper() == number else f'{number} "{self.name}"'
 
 
 @dataclass(frozen=True, slots=True)

@@ -61,8 +61,8 @@ def diagnostics_json(kind: str, diagnostics: Sequence[Diagnostic], **more: Any) 
     return dump({**diagnostics_data(kind, diagnostics), **more})
 
 
-def verification_json(verification: Verification) -> str:
-    """JSON of ``verify``: groups of checks, then the diagnostics that belong to no check."""
+def verification_json(verification: Verification, kind: str = "verification") -> str:
+    """JSON of ``verify`` or ``audit``: groups of checks, then the diagnostics that belong to no check."""
     own = {check.diagnostic for check in verification.checks()}
     rest = [d for d in dict.fromkeys(verification.diagnostics) if d not in own]
     groups = [
@@ -89,7 +89,7 @@ def verification_json(verification: Verification) -> str:
         counts[key] = counts.get(key, 0) + 1
     return dump(
         {
-            **head("verification", ok=verification.ok),
+            **head(kind, ok=verification.ok),
             "spec": verification.spec,
             "folder": verification.folder,
             "project": verification.project,

@@ -76,24 +76,24 @@ def diagnostics_junit(name: str, subjects: Sequence[tuple[str, Sequence[Diagnost
     return _document(f"plcgen {name}", [_suite(name, cases)])
 
 
-def verification_junit(verification: Verification) -> str:
-    """JUnit of ``verify``: one suite per group; a last suite holds errors that belong to no check."""
-    suites = [_group(group) for group in verification.groups]
+def verification_junit(verification: Verification, verb: str = "verify") -> str:
+    """JUnit of ``verify`` or ``audit``: one suite per group; a last suite holds errors that belong to no check."""
+    suites = [_group(group, verb) for group in verification.groups]
     own = {check.diagnostic for check in verification.checks()}
     rest = [d for d in _errors(verification.diagnostics) if d not in own]
     if rest:
-        case = _case("plcgen.verify", "problems", _failure(rest[0].code, rest[0].message, _details(rest)))
+        case = _case(f"plcgen.{verb}", "problems", _failure(rest[0].code, rest[0].message, _details(rest)))
         suites.append(_suite("problems", [case]))
-    return _document(f"plcgen verify {verification.spec}", suites)
+    return _document(f"plcgen {verb} {verification.spec}", suites)
 
 
-def _group(group: CheckGroup) -> str:
+def _group(group: CheckGroup, verb: str) -> str:
     seen: dict[str, int] = {}
     cases = []
     for check in group.checks:
         seen[check.id] = seen.get(check.id, 0) + 1
         name = check.id if seen[check.id] == 1 else f"{check.id} ({seen[check.id]})"
-        cases.append(_case(f"plcgen.verify.{group.name}", name, _body(check)))
+        cases.append(_case(f"plcgen.{verb}.{group.name}", name, _body(check)))
     return _suite(group.name, cases)
 
 
