@@ -88,7 +88,7 @@ class ArgumentCompiler(ExpressionCompiler):
             found = self.link.find(node.base.name)
             type_ = self.link.instance_type(found) if found is not None else type_
         system = system_fbs(classic=self.classic).get(type_.upper())
-        if system is not None and system.record and self.link.find(type_) is None:
+        if system is not None and system.watched and self.link.find(type_) is None:
             self.emit(f"st({base.mem},{self.address(base)})")
 
     def pointer(self, node: ast.Literal) -> Val:

@@ -183,12 +183,15 @@ class CallCompiler(ArgumentCompiler):
     def call_system(self, node: ast.Call, place: Place, system: SystemFb) -> None:
         """Emit the call of a system block."""
         name = f"S_{system.block.name}"
-        if not system.record:
+        if not system.buffer:
             self.emit(f"{self.timer_guard(place, system)}{name}({place.mem},{self.address(place)})")
-            self.touched(place.region if place.fixed else None, place.off, place.shape.bits)
+            if system.watched:
+                self.forget()
+            else:
+                self.touched(place.region if place.fixed else None, place.off, place.shape.bits)
             return
         if not self.record_code:
-            self.error("PG822", "RECORD is missing", node, "name the buffer in every call")
+            self.error("PG822", f"{system.buffer} is missing", node, "name the buffer in every call")
             return
         self.emit(f"{name}({place.mem},{self.address(place)},{self.record_code})")
         self.record_code = ""
@@ -229,7 +232,7 @@ class CallCompiler(ArgumentCompiler):
             kind = self.parameter(argument, upper, allowed, seen)
             if kind is None or isinstance(argument.value, ast.Omitted):
                 continue
-            if system is not None and upper == "RECORD":
+            if system is not None and upper == system.buffer:
                 self.record_code = self.reference(argument.value)
                 continue
             field = self.field(place, upper, argument.value)

@@ -18,6 +18,7 @@ from plcgen.cpu.symbols import Symbols
 from plcgen.cpu.system.bus import Bus
 from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.cpu.system.moves import AccessFaultError, Moves
+from plcgen.cpu.system.point_to_point import PORT_BLOCKS, PortBlock
 from plcgen.cpu.system.record import RecordBlock
 from plcgen.cpu.system.timers import counter, edge, timer
 from plcgen.diagnostics import DiagnosticError
@@ -81,7 +82,7 @@ class Cpu:
         self._blocks: dict[int, Memory] = {}
         self._numbers: dict[int, Memory] = {}
         self._moves = Moves(self._locate, self._report)
-        self._records: list[RecordBlock] = []
+        self._records: list[RecordBlock | PortBlock] = []
         self._make_memory()
         self.symbols = Symbols(program.link, self._blocks, self.areas)
         self._names = self._namespace()
@@ -131,6 +132,10 @@ class Cpu:
             block = RecordBlock(system, shape, self.bus, self._report, self.job_limit)
             self._records.append(block)
             return block
+        if system.kind in PORT_BLOCKS:
+            serial = PORT_BLOCKS[system.kind](system, shape, self.bus, self._report, self._locate)
+            self._records.append(serial)
+            return serial
         if system.kind in {"TON", "TOF", "TP"}:
             return timer(system, shape, self._clock)
         return edge(system, shape) if system.kind.endswith("_TRIG") else counter(system, shape)

@@ -1,10 +1,11 @@
-"""Which drive answers under which address, and how long a record job takes."""
+"""Which drive answers under which address, how long a record job takes, and which serial ports there are."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from plcgen.cpu.system.port import Port
 from plcgen.sim.drive import Drive
 
 Busy = int | Callable[[], int]
@@ -17,12 +18,14 @@ class Bus:
     """Drives by logical address or hardware identifier.
 
     ``write_busy`` and ``read_busy`` say how many calls of a job answer BUSY before the last one; a function is
-    asked anew for every job. None keeps a job busy for ever.
+    asked anew for every job. None keeps a job busy for ever. ``ports`` are serial ports by hardware identifier
+    (S7-1200/1500) or address of their module (S7-300/400).
     """
 
     drives: dict[int, Drive] = field(default_factory=dict)
     write_busy: Busy | None = 2
     read_busy: Busy | None = 2
+    ports: dict[int, Port] = field(default_factory=dict)
 
     def attach(self, address: int, drive: Drive) -> None:
         """Put a drive at a logical address or hardware identifier."""
@@ -41,3 +44,5 @@ class Bus:
         """Let time pass for every drive once."""
         for drive in {id(drive): drive for drive in self.drives.values()}.values():
             drive.advance(milliseconds)
+        for port in self.ports.values():
+            port.advance(milliseconds)

@@ -8,6 +8,7 @@ from functools import cache
 from types import MappingProxyType
 
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
+from plcgen.s7.serial_blocks import serial_blocks
 from plcgen.s7.system import s7_1500_types, system_block
 from plcgen.s7.types import Member, NamedType, elementary
 
@@ -17,6 +18,7 @@ _NUMBERS = {
     "SFB0": "CTU", "SFB1": "CTD", "SFB2": "CTUD", "SFB3": "TP", "SFB4": "TON", "SFB5": "TOF",
     "SFB52": "RDREC", "SFB53": "WRREC",
 }  # fmt: skip
+_SERIAL = frozenset({*serial_blocks(classic=True), *serial_blocks(classic=False)})
 _TIMER_PARAMETERS = {"IN": _IN, "PT": _IN, "Q": _OUT, "ET": _OUT}
 _CLASSIC_TIMER = ("IN BOOL;PT TIME", "Q BOOL;ET TIME", "STATE BYTE;STIME TIME;ATIME TIME")
 _TRIGGER = ("CLK BOOL", "Q BOOL", "STAT_BIT BOOL")
@@ -47,6 +49,16 @@ class SystemFb:
         """Whether a data record is a parameter."""
         return self.kind in {"WRREC", "RDREC"}
 
+    @property
+    def watched(self) -> bool:
+        """Whether STATUS counts in the scan of the call only."""
+        return self.record or self.kind in _SERIAL
+
+    @property
+    def buffer(self) -> str:
+        """Name of the parameter that is passed by reference; empty if there is none."""
+        return "RECORD" if self.record else "BUFFER" if "BUFFER" in self.parameters else ""
+
 
 @cache
 def system_fbs(*, classic: bool) -> Mapping[str, SystemFb]:
@@ -68,6 +80,8 @@ def system_fbs(*, classic: bool) -> Mapping[str, SystemFb]:
         record = system_block(name) if classic else modern[name]
         if record is not None:
             found[name] = SystemFb(name, record, _parameters(record))
+    for name, block in serial_blocks(classic=classic).items():
+        found[name] = SystemFb(name, block, _parameters(block))
     if not classic:
         for kind in ("TON", "TOF", "TP"):
             for name in (kind, f"{kind}_TIME"):

@@ -1,0 +1,135 @@
+"""A serial port of a communication module: characters on a virtual clock, messages by the gaps between them."""
+
+from __future__ import annotations
+
+from bisect import insort
+from collections import deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+Replies = Iterable[tuple[float, bytes]]
+"""Answers on the line: (ms after the end of what was sent, bytes)."""
+
+CHARACTER_BITS = 11
+"""Start bit, 8 data bits, parity, stop bit."""
+BAUD = {1: 300, 2: 600, 3: 1200, 4: 2400, 5: 4800, 6: 9600, 7: 19200, 8: 38400, 9: 57600, 10: 76800, 11: 115200}
+"""Port_Config BAUD (S7-1200 system manual, Port_Config)."""
+MAX_STORED = 4096
+"""Bytes a module keeps until they are fetched."""
+
+
+def silence(_data: bytes) -> Replies:
+    """A line with nobody on it."""
+    return ()
+
+
+@dataclass(slots=True)
+class Port:
+    """One port.
+
+    ``peer`` is asked for the answers when a transmission has ended; ``line_baud`` is the speed of the stations,
+    ``baud`` that of the port, ``even`` its parity: if they differ nobody understands anybody. ``gap_bits`` ends a
+    message, so does ``max_length``. ``calls`` is how many calls a job of a block takes at least. ``faults`` maps
+    the n-th transmission (from 1, 0: every one) to a STATUS it fails with; ``hang`` keeps transmissions busy.
+    """
+
+    peer: Callable[[bytes], Replies] = silence
+    baud: int = 9600
+    line_baud: int = 9600
+    even: bool = True
+    gap_bits: int = 35
+    max_length: int = 255
+    calls: int = 2
+    faults: dict[int, int] = field(default_factory=dict)
+    hang: bool = False
+    time: float = 0.0
+    sent: list[tuple[float, bytes]] = field(default_factory=list)
+    configured: int = 0
+    _transmissions: int = 0
+    _busy_until: float = 0.0
+    _outgoing: bytes = b""
+    _arrivals: list[tuple[float, int]] = field(default_factory=list)
+    _messages: deque[bytes] = field(default_factory=deque)
+
+    @property
+    def character(self) -> float:
+        """Duration of one character in ms."""
+        return CHARACTER_BITS * 1000 / self.baud
+
+    @property
+    def gap(self) -> float:
+        """Silence in ms that ends a message."""
+        return self.gap_bits * 1000 / self.baud
+
+    @property
+    def transmitting(self) -> bool:
+        """Whether characters of a transmission are still leaving."""
+        return bool(self._outgoing) or self.hang
+
+    def transmit(self, data: bytes) -> int:
+        """Begin a transmission; STATUS of a failure, 0 if it runs."""
+        self._transmissions += 1
+        status = self.faults.get(self._transmissions) or self.faults.get(0, 0)
+        if not status and not self.hang:
+            self._outgoing = data
+            self._busy_until = self.time + len(data) * self.character
+        return status
+
+    def restart(self) -> None:
+        """The CPU starts again: what was stored or is being sent is gone, the configuration is that of the hardware."""
+        self._outgoing = b""
+        self._arrivals.clear()
+        self._messages.clear()
+
+    def inject(self, delay: float, data: bytes) -> None:
+        """Characters of somebody else, the first one ending ``delay`` ms plus one character from now."""
+        self._arrive(self.time + delay, data)
+
+    def advance(self, milliseconds: float) -> None:
+        """Let time pass."""
+        self.time += milliseconds
+        while self._outgoing and self._busy_until <= self.time:
+            data, end = self._outgoing, self._busy_until
+            self._outgoing = b""
+            self.sent.append((end, data))
+            if self.even and self.baud == self.line_baud:
+                for delay, answer in self.peer(data):
+                    self._arrive(end + delay, answer)
+        self._collect()
+
+    def _arrive(self, start: float, data: bytes) -> None:
+        for number, byte in enumerate(data, 1):
+            insort(self._arrivals, (start + number * self.character, byte), key=lambda entry: entry[0])
+
+    def _collect(self) -> None:
+        """Turn arrived characters into messages."""
+        while self._arrivals:
+            message = bytearray()
+            last = self._arrivals[0][0]
+            count = 0
+            for at, byte in self._arrivals:
+                if at > self.time or at - last > self.gap or len(message) >= self.max_length:
+                    break
+                message.append(byte)
+                last = at
+                count += 1
+            full = len(message) >= self.max_length
+            if not message or (last + self.gap > self.time and not full):
+                return
+            del self._arrivals[:count]
+            if sum(map(len, self._messages)) + len(message) <= MAX_STORED:
+                self._messages.append(bytes(message))
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a complete message can be fetched."""
+        return bool(self._messages)
+
+    def fetch(self) -> bytes:
+        """The oldest complete message."""
+        return self._messages.popleft()
+
+    def clear(self) -> None:
+        """Throw away what was received so far."""
+        self._messages.clear()
+        self._arrivals = [entry for entry in self._arrivals if entry[0] > self.time]
