@@ -19,8 +19,9 @@ def emit(project: Project) -> Iterator[Document]:
     from plcgen.emit.tables import sheet, table_documents, watch_document, watch_rows
 
     xml = project.target.xml_version is not None
-    yield from shared_documents(project)
-    if xml:
+    if project.jobs:
+        yield from shared_documents(project)
+    if xml and project.jobs:
         yield from shared_xml(project)
     sheets = []
     for job in project.jobs:
@@ -31,9 +32,18 @@ def emit(project: Project) -> Iterator[Document]:
         if xml:
             yield from job_xml(project, job, watch)
         sheets.append(sheet(project, job))
-    yield control_document(project)
+    if project.jobs:
+        yield control_document(project)
+    if project.ppi is not None:
+        from plcgen.emit.ppi_documents import ppi_documents
+        from plcgen.emit.ppi_tables import ppi_xml
+
+        yield from ppi_documents(project)
+        if xml:
+            yield from ppi_xml(project)
     yield replace(main_document(project), twins=main_twin(project))
     if xml:
-        yield from closing_xml(project)
+        if project.jobs:
+            yield from closing_xml(project)
         yield from openness_documents(project)
     yield from table_documents(project, sheets)

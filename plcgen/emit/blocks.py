@@ -32,7 +32,8 @@ def extension(project: Project, kind: str) -> str:
     return "scl" if project.target.v5 else kind
 
 
-def _document(project: Project, path: str, template: str, view: dict[str, Any]) -> Document:
+def document(project: Project, path: str, template: str, view: dict[str, Any]) -> Document:
+    """A source document with what every source template needs."""
     return Document(path, template, {**common(project), **view}, project.target.encoding, newline(project))
 
 
@@ -40,7 +41,7 @@ def shared_documents(project: Project) -> Iterator[Document]:
     """Types and tokens that every job of the project uses."""
     for block, rows in ((project.diagnostics_type, DIAGNOSTICS), (project.token_type, TOKEN)):
         shared: dict[str, Any] = {"name": block.name, "fields": _rows(project, rows)}
-        yield _document(project, f"udt/{block.name}.{extension(project, 'udt')}", "db/udt.j2", shared)
+        yield document(project, f"udt/{block.name}.{extension(project, 'udt')}", "db/udt.j2", shared)
     for token, drives in project.tokens:
         view: dict[str, Any] = {
             "name": token.name,
@@ -48,7 +49,7 @@ def shared_documents(project: Project) -> Iterator[Document]:
             "fields": _rows(project, TOKEN),
             "assignments": (),
         }
-        yield _document(project, f"db/{token.name}.{extension(project, 'db')}", "db/buffer.j2", view)
+        yield document(project, f"db/{token.name}.{extension(project, 'db')}", "db/buffer.j2", view)
 
 
 def _rows(project: Project, rows: tuple[tuple[str, str, str], ...]) -> list[dict[str, str]]:
@@ -66,7 +67,7 @@ def job_documents(project: Project, job: PlannedJob) -> Iterator[Document]:
             ("Response", telegram.response_db, telegram.response_type, response),
         ):
             path = f"udt/{type_block.name}.{extension(project, 'udt')}"
-            yield _document(project, path, "db/udt.j2", {"name": type_block.name, "fields": rows})
+            yield document(project, path, "db/udt.j2", {"name": type_block.name, "fields": rows})
             view = {
                 "name": block.name,
                 "title": f"{which}: {label}",
@@ -75,7 +76,7 @@ def job_documents(project: Project, job: PlannedJob) -> Iterator[Document]:
                     {"path": f"{row.name}[{index}]", "value": text} for row in rows for index, text in row.subs
                 ],
             }
-            yield _document(project, f"db/{block.name}.{extension(project, 'db')}", "db/buffer.j2", view)
+            yield document(project, f"db/{block.name}.{extension(project, 'db')}", "db/buffer.j2", view)
     yield _instance(project, job.instance, f'"{job.block.name}"')
     if job.record_instances:
         yield _instance(project, job.record_instances[0], "SFB53")
@@ -84,7 +85,7 @@ def job_documents(project: Project, job: PlannedJob) -> Iterator[Document]:
 
 def _instance(project: Project, block: BlockRef, of: str) -> Document:
     path = f"db/{block.name}.{extension(project, 'db')}"
-    return _document(project, path, "db/instance.j2", {"name": block.name, "of": of})
+    return document(project, path, "db/instance.j2", {"name": block.name, "of": of})
 
 
 def control_document(project: Project) -> Document:
@@ -94,7 +95,7 @@ def control_document(project: Project) -> Document:
         {"member": job.member, "title": title(project, job), "fields": control_fields(project, job)}
         for job in project.jobs
     ]
-    return _document(project, path, "db/control.j2", {"name": project.control_db.name, "jobs": jobs})
+    return document(project, path, "db/control.j2", {"name": project.control_db.name, "jobs": jobs})
 
 
 def control_fields(project: Project, job: PlannedJob) -> list[dict[str, str]]:
@@ -139,7 +140,12 @@ def main_document(project: Project) -> Document:
                 "outputs": [{"name": name, "value": place(name)} for name in outputs],
             }
         )
-    return _document(project, "scl/Main.scl", "scl/main.j2", {"jobs": jobs})
+    masters: list[dict[str, Any]] = []
+    if project.ppi is not None:
+        from plcgen.emit.ppi_documents import calls
+
+        masters = calls(project)
+    return document(project, "scl/Main.scl", "scl/main.j2", {"jobs": jobs, "masters": masters})
 
 
 def flag_name(job: PlannedJob, signal: str) -> str:

@@ -60,7 +60,11 @@ def title(project: Project, job: PlannedJob) -> str:
     """One-line title; a quote would end a STEP 7 V5 title."""
     verb = "Write" if job.write else "Read"
     labels = ", ".join(use.label for use in job.uses[:4]) + (", .." if len(job.uses) > 4 else "")
-    text = comment_text(job.comment, project.languages, project.target, f"{verb} {labels}")
+    return clean_title(comment_text(job.comment, project.languages, project.target, f"{verb} {labels}"))
+
+
+def clean_title(text: str) -> str:
+    """A text without what would begin or end something else in a TITLE line."""
     for mark in _MARKS:
         text = text.replace(mark, " ".join(mark) if len(mark) > 1 else " ")
     return text

@@ -38,45 +38,51 @@ class _Ids:
 
 def shared_xml(project: Project) -> Iterator[Document]:
     """Types and tokens that every job uses."""
-    yield _type(project, project.diagnostics_type, _fixed(project, DIAGNOSTICS), {})
-    yield _type(project, project.token_type, _fixed(project, TOKEN), {})
+    yield type_document(project, project.diagnostics_type, fixed_members(project, DIAGNOSTICS), {})
+    yield type_document(project, project.token_type, fixed_members(project, TOKEN), {})
     for token, drives in project.tokens:
-        yield _db(project, token, _fixed(project, TOKEN), drives[0].comment)
+        yield db_document(project, token, fixed_members(project, TOKEN), drives[0].comment)
 
 
 def job_xml(project: Project, job: PlannedJob, watch: list[dict[str, str]]) -> Iterator[Document]:
     """Types, buffers and watch table of one job."""
     for telegram in job.telegrams:
         request, response = telegram_rows(project, telegram)
-        yield _type(project, telegram.request_type, request, job.comment)
-        yield _db(project, telegram.request_db, request, job.comment)
-        yield _type(project, telegram.response_type, response, job.comment)
-        yield _db(project, telegram.response_db, response, job.comment)
+        yield type_document(project, telegram.request_type, request, job.comment)
+        yield db_document(project, telegram.request_db, request, job.comment)
+        yield type_document(project, telegram.response_type, response, job.comment)
+        yield db_document(project, telegram.response_db, response, job.comment)
+    yield watch_xml(project, job.block.name, watch)
+
+
+def watch_xml(project: Project, block: str, watch: list[dict[str, str]]) -> Document:
+    """The watch table of a function block."""
     ids = _Ids()
     table_id = ids()
     view = {
         **_base(project),
-        "name": f"Watch_{job.block.name}",
+        "name": f"Watch_{block}",
         "id": table_id,
         "rows": [{**row, "id": ids()} for row in watch],
     }
-    yield _document(f"xml/Watch_{job.block.name}.xml", "simaticml/watch.xml.j2", view, WATCH_NOTE)
+    return _document(f"xml/Watch_{block}.xml", "simaticml/watch.xml.j2", view, WATCH_NOTE)
 
 
 def closing_xml(project: Project) -> Iterator[Document]:
     """The control DB and the tag table."""
-    yield _db(project, project.control_db, _control(project), {})
+    yield db_document(project, project.control_db, _control(project), {})
     rows = tags(project)
     if rows:
-        yield _tags(project, rows)
+        yield tag_document(project, TAG_TABLE, rows)
 
 
-def _fixed(project: Project, rows: tuple[tuple[str, str, str], ...]) -> list[dict[str, Any]]:
+def fixed_members(project: Project, rows: tuple[tuple[str, str, str], ...]) -> list[dict[str, Any]]:
+    """Members of a type that every project has."""
     words = type_words(tia=True)
-    return [_plain(project, name, words[type_], text) for name, type_, text in rows]
+    return [plain_member(project, name, words[type_], text) for name, type_, text in rows]
 
 
-def _plain(project: Project, name: str, type_: str, text: str, start: str = "") -> dict[str, Any]:
+def plain_member(project: Project, name: str, type_: str, text: str, start: str = "") -> dict[str, Any]:
     """A member whose comment is not translated: the English text stands in every language of the project."""
     comments = [(culture(language), one_line(text)) for language in project.languages] if text else []
     return {"name": name, "type": type_, "start": start, "subs": (), "comments": comments, "members": ()}
@@ -86,10 +92,10 @@ def _control(project: Project) -> list[dict[str, Any]]:
     found = []
     for job in project.jobs:
         members = [
-            _plain(project, row["name"], row["type"], row["text"], row["start"].removeprefix(" := "))
+            plain_member(project, row["name"], row["type"], row["text"], row["start"].removeprefix(" := "))
             for row in control_fields(project, job)
         ]
-        found.append({**_plain(project, job.member, "Struct", title(project, job)), "members": members})
+        found.append({**plain_member(project, job.member, "Struct", title(project, job)), "members": members})
     return found
 
 
@@ -126,9 +132,10 @@ def _document(path: str, template: str, view: dict[str, Any], experimental: str 
     return Document(path, template, view, "utf-8-sig", "\n", experimental)
 
 
-def _type(
+def type_document(
     project: Project, block: BlockRef, members: Sequence[Row | dict[str, Any]], comment: dict[str, str]
 ) -> Document:
+    """A user type."""
     ids = _Ids()
     view = {
         **_base(project),
@@ -140,9 +147,10 @@ def _type(
     return _document(f"xml/{block.name}.xml", "simaticml/type.xml.j2", view, view["note"])
 
 
-def _db(
+def db_document(
     project: Project, block: BlockRef, members: Sequence[Row | dict[str, Any]], comment: dict[str, str]
 ) -> Document:
+    """A global data block."""
     ids = _Ids()
     view = {
         **_base(project),
@@ -155,7 +163,8 @@ def _db(
     return _document(f"xml/{block.name}.xml", "simaticml/db.xml.j2", view, view["note"])
 
 
-def _tags(project: Project, rows: list[dict[str, Any]]) -> Document:
+def tag_document(project: Project, name: str, rows: list[dict[str, Any]]) -> Document:
+    """A tag table."""
     ids = _Ids()
     table_id = ids()
     entries = []
@@ -163,5 +172,5 @@ def _tags(project: Project, rows: list[dict[str, Any]]) -> Document:
         tag = {**row, "id": ids(), "text_id": ids()}
         tag["entries"] = [{"id": ids(), "culture": culture(language)} for language in project.languages]
         entries.append(tag)
-    view = {**_base(project), "name": TAG_TABLE, "id": table_id, "tags": entries}
-    return _document(f"xml/{TAG_TABLE}.xml", "simaticml/tags.xml.j2", view, view["note"])
+    view = {**_base(project), "name": name, "id": table_id, "tags": entries}
+    return _document(f"xml/{name}.xml", "simaticml/tags.xml.j2", view, view["note"])

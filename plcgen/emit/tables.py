@@ -31,6 +31,15 @@ def tags(project: Project) -> list[dict[str, Any]]:
     ]
 
 
+def all_tags(project: Project) -> list[dict[str, Any]]:
+    """Flags of the drive jobs and of the PPI jobs."""
+    if project.ppi is None:
+        return tags(project)
+    from plcgen.emit.ppi_documents import ppi_tags
+
+    return [*tags(project), *ppi_tags(project)]
+
+
 def watch_rows(project: Project, job: PlannedJob) -> list[dict[str, str]]:
     """Rows of a job's watch table: its command and results, then every member of its buffers."""
     rows: list[dict[str, str]] = []
@@ -63,7 +72,7 @@ def watch_rows(project: Project, job: PlannedJob) -> list[dict[str, str]]:
 def import_order(project: Project) -> list[str]:
     """Source files in the order a compiler wants them: types, data, called blocks, callers."""
     udt, db = extension(project, "udt"), extension(project, "db")
-    types = [project.diagnostics_type, project.token_type]
+    types = [project.diagnostics_type, project.token_type] if project.jobs else []
     data = [token for token, _ in project.tokens]
     for job in project.jobs:
         for telegram in job.telegrams:
@@ -71,15 +80,23 @@ def import_order(project: Project) -> list[str]:
             data += [telegram.request_db, telegram.response_db]
         data += list(job.record_instances or ())
     files = [f"udt/{block.name}.{udt}" for block in types] + [f"db/{block.name}.{db}" for block in data]
-    files.append(f"db/{project.control_db.name}.{db}")
-    files += [f"scl/{job.block.name}.scl" for job in project.jobs]
-    files += [f"db/{job.instance.name}.{db}" for job in project.jobs]
-    return [*files, "scl/Main.scl"]
+    if project.jobs:
+        files.append(f"db/{project.control_db.name}.{db}")
+    blocks = [f"scl/{job.block.name}.scl" for job in project.jobs]
+    instances = [f"db/{job.instance.name}.{db}" for job in project.jobs]
+    if project.ppi is not None:
+        from plcgen.emit import ppi_documents
+
+        own_types, own_data, own_blocks, own_instances = ppi_documents.import_order(project)
+        files = [*files[: len(types)], *own_types, *files[len(types) :], *own_data]
+        blocks += own_blocks
+        instances += own_instances
+    return [*files, *blocks, *instances, "scl/Main.scl"]
 
 
 def watch_document(job: PlannedJob, rows: list[dict[str, str]]) -> Document:
     """A job's watch table as CSV."""
-    text = _csv(("name", "address", "display format", "modify value"), [list(row.values()) for row in rows])
+    text = csv_text(("name", "address", "display format", "modify value"), [list(row.values()) for row in rows])
     return Document(f"watch/{job.block.name}.csv", RAW, {"text": text})
 
 
@@ -90,14 +107,21 @@ def table_documents(project: Project, sheets: list[dict[str, Any]]) -> Iterator[
         sources = (path for path in import_order(project) if not path.endswith("/Main.scl"))
         order = "".join(f"{path.rsplit('/', 1)[1].removesuffix('.scl')}\n" for path in sources)
         yield Document("compile.inp", RAW, {"text": order}, project.target.encoding, newline(project))
-    elif rows := tags(project):
+    elif rows := all_tags(project):
         table = [[row["name"], row["type"], f"%{row['address']}", row["text"]] for row in rows]
-        yield Document("tags.csv", RAW, {"text": _csv(("Name", "Data Type", "Logical Address", "Comment"), table)})
+        yield Document("tags.csv", RAW, {"text": csv_text(("Name", "Data Type", "Logical Address", "Comment"), table)})
     yield Document("IMPORT.md", "text/import.md.j2", _import_view(project))
-    yield Document("LAYOUT.md", "text/layout.md.j2", {"project": project.name, "jobs": sheets})
+    masters: list[dict[str, Any]] = []
+    if project.ppi is not None:
+        from plcgen.emit.ppi_tables import sheets as ppi_sheets
+
+        masters = ppi_sheets(project)
+    view = {"project": project.name, "jobs": sheets, "masters": masters}
+    yield Document("LAYOUT.md", "text/layout.md.j2", view)
 
 
-def _csv(header: tuple[str, ...], rows: list[list[str]]) -> str:
+def csv_text(header: tuple[str, ...], rows: list[list[str]]) -> str:
+    """Rows as CSV with LF."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(header)
@@ -112,10 +136,16 @@ def _symbols(project: Project) -> str:
     for job in project.jobs:
         if job.record_instances:
             kinds[job.record_instances[0]], kinds[job.record_instances[1]] = "SFB 53", "SFB 52"
+    if project.ppi is not None:
+        from plcgen.emit.ppi_tables import symbol_kinds
+
+        kinds |= symbol_kinds(project)
+        writer.writerow(("P_RCV_RK", "FB 7", "FB 7", "CP 341: receive"))
+        writer.writerow(("P_SND_RK", "FB 8", "FB 8", "CP 341: send"))
     for block in project.blocks:
         address = f"{block.kind} {block.number}"
         writer.writerow((block.name, address, kinds.get(block, address), ""))
-    for tag in tags(project):
+    for tag in all_tags(project):
         address = tag["address"]
         area = address.rstrip("0123456789.")
         text = tag["text"] if encodable(tag["text"], project.target) else ""
@@ -125,7 +155,14 @@ def _symbols(project: Project) -> str:
 
 def _import_view(project: Project) -> dict[str, Any]:
     where = project.target
+    masters: dict[str, Any] = {"masters": [], "ppi_writes": [], "ppi_tags": [], "ppi_numbered": []}
+    if project.ppi is not None:
+        from plcgen.emit.ppi_tables import import_view
+
+        masters = import_view(project)
     return {
+        **masters,
+        "drives": bool(project.jobs),
         "project": project.name,
         "v5": where.v5,
         "t15": where.t15,

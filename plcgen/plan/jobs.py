@@ -13,7 +13,7 @@ from plcgen.plan.uses import UseResolver
 from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorten
 from plcgen.spec.load import LoadedSpec, SpecPath
-from plcgen.spec.schema import Buffer, Job, ReadItem, WriteItem
+from plcgen.spec.schema import Buffer, Job, ReadItem, Trigger, WriteItem
 
 
 def plan_job(
@@ -54,7 +54,7 @@ def plan_job(
         block=block,
         instance=instance,
         record_instances=records,
-        trigger=_trigger(job, key, loaded, report),
+        trigger=plan_trigger(job.trigger, path, loaded, report),
         reference=reference,
         timeout=job.timeout,
         retry_pause=job.retry_pause,
@@ -213,15 +213,16 @@ def _request_bytes(parts: tuple[Part, ...], header: tuple[int, int, int], *, wri
     return encode_request(Request(*header, addresses, values))
 
 
-def _trigger(job: Job, key: str, loaded: LoadedSpec, report: Report) -> PlannedTrigger:
-    if job.trigger is None:
+def plan_trigger(trigger: Trigger | None, path: SpecPath, loaded: LoadedSpec, report: Report) -> PlannedTrigger:
+    """Flags of a job whose place in the spec is ``path``; a flag that cannot be used is a diagnostic."""
+    if trigger is None:
         return PlannedTrigger()
     found: dict[str, Address] = {}
     for signal in ("execute", "busy", "done", "error", "status"):
-        text = getattr(job.trigger, signal)
+        text = getattr(trigger, signal)
         if text is None:
             continue
-        place = loaded.span(("jobs", key, "trigger", signal))
+        place = loaded.span((*path, "trigger", signal))
         width = 16 if signal == "status" else 1
         wanted = "a word such as MW52" if width > 1 else "a bit such as M50.0"
         try:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from plcgen.ds47.formats import Format
 from plcgen.plan.target import Target
@@ -14,6 +15,9 @@ from plcgen.s7.address import Address
 from plcgen.s7.types import DataType
 from plcgen.spec.catalog import Device, Parameter
 from plcgen.spec.load import LoadedSpec, SpecPath
+
+if TYPE_CHECKING:
+    from plcgen.plan.ppi_model import PpiPlan
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,6 +221,7 @@ class Project:
     diagnostics_type: BlockRef
     token_type: BlockRef
     control_db: BlockRef
+    ppi: PpiPlan | None = None
 
     @cached_property
     def tokens(self) -> tuple[tuple[BlockRef, tuple[PlannedDrive, ...]], ...]:
@@ -228,7 +233,10 @@ class Project:
 
     @cached_property
     def blocks(self) -> tuple[BlockRef, ...]:
-        """Every block of the project, in a stable order: types, drives' tokens, jobs, control DB."""
+        """Every block of the project, in a stable order: types, drives' tokens, jobs, control DB, PPI masters."""
+        masters = self.ppi.blocks if self.ppi is not None else ()
+        if not self.jobs and masters:
+            return masters
         found = [self.diagnostics_type, self.token_type, *(token for token, _ in self.tokens)]
         for job in self.jobs:
             for telegram in job.telegrams:
@@ -239,4 +247,4 @@ class Project:
                     telegram.response_db,
                 ]
             found += [job.block, job.instance, *(job.record_instances or ())]
-        return (*found, self.control_db)
+        return (*found, self.control_db, *masters)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.diagnostics.suggest import did_you_mean
@@ -18,6 +19,9 @@ from plcgen.spec.catalog import Device, Parameter
 from plcgen.spec.load import LoadedSpec
 from plcgen.spec.schema import Drive, Spec
 
+if TYPE_CHECKING:
+    from plcgen.plan.ppi_model import PpiPlan
+
 OUTPUT_BIT = 0x8000
 
 
@@ -30,9 +34,11 @@ def resolve(loaded: LoadedSpec, report: Report) -> Project:
     where = target(spec.plc.family, spec.plc.toolchain)
     numbers = spec.plc.numbers
     numbering = Numbering(where, {"FB": numbers.fb, "DB": numbers.db, "UDT": numbers.udt}, _pinned(spec))
-    diagnostics_type = numbering.block("UDT", "typeDriveJobDiag", ("plc",), given=True)
-    token_type = numbering.block("UDT", "typeDriveToken", ("plc",), given=True)
-    control_db = numbering.block("DB", "DriveJobs", ("plc",), given=True)
+    # without jobs these blocks are not made: they take no numbers then
+    common = numbering if spec.jobs else Numbering(where, {"FB": 1, "DB": 1, "UDT": 1}, ())
+    diagnostics_type = common.block("UDT", "typeDriveJobDiag", ("plc",), given=True)
+    token_type = common.block("UDT", "typeDriveToken", ("plc",), given=True)
+    control_db = common.block("DB", "DriveJobs", ("plc",), given=True)
     tokens: dict[int, BlockRef] = {}
     drives = {key: _drive(key, drive, loaded, numbering, tokens, report) for key, drive in spec.drives.items()}
     planned = {key: found for key, found in drives.items() if found is not None}
@@ -72,10 +78,24 @@ def resolve(loaded: LoadedSpec, report: Report) -> Project:
         diagnostics_type=diagnostics_type,
         token_type=token_type,
         control_db=control_db,
+        ppi=_masters(loaded, numbering, report) if spec.masters else None,
     )
 
 
+def _masters(loaded: LoadedSpec, numbering: Numbering, report: Report) -> PpiPlan:
+    """PPI masters; everything about them is imported here only."""
+    from plcgen.plan.ppi import resolve_masters
+
+    return resolve_masters(loaded, numbering, report)
+
+
 def _pinned(spec: Spec) -> Iterator[tuple[str, int]]:
+    if spec.masters:
+        from plcgen.plan.ppi import pinned
+        from plcgen.spec.ppi_schema import SpecWithPpi
+
+        if isinstance(spec, SpecWithPpi):
+            yield from pinned(spec)
     for job in spec.jobs.values():
         for kind, number in (
             ("DB", job.request.db),

@@ -50,7 +50,8 @@ def _write_items(value: object) -> object:
     return tuple(items)
 
 
-def _trigger(value: object) -> object:
+def trigger_short(value: object) -> object:
+    """Widen ``M50.0`` to ``{execute: M50.0}``."""
     return {"execute": value} if isinstance(value, str) else value
 
 
@@ -70,11 +71,13 @@ Text = Annotated[
 Value = bool | int | float | str
 
 
-class _Model(BaseModel):
+class StrictModel(BaseModel):
+    """What every part of a spec is: known keys only, no conversions, unchangeable."""
+
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, protected_namespaces=())
 
 
-class Numbers(_Model):
+class Numbers(StrictModel):
     """First number of each automatic numbering range."""
 
     fb: int = Field(470, ge=1, le=65535, description="first automatic FB number")
@@ -82,7 +85,7 @@ class Numbers(_Model):
     udt: int = Field(470, ge=1, le=65535, description="first automatic UDT number (STEP 7 V5)")
 
 
-class Plc(_Model):
+class Plc(StrictModel):
     """The controller the blocks are for."""
 
     name: str = Field(min_length=1, max_length=120, description="project or station name, used in headers")
@@ -95,7 +98,7 @@ class Plc(_Model):
     numbers: Numbers = Field(Numbers(), description="where automatic block numbers start")
 
 
-class ParameterDef(_Model):
+class ParameterDef(StrictModel):
     """A drive parameter that the device catalogue does not hold (or holds differently)."""
 
     type: str = Field(description="DS47 data type, e.g. FloatingPoint, Unsigned16, OctetString[4]")
@@ -110,7 +113,7 @@ class ParameterDef(_Model):
     bico: bool = Field(default=False, description="value is a BICO source such as r0722.0")
 
 
-class Drive(_Model):
+class Drive(StrictModel):
     """One drive the PLC talks to."""
 
     device: str = Field(description="device profile, see plcgen schema --devices")
@@ -127,7 +130,7 @@ class Drive(_Model):
     comment: Text | None = None
 
 
-class ReadItem(_Model):
+class ReadItem(StrictModel):
     """One parameter to read."""
 
     parameter: str = Field(description="P50303, p2155[1..2], r0945[0..7] or a catalogue name")
@@ -136,7 +139,7 @@ class ReadItem(_Model):
     comment: Text | None = None
 
 
-class WriteItem(_Model):
+class WriteItem(StrictModel):
     """One parameter to write; without a value it becomes an input of the block."""
 
     parameter: str = Field(description="P50304, p2155[1..2] or a catalogue name")
@@ -147,7 +150,7 @@ class WriteItem(_Model):
     comment: Text | None = None
 
 
-class Buffer(_Model):
+class Buffer(StrictModel):
     """A request or response data block."""
 
     db: int | None = Field(None, ge=1, le=65535, description="DB number; absent: automatic")
@@ -156,14 +159,14 @@ class Buffer(_Model):
     members: dict[str, str] = Field(default_factory=dict, description="own member names: generated name -> yours")
 
 
-class BlockName(_Model):
+class BlockName(StrictModel):
     """Name and number of the job's function block or its instance DB."""
 
     name: str | None = Field(None, min_length=1, max_length=125)
     number: int | None = Field(None, ge=1, le=65535)
 
 
-class Trigger(_Model):
+class Trigger(StrictModel):
     """Absolute flags of the job's call; absent ones are symbolic members of the control DB."""
 
     execute: str | None = Field(None, description="bit that starts the job, e.g. M50.0")
@@ -173,7 +176,7 @@ class Trigger(_Model):
     status: str | None = Field(None, description="word for the status, e.g. MW52")
 
 
-class Job(_Model):
+class Job(StrictModel):
     """One parameter job: read some parameters or write some, on one drive."""
 
     drive: str = Field(description="key of a drive")
@@ -188,7 +191,7 @@ class Job(_Model):
     block: BlockName = Field(BlockName(), description="the job's function block")
     instance: BlockName = Field(BlockName(), description="the function block's instance DB")
     names: Naming | None = Field(None, description="overrides plc.names for this job")
-    trigger: Annotated[Trigger, BeforeValidator(_trigger)] | None = Field(
+    trigger: Annotated[Trigger, BeforeValidator(trigger_short)] | None = Field(
         None, description="flag that starts the job, or a flag per signal"
     )
     reference: int | None = Field(None, description="request reference of the start values, 1..255")
@@ -205,13 +208,18 @@ class Job(_Model):
     comment: Text | None = None
 
 
-class Spec(_Model):
+class Spec(StrictModel):
     """A complete job spec: one PLC, its drives, their jobs."""
 
     version: Literal[1] = Field(1, description="version of the spec format")
     plc: Plc
     drives: dict[str, Drive] = Field(min_length=1)
     jobs: dict[str, Job] = Field(min_length=1)
+
+    @property
+    def masters(self) -> dict[str, Any]:
+        """PPI masters by key: see ``ppi_schema``, which is imported only for a spec that has some."""
+        return {}
 
 
 def validate(data: Any) -> Spec:
@@ -220,12 +228,18 @@ def validate(data: Any) -> Spec:
     Raises:
         pydantic.ValidationError: with every problem; ``spec.load`` turns them into diagnostics.
     """
+    if isinstance(data, dict) and "ppi" in data:
+        from plcgen.spec.ppi_schema import SpecWithPpi
+
+        return SpecWithPpi.model_validate(data, by_alias=True)
     return Spec.model_validate(data, by_alias=True)
 
 
 def json_schema() -> dict[str, Any]:
     """JSON schema (draft 2020-12) of a job spec for editors, short forms included."""
-    schema = Spec.model_json_schema(by_alias=True)
+    from plcgen.spec.ppi_schema import SpecWithPpi, complete
+
+    schema = SpecWithPpi.model_json_schema(by_alias=True)
     definitions = schema["$defs"]
     items, text = {"$ref": "#/$defs/ReadItem"}, {"type": "string"}
     value = {"type": ["boolean", "integer", "number", "string", "null"]}
@@ -243,6 +257,7 @@ def json_schema() -> dict[str, Any]:
         "description": job["write"]["description"],
     }
     job["trigger"] = {"anyOf": [text, {"$ref": "#/$defs/Trigger"}], "description": job["trigger"]["description"]}
+    complete(schema, definitions)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "plcgen job spec"}
 
 
@@ -265,9 +280,15 @@ _MODELS: dict[tuple[str, ...], type[BaseModel]] = {
 
 def field_names(path: tuple[str | int, ...]) -> list[str]:
     """Keys that are allowed at a path of the spec, for "did you mean"; empty if the path is no mapping."""
-    for pattern, model in _MODELS.items():
+    models = _MODELS
+    if path[:1] == ("ppi",):
+        from plcgen.spec.ppi_schema import MODELS
+
+        models = {**_MODELS, **MODELS}
+    for pattern, model in models.items():
         if len(pattern) == len(path) and all(p in {"*", step} for p, step in zip(pattern, path, strict=True)):
-            return [info.alias or name for name, info in model.model_fields.items()]
+            names = [info.alias or name for name, info in model.model_fields.items()]
+            return names if path else list(dict.fromkeys([*names, "ppi"]))
     return []
 
 
