@@ -1,7 +1,8 @@
 """Every code a spec can trigger, by example: ``tests/cases/PGxxx.yaml``, one file a code.
 
 In a spec of a case, « » mark the span where the diagnostic must stand and ‹ › the span of its note; the marks
-are taken out before the spec is read. ``at`` gives a span as line:column-line:column where marks cannot stand.
+are taken out before the spec is read. ``files`` are further files beside it; ``at`` gives a span as
+line:column-line:column where marks cannot stand.
 """
 
 from __future__ import annotations
@@ -64,6 +65,8 @@ def _between(marks: dict[str, tuple[int, int]], pair: str) -> str:
 def _check(case: dict[str, Any], folder: Path) -> tuple[tuple[Diagnostic, ...], dict[str, tuple[int, int]]]:
     path = folder / "spec.yaml"
     marks: dict[str, tuple[int, int]] = {}
+    for name, text in case.get("files", {}).items():
+        (folder / name).write_text(text, encoding="utf-8")
     if "bytes" in case:
         path.write_bytes(bytes.fromhex(case["bytes"]))
     elif "generate" in case:

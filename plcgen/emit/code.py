@@ -21,9 +21,16 @@ _MAIN_NUMBER = 1
 
 def job_twins(project: Project, job: PlannedJob) -> Callable[[str], Iterator[Document]] | None:
     """Return what makes the documents of a job's FB and of its instance DB from the FB's text."""
+    return block_twins(project, job.block, job.instance)
+
+
+def block_twins(
+    project: Project, block: BlockRef, instance: BlockRef, note: str = RECORD_NOTE
+) -> Callable[[str], Iterator[Document]] | None:
+    """Return what makes the documents of a function block and of its instance DB from the block's text."""
     if project.target.xml_version is None:
         return None
-    return partial(_job, project, job)
+    return partial(_pair, project, block, instance, note)
 
 
 def main_twin(project: Project) -> Callable[[str], Iterator[Document]] | None:
@@ -39,23 +46,26 @@ def version_note(project: Project) -> str:
     return VERSION_NOTE if version.inferred or version.early else ""
 
 
-def _job(project: Project, job: PlannedJob, text: str) -> Iterator[Document]:
+def _pair(project: Project, fb: BlockRef, db: BlockRef, note: str, text: str) -> Iterator[Document]:
     setting = _setting(project)
-    block = replace(read_block(text), number=job.block.number)
-    yield _document(job.block, code_document(block, setting), RECORD_NOTE)
+    block = replace(read_block(text), number=fb.number)
+    yield _document(fb, code_document(block, setting), note)
     instance = Block(
         BlockKind.DB,
-        job.instance.name,
+        db.name,
         (),
-        number=job.instance.number,
+        number=db.number,
         instance_of=block.name,
         attributes=block.attributes,
     )
-    yield _document(job.instance, instance_document(instance, block, setting), version_note(project))
+    yield _document(db, instance_document(instance, block, setting), version_note(project))
 
 
 def _main(project: Project, text: str) -> Iterator[Document]:
-    instances = tuple(Block(BlockKind.DB, job.instance.name, (), instance_of=job.block.name) for job in project.jobs)
+    pairs = [(job.instance.name, job.block.name) for job in project.jobs]
+    masters = project.ppi.masters if project.ppi is not None else ()
+    pairs += [(master.instance.name, master.block.name) for master in masters]
+    instances = tuple(Block(BlockKind.DB, name, (), instance_of=block) for name, block in pairs)
     block = replace(read_block(text), number=_MAIN_NUMBER)
     document = code_document(block, _setting(project), instances)
     yield _raw(f"xml/{block.name}.xml", document, version_note(project))

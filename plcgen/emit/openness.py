@@ -31,21 +31,31 @@ def openness_documents(project: Project) -> Iterator[Document]:
 
 def _steps(project: Project) -> list[dict[str, Any]]:
     """Import order: every document after what it needs."""
-    types = [project.diagnostics_type, project.token_type]
+    types = [project.diagnostics_type, project.token_type] if project.jobs else []
     data = [token for token, _ in project.tokens]
     for job in project.jobs:
         for telegram in job.telegrams:
             types += [telegram.request_type, telegram.response_type]
             data += [telegram.request_db, telegram.response_db]
-    data.append(project.control_db)
+    data += [project.control_db] if project.jobs else []
+    blocks = [(job.block.name, job.instance.name) for job in project.jobs]
+    tables = [TAG_TABLE] if tags(project) else []
+    if project.ppi is not None:
+        from plcgen.emit.ppi_documents import master_data, master_types, ppi_tags
+        from plcgen.emit.ppi_tables import PPI_TAG_TABLE
+
+        types += master_types(project)
+        data += master_data(project)
+        blocks += [(master.block.name, master.instance.name) for master in project.ppi.masters]
+        tables += [PPI_TAG_TABLE] if ppi_tags(project) else []
     found = [
         _step("types", "type", [block.name for block in types]),
-        _step("tag table", "tags", [TAG_TABLE] if tags(project) else []),
+        _step("tag table", "tags", tables),
         _step("data blocks", "block", [block.name for block in data]),
-        _step("function blocks", "block", [job.block.name for job in project.jobs]),
-        _step("instance data blocks", "block", [job.instance.name for job in project.jobs]),
+        _step("function blocks", "block", [block for block, _ in blocks]),
+        _step("instance data blocks", "block", [instance for _, instance in blocks]),
         _step("example of the main program", "block", ["Main"], "Main"),
-        _step("watch tables", "watch", [f"Watch_{job.block.name}" for job in project.jobs], "WatchTables"),
+        _step("watch tables", "watch", [f"Watch_{block}" for block, _ in blocks], "WatchTables"),
     ]
     return [step for step in found if step["files"]]
 

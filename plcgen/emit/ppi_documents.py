@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from plcgen.emit.blocks import document, extension
-from plcgen.emit.document import Document
+from plcgen.emit.code import block_twins
+from plcgen.emit.document import RAW, Document
 from plcgen.emit.ppi_master import (
     RECEIVE_LAST,
     SEND_BYTES,
@@ -19,11 +21,14 @@ from plcgen.emit.ppi_rows import answer_rows, table_rows
 from plcgen.emit.ppi_status_words import DIAGNOSTICS
 from plcgen.emit.rows import Row
 from plcgen.emit.spelling import type_words
-from plcgen.emit.tables import RAW, csv_text
+from plcgen.emit.tables import csv_text
 from plcgen.plan.model import BlockRef, Project
 from plcgen.plan.ppi_model import PlannedMaster, PlannedPpiJob, PpiTelegram
 from plcgen.s7.types import Elementary
 
+SERIAL_NOTE = (
+    "the call form of the blocks for serial modules is inferred; no genuine export was at hand to compare with"
+)
 SIGNALS = (
     ("execute", "BOOL", "a rising edge starts the job"),
     ("busy", "BOOL", "the job is running or waits for the port"),
@@ -46,7 +51,8 @@ def ppi_documents(project: Project) -> Iterator[Document]:
         for telegram in master.telegrams:
             yield from _telegram_documents(project, master, telegram)
         yield from _own_documents(project, master)
-        yield master_document(project, master)
+        twins = block_twins(project, master.block, master.instance, SERIAL_NOTE)
+        yield replace(master_document(project, master), twins=twins)
         yield Document(f"watch/{master.block.name}.csv", RAW, {"text": _watch_csv(project, master)})
     yield control_document(project)
 
@@ -254,17 +260,32 @@ def import_order(project: Project) -> tuple[list[str], list[str], list[str], lis
     if plan is None:
         return [], [], [], []
     udt, db = extension(project, "udt"), extension(project, "db")
-    types, data, blocks, instances = [plan.diagnostics_type], [], [], []
+    own = [block for master in plan.masters for block in master.module_instances or ()]
+    return (
+        [f"udt/{block.name}.{udt}" for block in master_types(project)],
+        [f"db/{block.name}.{db}" for block in (*own, *master_data(project))],
+        [f"scl/{master.block.name}.scl" for master in plan.masters],
+        [f"db/{master.instance.name}.{db}" for master in plan.masters],
+    )
+
+
+def master_types(project: Project) -> list[BlockRef]:
+    """Types of all masters."""
+    plan = project.ppi
+    if plan is None:
+        return []
+    pairs = [(t.request_type, t.response_type) for master in plan.masters for t in master.telegrams]
+    return [plan.diagnostics_type, *(block for pair in pairs for block in pair if block is not None)]
+
+
+def master_data(project: Project) -> list[BlockRef]:
+    """Global data blocks of all masters."""
+    plan = project.ppi
+    if plan is None:
+        return []
+    found: list[BlockRef] = []
     for master in plan.masters:
         for telegram in master.telegrams:
-            types += [ref for ref in (telegram.request_type, telegram.response_type) if ref is not None]
-            data += [ref for ref in (telegram.request_db, telegram.response_db) if ref is not None]
-        data += [*(master.module_instances or ()), *((master.buffer,) if master.buffer else ())]
-        blocks.append(f"scl/{master.block.name}.scl")
-        instances.append(f"db/{master.instance.name}.{db}")
-    return (
-        [f"udt/{block.name}.{udt}" for block in types],
-        [f"db/{block.name}.{db}" for block in (*data, plan.control_db)],
-        blocks,
-        instances,
-    )
+            found += [ref for ref in (telegram.request_db, telegram.response_db) if ref is not None]
+        found += [master.buffer] if master.buffer is not None else []
+    return [*found, plan.control_db]

@@ -24,6 +24,8 @@ from plcgen.plan.model import Project
 from plcgen.plan.ppi_model import PlannedMaster, PpiTelegram
 from plcgen.s7.types import Elementary
 
+PPI_TAG_TABLE = "PpiJobTags"
+
 
 def ppi_xml(project: Project) -> Iterator[Document]:
     """Types, data blocks, watch and tag tables of all masters as SimaticML."""
@@ -54,7 +56,7 @@ def ppi_xml(project: Project) -> Iterator[Document]:
     yield db_document(project, plan.control_db, members, {})
     rows_of_tags = ppi_tags(project)
     if rows_of_tags:
-        yield tag_document(project, "PpiJobTags", rows_of_tags)
+        yield tag_document(project, PPI_TAG_TABLE, rows_of_tags)
 
 
 def _expanded(project: Project, telegram: PpiTelegram, rows: list[Row]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from plcgen.plan.jobs import plan_trigger
 from plcgen.plan.model import BlockRef
 from plcgen.plan.numbering import Numbering
 from plcgen.plan.ppi_fields import request_fields, response_fields
-from plcgen.plan.ppi_model import Kind, PlannedPpiJob, PlannedStation, PpiTelegram, PpiValue, WireItem
+from plcgen.plan.ppi_model import Kind, PlannedPpiJob, PlannedStation, PpiField, PpiTelegram, PpiValue, WireItem
 from plcgen.plan.ppi_pack import Packed, pack
 from plcgen.plan.ppi_values import ValueResolver
 from plcgen.ppi.areas import Area
@@ -31,8 +31,8 @@ from plcgen.ppi.model import (
 from plcgen.ppi.pdu import encode_pdu
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorten
 from plcgen.spec.load import LoadedSpec, SpecPath
-from plcgen.spec.symbols import SymbolTable
 from plcgen.spec.ppi_schema import VERBS, PpiBuffer, PpiJob, PpiMaster, PpiReadItem, PpiWriteItem
+from plcgen.spec.symbols import SymbolTable
 
 HARMLESS = Item.memory(Area.SM, 0)
 """SMB0: every S7-200 has it, and reading it changes nothing."""
@@ -191,7 +191,7 @@ class JobPlanner:
         table = self._block("DB", f"{name}_Request", request, (*path, "request"))
         type_ = self.numbering.block("UDT", f"type{_upper(table.name)}", path)
         answer = answer_type = None
-        fields = ()
+        fields: tuple[PpiField, ...] = ()
         if kind in {"read", "write"}:
             answer = self._block("DB", f"{name}_Response", response, (*path, "response"))
             answer_type = self.numbering.block("UDT", f"type{_upper(answer.name)}", path)
@@ -223,7 +223,8 @@ def _frame(kind: Kind, station: int, own: int, items: tuple[WireItem, ...]) -> b
         pdu = RunRequest(0) if kind == "run" else StopRequest(0)
     else:
         pdu = ReadRequest(0, tuple(wire.item for wire in items))
-    return encode_frame(VariableFrame(station, own, FIRST, encode_pdu(pdu)))
+    source = own if own != station else (own + 1) % 127  # the same address twice is a finding of the rules
+    return encode_frame(VariableFrame(station, source, FIRST, encode_pdu(pdu)))
 
 
 def _upper(name: str) -> str:

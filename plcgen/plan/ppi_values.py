@@ -60,8 +60,9 @@ class ValueResolver:
             return None
         element, count, stride, skip = settled
         data = b""
-        constant = write and given.value is not None
+        constant = False
         if isinstance(given, PpiWriteItem):
+            constant = given.value is not None
             packed = self._pack(given, element, count, path)
             if packed is None:
                 return None
@@ -142,7 +143,8 @@ class ValueResolver:
         """Element type, count, bytes from one to the next on the wire, bytes in front of the value."""
         area = Area(item.area)
         if item.size == TransportSize.BIT:
-            default, stride, skip, allowed = "BOOL", 1, 0, ("BOOL",)
+            default, stride, skip = "BOOL", 1, 0
+            allowed: tuple[str, ...] = ("BOOL",)
         elif area in _ELEMENTS:
             default, stride, skip = _ELEMENTS[area]
             allowed = _SAME_SIZE[ELEMENTARY[default].bits // 8]

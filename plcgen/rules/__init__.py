@@ -51,3 +51,7 @@ def apply_rules(project: Project, report: Report) -> None:
     """Apply every rule; the functions are independent of each other."""
     for rule in RULES:
         report.extend(rule(project))
+    if project.ppi is not None:
+        from plcgen.rules import ppi
+
+        report.extend(ppi.rules(project))

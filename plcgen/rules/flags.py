@@ -63,6 +63,11 @@ def _flags(project: Project) -> Iterator[_Flag]:
                 (*job.path, "trigger", signal),
                 address,
             )
+    if project.ppi is not None:
+        from plcgen.rules.ppi import flags
+
+        for number, (what, path, address) in enumerate(flags(project), position + 1):
+            yield address.offset, number, what, path, address
 
 
 def _span(project: Project, path: SpecPath) -> Span:

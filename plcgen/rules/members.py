@@ -60,6 +60,10 @@ def _taken(project: Project) -> Iterator[tuple[str, str, Span | None]]:
     for block in project.blocks:
         if block.path == _FIXED:
             yield block.name, "a block of every project", None
+    if project.ppi is not None:
+        from plcgen.rules.ppi_names import ppi_taken
+
+        yield from ppi_taken(project)
     for job in project.jobs:
         yield f"Watch_{job.block.name}", f'the watch table of job "{job.key}"', None
         for flag in job.trigger.items():

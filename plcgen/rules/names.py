@@ -97,6 +97,10 @@ def _names(project: Project) -> Iterator[Named]:
         yield Named("job key", key, "key", partial(key_of, ("jobs", key)))
     for block in by_importance(project):
         yield Named("block", block.name, "symbol", partial(name_span, project, block))
+    if project.ppi is not None:
+        from plcgen.rules.ppi_names import ppi_names
+
+        yield from (Named(*row) for row in ppi_names(project))
     for job in project.jobs:
         yield Named("member", job.member, "identifier", partial(key_of, job.path))
         for use in job.uses:
@@ -143,6 +147,11 @@ def _comments(project: Project) -> Iterator[tuple[SpecPath, str]]:
         for text, parameter in project.loaded.spec.drives[drive.key].parameters.items():
             for key, value in (("title", parameter.title), ("unit", parameter.unit)):
                 yield (*drive.path, "parameters", text, key), value or ""
+    if project.ppi is not None:
+        from plcgen.rules.ppi_names import ppi_comments
+
+        for path, texts in ppi_comments(project):
+            yield from _texts(project, path, texts)
     for job in project.jobs:
         yield from _texts(project, (*job.path, "comment"), job.comment)
         for use in job.uses:

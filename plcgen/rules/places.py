@@ -42,6 +42,8 @@ def key_or_value(project: Project, path: SpecPath) -> Span:
 
 def owner_span(project: Project, path: SpecPath) -> Span:
     """Find the key of the job or drive a path belongs to, else the section's key."""
+    if path[0] == "ppi":
+        return project.loaded.key_span(path[: 4 if len(path) > 3 and path[2] in {"jobs", "stations"} else 2])
     return project.loaded.key_span(path[:2] if path[0] in {"jobs", "drives"} else path[:1])
 
 

@@ -135,8 +135,8 @@ def timing(project: Project) -> Iterator[Diagnostic]:
         if job.timeout <= job.retry_pause:
             yield Diagnostic(
                 "PG306",
-                f"the timeout of {_time(job.timeout)} ends before the first retry, "
-                f"which comes after {_time(job.retry_pause)}",
+                f"the timeout of {spelled(job.timeout)} ends before the first retry, "
+                f"which comes after {spelled(job.retry_pause)}",
                 span,
                 help="make timeout longer or retry_pause shorter",
                 notes=_pause(project, job),
@@ -144,11 +144,11 @@ def timing(project: Project) -> Iterator[Diagnostic]:
         elif job.timeout <= least:
             yield Diagnostic(
                 "PG306",
-                f"the timeout of {_time(job.timeout)} is too short "
+                f"the timeout of {spelled(job.timeout)} is too short "
                 f"for one retry of each of the {len(job.telegrams)} telegrams",
                 span,
                 Severity.WARNING,
-                help=f"make timeout longer than {_time(least)}",
+                help=f"make timeout longer than {spelled(least)}",
                 notes=_pause(project, job),
             )
 
@@ -169,6 +169,7 @@ def _bytes(count: int) -> str:
     return "1 byte" if count == 1 else f"{count} bytes"
 
 
-def _time(milliseconds: int) -> str:
+def spelled(milliseconds: int) -> str:
+    """A duration as messages write it."""
     seconds, rest = divmod(milliseconds, 1000)
     return f"{milliseconds} ms" if rest else f"{seconds} s"

@@ -32,7 +32,7 @@ class LoadedSpec:
 
         A parameter in short form (``P50304: 100.0``) stands where its key does.
         """
-        if len(path) > 2 and path[-1] == "parameter" and isinstance(path[-2], int):
+        if len(path) > 2 and path[-1] in {"parameter", "item"} and isinstance(path[-2], int):
             items = self.root.find(path[:-2])
             if items.kind == "map":
                 return next(islice(items.pairs.values(), path[-2], None), (items, items))[0].span

@@ -100,7 +100,7 @@ class PortBlock:
         """Whether the module has not finished yet."""
         return False
 
-    def act(self, memory: Memory, offset: int, job: Transfer) -> None:
+    def act(self, _memory: Memory, _offset: int, job: Transfer) -> None:
         """What happens at the end of a job."""
 
     # --- memory ---------------------------------------------------------------------------------------
@@ -147,6 +147,8 @@ class Sender(PortBlock):
     too_long = BAD_LENGTH
     no_port = NO_PORT
     area, length = "BUFFER", "LENGTH"
+    queues = False
+    """Whether the module keeps a further frame while it sends."""
 
     def source(self, _memory: Memory, _offset: int, buffer: Reference) -> Reference:
         """Where the bytes lie."""
@@ -166,7 +168,7 @@ class Sender(PortBlock):
         if port is None:
             self.finish(memory, offset, (False, True), self.no_port)
             return
-        if port.transmitting:
+        if port.transmitting and not self.queues:
             self.report("PG837", f"{self.kind} sends through a port that is sending for another block")
             self.finish(memory, offset, (False, True), STILL_SENDING)
             return
@@ -253,7 +255,7 @@ class Receiver(PortBlock):
 class Reset(PortBlock):
     """Receive_Reset: what was received is thrown away."""
 
-    def act(self, memory: Memory, offset: int, job: Transfer) -> None:
+    def act(self, _memory: Memory, _offset: int, job: Transfer) -> None:
         """Empty the buffer of the module."""
         job.port.clear()
 
@@ -269,10 +271,10 @@ class Configuration(PortBlock):
                 return
         super().start(memory, offset, key, buffer)
 
-    def act(self, memory: Memory, offset: int, job: Transfer) -> None:
+    def act(self, _memory: Memory, _offset: int, job: Transfer) -> None:
         """Set the port."""
-        job.port.baud = BAUD[self.number(memory, offset, "BAUD")]
-        job.port.even = (self.number(memory, offset, "PARITY"), self.number(memory, offset, "DATABITS")) == (2, 1)
+        job.port.baud = BAUD[self.number(_memory, _offset, "BAUD")]
+        job.port.even = (self.number(_memory, _offset, "PARITY"), self.number(_memory, _offset, "DATABITS")) == (2, 1)
         job.port.configured += 1
 
 
@@ -282,6 +284,7 @@ class CpSender(Sender):
     port = "LADDR"
     area, length = "DB_NO, DBB_NO", "LEN"
     too_long, no_port = CP_BAD_LENGTH, CP_NO_MODULE
+    queues = True
 
     def source(self, memory: Memory, offset: int, _buffer: Reference) -> Reference:
         """Bytes of a data block by its number, to its end."""
@@ -290,8 +293,10 @@ class CpSender(Sender):
     def __call__(self, memory: Memory, offset: int, buffer: Reference = (None, 0, 0)) -> None:
         """One call of the block; without a job STATUS is 0."""
         if self.bit(memory, offset, "R"):
-            self.jobs.pop((id(memory), offset), None)
-            self.called[id(memory), offset] = self.scan
+            key = id(memory), offset
+            self.jobs.pop(key, None)
+            self.called[key] = self.scan
+            self.old[key] = self.bit(memory, offset, "REQ")
             self.finish(memory, offset, (False, False), 0)
             return
         super().__call__(memory, offset, buffer)

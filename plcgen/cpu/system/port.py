@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from bisect import insort
 from collections import deque
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from math import floor
 
-Replies = Iterable[tuple[float, bytes]]
-"""Answers on the line: (ms after the end of what was sent, bytes)."""
+from plcgen.line.endpoint import Endpoint
 
 CHARACTER_BITS = 11
 """Start bit, 8 data bits, parity, stop bit."""
@@ -18,22 +17,17 @@ MAX_STORED = 4096
 """Bytes a module keeps until they are fetched."""
 
 
-def silence(_data: bytes) -> Replies:
-    """A line with nobody on it."""
-    return ()
-
-
 @dataclass(slots=True)
 class Port:
     """One port.
 
-    ``peer`` is asked for the answers when a transmission has ended; ``line_baud`` is the speed of the stations,
+    ``peer`` hears what is sent when the last character has left; ``line_baud`` is the speed of the stations,
     ``baud`` that of the port, ``even`` its parity: if they differ nobody understands anybody. ``gap_bits`` ends a
     message, so does ``max_length``. ``calls`` is how many calls a job of a block takes at least. ``faults`` maps
     the n-th transmission (from 1, 0: every one) to a STATUS it fails with; ``hang`` keeps transmissions busy.
     """
 
-    peer: Callable[[bytes], Replies] = silence
+    peer: Endpoint | None = None
     baud: int = 9600
     line_baud: int = 9600
     even: bool = True
@@ -48,6 +42,7 @@ class Port:
     _transmissions: int = 0
     _busy_until: float = 0.0
     _outgoing: bytes = b""
+    _waiting: deque[bytes] = field(default_factory=deque)
     _arrivals: list[tuple[float, int]] = field(default_factory=list)
     _messages: deque[bytes] = field(default_factory=deque)
 
@@ -71,13 +66,20 @@ class Port:
         self._transmissions += 1
         status = self.faults.get(self._transmissions) or self.faults.get(0, 0)
         if not status and not self.hang:
-            self._outgoing = data
-            self._busy_until = self.time + len(data) * self.character
+            self._waiting.append(data)
+            self.begin()
         return status
+
+    def begin(self) -> None:
+        """Send what waits, if nothing is being sent."""
+        if self._waiting and not self._outgoing:
+            self._outgoing = self._waiting.popleft()
+            self._busy_until = self.time + len(self._outgoing) * self.character
 
     def restart(self) -> None:
         """The CPU starts again: what was stored or is being sent is gone, the configuration is that of the hardware."""
         self._outgoing = b""
+        self._waiting.clear()
         self._arrivals.clear()
         self._messages.clear()
 
@@ -92,10 +94,24 @@ class Port:
             data, end = self._outgoing, self._busy_until
             self._outgoing = b""
             self.sent.append((end, data))
-            if self.even and self.baud == self.line_baud:
-                for delay, answer in self.peer(data):
-                    self._arrive(end + delay, answer)
+            self.listen(end)
+            if self.understood and self.peer is not None:
+                self.peer.receive(data, floor(end))
+            self.begin()
+        self.listen(self.time)
         self._collect()
+
+    @property
+    def understood(self) -> bool:
+        """Whether port and stations have the same speed and parity."""
+        return self.even and self.baud == self.line_baud
+
+    def listen(self, until: float) -> None:
+        """Take what the stations send up to a time; characters that come while the port sends are lost."""
+        while self.peer is not None and (due := self.peer.due()) is not None and due <= until:
+            data = self.peer.transmit(due)
+            if self.understood and not self._outgoing:
+                self._arrive(float(due), data)
 
     def _arrive(self, start: float, data: bytes) -> None:
         for number, byte in enumerate(data, 1):
