@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.plan.model import BlockRef, Field, Project, Telegram
 from plcgen.s7.blocks import Block
 from plcgen.s7.layout import Layout, layout_block
 from plcgen.s7.types import DataType, Elementary
 from plcgen.verify.folder import Folder
 from plcgen.verify.model import Check, Outcome
+
+TELEGRAM, TEXT, XML = "telegram", "text source", "SimaticML"
+"""The three calculators, as messages name them."""
 
 _WIDTH = {16: ":W", 32: ":D", 64: ":L"}
 
@@ -49,56 +52,86 @@ def _buffer(
     figures = " ".join(f"{f.name}@{f.offset}{_width(f.type)}" for f in fields if f.role != "reserve")
     text = f"{size} B  {figures}"
     planned = [Row(f.name, f.offset, f.size, f.type) for f in fields]
-    problem, calculators = _compare(project, folder, db, type_block, planned, size)
+    problem = _compare(project, folder, (db, type_block), planned, size)
     if problem is None and answers is not None:
         problem = _room(answers, size, folder)
         text = f"{size} B  positive {answers.positive_length} / negative {answers.negative_length}  {figures}"
     if problem is not None:
         return Check(f"layout.{db.name}", subject, text, Outcome.ERROR, problem.message, problem)
-    return Check(f"layout.{db.name}", subject, text, Outcome.OK, f"{calculators} calculators agree")
+    return Check(f"layout.{db.name}", subject, text, Outcome.OK, _agreement(project))
+
+
+def _agreement(project: Project) -> str:
+    """``3 calculators agree``; which ones, where there are fewer."""
+    if project.target.xml_version is not None:
+        return "3 calculators agree"
+    return f"2 calculators agree: {TELEGRAM}, {TEXT}; no {XML}"
 
 
 def _compare(
-    project: Project, folder: Folder, db: BlockRef, type_block: BlockRef, planned: list[Row], size: int
-) -> tuple[Diagnostic | None, int]:
-    """First disagreement, and how many independent calculations took part."""
-    calculators = 1
-    for origin, blocks in (("text source", folder.text), ("SimaticML", folder.xml)):
-        if origin == "SimaticML" and project.target.xml_version is None:
-            continue
-        calculators += 1
-        for ref in (db, type_block):
+    project: Project, folder: Folder, refs: tuple[BlockRef, ...], planned: list[Row], size: int
+) -> Diagnostic | None:
+    """The first disagreement between the calculators, about the DB and then about its type."""
+    sources = [(TEXT, folder.text)]
+    if project.target.xml_version is not None:
+        sources.append((XML, folder.xml))
+    for ref in refs:
+        sizes = {TELEGRAM: (planned, size + size % 2)}
+        for origin, blocks in sources:
             block = blocks.get(ref.name.upper())
             if block is None:
                 message = f'{ref.kind} "{ref.name}" is missing in the {origin}s'
-                return Diagnostic("PG608", message, folder.place(ref.name), help="run plcgen generate"), calculators
-            problem = _one(project, block, blocks, planned, size, origin)
-            if problem is not None:
-                return Diagnostic(problem[0], problem[1], folder.place(ref.name)), calculators
-    return None, calculators
+                return Diagnostic("PG608", message, folder.place(ref.name), help="run plcgen generate")
+            found = _laid_out(project, block, blocks, origin)
+            if isinstance(found, Diagnostic):
+                return Diagnostic(found.code, found.message, folder.place(ref.name))
+            sizes[origin] = found
+        message = _disagreement(sizes)
+        if message:
+            return Diagnostic("PG603", f'{ref.kind} "{ref.name}": {message}', folder.place(ref.name))
+    return None
 
 
-def _one(
-    project: Project, block: Block, blocks: dict[str, Block], planned: list[Row], size: int, origin: str
-) -> tuple[str, str] | None:
+def _laid_out(
+    project: Project, block: Block, blocks: dict[str, Block], origin: str
+) -> tuple[list[Row], int] | Diagnostic:
+    """Rows and size of one block as its source declares it."""
     what = f'{origin} of {block.kind} "{block.name}"'
     if project.target.t15 and block.kind == "DB" and block.optimized is not False:
-        return "PG609", f"{what}: access is optimized, offsets are lost"
+        return Diagnostic("PG609", f"{what}: access is optimized, offsets are lost", Span(""))
     try:
         layout = layout_block(block, blocks)
     except DiagnosticError as problem:
-        return problem.diagnostics[0].code, f"{what}: {problem.diagnostics[0].message}"
-    found = rows(layout)
-    for expected, actual in zip(planned, found, strict=False):
-        if expected != actual:
-            there = f"{actual.name}@{actual.offset} ({actual.size} B)"
-            wanted = f"{expected.name}@{expected.offset} ({expected.size} B)"
-            return "PG603", f"{what}: {there}, the telegram has {wanted}"
-    if len(found) != len(planned):
-        return "PG603", f"{what}: {len(found)} members, the telegram has {len(planned)}"
-    if layout.size != size + size % 2:
-        return "PG603", f"{what}: {layout.size} bytes, the telegram has {size}"
-    return None
+        first = problem.diagnostics[0]
+        return Diagnostic(first.code, f"{what}: {first.message}", Span(""))
+    return rows(layout), layout.size
+
+
+def _disagreement(found: dict[str, tuple[list[Row], int]]) -> str:
+    """Name the calculator that stands alone, and where it differs first; empty if all agree."""
+    votes = {origin: sum(value == other for other in found.values()) for origin, value in found.items()}
+    reference = max(found, key=votes.__getitem__)
+    alone = next((origin for origin, value in found.items() if value != found[reference]), None)
+    if alone is None:
+        return ""
+    others = [origin for origin, value in found.items() if value == found[reference]]
+    (own, own_size), (agreed, agreed_size) = found[alone], found[reference]
+    rest = f"{' and '.join(map(_the, others))} {'has' if len(others) == 1 else 'have'}"
+    for actual, expected in zip(own, agreed, strict=False):
+        if actual != expected:
+            return f"{_the(alone)} has {_place(actual)}, {rest} {_place(expected)}"
+    if len(own) != len(agreed):
+        return f"{_the(alone)} has {len(own)} members, {rest} {len(agreed)}"
+    return f"{_the(alone)} has {own_size} bytes, {rest} {agreed_size}"
+
+
+def _the(origin: str) -> str:
+    return f"the {origin}"
+
+
+def _place(row: Row) -> str:
+    type_ = row.type.name if isinstance(row.type, Elementary) else type(row.type).__name__
+    return f"{row.name}@{row.offset} ({row.size} B, {type_})"
 
 
 def rows(layout: Layout) -> list[Row]:

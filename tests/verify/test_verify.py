@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import dataclasses
 import shutil
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
 import pytest
-from projects import FAQ, MM4, ROOT
+from projects import FAQ, MM4, ROOT, SPECS
 
 from plcgen import api
+from plcgen.plan.model import Project
 from plcgen.sim.drive import Drive
 from plcgen.verify import exchanges
 from plcgen.verify.bench import build_drive
+from plcgen.verify.folder import read_folder
+from plcgen.verify.layouts import check_layouts
 from plcgen.verify.model import Outcome, Verification
 
 GOLDEN = ROOT / "examples" / FAQ.stem / "expected"
@@ -217,3 +221,54 @@ def test_the_refused_parameter_is_named(tmp_path: Path) -> None:
     verdicts = {c.id: c.verdict for c in api.verify(MM4, golden, drive=drive).checks()}
     assert "P2155[1..2]: error 00h" in verdicts["drive.ReadParams_Request"]
     assert "P1121: error 00h" in verdicts["drive.WriteParams_Request"]
+
+
+def shifted_plan(project: Project) -> Project:
+    """The same project, whose first request has its third field one byte later."""
+    job = project.jobs[0]
+    telegram = job.telegrams[0]
+    fields = list(telegram.request_fields)
+    fields[2] = dataclasses.replace(fields[2], offset=fields[2].offset + 1)
+    moved = dataclasses.replace(telegram, request_fields=tuple(fields))
+    return dataclasses.replace(project, jobs=(dataclasses.replace(job, telegrams=(moved,)), *project.jobs[1:]))
+
+
+SHIFTS = {
+    "the telegram": ("", "", ""),
+    "the text source": ("db/WR_DataBuffer.db", "    Axis : Byte", "    gap : Word;\n    Axis : Byte"),
+    "the SimaticML": ("xml/WR_DataBuffer.xml", 'Name="Axis" Datatype="Byte"', 'Name="Axis" Datatype="Word"'),
+}
+
+
+@pytest.mark.parametrize("alone", SHIFTS)
+def test_a_shift_in_one_of_three_calculations_is_named(alone: str, tmp_path: Path) -> None:
+    """The calculator that stands against the two others is the one that is named."""
+    shutil.copytree(GOLDEN, tmp_path / "out")
+    file, old, new = SHIFTS[alone]
+    if file:
+        edit(tmp_path / "out" / file, old, new)
+    project = api.check(FAQ).project
+    assert project is not None
+    if not file:
+        project = shifted_plan(project)
+    checks = {c.id: c for c in check_layouts(project, read_folder(tmp_path / "out", project.target))}
+    others = " and ".join(name for name in SHIFTS if name != alone)
+    verdict = checks["layout.WR_DataBuffer"].verdict
+    assert verdict.startswith(f'DB "WR_DataBuffer": {alone} has ')
+    assert f", {others} have Axis@2 (1 B, BYTE)" in verdict
+    assert {c.outcome for name, c in checks.items() if name != "layout.WR_DataBuffer"} == {Outcome.OK}
+
+
+@pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.stem)
+def test_every_buffer_is_calculated_by_all(spec: Path) -> None:
+    """One line per request and response; where there is no SimaticML it says who calculated."""
+    folder = ROOT / "examples" / spec.stem / "expected"
+    project = api.check(spec).project
+    assert project is not None
+    checks = list(check_layouts(project, read_folder(folder, project.target)))
+    buffers = [ref.name for job in project.jobs for t in job.telegrams for ref in (t.request_db, t.response_db)]
+    assert [c.id for c in checks] == [f"layout.{name}" for name in buffers]
+    expected = "3 calculators agree"
+    if project.target.xml_version is None:
+        expected = "2 calculators agree: telegram, text source; no SimaticML"
+    assert {c.verdict for c in checks} == {expected}
