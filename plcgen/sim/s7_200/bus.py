@@ -19,7 +19,7 @@ from plcgen.sim.s7_200.station import Interference, Station
 GAP = 200
 """Milliseconds of silence after which the rest of a frame is not waited for any more."""
 
-_JOURNAL = 100_000
+_JOURNAL = 10_000
 _REFUSED_ITEM, _NO_RESOURCE = 0x05, 0x02
 _REFUSALS = frozenset({0x01, 0x02, 0x03})
 
@@ -41,7 +41,7 @@ class Traffic:
 class Bus:
     """Stations on one line. It is an ``Endpoint``: ``receive``, ``transmit`` and ``due`` are all that a line needs.
 
-    ``journal`` keeps what was on the line (the last 100,000 entries), ``listener`` is told of every entry. Frames may
+    ``journal`` keeps what was on the line (the last 10,000 entries), ``listener`` is told of every entry. Frames may
     arrive in pieces; a gap of more than 200 ms inside one ends it. Answers of different stations cannot collide:
     addresses are unique.
     """

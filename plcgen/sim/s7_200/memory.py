@@ -10,13 +10,14 @@ READ_ONLY = frozenset({Area.AI, Area.HC, Area.SYS})
 READ_ONLY_SM = 30
 """SMB0 to SMB29 belong to the CPU (S7-200 system manual, appendix "Special memory bits")."""
 
+_ALWAYS_ON = 0x01
 _ANALOG = frozenset({Area.AI, Area.AQ})
 _PLAIN_ONLY = frozenset({TransportSize.BYTE, TransportSize.CHAR})
 _ELEMENT_CODES = frozenset(ELEMENT_SIZES.values())
 
 
 class Memory:
-    """All areas of one CPU, zero at power-on but for SYS.
+    """All areas of one CPU, zero at power-on but for SYS and SM0.0, which is always on.
 
     ``write_inputs`` False refuses writes to I. ``experimental`` allows what no capture confirms: writing timers and
     counters, and forcing.
@@ -31,6 +32,7 @@ class Memory:
         self.forced: dict[Item, bytes] = {}
         self._bytes = {area: bytearray(size * _width(area)) for area, size in profile.sizes.items()}
         text = profile.type if type_ is None else type_
+        self._bytes[Area.SM][0] = _ALWAYS_ON
         self._bytes[Area.SYS][:] = text.encode("ascii", "replace")[:TYPE_LENGTH].ljust(TYPE_LENGTH)
 
     def read(self, item: Item) -> ItemResult:

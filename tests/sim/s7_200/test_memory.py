@@ -155,6 +155,17 @@ def test_what_can_be_written(talk: Talk, address: str, data: bytes, code: int) -
     assert talk.read(address) == ([(OK, data)] if code == OK else before)
 
 
+def test_a_new_cpu_is_zero_but_for_sm0_0(talk: Talk) -> None:
+    """SM0.0 is always on (S7-200 system manual, special memory)."""
+    assert talk.read("SM0.0", "SMB0", "SMB1", "VD0", "T0") == [
+        (OK, b"\1"),
+        (OK, b"\1"),
+        (OK, b"\0"),
+        (OK, bytes(4)),
+        (OK, bytes(5)),
+    ]
+
+
 def test_inputs_can_be_protected() -> None:
     station = Station(write_inputs=False)
     assert Talk(Bus([station])).write(("IB0", b"\x01"), ("I0.0", b"\x01"), ("QB0", b"\x01")) == [DENIED, DENIED, OK]
