@@ -20,7 +20,7 @@ _OWN = frozenset(
     {
         "execute", "busy", "done", "error", "status", "errors", "errorinfos", "diagnostics", "hardwareid",
         "driveaddress", "own_number", "record_index", "response_size", "max_retries", "timeout", "drain_limit",
-        "retry_pause", "lease", "clock_end",
+        "retry_pause", "lease", "clock_end", "clock_mask",
     }
 )  # fmt: skip
 """Members and constants of every job block, in lower case."""
