@@ -28,7 +28,7 @@ def ratio(jobs: int = 1000) -> tuple[float, float, float]:
     from plcgen.plan.resolve import resolve
     from plcgen.render.environment import environment, render_all
     from plcgen.render.manifest import manifest
-    from plcgen.render.project import collector_paused
+    from plcgen.resources import collector_paused
     from plcgen.rules import apply_rules
     from plcgen.spec.load import parse_spec
 

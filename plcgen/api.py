@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
+from plcgen.resources import collector_paused
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -105,7 +106,7 @@ def generate(
 
     ``check_only`` writes nothing and compares; ``force`` overwrites files that were changed by hand.
     """
-    from plcgen.render.project import collector_paused, render_project
+    from plcgen.render.project import render_project
     from plcgen.render.write import compare_folder, write_folder
 
     target = _folder(spec, folder)
@@ -234,12 +235,17 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
     ``../scl``) are looked at too. ``family`` decides what a TON or WRREC inside an FB is, ``block`` picks blocks by
     name or number (``DB3``), ``expand`` shows every element of every array.
     """
+    with collector_paused():
+        return _layout([Path(path) for path in paths], family, block, expand=expand)
+
+
+def _layout(paths: Sequence[Path], family: Family | None, block: str, *, expand: bool) -> LayoutResult:
     from plcgen.report.planned import project_tables
 
     tables: list[BlockTable] = []
     report = Report()
     sources: list[Path] = []
-    for path in map(Path, paths):
+    for path in paths:
         if path.suffix.lower() in SPEC_SUFFIXES:
             checked = check(path)
             report.extend(checked.diagnostics)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 
 from plcgen.emit import emit
 from plcgen.plan.model import Project
 from plcgen.render.environment import RenderedFile, render_all
 from plcgen.render.manifest import manifest
+from plcgen.resources import collector_paused
 
 
 def render_project(project: Project, progress: Callable[[str, int, int], None] | None = None) -> list[RenderedFile]:
@@ -18,15 +17,3 @@ def render_project(project: Project, progress: Callable[[str, int, int], None] |
         files = render_all(emit(project), progress)
         files.append(manifest(project, files))
     return files
-
-
-@contextmanager
-def collector_paused() -> Iterator[None]:
-    """No garbage collection meanwhile: views hold no cycles, and walking them again and again costs a third."""
-    running = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if running:
-            gc.enable()

@@ -18,7 +18,7 @@ from plcgen.s7.types import ArrayType, Elementary
 
 if TYPE_CHECKING:
     from plcgen.s7.blocks import Block
-    from plcgen.s7.shapes import Field, Shape
+    from plcgen.s7.shapes import Shape
     from plcgen.s7.types import Member
 
 MAX_ROWS = 200_000
@@ -126,9 +126,14 @@ class _Rows:
         for child in shape.fields:
             start = base + child.offset
             if child.member.at is None:
-                self.gap(end, start, depth)
-                end = start + extent(child.shape)
-            self.member(child, start, depth, prefix, doubts | child.doubts if child.doubts else doubts)
+                if start > end:
+                    self.gap(end, start, depth)
+                end = start + (extent(child.shape) if child.shape.element else child.shape.bits)
+            member, inner = child.member, child.shape
+            own = doubts | child.doubts if child.doubts else doubts
+            self.row(member.name, _type(member, inner), inner, start, depth, own, prefix + member.name, member)
+            if inner.fields or inner.element is not None:
+                self.inside(inner, start, depth + 1, prefix + member.name, own)
         self.gap(end, base + shape.bits, depth)
 
     def gap(self, start: int, end: int, depth: int) -> None:
@@ -137,13 +142,6 @@ class _Rows:
             bit = start % 8 or None
             name = "(unused)"
             self.found.append(LayoutRow(start // 8, bit, end - start, "", name, "", "", depth, kind=GAP))
-
-    def member(self, child: Field, start: int, depth: int, prefix: str, doubts: frozenset[str]) -> None:
-        """One member and what is inside."""
-        member, shape = child.member, child.shape
-        path = f"{prefix}{member.name}"
-        self.row(member.name, _type(member, shape), shape, start, depth, doubts, path, member)
-        self.inside(shape, start, depth + 1, path, doubts)
 
     def inside(self, shape: Shape, start: int, depth: int, path: str, doubts: frozenset[str]) -> None:
         """Members of a structure, elements of an array, as long as there is room."""
@@ -217,17 +215,14 @@ class _Rows:
             self.found.append(LayoutRow(None, None, 0, "", name, type_, start, depth, comment))
             return
         byte, bit = divmod(place, 8)
-        elementary = isinstance(shape.type, Elementary)
+        plain = isinstance(shape.type, Elementary)
+        shown = bit if plain and shape.bits == 1 else None
         address = ""
         if self.block.kind is BlockKind.DB:
-            address = member_address(
-                self.block.number, byte, bit if shape.bits == 1 else None, shape.bits if elementary else 8
-            )
+            address = member_address(self.block.number, byte, shown, shape.bits if plain else 8)
         rules = self.rules(doubts | shape.doubts if shape.doubts else doubts)
-        bit_or_none = bit if shape.bits == 1 and elementary else None
-        self.found.append(
-            LayoutRow(byte, bit_or_none, extent(shape), address, name, type_, start, depth, comment, rules=rules)
-        )
+        bits = shape.bits if plain else extent(shape)
+        self.found.append(LayoutRow(byte, shown, bits, address, name, type_, start, depth, comment, rules=rules))
 
     def rules(self, doubts: frozenset[str]) -> tuple[str, ...]:
         """Keys in a fixed order."""
@@ -256,6 +251,8 @@ def is_composite(shape: Shape) -> bool:
 
 def _type(member: Member, shape: Shape) -> str:
     """Type as declared; what lies in memory if that is only a pointer to it; the target of a view."""
+    if member.type is shape.type and isinstance(shape.type, Elementary) and member.at is None:
+        return shape.type.name
     declared = type_text(member.type)
     if member.type != shape.type and isinstance(shape.type, Elementary) and shape.type.name == "POINTER":
         return f"POINTER to {declared}"

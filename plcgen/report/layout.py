@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from plcgen.report.cells import clean, cut, pad
 from plcgen.report.paint import paint
 from plcgen.report.table import markdown_table, text_table
-from plcgen.s7.address import Address
 
 if TYPE_CHECKING:
     from plcgen.s7.evidence import Rule
@@ -26,8 +25,7 @@ _START = 36
 MEMBER, GAP, MORE = "member", "gap", "more"
 
 
-@dataclass(frozen=True, slots=True)
-class LayoutRow:
+class LayoutRow(NamedTuple):
     """One line of a layout: a member, a gap that nothing uses, or a fold of further array elements.
 
     ``byte``.``bit`` from the start of the block (bit None for whole bytes, byte None in optimized blocks), size
@@ -124,10 +122,13 @@ def size_text(bits: int) -> str:
     return " ".join(parts)
 
 
+_LETTERS = {8: "B", 16: "W", 32: "D"}
+
+
 def member_address(db: int | None, byte: int, bit: int | None, bits: int) -> str:
     """``DB3.DBW6``; ``DBW6`` without a number; larger members show their first byte."""
-    place = Address("DB", db, byte, bit, bits if bits in {1, 8, 16, 32} else 8).text()
-    return place if db is not None else place.partition(".")[2]
+    block = "" if db is None else f"DB{db}."
+    return f"{block}DB{_LETTERS.get(bits, 'B')}{byte}" if bit is None else f"{block}DBX{byte}.{bit}"
 
 
 def layout_text(blocks: Sequence[BlockTable], *, color: bool = False, grid: bool = True, width: int = 0) -> str:

@@ -221,6 +221,10 @@ class ShapeBuilder:
         )
 
     def _field(self, member: Member, kind: SectionKind, cursor: _Cursor, index: Mapping[str, Field]) -> Field:
+        known = _ELEMENTARY.get(member.type.name) if isinstance(member.type, Elementary) else None
+        if known is not None and member.at is None and kind is not SectionKind.IN_OUT:
+            offset, doubts = cursor.place(known)
+            return Field(member, offset, known, doubts)
         if kind is SectionKind.IN_OUT and self._by_pointer(member.type):
             self.shape(member.type, member)
             shape = Shape(ELEMENTARY["POINTER"], 48, 16, 48, 16)
@@ -246,15 +250,15 @@ class ShapeBuilder:
 
     def shape(self, type_: DataType, member: Member) -> Shape:
         """Shape of any type; ``member`` is where it is declared, for messages."""
+        if isinstance(type_, Elementary):
+            return _ELEMENTARY[type_.name]
+        if isinstance(type_, StringType):
+            return self._string(type_, member)
         if self._depth >= MAX_DEPTH:
             self.report("PG808", f"{member.name}: nested more than {MAX_DEPTH} levels deep", member.span)
             return _NOTHING
         self._depth += 1
         try:
-            if isinstance(type_, Elementary):
-                return _ELEMENTARY[type_.name]
-            if isinstance(type_, StringType):
-                return self._string(type_, member)
             if isinstance(type_, ArrayType):
                 return self._array(type_, member)
             if isinstance(type_, StructType):
@@ -352,6 +356,8 @@ class ShapeBuilder:
 
     def check_names(self, members: Sequence[Member]) -> None:
         """Report members that share a name in one scope; letter case does not tell names apart."""
+        if len({member.name.upper() for member in members}) == len(members):
+            return
         seen: dict[str, Member] = {}
         for member in members:
             first = seen.setdefault(member.name.upper(), member)

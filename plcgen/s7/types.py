@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -104,6 +105,7 @@ ALIASES = MappingProxyType(
 """Short names that mean a canonical one."""
 
 
+@lru_cache(maxsize=1024)
 def elementary(name: str) -> Elementary | None:
     """Look an elementary type up by any spelling (case-insensitive, aliases allowed)."""
     upper = name.upper()

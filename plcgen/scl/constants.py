@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from plcgen.s7.types import DataType, StringType, elementary
 from plcgen.scl import ast
 
@@ -12,6 +14,7 @@ _PREFIXES = {
 _LIMIT = 1 << 64
 
 
+@lru_cache(maxsize=4096)
 def integer(text: str) -> int | None:
     """Value of an integer literal such as ``10``, ``16#FF``, ``INT#-5``; None for anything else."""
     head, _, digits = text.replace("_", "").rpartition("#")

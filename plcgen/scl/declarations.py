@@ -174,23 +174,30 @@ class _Builder:
 
     def members(self, declarations: Iterable[ast.Declaration]) -> tuple[Member, ...]:
         """One member per name."""
-        return tuple(member for d in declarations for member in self.declared_members(d))
+        found: list[Member] = []
+        for declaration in declarations:
+            found += self.declared_members(declaration)
+        return tuple(found)
 
-    def declared_members(self, declaration: ast.Declaration) -> Iterator[Member]:
+    def declared_members(self, declaration: ast.Declaration) -> list[Member]:
         """Expand one declaration: its names share type and start value."""
-        if declaration.type is not None:
-            self.instruction = _is_instruction(a for name in declaration.names for a in name.attributes)
-            data_type = self.data_type(declaration.type)
-        elif declaration.initial is not None:
-            data_type = type_of(declaration.initial, evaluate(declaration.initial, self.constants))
+        spec, initial = declaration.type, declaration.initial
+        if spec is not None:
+            self.instruction = any(name.attributes and _is_instruction(name.attributes) for name in declaration.names)
+            data_type = self.data_type(spec)
+        elif initial is not None:
+            data_type = type_of(initial, evaluate(initial, self.constants))
         else:
-            return
-        start = self.text(declaration.initial) if declaration.initial is not None else None
-        of_type = declaration.type.attributes if isinstance(declaration.type, ast.TypeName) else ()
+            return []
+        start = None if initial is None else self.source[initial.start : initial.end]
+        of_type = spec.attributes if isinstance(spec, ast.TypeName) else ()
+        found = []
         for name in declaration.names:
-            pairs = tuple((a.name, a.value) for a in (*name.attributes, *of_type))
-            span = self.result.span(name)
-            yield Member(name.name, data_type, start, declaration.comment, declaration.at, span, pairs)
+            own = (*name.attributes, *of_type)
+            pairs = tuple((a.name, a.value) for a in own) if own else ()
+            span = self.result.tokens.span(name.start, name.end)
+            found.append(Member(name.name, data_type, start, declaration.comment, declaration.at, span, pairs))
+        return found
 
     def check_duplicates(self, sections: Iterable[Section]) -> None:
         """PG805: names are unique within a block and within a structure, whatever their case."""

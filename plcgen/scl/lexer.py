@@ -113,7 +113,10 @@ class Tokens:
 
     def span(self, start: int, end: int) -> Span:
         """Return the span of a range of character offsets, for example of ``node.start`` and ``node.end``."""
-        return Span(self.file, *self.position(start), *self.position(end))
+        line, column = self.position(start)
+        if line == len(self._lines) or end < self._lines[line]:
+            return Span(self.file, line, column, line, column + end - start)
+        return Span(self.file, line, column, *self.position(end))
 
     def trivia_before(self, index: int) -> list[Comment]:
         """Comments and line breaks between token ``index`` and its predecessor, in source order."""
@@ -205,12 +208,13 @@ def _classify_word(text: str) -> str:
     upper = text.upper()
     if upper in KEYWORDS:
         return upper
-    if _PATTERN_WORD.fullmatch(text):
-        return ADDRESS if _SHORT_ADDRESS.fullmatch(text) else NAME
+    if text.isidentifier() or _PATTERN_WORD.fullmatch(text):
+        return ADDRESS if text[0] in _AREAS and _SHORT_ADDRESS.fullmatch(text) else NAME
     return ADDRESS if text[0] in "DdPpIiEeQqAaMm" and len(text) > 1 else ERROR
 
 
 _SHORT_ADDRESS = re.compile(r"(?i:(?:P[IEQA]|[IEQAM])[BWDL][0-9]+)")
+_AREAS = frozenset("PIEQAMpieqam")
 
 
 def tokenize(text: str, file: str) -> Tokens:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from plcgen.scl import ast
 from plcgen.scl.cursor import Fault, unquote
 from plcgen.scl.lexer import EOF, INT, LOCAL, NAME, QUOTED, WORDS
-from plcgen.scl.parser_expressions import ExpressionParser
+from plcgen.scl.parser_expressions import LITERALS, ExpressionParser
 from plcgen.scl.parser_foreign import FOREIGN_SECTIONS
 
 SECTIONS = frozenset({"VAR", "VAR_INPUT", "VAR_OUTPUT", "VAR_IN_OUT", "VAR_TEMP", "CONST", "LABEL"})
@@ -20,6 +20,7 @@ _MODIFIERS = frozenset({"CONSTANT", "RETAIN", "NON_RETAIN", "DB_SPECIFIC"})
 _JOINED = {"VAR_CONSTANT": "CONSTANT", "VAR_STAT": "", "VAR_STATIC": "", "VAR_RETAIN": "RETAIN"}
 """Spellings in one word that other tools write, and the modifier they stand for."""
 _NUMBERED = frozenset({"UDT", "FB", "SFB", "FC", "SFC", "DB", "OB"})
+_NOT_PLAIN = frozenset({"STRING", "WSTRING", "REF_TO"})
 
 
 class DeclarationParser(ExpressionParser):
@@ -121,8 +122,34 @@ class DeclarationParser(ExpressionParser):
         attributes = before + self.attributes() if self.kinds[self.pos] == "{" else before
         return ast.DeclaredName(self.starts[pos], self.tokens.end(pos), name, self.kinds[pos] == QUOTED, attributes)
 
+    def plain_declaration(self) -> ast.Declaration | None:
+        """Read ``name : type;`` or ``name : type := literal;`` in one step, as most are; None for all others."""
+        pos, kinds, texts, starts = self.pos, self.kinds, self.texts, self.starts
+        if (
+            kinds[pos] != NAME
+            or kinds[pos + 1] != ":"
+            or kinds[pos + 2] != NAME
+            or texts[pos + 2].upper() in _NOT_PLAIN
+        ):
+            return None
+        initial = None
+        if kinds[pos + 3] == ";":
+            end, self.pos = starts[pos + 2] + len(texts[pos + 2]), pos + 4
+        elif kinds[pos + 3] == ":=" and kinds[pos + 4] in LITERALS and kinds[pos + 5] == ";":
+            text, begin = texts[pos + 4], starts[pos + 4]
+            initial = ast.Literal(begin, begin + len(text), text, LITERALS[kinds[pos + 4]])
+            end, self.pos = begin + len(text), pos + 6
+        else:
+            return None
+        start, name, type_name, type_start = starts[pos], texts[pos], texts[pos + 2], starts[pos + 2]
+        names = (ast.DeclaredName(start, start + len(name), name, False, ()),)  # noqa: FBT003 - as in the class
+        spec = ast.TypeName(type_start, type_start + len(type_name), type_name, quoted=False, attributes=())
+        return ast.Declaration(start, end, names, None, spec, initial, self.trailing_comment())
+
     def declaration(self) -> ast.Declaration:
         """Read ``a, b AT x : type := value; // comment``."""
+        if plain := self.plain_declaration():
+            return plain
         start = self.start
         names = [self.declared_name()]
         while self.accept(","):

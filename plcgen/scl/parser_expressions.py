@@ -16,7 +16,11 @@ PRECEDENCE = {
 """Binary operators, the tightest last; all associate to the left. Signs and NOT are 8."""
 
 _POWER = 9
-_LITERALS = {INT: "int", REAL: "real", STRING: "string", TYPED: "typed", POINTER: "pointer"}
+LITERALS = {
+    INT: "int", REAL: "real", STRING: "string", TYPED: "typed", POINTER: "pointer", "TRUE": "bool", "FALSE": "bool",
+}  # fmt: skip
+"""Kinds of tokens that are literals, and what the tree calls them."""
+
 _POSTFIX = frozenset({".", "[", "(", "^", ":"})
 _FREE_LINKS = 8
 _SLICE_WIDTHS = "XBWDL"
@@ -76,14 +80,11 @@ class ExpressionParser(ForeignSyntax):
             base = ast.Name(start, start + len(text), text, "bare")
         elif kind == QUOTED:
             base = self.quoted_name(text, start)
-        elif literal := _LITERALS.get(kind):
+        elif literal := LITERALS.get(kind):
             self.pos = pos + 1
             return ast.Literal(start, start + len(text), text, literal)
         elif kind == ADDRESS:
             base = ast.Address(start, start + len(text), text)
-        elif kind in {"TRUE", "FALSE"}:
-            self.pos = pos + 1
-            return ast.Literal(start, start + len(text), text, "bool")
         else:
             return self.prefixed(kind, start)
         self.pos = pos + 1
