@@ -14,6 +14,7 @@ from plcgen._version import __version__
 if TYPE_CHECKING:
     from plcgen.api import (
         CheckResult,
+        ConvertResult,
         EncodedTelegram,
         EncodeResult,
         GenerateResult,
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
         audit,
         check,
         check_lock,
+        convert,
         decode,
         decode_status,
         diff,
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CheckResult",
+    "ConvertResult",
     "Diagnostic",
     "EncodeResult",
     "EncodedTelegram",
@@ -51,6 +54,7 @@ __all__ = [
     "audit",
     "check",
     "check_lock",
+    "convert",
     "decode",
     "decode_status",
     "diff",

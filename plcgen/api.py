@@ -200,6 +200,21 @@ class LayoutResult:
 
 
 @dataclass(frozen=True, slots=True)
+class ConvertResult:
+    """What a conversion wrote: names in the folder, and what could not be converted."""
+
+    folder: Path
+    written: tuple[str, ...]
+    unchanged: tuple[str, ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether no diagnostic is an error."""
+        return not any(d.severity.label == "error" for d in self.diagnostics)
+
+
+@dataclass(frozen=True, slots=True)
 class EncodedTelegram:
     """A request as bytes: which job, which of its telegrams (from 1), the data block it lies in."""
 
@@ -259,6 +274,41 @@ def _layout(paths: Sequence[Path], family: Family | None, block: str, *, expand:
     if block and not tables and not report.has_errors:
         report.add(Diagnostic("PG806", f'there is no DB, UDT or FB "{block}" in these files', Span(str(paths[0]))))
     return LayoutResult(tuple(tables), tuple(report))
+
+
+def convert(
+    *paths: Path | str,
+    to: Literal["scl", "xml"],
+    out: Path | str,
+    version: str = "V16",
+    classic: bool = False,
+    culture: str = "en-US",
+    encoding: str | None = None,
+    force: bool = False,
+) -> ConvertResult:
+    """Write the blocks of sources (files or folders) as SCL text or as SimaticML, one file per block.
+
+    ``version`` is the TIA Portal version of the documents (``V14 SP1``, ``V15`` .. ``V21``), ``culture`` the language
+    of their comments, ``encoding`` the code page of ANSI sources. Nothing is written if something is wrong, or if a
+    file exists and ``force`` is not given.
+    """
+    from plcgen.render.convert import convert as run
+    from plcgen.render.write import add_files
+
+    found = run(
+        [Path(path) for path in paths], to, version=version, classic=classic, culture=culture, encoding=encoding
+    )
+    report = Report()
+    report.extend(found.diagnostics)
+    written: tuple[str, ...] = ()
+    unchanged: tuple[str, ...] = ()
+    if found.ok:
+        try:
+            done = add_files(found.files, Path(out), force=force)
+            written, unchanged = done.written, done.unchanged
+        except DiagnosticError as problem:
+            report.extend(problem.diagnostics)
+    return ConvertResult(Path(out), written, unchanged, tuple(report))
 
 
 def diff(

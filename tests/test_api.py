@@ -9,6 +9,7 @@ import plcgen
 
 PUBLIC = [
     "CheckResult",
+    "ConvertResult",
     "Diagnostic",
     "EncodeResult",
     "EncodedTelegram",
@@ -21,6 +22,7 @@ PUBLIC = [
     "audit",
     "check",
     "check_lock",
+    "convert",
     "decode",
     "decode_status",
     "diff",

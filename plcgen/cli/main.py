@@ -30,6 +30,7 @@ SECTIONS: Sections = (
             ("layout", "Show where every byte of the data blocks lies."),
             ("verify", "Run the generated files against a simulated drive."),
             ("simulate", "Watch the jobs run scan by scan."),
+            ("convert", "Turn SCL sources into SimaticML and back."),
         ),
     ),
     (

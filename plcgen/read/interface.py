@@ -7,9 +7,18 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic
-from plcgen.read.xml import child, children, namespace, span, text
+from plcgen.read.xml import child, children, local, namespace, span, text
 from plcgen.s7.blocks import Assignment, Section, SectionKind
-from plcgen.s7.types import ArrayType, DataType, Member, NamedType, StringType, StructType, elementary
+from plcgen.s7.types import (
+    ArrayType,
+    DataType,
+    Member,
+    NamedType,
+    StringType,
+    StructType,
+    elementary,
+)
+from plcgen.simaticml.datatypes import default_literal, innermost
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -81,9 +90,21 @@ class InterfaceReader:
             if kind is None:
                 self.report(f"unknown section {name or '(no Name)'}", section)
                 continue
-            members = (self.member(element, ()) for element in children(section, "Member"))
-            found.append(Section(kind, tuple(m for m in members if m is not None)))
+            found += self.groups(section, kind)
         return tuple(found)
+
+    def groups(self, section: Element, kind: SectionKind) -> list[Section]:
+        """Members of one section; a source declares retentive ones in a section of their own, with their views."""
+        groups: list[tuple[str, list[Member]]] = []
+        for element in children(section, "Member"):
+            member = self.member(element, ())
+            if member is None:
+                continue
+            retain = "RETAIN" if element.get("Remanence") == "Retain" else ""
+            if not groups or (groups[-1][0] != retain and member.at is None):
+                groups.append((retain, []))
+            groups[-1][1].append(member)
+        return [Section(kind, tuple(members), retain) for retain, members in groups or [("", [])]]
 
     def member(self, element: Element, parents: tuple[tuple[str, bool], ...]) -> Member | None:
         """One Member; ``parents`` are the (name, is an array) pairs above it."""
@@ -109,7 +130,8 @@ class InterfaceReader:
             literal = self._listed(element, type_, path)
         else:
             self._subelements(element, path)
-        return Member(name, type_, literal, _comment(element), _at(element), span(element, self.file))
+        place = span(element, self.file)
+        return Member(name, type_, literal, _comment(element), _at(element), place, _attributes(element, type_))
 
     def _expanded(self, element: Element, path: tuple[tuple[str, bool], ...]) -> None:
         """Start values of a user type's members, written out below Sections."""
@@ -152,7 +174,7 @@ class InterfaceReader:
         self.assignments.append(Assignment(".".join(steps), literal, span(at, self.file)))
 
     def _listed(self, element: Element, type_: ArrayType, path: tuple[tuple[str, bool], ...]) -> str | None:
-        """Start values of single elements as one list ``[1, , 3]``; too many gaps become assignments."""
+        """Start values of single elements as one list ``[1, 0, 3]``; too many gaps become assignments."""
         values: dict[int, str] = {}
         for sub in children(element, "Subelement"):
             literal = text(child(sub, "StartValue")).strip()
@@ -168,7 +190,8 @@ class InterfaceReader:
         if max(values) >= MAX_LISTED:
             self._subelements(element, path)
             return None
-        return "[" + ", ".join(values.get(n, "") for n in range(max(values) + 1)) + "]"
+        default = default_literal(type_.element)
+        return "[" + ", ".join(values.get(n, default) for n in range(max(values) + 1)) + "]"
 
     def report(self, message: str, element: Element) -> None:
         """Add one PG812."""
@@ -213,6 +236,22 @@ def _at(element: Element) -> str | None:
         if attribute.get("Name") == "At":
             return text(attribute).strip().strip('"') or None
     return None
+
+
+def _attributes(element: Element, type_: DataType) -> tuple[tuple[str, str], ...]:
+    """Attributes as a source writes them in braces; the version of a library type comes first."""
+    found: list[tuple[str, str]] = []
+    version, inner = element.get("Version"), innermost(type_)
+    if version and isinstance(inner, NamedType) and not inner.quoted:
+        found += [("InstructionName", inner.name), ("LibVersion", version)]
+    for entry in children(child(element, "AttributeList")):
+        name, value = entry.get("Name", ""), text(entry).strip()
+        if not name or name == "At" or entry.get("Informative") == "true":
+            continue
+        if local(entry) == "BooleanAttribute":
+            value = value.capitalize()
+        found.append(("S7_SetPoint" if name == "SetPoint" else name, value))
+    return tuple(found)
 
 
 def _quote(name: str) -> str:

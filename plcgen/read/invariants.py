@@ -13,28 +13,14 @@ from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.read.xml import child, children, load, local, namespace, parse_xml, span
+from plcgen.simaticml.interface import SECTIONS, section_names
+from plcgen.simaticml.versions import BASE, VERSIONS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
     from lxml.etree import _Element as Element
-
-BASE = "http://www.siemens.com/automation/Openness/SW/"
-ISLANDS = MappingProxyType(
-    {
-        "V14 SP1": ("v2", "v1", ("v1",)),
-        "V15": ("v3", "v2", ("v2", "v3")),
-        "V15.1": ("v3", "v2", ("v2", "v3")),
-        "V16": ("v4", "v3", ("v4",)),
-        "V17": ("v5", "v3", ("v4",)),
-        "V18": ("v5", "v3", ("v4",)),
-        "V19": ("v5", "v4", ("v5",)),
-        "V20": ("v5", "v4", ("v5",)),
-        "V21": ("v5", "v4", ("v5",)),
-    }
-)
-"""Namespace versions of Interface, StructuredText and FlgNet by TIA Portal version."""
 
 _BLOCK = ("AutoNumber", "Interface", "MemoryLayout", "Name", "Number", "ProgrammingLanguage")
 REQUIRED = MappingProxyType(
@@ -60,20 +46,9 @@ REQUIRED = MappingProxyType(
 """Attributes of every kind of object; NOT_CLASSIC of them are absent for S7-300/400."""
 
 NOT_CLASSIC = frozenset({"MemoryLayout", "SetENOAutomatically"})
-SECTIONS = MappingProxyType(
-    {
-        "SW.Types.PlcStruct": ("None",),
-        "SW.Blocks.GlobalDB": ("Static",),
-        "SW.Blocks.InstanceDB": ("Input", "Output", "InOut", "Static"),
-        "SW.Blocks.FB": ("Input", "Output", "InOut", "Static", "Temp", "Constant"),
-        "SW.Blocks.FC": ("Input", "Output", "InOut", "Temp", "Constant", "Return"),
-        "SW.Blocks.OB": ("Input", "Temp", "Constant"),
-    }
-)
-"""Sections of every kind of block, in order."""
-
 _ORDER = {"Comment": 0, "CompileUnits": 1, "Title": 2}
 _VERSION = re.compile(r"V\d{2}(\.\d)?( SP\d)?")
+_DECIMAL = re.compile(r"[0-9]{1,9}")
 _HEX = re.compile(r"0|[1-9A-F][0-9A-F]*")
 
 
@@ -178,9 +153,8 @@ class _Check:
             return
         self.namespace_of(sections, "Interface/", 0)
         names = tuple(entry.get("Name", "") for entry in children(sections, "Section"))
-        expected = SECTIONS[tag]
-        if self.classic and tag == "SW.Blocks.OB":
-            expected = expected[1:]
+        found = section_names(tag, classic=self.classic)
+        expected = tuple("None" if tag == "SW.Types.PlcStruct" else kind.value for kind in found)
         if names != expected:
             self.report(f"{tag}: the sections are {', '.join(expected)}", sections)
         for member in sections.iter("{*}Member"):
@@ -197,18 +171,29 @@ class _Check:
                 self.namespace_of(code, "NetworkSource/StructuredText/", 1)
             elif local(code) == "FlgNet":
                 self.namespace_of(code, "NetworkSource/FlgNet/", 2)
-            seen: set[str] = set()
-            for uid, element in _uids(code):
-                if uid in seen:
-                    self.report(f"UId {uid} is used twice in one network", element)
-                seen.add(uid)
+            self.uids(code, ascending=local(code) == "StructuredText")
+
+    def uids(self, code: Element, *, ascending: bool) -> None:
+        """UIds are numbers, each once within a network; in StructuredText they ascend in document order."""
+        seen: set[str] = set()
+        last = 0
+        for uid, element in _uids(code):
+            if not _DECIMAL.fullmatch(uid):
+                self.report(f"UId {uid[:20]} is no number", element)
+                continue
+            if uid in seen:
+                self.report(f"UId {uid} is used twice in one network", element)
+            elif ascending and int(uid) <= last:
+                self.report(f"UId {uid} comes after {last}: they ascend in document order", element)
+            seen.add(uid)
+            last = max(last, int(uid))
 
     def namespace_of(self, element: Element, part: str, index: int) -> None:
         """Compare the namespace with the one of the Engineering version."""
-        known = ISLANDS.get(self.version)
+        known = VERSIONS.get(self.version)
         if known is None:
             return
-        versions = known[index] if isinstance(known[index], tuple) else (known[index],)
+        versions = ((known.interface,), (known.structured_text,), known.flg_net)[index]
         allowed = [f"{BASE}{part}{version}" for version in versions]
         if namespace(element) not in allowed:
             message = f"{local(element)}: {self.version} has the namespace {' or '.join(allowed)}"

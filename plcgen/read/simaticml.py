@@ -5,11 +5,14 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.read.interface import InterfaceReader
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
+from plcgen.read.interface import InterfaceReader, parse_datatype
+from plcgen.read.structured_text import CodeReader
 from plcgen.read.tables import Tag, TagTable, UserConstant, WatchEntry, WatchTable, tag_table, watch_table
 from plcgen.read.xml import child, children, load, local, parse_xml, span, text
-from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
+from plcgen.s7.types import ArrayType, Member
+from plcgen.simaticml.documents import HEADER
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,13 +34,23 @@ KINDS = {
     "SW.Types.PlcStruct": BlockKind.UDT,
     "SW.Blocks.GlobalDB": BlockKind.DB,
     "SW.Blocks.InstanceDB": BlockKind.DB,
+    "SW.Blocks.ArrayDB": BlockKind.DB,
     "SW.Blocks.FB": BlockKind.FB,
     "SW.Blocks.FC": BlockKind.FC,
     "SW.Blocks.OB": BlockKind.OB,
 }
 """Objects with an Interface, by tag."""
 
-_OWN = frozenset({"Interface", "Name", "Number", "MemoryLayout", "InstanceOfName"})
+_CODE_BLOCKS = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
+_LANGUAGES = {"FlgNet": "LAD or FBD", "StatementList": "STL", "Graph": "GRAPH"}
+
+_HEADER = {name: key for key, name in HEADER.items()}
+_OWN = frozenset(
+    {"Interface", "Name", "Number", "MemoryLayout", "InstanceOfName", "InstanceOfType", "AutoNumber", "Namespace"}
+    | {"ProgrammingLanguage", "SetENOAutomatically", "OfSystemLibElement", "OfSystemLibVersion"}
+    | {"ArrayDataType", "ArrayLimit"}
+)
+"""Attributes that the block model holds elsewhere, or that a source has no words for."""
 
 
 def read_simaticml(
@@ -106,7 +119,9 @@ def _block(element: Element, file: str, diagnostics: list[Diagnostic], *, classi
     reader = InterfaceReader(file, diagnostics)
     interface = child(found, "Interface")
     sections = reader.sections(interface) if interface is not None else ()
-    if interface is None:
+    if tag == "SW.Blocks.ArrayDB":
+        sections = _array(attributes, place, diagnostics)
+    elif interface is None:
         diagnostics.append(Diagnostic("PG812", f"{tag} needs the attribute Interface", place))
     return Block(
         kind,
@@ -117,10 +132,45 @@ def _block(element: Element, file: str, diagnostics: list[Diagnostic], *, classi
         optimized=_optimized(tag, attributes.get("MemoryLayout"), classic=classic),
         title=_multilingual(element, "Title"),
         comment=_multilingual(element, "Comment"),
-        attributes={name: value for name, value in attributes.items() if name not in _OWN},
+        attributes=_header(attributes),
         assignments=tuple(reader.assignments),
         span=place,
+        code=_code(element, file, diagnostics) if kind in _CODE_BLOCKS else None,
+        non_retain=kind is BlockKind.DB and not any(s.retain for s in sections),
     )
+
+
+def _header(attributes: dict[str, str]) -> dict[str, str]:
+    """Attributes as a source has them: AUTHOR, FAMILY, NAME, VERSION; the usual event class goes without saying."""
+    kept = {_HEADER.get(name, name): value for name, value in attributes.items() if name not in _OWN}
+    if kept.get("SecondaryType") == "ProgramCycle":
+        del kept["SecondaryType"]
+    return {name: value for name, value in kept.items() if value}
+
+
+def _code(element: Element, file: str, diagnostics: list[Diagnostic]) -> str | None:
+    """SCL of all networks; None, with a note, if one of them is drawn or a statement list."""
+    networks: list[str] = []
+    for unit in children(child(element, "ObjectList"), "SW.Blocks.CompileUnit"):
+        for network in children(child(child(unit, "AttributeList"), "NetworkSource")):
+            if local(network) != "StructuredText":
+                name = _LANGUAGES.get(local(network), local(network))
+                message = f"a network in {name} is not read: of this block only the interface counts"
+                diagnostics.append(Diagnostic("PG814", message, span(network, file), Severity.NOTE))
+                return None
+            networks.append(CodeReader(file, diagnostics).read(network))
+    return "\n".join(networks)
+
+
+def _array(attributes: dict[str, str], place: Span, diagnostics: list[Diagnostic]) -> tuple[Section, ...]:
+    """The one array of an array DB, as a source declares it: ``ARRAY[0..limit] OF type``."""
+    limit, spelling = attributes.get("ArrayLimit", ""), attributes.get("ArrayDataType", "")
+    element = parse_datatype(spelling)
+    if not re.fullmatch(r"[0-9]{1,9}", limit) or element is None:
+        message = "an array DB needs the attributes ArrayDataType and ArrayLimit"
+        diagnostics.append(Diagnostic("PG812", message, place))
+        return ()
+    return (Section(SectionKind.STATIC, (Member("THIS", ArrayType(((0, int(limit)),), element)),)),)
 
 
 def _number(digits: str, place: Span, diagnostics: list[Diagnostic]) -> int | None:

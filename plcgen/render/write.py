@@ -70,6 +70,23 @@ def write_folder(
     )
 
 
+def add_files(files: Sequence[RenderedFile], folder: Path, *, force: bool = False) -> Written:
+    """Put files into a folder beside what is there, all or none.
+
+    Raises:
+        DiagnosticError: PG501 if a file exists (unless ``force``), PG503/PG506 as :func:`write_folder`.
+    """
+    try:
+        with exclusive(folder):
+            recovered = recover(folder)
+            changed, unchanged = _plan(files, folder, None, force=force)
+            if changed:
+                _commit(changed, [], folder, None)
+    except (OSError, RuntimeError) as problem:
+        raise DiagnosticError([_cannot_write(problem, folder)]) from problem
+    return Written(tuple(file.path for file in changed), tuple(unchanged), (), (), recovered=recovered)
+
+
 def compare_folder(files: Sequence[RenderedFile], folder: Path) -> tuple[str, list[Diagnostic]]:
     """Unified diff from the folder to what would be generated, and one PG504 per file that differs."""
     found: list[Diagnostic] = []
@@ -169,7 +186,7 @@ def _known(folder: Path) -> dict[str, str]:
 
 
 def _plan(
-    files: Sequence[RenderedFile], folder: Path, known: dict[str, str], *, force: bool
+    files: Sequence[RenderedFile], folder: Path, known: dict[str, str] | None, *, force: bool
 ) -> tuple[list[RenderedFile], list[str]]:
     """Split files into changed and unchanged; every conflict with the user's files is reported at once."""
     problems: list[Diagnostic] = []
@@ -211,10 +228,12 @@ def _blocking_parent(folder: Path, target: Path) -> Diagnostic | None:
     return None
 
 
-def _conflict(target: Path, path: str, old: bytes | None, known: dict[str, str]) -> Diagnostic | None:
+def _conflict(target: Path, path: str, old: bytes | None, known: dict[str, str] | None) -> Diagnostic | None:
     place = Span(str(target))
     if old is None:
         return Diagnostic("PG501", "a folder has the name of a file to be generated", place, help=_MOVE)
+    if known is None:
+        return Diagnostic("PG501", "the file exists", place, help=_FORCE)
     if path == MANIFEST:
         if known:
             return None

@@ -351,7 +351,8 @@ class Unit(Node):
     """A block or type. ``body_type`` is a DB's or UDT's structure, or the type an instance DB is made from.
 
     ``properties`` are TITLE, AUTHOR, NAME, FAMILY, VERSION as text; ``flags`` NON_RETAIN and the like.
-    ``statements`` are the code, or the assignments behind BEGIN of a DB; ``code`` are the offsets of its text.
+    ``statements`` are the code, or the assignments behind BEGIN of a DB; ``code`` are the offsets of its text
+    (-1 if the code was skipped).
     """
 
     keyword: str

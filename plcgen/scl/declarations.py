@@ -115,7 +115,7 @@ class _Builder:
             attributes={**attributes, **properties},
             assignments=self.assignments(unit) if kind is BlockKind.DB else (),
             span=self.result.tokens.span(unit.start, unit.start + len(unit.keyword)),
-            code=self.code(unit) if unit.keyword in _CODE_BLOCKS else None,
+            code=self.code(unit) if unit.keyword in _CODE_BLOCKS and unit.code[0] >= 0 else None,
         )
 
     def code(self, unit: ast.Unit) -> str:

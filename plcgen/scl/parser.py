@@ -262,6 +262,7 @@ class Parser(DeclarationParser, StatementParser):
         self.data = keyword == "DATA_BLOCK"
         if not self.bodies and keyword != "DATA_BLOCK":
             begin = self.start
+            self.code_start = -1
             while self.kinds[self.pos] not in UNIT_ENDS and self.kinds[self.pos] != EOF and not self.at_unit():
                 self.pos += 1
             self.free_text.append((begin, self.start))

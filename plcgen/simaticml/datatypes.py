@@ -41,3 +41,11 @@ def innermost(type_: DataType) -> DataType:
     while isinstance(type_, ArrayType):
         type_ = type_.element
     return type_
+
+
+def default_literal(type_: DataType) -> str:
+    """Literal of the value that an element has without a start value."""
+    name = type_.name if isinstance(type_, Elementary | StringType) else ""
+    if name in {"STRING", "CHAR"}:
+        return "''" if name == "STRING" else "' '"
+    return {"BOOL": "FALSE", "REAL": "0.0", "LREAL": "0.0", "TIME": "T#0ms", "S5TIME": "S5T#0ms"}.get(name, "0")

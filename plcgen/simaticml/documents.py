@@ -71,8 +71,8 @@ def document(
     members = [m for s in block.sections for m in s.members]
     for assignment in block.assignments:
         starts.assign(assignment.path, assignment.literal, members)
-    assigned, starts.entries = starts.entries, {}
-    interface = _interface(block, kind, setting, starts, assigned)
+    namespace, culture = setting.version.interface_namespace, setting.cultures[0]
+    interface = sections(block, kind, namespace, culture, starts, classic=setting.classic)
     attributes = _attributes(block, kind, setting, interface)
     ids = _Ids()
     head = ids()
@@ -84,34 +84,6 @@ def document(
         f'  <{kind} ID="{head}">\n    <AttributeList>\n{"".join(lines)}    </AttributeList>\n'
         f"{body}  </{kind}>\n</Document>\n"
     ), starts.lost
-
-
-def _interface(
-    block: Block, kind: str, setting: Setting, starts: Starts, assigned: dict[tuple[str, ...], dict[str, str]]
-) -> str:
-    """Interface with declared start values, then those of the assignments, which replace them."""
-    declared = sections(
-        block, kind, setting.version.interface_namespace, setting.cultures[0], starts, classic=setting.classic
-    )
-    if not assigned:
-        return declared
-    for path, values in assigned.items():
-        starts.entries.setdefault(path, {}).update(values)
-    final = _Fixed(starts)
-    return sections(
-        block, kind, setting.version.interface_namespace, setting.cultures[0], final, classic=setting.classic
-    )
-
-
-class _Fixed(Starts):
-    """Entries that are complete: declarations add nothing."""
-
-    def __init__(self, complete: Starts) -> None:
-        super().__init__(complete.types)
-        self.entries = complete.entries
-
-    def declare(self, member: object, path: tuple[str, ...]) -> None:
-        """Nothing: the value is there."""
 
 
 def _attributes(block: Block, kind: str, setting: Setting, interface: str) -> list[str]:

@@ -75,7 +75,7 @@ def member(
 ) -> str:
     """One Member with everything inside, a line each."""
     simple = declared.start is None or declared.start[0] not in "[("
-    if simple and not path and isinstance(declared.type, _LEAVES) and (starts is None or not starts.entries):
+    if simple and not path and isinstance(declared.type, _LEAVES) and (starts is None or not starts.assigned):
         start = declared.start if starts is not None else None
         return _leaf(
             declared.name,

@@ -29,11 +29,17 @@ Path = tuple[str, ...]
 
 
 class Starts:
-    """Entries by member path (names in upper case): indices as in a Subelement's Path, and the literal."""
+    """Entries by member path (names in upper case): indices as in a Subelement's Path, and the literal.
+
+    ``entries`` come from declarations, ``assigned`` from the lines behind BEGIN, which replace them.
+    """
 
     def __init__(self, types: Mapping[str, Block] | None = None) -> None:
         self.types = types or {}
         self.entries: dict[Path, dict[str, str]] = {}
+        self.assigned: dict[Path, dict[str, str]] = {}
+        self._into = self.entries
+        self._above: set[Path] = set()
         self.lost: list[str] = []
         self.count = 0
 
@@ -64,25 +70,27 @@ class Starts:
             if not match[4]:
                 break
         type_ = self._type(members, names)
-        if position < len(path) or type_ is None:
+        self._into = self.assigned
+        inner = self._inside(type_, len(groups), names, members) if type_ is not None else None
+        if position < len(path) or inner is None:
             self.lost.append(f"the start value of {path}")
-        elif literal.lstrip()[:1] in {"[", "("} or isinstance(type_, ArrayType):
+        elif isinstance(inner, ArrayType | StructType) or literal.lstrip()[:1] in {"[", "("}:
             try:
-                inner = self._inside(type_, len(groups), names, members)
                 self._spread(inner, parse_initializer(literal), tuple(names), tuple(groups))
             except LiteralError:
                 self.lost.append(f"the start value of {path}")
         else:
             self._add(tuple(names), tuple(groups), literal)
+        self._into = self.entries
 
     def of(self, path: Path) -> dict[str, str]:
         """Indices (empty for a single value) to literal of one member."""
-        return self.entries.get(path, {})
+        declared, assigned = self.entries.get(path), self.assigned.get(path)
+        return {**(declared or {}), **(assigned or {})}
 
     def below(self, path: Path) -> bool:
         """Whether a member inside the member at ``path`` has an entry."""
-        size = len(path)
-        return any(len(key) > size and key[:size] == path for key in self.entries)
+        return path in self._above
 
     def _inside(self, type_: DataType, groups: int, names: Sequence[str], members: Sequence[Member]) -> DataType:
         """Type of what the indices of a path have chosen: the arrays above are counted from the front."""
@@ -115,7 +123,8 @@ class Starts:
             if self.count == MAX_VALUES + 1:
                 self.lost.append(f"start values: the block has more than {MAX_VALUES}")
             return
-        self.entries.setdefault(path, {})[";".join(groups)] = literal
+        self._above.update(path[:n] for n in range(len(path)))
+        self._into.setdefault(path, {})[";".join(groups)] = literal
 
     def _spread(self, type_: DataType, items: Sequence[Item], path: Path, groups: tuple[str, ...]) -> None:
         """Give the values of a list to the elements of an array or the members of a structure."""

@@ -389,7 +389,7 @@ class _Writer:
         """Write the call of an instance or of a function with quotes; its operand is ``symbol``."""
         if where == "Local":
             made = self.scope.block_of(names)
-        elif len(names) == 1:
+        elif len(names) == 1 and "<Token" not in symbol:
             made = self.global_block(names[0])
         else:
             made = None

@@ -50,6 +50,7 @@ def _verify(
     from plcgen.verify.files import check_files
     from plcgen.verify.folder import read_folder
     from plcgen.verify.layouts import check_layouts
+    from plcgen.verify.twins import check_twins
 
     loaded = load_spec(spec, report)
     report.raise_on_errors()
@@ -63,7 +64,7 @@ def _verify(
     own = load_drive(read_text(drive_file), str(drive_file)) if drive_file is not None else None
     files = read_folder(folder, project.target, progress)
     groups = (
-        CheckGroup("files", "Files", tuple(check_files(project, files))),
+        CheckGroup("files", "Files", (*check_files(project, files), *check_twins(project, files))),
         CheckGroup("layout", "Layout", tuple(check_layouts(project, files))),
         CheckGroup("telegrams", "Telegrams", tuple(check_telegrams(project, files))),
         CheckGroup("drive", "Simulated drive", tuple(check_drive(project, files, own, progress))),

@@ -32,7 +32,8 @@ def test_the_read_request_of_the_faq_keeps_its_offsets_and_bytes():
     db = one(global_db(FAQ_DB3))
     assert (db.kind, db.name, db.number, db.optimized) == (BlockKind.DB, "WR_DataBuffer", 3, False)
     assert (db.title, db.comment) == ("Request", "Buffer")
-    assert db.attributes == {"AutoNumber": "false", "ProgrammingLanguage": "DB"}
+    assert db.attributes == {}
+    assert db.non_retain
     assert [e.byte for e in layout_block(db, {}).entries] == [0, 1, 2, 3, 4, 5, 6, 8]
     assert image(db, {}).hex() == "030102011001c47f0000"
     assert db.span.line == 4
@@ -88,8 +89,10 @@ def test_sections_comments_views_and_start_values_of_a_function_block():
     fb = one(function_block(sections(**groups)))
     assert [s.kind for s in fb.sections] == [
         *(SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT),
-        *(SectionKind.STATIC, SectionKind.TEMP, SectionKind.CONSTANT),
+        *(SectionKind.STATIC, SectionKind.STATIC, SectionKind.TEMP, SectionKind.CONSTANT),
     ]
+    assert [s.retain for s in fb.sections if s.kind is SectionKind.STATIC] == ["RETAIN", ""]
+    assert [m.name for m in fb.sections[3].members] == ["w", "v"]
     word, view, wrrec = fb.section(SectionKind.STATIC)
     assert (word.start, word.comment, view.at, wrrec.type) == ("16#1", "Word", "w", NamedType("WRREC"))
     assert {e.path: e.byte for e in layout_block(fb, {}).entries if e.depth == 0} == {
@@ -184,7 +187,7 @@ def test_malformed_documents_are_refused_with_line_and_column(data, line):
     "data",
     [
         b"<Other/>",
-        document('<SW.Blocks.ArrayDB ID="0"/>'),
+        document('<SW.Blocks.Recipe ID="0"/>'),
         document(global_db("").replace("<Name>WR_DataBuffer</Name>", "")),
         document(global_db("").replace("<Number>3</Number>", "")),
         document(global_db("", number="x")),

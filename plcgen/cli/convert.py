@@ -1,0 +1,97 @@
+"""``plcgen convert``: SCL text to SimaticML and back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import click
+
+from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, json_option
+from plcgen.cli.output import OK, PROBLEMS
+
+if TYPE_CHECKING:
+    from plcgen.api import ConvertResult
+
+VERSIONS = ("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21")
+
+
+@click.command(
+    "convert",
+    cls=Verb,
+    context_settings=CONTEXT,
+    examples=(
+        "plcgen convert scl udt db --to xml --tia V18 --out xml",
+        "plcgen convert export/Motor.xml --to scl --out scl",
+        "plcgen convert old.scl --to xml --classic --out xml",
+    ),
+)
+@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="FILE|FOLDER...")
+@click.option("--to", type=click.Choice(["scl", "xml"]), required=True, help="Text sources, or SimaticML.")
+@click.option("--out", "folder", type=PATH, required=True, metavar="DIR", help="Output folder.")
+@click.option(
+    "--tia",
+    "version",
+    type=click.Choice(VERSIONS, case_sensitive=False),
+    default="V16",
+    show_default=True,
+    metavar="VERSION",
+    help="Oldest TIA Portal that shall import the documents: V14 SP1, V15 .. V21.",
+)
+@click.option("--classic", is_flag=True, help="The blocks are for S7-300/400.")
+@click.option("--culture", default="en-US", show_default=True, metavar="TAG", help="Language of comments in documents.")
+@click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")
+@click.option("--force", is_flag=True, help="Overwrite files that exist.")
+@json_option
+@common_options
+@click.pass_context
+def command(
+    ctx: click.Context,
+    paths: tuple[Path, ...],
+    to: Literal["scl", "xml"],
+    folder: Path,
+    version: str,
+    classic: bool,  # noqa: FBT001 - click's signature
+    culture: str,
+    encoding: str | None,
+    force: bool,  # noqa: FBT001
+    as_json: bool,  # noqa: FBT001
+) -> int:
+    """Turn blocks into SimaticML for TIA Openness, or documents into SCL, UDT and DB sources.
+
+    One file per block, named after it; comments and layout of the code are kept. Name the sources of all types
+    and function blocks together: an instance DB needs its function block. Networks in LAD, FBD or STL have no
+    SCL: their blocks are left out with a message. All files are written or none.
+    """
+    from plcgen import api
+
+    if not _is_culture(culture):
+        raise click.BadParameter("write it like en-US", ctx, param_hint="--culture")
+    out = console(ctx)
+    result = api.convert(
+        *paths, to=to, out=folder, version=version, classic=classic, culture=culture, encoding=encoding, force=force
+    )
+    if as_json:
+        from plcgen.report.json import diagnostics_json
+
+        lists = {"written": list(result.written), "unchanged": list(result.unchanged)}
+        out.result(diagnostics_json("convert", result.diagnostics, folder=result.folder.as_posix(), **lists))
+        return OK if result.ok else PROBLEMS
+    out.complain(result.diagnostics)
+    out.say(_summary(result))
+    return OK if result.ok else PROBLEMS
+
+
+def _is_culture(text: str) -> bool:
+    """Whether a language tag is one that the schemas of SimaticML accept."""
+    parts = text.split("-")
+    sizes = [len(part) for part in parts]
+    return text.isascii() and all(part.isalpha() for part in parts) and sizes in ([2, 2], [2, 4, 2])
+
+
+def _summary(result: ConvertResult) -> str:
+    if not result.ok:
+        return "nothing was written"
+    count = len(result.written)
+    text = f"{result.folder}: {count} file{'' if count == 1 else 's'} written"
+    return text + (f", {len(result.unchanged)} unchanged" if result.unchanged else "")

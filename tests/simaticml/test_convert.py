@@ -1,0 +1,178 @@
+"""plcgen convert: files in, files out, nothing lost in silence, nothing outside the folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from projects import ROOT
+from xsd_support import validate_islands
+
+import plcgen
+from plcgen.read.invariants import check_invariants
+from plcgen.render.convert import file_name
+
+EXAMPLE = ROOT / "examples/s7-1500_g120_pn/expected"
+
+FB = """FUNCTION_BLOCK "Motor"
+{ S7_Optimized_Access := 'FALSE' }
+VERSION : 0.1
+VAR_INPUT
+  speed : Int := 5;
+END_VAR
+
+BEGIN
+#speed := 1; // keep
+END_FUNCTION_BLOCK
+"""
+INSTANCE = """DATA_BLOCK "Motor_DB"
+{ S7_Optimized_Access := 'FALSE' }
+VERSION : 0.1
+NON_RETAIN
+"Motor"
+BEGIN
+  speed := 7;
+END_DATA_BLOCK
+"""
+
+
+def put(folder: Path, **texts: str) -> list[Path]:
+    files = []
+    for name, text in texts.items():
+        stem, _, suffix = name.rpartition("_")
+        path = folder / f"{stem}.{suffix}"
+        path.write_text(text, "utf-8-sig")
+        files.append(path)
+    return files
+
+
+@pytest.mark.parametrize("version", ["V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21"])
+def test_a_generated_folder_both_ways(version: str, tmp_path: Path) -> None:
+    """Text to documents of every version and back: the same text; the documents keep the rules of exports."""
+    sources = [EXAMPLE / name for name in ("udt", "db", "scl")]
+    there = plcgen.convert(*sources, to="xml", out=tmp_path / "xml", version=version)
+    assert (there.diagnostics, len(there.written)) == ((), 23)
+    for name in there.written:
+        assert check_invariants(tmp_path / "xml" / name) == []
+    back = plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl")
+    assert back.diagnostics == ()
+    for folder in sources:
+        for path in folder.iterdir():
+            assert (tmp_path / "scl" / path.name).read_bytes() == path.read_bytes()
+
+
+@pytest.mark.parametrize("version", ["V16", "V17", "V18", "V19", "V20", "V21"])
+def test_islands_of_converted_documents_are_valid(version: str, tmp_path: Path) -> None:
+    """By Siemens' schemas, where they are at hand."""
+    plcgen.convert(*put(tmp_path, a_scl=FB, b_db=INSTANCE), EXAMPLE, to="xml", out=tmp_path / "xml", version=version)
+    assert len(list((tmp_path / "xml").glob("*.xml"))) == 25
+    assert [m for path in (tmp_path / "xml").glob("*.xml") for m in validate_islands(path, version)] == []
+
+
+def test_an_instance_db_keeps_its_own_values(tmp_path: Path) -> None:
+    """What differs from the function block stands behind BEGIN, in both directions."""
+    there = plcgen.convert(*put(tmp_path, a_scl=FB, b_db=INSTANCE), to="xml", out=tmp_path / "xml")
+    assert there.diagnostics == ()
+    assert "<StartValue>7</StartValue>" in (tmp_path / "xml/Motor_DB.xml").read_text("utf-8-sig")
+    assert "Remanence" not in (tmp_path / "xml/Motor_DB.xml").read_text("utf-8-sig")
+    plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl")
+    assert (tmp_path / "scl/Motor_DB.db").read_text("utf-8-sig") == INSTANCE
+    alone = plcgen.convert(tmp_path / "b.db", to="xml", out=tmp_path / "alone")
+    assert [(d.code, d.severity.label) for d in alone.diagnostics] == [("PG815", "warning"), ("PG815", "warning")]
+
+
+def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
+    """An existing file stops the whole conversion; equal files are left alone; --force replaces."""
+    files = put(tmp_path, a_scl=FB, b_db=INSTANCE)
+    out = tmp_path / "xml"
+    out.mkdir()
+    (out / "Motor.xml").write_text("mine")
+    refused = plcgen.convert(*files, to="xml", out=out)
+    assert [d.code for d in refused.diagnostics] == ["PG501"]
+    assert [p.name for p in out.iterdir()] == ["Motor.xml"]
+    assert (out / "Motor.xml").read_text() == "mine"
+    assert plcgen.convert(*files, to="xml", out=out, force=True).written == ("Motor.xml", "Motor_DB.xml")
+    assert plcgen.convert(*files, to="xml", out=out).unchanged == ("Motor.xml", "Motor_DB.xml")
+
+
+def test_nothing_is_written_if_something_is_wrong(tmp_path: Path) -> None:
+    """A syntax error in one source, and two blocks of one name: messages, no files."""
+    broken = FB.replace("#speed := 1;", "#speed := ;").replace("Motor", "Broken")
+    result = plcgen.convert(*put(tmp_path, a_scl=FB, b_scl=broken), to="xml", out=tmp_path / "xml")
+    assert [(d.code, d.span.line) for d in result.diagnostics] == [("PG801", 9)]
+    twice = plcgen.convert(*put(tmp_path, a_scl=FB, c_scl=FB), to="xml", out=tmp_path / "xml")
+    assert [d.code for d in twice.diagnostics] == ["PG805"]
+    assert not (tmp_path / "xml").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("Motor", "Motor"),
+        ("../../etc/x", "..%2F..%2Fetc%2Fx"),
+        ("..", "%2E%2E"),
+        (".", "%2E"),
+        (" ", "%20"),
+        ("", "%00"),
+        ("C:\\x", "C%3A%5Cx"),
+        ("a\nb", "a%0Ab"),
+        ("con", "co%6E"),
+        ("NUL.x", "NUL.%78"),
+        ("x.", "x%2E"),
+        ("100%", "100%25"),
+        ("Füllstand 液位", "Füllstand 液位"),
+    ],
+)
+def test_file_names(name: str, expected: str) -> None:
+    """No block name leads out of the folder, to a device of Windows or to a name that a system refuses."""
+    assert file_name(name) == expected
+
+
+def test_a_path_in_a_block_name_stays_inside(tmp_path: Path) -> None:
+    """The name stays in the block, the file in the folder."""
+    result = plcgen.convert(*put(tmp_path, a_scl=FB.replace("Motor", "../../Motor")), to="xml", out=tmp_path / "o/xml")
+    assert result.written == ("..%2F..%2FMotor.xml",)
+    assert [p.relative_to(tmp_path).as_posix() for p in tmp_path.rglob("*.xml")] == ["o/xml/..%2F..%2FMotor.xml"]
+    assert "<Name>../../Motor</Name>" in (tmp_path / "o/xml/..%2F..%2FMotor.xml").read_text("utf-8-sig")
+
+
+def test_blocks_without_scl_are_left_out_with_a_message(tmp_path: Path) -> None:
+    """STL has no StructuredText; LAD has no SCL."""
+    stl = 'FUNCTION_BLOCK "L"\nVERSION : 0.1\nBEGIN\nNETWORK\nA I0.0;\nEND_FUNCTION_BLOCK\n'
+    result = plcgen.convert(*put(tmp_path, a_stl=stl, b_scl=FB), to="xml", out=tmp_path / "xml")
+    assert [(d.code, d.severity.label) for d in result.diagnostics] == [("PG815", "warning")]
+    assert result.written == ("Motor.xml",)
+    text = (tmp_path / "xml/Motor.xml").read_text("utf-8-sig")
+    begin, end = text.index("<StructuredText"), text.index("</NetworkSource>")
+    drawn = (
+        text[:begin]
+        + '<FlgNet xmlns="http://www.siemens.com/automation/Openness/SW/NetworkSource/FlgNet/v4"/>'
+        + text[end:]
+    )
+    (tmp_path / "lad.xml").write_text(drawn, "utf-8-sig")
+    result = plcgen.convert(tmp_path / "lad.xml", to="scl", out=tmp_path / "scl")
+    assert [(d.code, d.severity.label) for d in result.diagnostics] == [("PG815", "warning"), ("PG814", "note")]
+    assert result.ok
+
+
+def test_constructs_of_another_target_are_refused(tmp_path: Path) -> None:
+    """The SCL of STEP 7 V5 is not what the TIA Portal imports."""
+    v5 = "FUNCTION_BLOCK FB1\nVAR x : INT; END_VAR\nBEGIN\nx := x DIV 2;\nEND_FUNCTION_BLOCK\n"
+    result = plcgen.convert(*put(tmp_path, a_scl=v5), to="xml", out=tmp_path / "xml")
+    assert [d.code for d in result.diagnostics] == ["PG803"]
+
+
+def test_user_constants_of_tag_tables_are_constants(tmp_path: Path) -> None:
+    """A quoted name that a tag table declares as a constant is a GlobalConstant."""
+    table = (
+        '<?xml version="1.0" encoding="utf-8"?><Document><Engineering version="V18"/><SW.Tags.PlcTagTable ID="0">'
+        '<AttributeList><Name>T</Name></AttributeList><ObjectList><SW.Tags.PlcUserConstant ID="1" '
+        'CompositionName="UserConstants"><AttributeList><DataTypeName>Int</DataTypeName><Name>MAX</Name><Value>5</Value>'
+        "</AttributeList></SW.Tags.PlcUserConstant></ObjectList></SW.Tags.PlcTagTable></Document>"
+    )
+    (tmp_path / "t.xml").write_text(table, "utf-8")
+    files = put(tmp_path, a_scl=FB.replace(":= 1;", ':= "MAX" + "other";'))
+    assert plcgen.convert(*files, tmp_path / "t.xml", to="xml", out=tmp_path / "xml").diagnostics == ()
+    text = (tmp_path / "xml/Motor.xml").read_text("utf-8-sig")
+    assert '<Constant Name="MAX"' in text
+    assert '<Component Name="other"' in text

@@ -1,0 +1,336 @@
+"""SCL -> SimaticML -> SCL gives the same text or tokens; SimaticML -> SCL -> SimaticML the same document."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from projects import ROOT, SPECS, TARGETS, every_type
+from simaticml.codes import SETTING, back, exact, meant, network, read_code, wrapped
+from simaticml.test_structured_text import CASES
+
+from plcgen import api
+from plcgen.diagnostics import Severity
+from plcgen.read.simaticml import read_simaticml
+from plcgen.scl.declarations import blocks
+from plcgen.scl.lexer import ERROR, tokenize
+from plcgen.scl.parser import parse
+from plcgen.simaticml.documents import Setting, document
+from plcgen.simaticml.scope import Scope
+from plcgen.simaticml.source import source
+from plcgen.simaticml.structured_text import elements, numbered
+from plcgen.simaticml.versions import VERSIONS
+
+
+def cases(name: str) -> list:
+    return list(yaml.safe_load((ROOT / f"tests/scl/cases/{name}.yaml").read_text("utf-8")))
+
+
+def block_of(text: str):
+    found, diagnostics = blocks(parse(text, "x"))
+    assert [d for d in diagnostics if d.severity is Severity.ERROR] == []
+    return found[0]
+
+
+@pytest.fixture(scope="module")
+def generated(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, bool]]:
+    """Output folders of all specs and of every data type, and whether the CPU is an S7-300/400."""
+    base = tmp_path_factory.mktemp("round")
+    specs = {spec.stem: spec.read_text("utf-8") for spec in SPECS if "step7" not in spec.read_text("utf-8")}
+    specs |= {target: every_type(target) for target in ("t3", "t15", "t12")}
+    assert {TARGETS[t][0] for t in ("t3", "t15", "t12")} == {"s7-400", "s7-1500", "s7-1200"}
+    for name, text in specs.items():
+        (base / f"{name}.yaml").write_text(text, "utf-8")
+        assert api.generate(base / f"{name}.yaml", base / name).ok
+    return {name: (base / name, "300" in text or "400" in text) for name, text in specs.items()}
+
+
+def test_every_generated_source_comes_back_as_the_same_text(generated: dict[str, tuple[Path, bool]]) -> None:
+    """UDT, DB, instance DB, FB, OB of all targets: text -> document -> text is the identity."""
+    seen = 0
+    for folder, classic in generated.values():
+        files = [p for name in ("udt", "db", "scl") for p in sorted((folder / name).iterdir())]
+        texts = [path.read_text("utf-8-sig") for path in files]
+        read = [block_of(text) for text in texts]
+        known = {block.name.upper(): block for block in read}
+        for text, block in zip(texts, read, strict=True):
+            code = network(block.code, Scope.of(block, read)) if block.code is not None else ""
+            written, lost = document(block, Setting(VERSIONS["V17"], classic), code, known)
+            again, diagnostics = read_simaticml(written.encode(), classic=classic)
+            assert (lost, diagnostics) == ([], [])
+            assert source(again[0], known) == text
+            seen += 1
+    assert seen > 150
+
+
+def test_every_generated_code_document_comes_back_as_its_source(generated: dict[str, tuple[Path, bool]]) -> None:
+    """The documents on disk say what the text sources on disk say, and give the same document again."""
+    for folder, classic in generated.values():
+        read = [block_of(path.read_text("utf-8-sig")) for path in (folder / "db").glob("*_DB.db")]
+        for path in (folder / "scl").glob("*.scl"):
+            data = (folder / "xml" / f"{path.stem}.xml").read_bytes()
+            found, diagnostics = read_simaticml(data, classic=classic)
+            assert diagnostics == []
+            assert source(found[0]) == path.read_text("utf-8-sig")
+            old = data.decode("utf-8-sig")
+            begin, stop = old.index("<StructuredText"), old.index("</StructuredText>")
+            assert network(found[0].code or "", Scope.of(found[0], read)) == old[begin:stop].partition(">\n")[2]
+
+
+@pytest.mark.parametrize("code", CASES)
+def test_constructs_come_back(code: str) -> None:
+    """Every construct of the writer's table: tokens in the TIA Portal's dialect are the same."""
+    again, diagnostics = back(code)
+    assert diagnostics == []
+    assert meant(again) == meant(code)
+    assert wrapped(again) == wrapped(code)
+
+
+CODES = [f"r := {case[1]};" for case in cases("expressions")] + [case[1] for case in cases("statements")]
+CODES += [case["code"] for case in cases("idioms") if "code" in case]
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_the_cases_of_the_front_end_come_back(code: str) -> None:
+    """All expressions, statements and idioms that the parser's tests know, layout and comments included."""
+    again, diagnostics = back(code)
+    assert diagnostics == []
+    assert meant(again) == meant(code)
+    twice, _ = back(again)
+    assert twice == again
+    assert wrapped(twice) == wrapped(again)
+
+
+FLAT = """(* block comment
+   over lines *)
+IF #start AND NOT ("DB".x[#i, 2].y > 3.5E-3) THEN   // why
+    #data.inner."a b" := "F"(IN := -1, x => #i) + REAL_TO_INT(IN := #r);
+
+    "DB"."z" := W#16#FF XOR #LIMIT;
+ELSIF #data.bits.%X3 & (#list[#i + 1] <> -1) THEN
+    CASE #i OF
+        1, 3..5:   // labels
+            #timer(IN := #start,
+                   PT := T#1s_500ms,
+                   Q => "out");
+        #LIMIT: ;
+    ELSE
+        GOTO done;
+    END_CASE;
+END_IF;
+REGION Title with (odd signs; and 'quotes
+    FOR #i := 0 TO 10 BY 2 DO
+        CONTINUE;
+    END_FOR;
+    WHILE TRUE DO EXIT; END_WHILE;
+    REPEAT ; UNTIL #i >= 3 END_REPEAT;
+END_REGION
+%MW2 := %IW4:P;
+%DB3.DBX2.7 := "tag":P;
+done: ENO := FALSE;
+#s := 'it$'s // no (* comment *)';
+POKE(area := 16#84, dbNumber := 3, byteOffset := #i, value := B#16#1);
+RETURN;
+"""
+
+
+@pytest.mark.parametrize("code", [FLAT, FLAT.replace("\n", "\n\n"), FLAT.replace("    ", " "), "", "\n", ";", "  ;  "])
+def test_handwritten_code_comes_back_as_the_same_text(code: str) -> None:
+    """Comments, blanks and line breaks are kept to the last."""
+    text = f'FUNCTION_BLOCK "X"\nVERSION : 0.1\n\nBEGIN\n{code}\nEND_FUNCTION_BLOCK\n' if code.strip() else None
+    block = block_of(text) if text else None
+    again, diagnostics = back(code)
+    assert diagnostics == []
+    assert again == code
+    if block is not None and text is not None:
+        written, lost = document(block, SETTING, network(block.code or ""))
+        assert lost == []
+        found, _ = read_simaticml(written.encode())
+        assert source(found[0]).replace("{ S7_Optimized_Access := 'TRUE' }\n", "") == text
+
+
+names = st.sampled_from(
+    ["#a", "#b", '"T"', '"DB".x', "#l[1]", "#s.%X0", '#"q r"', "#l[#a, -1].m", "%MW2", '"t":P', '#v."w x"']
+)
+numbers = st.sampled_from(["1", "-1", "16#FF", "3.5", "1E3", "TRUE", "'x$'y'", "T#1s", "W#16#1", "L#-3"])
+gaps = st.sampled_from([" ", "  ", "\n", "\n\n  ", " (* c *) ", " // c\n", "\n\n\n"])
+
+
+def calls(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+    argument = st.tuples(st.sampled_from(["", "IN := ", "Q => ", "IN:="]), inner).map("".join)
+    arguments = st.lists(argument, max_size=3).flatmap(lambda a: gaps.map(lambda gap: f",{gap}".join(a)))
+    return st.tuples(st.sampled_from(["SHL", "#f", '"F"', '"X_DB"', "ABS"]), arguments).map(lambda p: f"{p[0]}({p[1]})")
+
+
+def operations(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+    signs = st.sampled_from(["+", "-", "*", "/", "AND", "or", "<>", ">=", "&", "MOD", "**"])
+    parts = st.tuples(inner, gaps, signs, gaps, inner).map("".join)
+    return st.one_of(parts, parts.map(lambda t: f"({t})"), inner.map(lambda t: f"NOT {t}"), calls(inner))
+
+
+expressions = st.recursive(st.one_of(names, numbers), operations, max_leaves=8)
+simple = st.tuples(names, gaps, st.just(":="), gaps, expressions, st.sampled_from([";", " ;"])).map("".join)
+regions = st.tuples(st.sampled_from(["REGION a b\n", "REGION x := 'y;\n"]), simple, st.just("\nEND_REGION")).map(
+    "".join
+)
+whens = st.tuples(expressions, simple).map(lambda p: f"IF {p[0]} THEN\n  {p[1]}\nELSE {p[1]} END_IF;")
+statements = st.one_of(simple, regions, whens, calls(expressions).map(lambda c: f"{c};"))
+codes = st.lists(st.tuples(statements, gaps).map("".join), max_size=5).map("\n".join)
+
+
+@given(codes)
+def test_any_code_comes_back(code: str) -> None:
+    """Random code: the same text but for tabs, and the same document again."""
+    again, diagnostics = back(code)
+    assert diagnostics == []
+    assert exact(again) == exact(code)
+    assert wrapped(again) == wrapped(code)
+
+
+@given(st.text(st.sampled_from("#ab\"'.[]()%X0:=;,-> \n\t/*{}^EIFND_TR1$<&"), max_size=40))
+def test_any_text_becomes_a_document_that_can_be_read(code: str) -> None:
+    """Whatever stands in a body: a well-formed document, no exception, and the tokens that are some come back."""
+    again, _ = read_code(wrapped(code))
+    if ERROR not in tokenize(code, "x").kinds and "REGION" not in code:
+        assert [t.replace(" ", "") for t in meant(again)] == [t.replace(" ", "") for t in meant(code)]
+
+
+DRAWN = """<?xml version="1.0" encoding="utf-8"?>
+<Document><Engineering version="V18" /><SW.Blocks.FC ID="0"><AttributeList>
+<Interface><Sections xmlns="http://www.siemens.com/automation/Openness/SW/Interface/v5">
+<Section Name="Return"><Member Name="Ret_Val" Datatype="Void" /></Section></Sections></Interface>
+<MemoryLayout>Optimized</MemoryLayout><Name>F</Name><Number>1</Number></AttributeList><ObjectList>
+<SW.Blocks.CompileUnit ID="1" CompositionName="CompileUnits"><AttributeList><NetworkSource>
+<StructuredText xmlns="http://www.siemens.com/automation/Openness/SW/NetworkSource/StructuredText/v4">{}</StructuredText>
+</NetworkSource></AttributeList></SW.Blocks.CompileUnit></ObjectList></SW.Blocks.FC></Document>"""
+
+GENUINE = {
+    '<Access Scope="LocalVariable"><Symbol><Component Name="G" SliceAccessModifier="x1" /></Symbol></Access>': "#G.%X1",
+    '<Access Scope="GlobalVariable"><Symbol><Component Name="PC" /><Component Name="T" AccessModifier="Array">'
+    '<Access Scope="LiteralConstant"><Constant><ConstantType>DInt</ConstantType><ConstantValue>1</ConstantValue>'
+    "</Constant></Access></Component></Symbol></Access>": '"PC".T[1]',
+    '<Access Scope="Call"><CallInfo Name="FC_Init" BlockType="FC" UId="23" /></Access>': '"FC_Init"()',
+    '<Access Scope="Call"><CallInfo BlockType="FB"><Instance Scope="LocalVariable"><Component Name="m" /></Instance>'
+    '<Parameter Name="a"><Access Scope="LocalVariable"><Symbol><Component Name="x" /></Symbol></Access></Parameter>'
+    '<Parameter Name="b c"><Access Scope="GlobalConstant"><Constant Name="MAX" /></Access></Parameter></CallInfo>'
+    "</Access>": '#m(a := #x, "b c" := "MAX")',
+    '<LineComment Inserted="true" NoClosingBracket="true"><Text> a</Text></LineComment>': "(* a*)",
+    "<LineComment><Text>a\nFALSE;</Text></LineComment>": "(*a\nFALSE;*)",
+    '<LineComment Inserted="true"><Text>a *) evil (* b</Text></LineComment>': "(*a * ) evil ( * b*)",
+    '<Comment><MultiLanguageText Lang="en-US">a</MultiLanguageText></Comment>': "//a",
+    '<Comment Inserted="true"><MultiLanguageText Lang="en-US">a */) b</MultiLanguageText></Comment>': "(/*a * /) b*/)",
+    '<Access Scope="Expression"><Expression><Token Text="(" /><Token Text=")" /></Expression></Access>': "()",
+    '<Access Scope="Undef"><Symbol><Component Name="x" /></Symbol></Access>': '"x"',
+    '<Access Scope="LocalVariable"><Symbol><Component Name="a&quot;; x := &quot;" />'
+    "</Symbol></Access>": '#"a_; x := _"',
+    '<Access Scope="LocalConstant"><Constant Name="for" /></Access>': '#"for"',
+}
+
+
+@pytest.mark.parametrize("xml", GENUINE)
+def test_forms_that_the_writer_does_not_use(xml: str) -> None:
+    """Other forms that documents have are understood; names and comments cannot become code."""
+    found, diagnostics = read_simaticml(DRAWN.format(xml).encode())
+    assert diagnostics == []
+    assert found[0].code == GENUINE[xml]
+
+
+def test_units_of_a_whole_source_keep_their_declarations() -> None:
+    """Retentive sections, views, attributes, structures, arrays with start values, a function with a result."""
+    text = """FUNCTION "Scale" : Real
+{ S7_Optimized_Access := 'TRUE' }
+VERSION : 1.2
+// first line
+// second line
+
+VAR_INPUT
+  x { S7_SetPoint := 'False'} : Int;  // in
+END_VAR
+
+BEGIN
+#Scale := INT_TO_REAL(#x);
+END_FUNCTION
+"""
+    block = block_of(text)
+    written, lost = document(block, SETTING, network(block.code or "", Scope.of(block)))
+    assert lost == []
+    assert 'Datatype="Real"' in written
+    found, diagnostics = read_simaticml(written.encode())
+    assert diagnostics == []
+    assert source(found[0]) == text.replace("{ S7_SetPoint := 'False'}", "{S7_SetPoint := 'False'}")
+    fb = """FUNCTION_BLOCK "Keep"
+{ S7_Optimized_Access := 'FALSE' }
+VERSION : 0.1
+VAR RETAIN
+  words : Array[0..3] of Word := [1, 2, 0, 4];
+  view AT words : Array[0..7] of Byte;
+END_VAR
+
+VAR
+  data : STRUCT  // both
+    flag : Bool := TRUE;
+    lines : Array[1..2] of String[8] := ['a', 'b'];
+    inner : Array[0..1] of STRUCT
+      x : Int;
+    END_STRUCT;
+  END_STRUCT;
+  "odd name" : "typeX";
+  t {InstructionName := 'TON_TIME'; LibVersion := '1.0'} : TON_TIME;
+END_VAR
+
+BEGIN
+;
+END_FUNCTION_BLOCK
+"""
+    block = block_of(fb)
+    written, lost = document(block, SETTING, network(block.code or ""))
+    assert lost == []
+    found, diagnostics = read_simaticml(written.encode())
+    assert diagnostics == []
+    assert source(found[0]) == fb
+
+
+def test_start_values_of_data_blocks() -> None:
+    """Values of arrays, structures and user types, declared and assigned, are those of the text."""
+    types = 'TYPE "U"\nVERSION : 0.1\n  STRUCT\n    a : Int;\n    b : Array[1..2] of Real;\n  END_STRUCT;\nEND_TYPE\n'
+    text = """DATA_BLOCK "D"
+{ S7_Optimized_Access := 'FALSE' }
+VERSION : 0.1
+NON_RETAIN
+  STRUCT
+    u : "U";
+    us : Array[0..1] of "U";
+    s : STRUCT
+      p : Array[0..2, 1..2] of Int := [1, 2, 3(7)];
+      q : Char := 'x';
+    END_STRUCT;
+  END_STRUCT;
+
+BEGIN
+  u.a := 5;
+  u.b[2] := 1.5;
+  us[1].a := 6;
+  s.q := 'y';
+END_DATA_BLOCK
+"""
+    udt, db = block_of(types), block_of(text)
+    written, lost = document(db, SETTING, "", {"U": udt})
+    assert lost == []
+    found, diagnostics = read_simaticml(written.encode())
+    assert diagnostics == []
+    from plcgen.s7.image import image
+
+    assert image(found[0], {"U": udt}) == image(db, {"U": udt})
+    again = block_of(source(found[0]))
+    assert image(again, {"U": udt}) == image(db, {"U": udt})
+
+
+def test_the_whole_of_a_code_is_written_by_elements_of_offsets() -> None:
+    """A part of a source is written by its offsets, with the trivia at both ends."""
+    text = "#a := 1; // x\n"
+    assert numbered(elements(tokenize(text, "x"), 8, 13, Scope())) == (
+        '<Blank UId="21" /><LineComment UId="22"><Text UId="23"> x</Text></LineComment>'
+    )
