@@ -14,6 +14,8 @@ INTERNAL = frozenset(
     {"member-added", "member-removed", "member-renamed", "type-changed", "length-changed", "section-changed"}
 )
 """Changes of a static variable of an FB that only the block itself notices."""
+MOST_RUNS = 5
+"""More runs of moved members in one block are reported as one."""
 
 
 class Found(NamedTuple):
@@ -71,6 +73,8 @@ class MemberComparison:
         runs = moves(outside, self.new.members)
         if self.new.instance_of and len(runs) > 1:
             runs = [_together(runs, "member-moved", f"follows {self.new.instance_of}")]
+        elif len(runs) > MOST_RUNS:
+            runs = [_together(runs, "member-moved", f"in {len(runs)} steps")]
         self.found += runs
         hidden = moves(inside, self.new.members)
         if hidden:
