@@ -407,3 +407,45 @@ def test_reports():
     names = {case.get("classname") for case in document.iter("testcase")}
     assert names == {"plcgen.audit.buffers", "plcgen.audit.calls"}
     assert verification_in("github", result, "audit").startswith("::error file=")
+
+
+def test_a_wrong_width_among_names_that_say_nothing(project):
+    """As many members as fields: a word is a mistake there, not two bytes in one."""
+    types = ["Byte", "Byte", "Word", "Byte", "Byte", "Byte", "Word", "Word"]
+    body = "".join(f"x{n} : {type_};\n" for n, type_ in enumerate(types))
+    text = f'DATA_BLOCK "WR_DataBuffer"\nSTRUCT\n{body}END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+    (project / "DB3.db").write_text(text, encoding="utf-8")
+    (found,) = findings(project)
+    assert (found.code, found.span.line) == ("PG652", 5)
+
+
+def test_rdrec_is_known_without_mlen(project):
+    """VALID makes it RDREC: its RECORD may be a response, and the length of RECORD counts."""
+    call = '#r(REQ := TRUE, ID := 256, INDEX := 47, VALID => #v, RECORD := "RD_DataBuffer");'
+    text = f'FUNCTION_BLOCK "F" VAR r : RDREC; v : Bool; END_VAR BEGIN\n{call}\nEND_FUNCTION_BLOCK'
+    (project / "F.scl").write_text(text, encoding="utf-8")
+    (project / "OB1.awl").unlink()
+    result = plcgen.audit(project, spec=FAQ)
+    assert result.diagnostics == ()
+    assert 'RDREC in FB "F"' in {c.subject for c in result.checks()}
+
+
+def test_automatic_numbers_match_nothing(tmp_path):
+    """Only a number that the spec pins says which DB is meant; 472 is one that plcgen chose."""
+    spec = tmp_path / "job.yaml"
+    spec.write_text(FAQ.read_text("utf-8").replace("request: {db: 3, name: WR_DataBuffer}", ""), encoding="utf-8")
+    number = plcgen.check(spec).project.jobs[0].telegrams[0].request_db.number
+    source = tmp_path / "other.db"
+    source.write_text(f"DATA_BLOCK DB {number} STRUCT a : Bool; END_STRUCT; BEGIN END_DATA_BLOCK", encoding="utf-8")
+    assert not any(c.text.partition(" ")[0].isdigit() for c in plcgen.audit(source, spec=spec).checks())
+
+
+def test_two_equal_requests_are_ambiguous(project):
+    """Neither is taken for the job's: the audit does not guess."""
+    start(project)
+    text = (project / "DB3.db").read_text("utf-8")
+    (project / "DB3.db").unlink()
+    for name in ("One", "Two"):
+        (project / f"{name}.db").write_text(text.replace("WR_DataBuffer", name), encoding="utf-8")
+    outcomes = {c.subject: c.outcome for c in plcgen.audit(project, spec=FAQ).checks()}
+    assert outcomes['DB3 "WR_DataBuffer"'] is Outcome.WARNING

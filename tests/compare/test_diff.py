@@ -263,3 +263,36 @@ def test_sarif(tmp_path):
     assert (found["level"], found["ruleIndex"]) == ("error", 0)
     assert found["locations"][0]["physicalLocation"]["region"]["startColumn"] == 23
     assert found["partialFingerprints"] == {"plcgenChange/v1": 'type-changed:DB "B":a'}
+
+
+def test_a_block_with_the_same_number_is_the_same_block(tmp_path):
+    """Renamed and changed at once: the number says that it is the same one."""
+    new = tmp_path / "xml"
+    shutil.copytree(GOLDEN / "xml", new)
+    path = new / "WR_DataBuffer.xml"
+    text = path.read_text("utf-8-sig").replace("<Name>WR_DataBuffer</Name>", "<Name>Question</Name>")
+    path.write_text(text.replace('Name="Subindex" Datatype="Word"', 'Name="Subindex" Datatype="Int"'), "utf-8-sig")
+    found = plcgen.diff(GOLDEN / "xml" / "WR_DataBuffer.xml", path, classic=True)
+    assert {c.kind for c in found.changes} == {"block-renamed", "type-changed"}
+
+
+def test_one_token_in_a_long_body(tmp_path):
+    """Equal beginnings and ends are left out before anything is compared token by token."""
+    body = "".join(f'"a{n}" := #a + {n};\n' for n in range(3000))
+    head = 'FUNCTION "G" : Void VAR_INPUT a : Int; END_VAR BEGIN\n'
+    old = f"{head}{body}END_FUNCTION"
+    result = diff(tmp_path, old, old.replace("#a + 2900", "#a + 1"), "scl")
+    (change,) = result.changes
+    assert change.message == 'code: line 2902: ""a2900" := #a + 2900;" -> ""a2900" := #a + 1;"'
+    assert change.new_span is not None
+    assert change.new_span.line == 2902
+
+
+def test_what_follows_from_a_spec_is_not_repeated(tmp_path):
+    """Code and comments of generated blocks say nothing that the jobs do not say."""
+    path = tmp_path / "job.yaml"
+    path.write_text(SPEC.replace("read: [P50303]", "read: [P50304]"), encoding="utf-8")
+    kinds = {c.kind for c in plcgen.diff(FAQ, path).changes}
+    assert "telegram-field" in kinds
+    assert not kinds & {"code-changed", "start-value", "member-comment", "block-text", "constant-changed"}
+    assert not any(c.subject.startswith("UDT") for c in plcgen.diff(FAQ, path).changes)
