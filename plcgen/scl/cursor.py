@@ -12,7 +12,7 @@ from plcgen.scl.lexer import EOF, ERROR, NAME, WORDS, Tokens
 MAX_NESTING = 100
 """Statements, parentheses, structures and calls inside each other."""
 
-MAX_OPERATORS = 256
+MAX_OPERATORS = 1000
 """Operators of one expression: with MAX_NESTING the bound for the depth of the tree."""
 
 MAX_ERRORS = 100

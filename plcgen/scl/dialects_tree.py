@@ -9,7 +9,8 @@ from plcgen.diagnostics import Severity
 from plcgen.s7.types import elementary
 from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
-from plcgen.scl.lexer import QUOTED, Tokens
+from plcgen.scl.lexer import KEYWORDS, QUOTED, Tokens
+from plcgen.scl.system_types import SYSTEM_TYPES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -35,6 +36,7 @@ _INDEXED = frozenset({"DB", "DX", "DW", "DD", "DBX", "DBB", "DBW", "DBD"})
 _NUMBERED = re.compile(r"(?:DB|T|C|Z)[0-9]{1,5}")
 _JOINED = re.compile(r"(?i:VAR_(?:CONSTANT|STAT(?:IC)?|RETAIN)\b)")
 _V5_NAMES = {"OK": ("the OK flag", "use ENO"), "NIL": ("NIL", "write NULL")}
+_RESERVED = frozenset("COUNTER TIMER NAME VALUE DATE VERSION AUTHOR FAMILY TITLE NULL EN ENO IN OUT".split())  # noqa: SIM905
 _LIBRARY = frozenset({"InstructionName", "OriginalPartName"})
 _SYSTEM_BLOCK = re.compile(r"SFB[0-9]{1,3}")
 _SYSTEM_FUNCTION = re.compile(r"SFC[0-9]{1,3}")
@@ -214,11 +216,17 @@ def _call_statement(node: ast.CallStatement, tokens: Tokens, dialect: Dialect) -
         return
     base = target.base
     numbered = base.scope == "bare" and base.name.upper().startswith(("FB", "SFB")) and base.name[-1].isdigit()
-    quoted = tokens.source[target.end - 1] == '"'
+    quoted = tokens.source[target.end - 1] == '"' and not _is_reserved(target.name)
     instance = (quoted and target.name.isidentifier()) or (not quoted and _is_db(target.name))
     if numbered or (base.scope == QUOTED and instance):
         what = "a call with function block and instance DB"
         yield target.start, target.end, what, f'write "{target.name}"(..)', Severity.ERROR
+
+
+def _is_reserved(name: str) -> bool:
+    """Whether the TIA Portal writes quotes around a member because its name is a word of the language."""
+    upper = name.upper()
+    return upper in KEYWORDS or upper in SYSTEM_TYPES or upper in _RESERVED or elementary(name) is not None
 
 
 def _absolute(node: ast.Call | ast.Index, dialect: Dialect, declared: frozenset[str]) -> Iterator[Refusal]:
