@@ -90,7 +90,8 @@ def _parse(text: str, type_: Elementary | StringType) -> Value:
     if name in _TEXT:
         _expect(prefix, {"", "CHAR", name})
         return _unquote(body, wide=name == "WCHAR")
-    _expect(prefix, {name})
+    # S7-SCL converts a TIME constant where S5TIME is wanted: TV := T#5s
+    _expect(prefix, {name, "TIME"} if name == "S5TIME" else {name})
     return _time(body, name)
 
 

@@ -241,11 +241,8 @@ def _absolute(node: ast.Call | ast.Index, dialect: Dialect, declared: frozenset[
         elif dialect is _T15 and isinstance(node, ast.Index) and _is_memory(inner, declared):
             text = "use PEEK and POKE with area 16#81 (inputs), 16#82 (outputs) or 16#83 (memory)"
             yield node.start, node.end, "indexed absolute access", text, Severity.ERROR
-    elif dialect is _T15 and isinstance(node, ast.Call) and isinstance(inner, ast.Address) and inner.text[0] == "%":
-        text = "use PEEK and POKE, or a tag with an array"
-        yield node.start, node.end, "indexed absolute access", text, Severity.ERROR
-    elif dialect is _T15 and _is_indexed(inner):
-        text = "use PEEK and POKE with area 16#84"
+    elif dialect is _T15 and (isinstance(inner, ast.Address) or _is_indexed(inner)):
+        text = "use PEEK and POKE: area 16#84 for a data block, 16#81 inputs, 16#82 outputs, 16#83 memory"
         yield node.start, node.end, "indexed absolute access", text, Severity.ERROR
 
 
@@ -266,8 +263,6 @@ def _is_memory(inner: ast.Name, declared: frozenset[str]) -> bool:
 
 
 def _is_indexed(inner: ast.Expression) -> bool:
-    if isinstance(inner, ast.Address):
-        return inner.text.upper().rpartition(".")[2] in _INDEXED
     return (
         isinstance(inner, ast.Member)
         and inner.name.upper() in _INDEXED

@@ -25,11 +25,10 @@ _POSTFIX = frozenset({".", "[", "(", "^", ":"})
 _FREE_LINKS = 8
 _SLICE_WIDTHS = "XBWDL"
 _NUMBERS = frozenset({INT, REAL})
-_SPACED = frozenset(
-    [area + width for area in "IQEAM" for width in ("", "X", "B", "W", "D")]
-    + [area + width for area in ("PI", "PQ", "PE", "PA") for width in "BWD"]
-    + ["D" + width for width in "BWDX"] + ["DB" + width for width in ("", "B", "W", "D", "X")] + ["FB", "SFB"]
-)  # fmt: skip
+_WIDTHS = ("", "X", "B", "W", "D")
+_SPACED = frozenset(area + width for area in ("I", "Q", "E", "A", "M", "D", "DB") for width in _WIDTHS) | {
+    "FB", "SFB", *(area + width for area in ("PI", "PQ", "PE", "PA") for width in "BWD")
+}  # fmt: skip
 """Areas that may have a blank before their number, as in statement lists."""
 _NUMBERED = frozenset({"T", "Z", "C", "DB", "FB", "FC", "SDB"})
 """Timers, counters and blocks as start values; statement lists put a blank before the number."""
