@@ -6,11 +6,15 @@ The second way of the data: it knows the files, the spec and DS47, never the gen
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.verify.model import CheckGroup, Verification
+
+if TYPE_CHECKING:
+    from plcgen.sim.drive import Drive
 
 
 def verify(
@@ -61,14 +65,16 @@ def _verify(
     if not folder.is_dir():
         report.add(Diagnostic("PG507", "there is no such folder", Span(str(folder)), help="run plcgen generate first"))
         report.raise_on_errors()
-    own = load_drive(read_text(drive_file), str(drive_file)) if drive_file is not None else None
+    own: Callable[[], Drive] | None = None
+    if drive_file is not None:
+        own = partial(load_drive, read_text(drive_file), str(drive_file))
     files = read_folder(folder, project.target, progress)
     groups = (
         CheckGroup("files", "Files", (*check_files(project, files), *check_twins(project, files))),
         CheckGroup("layout", "Layout", tuple(check_layouts(project, files))),
         CheckGroup("telegrams", "Telegrams", tuple(check_telegrams(project, files))),
-        CheckGroup("drive", "Simulated drive", tuple(check_drive(project, files, own, progress))),
-        CheckGroup("execution", "Execution", tuple(check_execution(project, folder, faults, progress))),
+        CheckGroup("drive", "Simulated drive", tuple(check_drive(project, files, own and own(), progress))),
+        CheckGroup("execution", "Execution", tuple(check_execution(project, folder, faults, progress, own=own))),
     )
     target = f"{project.target.family} / {project.target.toolchain}"
     return Verification(str(spec), str(folder), project.name, target, groups, tuple(report))

@@ -11,6 +11,7 @@ from plcgen.plan.model import PlannedJob
 
 NO_OTHER = "the selector has no other value"
 ONE_ERROR = "a telegram of one parameter has one error"
+NO_RETRY = "retries: 0"
 NO_RETRIES = "MAX_RETRIES x RETRY_PAUSE is longer than TIMEOUT"
 
 
@@ -21,10 +22,28 @@ def explanation(job: PlannedJob, probe: Probe, line: str) -> str:
         return NO_OTHER
     if probe.kind == "else" and text == "IF statFailed = 0 THEN" and all(len(t.parts) == 1 for t in job.telegrams):
         return ONE_ERROR
+    if not job.retries and _retries_only(probe, text):
+        return NO_RETRY
     retries = ("IF statRetries < MAX_RETRIES THEN", "statResult := STATUS_RETRIES;", "statState := STATE_DRAIN;")
-    if job.retries * job.retry_pause >= job.timeout and text in retries and probe.kind != "branch":
+    if job.retries * (job.retry_pause + 4) >= job.timeout and text in retries and probe.kind != "branch":
         return NO_RETRIES
     return ""
+
+
+def _retries_only(probe: Probe, text: str) -> bool:
+    """Whether a place belongs to the pause before a retry."""
+    statements = (
+        "statRetries := statRetries + 1;",
+        "statResume := tempResume;",
+        "statState := STATE_WAIT;",
+        "statState := statResume;",
+        "IF tempPauseOver THEN",
+    )
+    return (
+        text in statements
+        or (probe.kind == "branch" and text == "IF statRetries < MAX_RETRIES THEN")
+        or "STATE_WAIT" in text
+    )
 
 
 @dataclass(frozen=True, slots=True)

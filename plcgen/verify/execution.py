@@ -17,7 +17,9 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.ds47.errors import known_numbers
 from plcgen.plan.model import PlannedJob, Project
 from plcgen.s7.image import Tree
+from plcgen.sim.drive import Drive
 from plcgen.verify.coverage import Coverage, measure, merge
+from plcgen.verify.execution_own import own_checks
 from plcgen.verify.execution_rig import JobRig, ScenarioError, load_program
 from plcgen.verify.execution_run import Failure, Runner, Statistics
 from plcgen.verify.execution_together import program_scenarios, row, try_program, wrong_numbers
@@ -33,15 +35,8 @@ Progress = Callable[[str, int, int], None]
 MAX_FAILURES = 3
 QUICK_ERRORS = 600
 SHOWN_VALUES = 3
-NOMINAL = Scenario(
-    name="nominal run",
-    busy=(3, 1),
-    reads={1: STATE_CONFLICT, 2: STATE_CONFLICT},
-    factory=True,
-    retries=None,
-    calls=(0, 2),
-    follow=False,
-)
+POLLS = 2
+"""State conflicts of the nominal run, if the job has time for them."""
 
 
 @dataclass(slots=True)
@@ -59,9 +54,17 @@ class JobResult:
 
 
 def check_execution(
-    project: Project, folder: Path, level: Level = "quick", progress: Progress | None = None, workers: int | None = None
+    project: Project,
+    folder: Path,
+    level: Level = "quick",
+    progress: Progress | None = None,
+    workers: int | None = None,
+    own: Callable[[], Drive] | None = None,
 ) -> Iterator[Check]:
-    """Run every job of the files on disk; ``workers`` None uses every core."""
+    """Run every job of the files on disk; ``workers`` None uses every core.
+
+    ``own`` makes the drive of the user's drive file: every job runs once against it too.
+    """
     try:
         program = load_program(project, folder)
     except DiagnosticError as problem:
@@ -72,6 +75,8 @@ def check_execution(
     program_result = results.pop() if level != "none" else None
     for job, result in zip(project.jobs, results, strict=True):
         yield from _job_checks(job, result, level)
+    if own is not None:
+        yield from own_checks(project, program, own)
     if program_result is None:
         return
     yield _program_check(project, program_result)
@@ -109,9 +114,21 @@ def run_job(project: Project, program: Program, job: PlannedJob, level: Level) -
 def _nominal(runner: Runner, result: JobResult) -> Failure | None:
     rig, job = runner.rig, runner.rig.job
     before = runner.statistics.scans
-    failure = runner.try_run(NOMINAL)
+    polls = next((n for n in range(POLLS, 0, -1) if rig.limits.fits(n, len(job.telegrams))), 0)
+    failure = runner.try_run(
+        Scenario(
+            name="nominal run",
+            busy=(3, 1),
+            reads=dict.fromkeys(range(1, polls + 1), STATE_CONFLICT),
+            factory=True,
+            retries=None,
+            calls=(0, polls),
+            follow=False,
+        )
+    )
     if failure is None:
-        result.nominal = f"{runner.statistics.scans - before} scans, WRREC busy 3, RDREC B5 x2"
+        tail = f", RDREC B5 x{polls}" if polls else ""
+        result.nominal = f"{runner.statistics.scans - before} scans, WRREC busy 3{tail}"
         name = job.instance.name
         shown = [f"{use.label} = {_shown(rig.cpu[f'{name}.{use.member}'], use.parameter.unit)}" for use in job.outputs]
         shown = shown or [f"{use.label} written" for use in job.uses]
@@ -125,7 +142,7 @@ def scenarios(job: PlannedJob, runner: Runner, scans: int, level: Level) -> Iter
     target = runner.rig.project.target
     yield from answer_scenarios(job, classic=target.classic)
     yield from record_scenarios(job, runner.rig.limits)
-    yield from cpu_scenarios(runner.rig.limits, scans, retentive=target.v5)
+    yield from cpu_scenarios(job, runner.rig.limits, scans, retentive=target.v5)
     yield from errors_of(job, level)
 
 

@@ -80,6 +80,7 @@ class Runner(EndChecks, TimeChecks):
         self.scan = 0
         self.before: list[int] = []
         self.name = ""
+        self.scenario = Scenario(name="")
 
     # --- entry ----------------------------------------------------------------------------------------
 
@@ -116,7 +117,10 @@ class Runner(EndChecks, TimeChecks):
     def run(self, scenario: Scenario) -> None:
         """Run a job from the rising edge of execute to idle. Raises ScenarioError."""
         rig = self.rig
+        pending = 0 if self.scenario.follow else self.scenario.processing
         self.name, self.scenario, self.scan = scenario.name, scenario, 0
+        rig.cpu.clock += pending
+        rig.bus.advance(pending)
         self.prepare(scenario)
         self.random = random.Random(scenario.name)  # noqa: S311 - scan lengths
         self.started = rig.cpu.clock
@@ -194,7 +198,7 @@ class Runner(EndChecks, TimeChecks):
             self.reference = None
             self.put_inputs()
         elif happening == "lost":
-            self.lost = "call" if rig.cpu.jobs else ""
+            self.lost = "call" if rig.cpu.jobs and rig.limits.retries else ""
             rig.cpu.drop_records()
             self.reference = None
         elif happening == "steal":
@@ -256,6 +260,7 @@ class Runner(EndChecks, TimeChecks):
         if rig.cpu.jobs and done:
             raise ScenarioError("done while a record call is running")
         self.watch_pause(state)
+        self.watch_timeout(state)
         self.watch_lease(heartbeat, owner)
         self.watch_loss(state)
         self.fresh = False

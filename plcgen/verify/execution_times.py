@@ -6,7 +6,7 @@ import random
 
 from plcgen.emit.status_words import STATES
 from plcgen.verify.execution_rig import JobRig, ScenarioError
-from plcgen.verify.scenarios import Scenario
+from plcgen.verify.scenarios import WORDS, Scenario
 
 IDLE, ACQUIRE, BUILD, WRITE, READ, CHECK, WAIT, DRAIN = (number for _, number, _ in STATES)
 STATE_NAMES = {number: name.removeprefix("STATE_") for name, number, _ in STATES}
@@ -19,15 +19,17 @@ class TimeChecks:
     scenario: Scenario
     state: int
     random: random.Random
+    started: int
     pausing: bool
     pause_since: int | None
     lease_since: int | None
     seen: tuple[int, int] | None
+    timing: int | None
 
     def begin_times(self) -> None:
         """Nothing runs yet."""
         self.pausing = False
-        self.pause_since = self.lease_since = self.seen = None
+        self.pause_since = self.lease_since = self.seen = self.timing = None
 
     def length(self) -> int:
         """Length of this scan in ms; a pause passes in one long scan and ends with a short one."""
@@ -35,7 +37,9 @@ class TimeChecks:
         if scenario.jitter:
             return self.random.randint(1, 50)
         if self.pausing and self.pause_since is not None and not scenario.happens:
-            left = self.pause_since + self.rig.limits.pause - clock
+            limits = self.rig.limits
+            over = self.pause_since + limits.pause, self.started + limits.timed_out(scenario.scan)
+            left = min(over) - clock
             return left - scenario.scan if left > scenario.scan else max(left, 1)
         return scenario.scan
 
@@ -55,6 +59,20 @@ class TimeChecks:
                     f"after {passed} ms of the pause of {limits.pause} the state is {STATE_NAMES[state]}"
                 )
         self.pausing = self.pausing and state == WAIT
+
+    def watch_timeout(self, state: int) -> None:
+        """TIMEOUT ends a job in the first call in which it is over."""
+        limits, clock = self.rig.limits, self.rig.cpu.clock
+        begins = self.state == ACQUIRE and self.timing is None if limits.late else self.state == IDLE
+        if begins:
+            self.timing = clock
+        if self.timing is None or self.state in {IDLE, DRAIN}:
+            return
+        passed = clock - self.timing
+        if passed >= limits.timeout and state not in {IDLE, DRAIN}:
+            raise ScenarioError(f"{passed} ms after the start, with a TIMEOUT of {limits.timeout}, the job goes on")
+        if passed < limits.timeout and self.rig.get("status") == WORDS["TIMEOUT"]:
+            raise ScenarioError(f"time-out {passed} ms after the start, TIMEOUT is {limits.timeout}")
 
     def watch_lease(self, heartbeat: int, owner: int) -> None:
         """A foreign owner keeps the drive as long as it shows itself, and LEASE longer."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import ceil, gcd
-from typing import Literal
+from typing import Any, Literal
 
 from plcgen.emit.status_words import STATUS_WORDS
 from plcgen.sim.faults import Fault
@@ -92,6 +92,22 @@ class Limits:
     drain: int
     lease: int
     late: int = 0
+
+    def fits(self, waits: int, telegrams: int = 1) -> bool:
+        """Whether a job with so many pauses, all in one telegram, ends well at scans of 10 ms."""
+        return waits <= self.retries and waits * (self.pause + 60) + 150 * telegrams + 100 < self.timeout
+
+    def after(self, waits: int, telegrams: int = 1, *, least: int | None = None, **good: Any) -> dict[str, Any]:
+        """What is expected after so many pauses: ``good``, or that retries or time have run out.
+
+        ``least`` is how many pauses it takes at least, if that may be fewer.
+        """
+        if self.fits(waits, telegrams):
+            return good
+        ends = {"TIMEOUT"} | ({"RETRIES"} if waits > self.retries else {"DONE"})
+        if least is not None and least <= self.retries:
+            ends.add("DONE")
+        return {"status": tuple(WORDS[word] for word in sorted(ends)), "retries": None, "telegram": None, "calls": None}
 
     def timed_out(self, scan: int) -> int:
         """Time of a run in ms when TIMEOUT is noticed: in the first call in which it is over.

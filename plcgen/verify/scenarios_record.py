@@ -30,38 +30,39 @@ def ends(job: PlannedJob) -> tuple[int, ...]:
 
 def record_scenarios(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
     """Everything the record calls may do."""
-    yield from _status_once(job)
+    yield from _status_once(job, limits)
     yield from _status_always(limits)
     yield from _busy(job, limits)
     yield from _late(job, limits)
     yield from _stale(job, limits)
 
 
-def _status_once(job: PlannedJob) -> Iterator[Scenario]:
-    total = len(job.telegrams)
+def _status_once(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
     for number in ends(job):
         for code in CODES:
             for base, name in ((WRITE, "WRREC"), (READ, "RDREC"), (LOCAL, "WRREC locally"), (LOCAL, "RDREC locally")):
-                passes = temporary(code, write=name[0] == "W")
-                if base == LOCAL and (number > 1 or not passes):
+                if base == LOCAL and (number > 1 or not temporary(code, write=name[0] == "W")):
                     continue
-                yield _once(name, base | code << 8, number, total, passes)
+                yield _once(name, base | code << 8, number, job, limits)
     for decode in range(0x81, 0x90):
         for base, name in ((0xDF000000, "WRREC"), (0xDE000000, "RDREC")):
             for code in (0xA0, 0xA7):
-                yield _once(name, base | decode << 16 | code << 8, 1, total, passes=False)
+                yield _once(name, base | decode << 16 | code << 8, 1, job, limits)
 
 
-def _once(name: str, status: int, number: int, total: int, passes: bool) -> Scenario:  # noqa: FBT001
+def _once(name: str, status: int, number: int, job: PlannedJob, limits: Limits) -> Scenario:
     """One STATUS on the call of one telegram."""
+    total = len(job.telegrams)
     title = f"{name} of telegram {number} ends with {status:08X}"
     writing = name[0] == "W"
     script = {"writes" if writing else "reads": {number: status}}
-    again = not writing and status & 0x00FFFF00 == 0x0080A000
-    if passes or again:
+    dpv1 = status & 0x00FF0000 == 0x00800000
+    again = dpv1 and not writing and status & 0x0000FF00 == 0xA000
+    if again or (dpv1 and temporary(status >> 8 & 0xFF, write=writing)):
         retries = 1 if number == total else 0
         calls = (1 if writing or again else 0, 0 if writing else 1)
-        return Scenario(name=title, retries=retries, calls=calls, follow=False, **script)  # type: ignore[arg-type]
+        expected = limits.after(1, total, retries=retries, calls=calls)
+        return Scenario(name=title, follow=False, **expected, **script)  # type: ignore[arg-type]
     word = WORDS["WRITE_ERROR" if writing else "READ_ERROR"]
     calls = (0, -1 if writing else 0)
     return Scenario(name=title, status=(word,), telegram=number, calls=calls, **script)  # type: ignore[arg-type]
@@ -75,11 +76,12 @@ def _status_always(limits: Limits) -> Iterator[Scenario]:
             if not temporary(code, write=writing) and not again:
                 continue
             script = {"writes" if writing else "reads": {0: base | code << 8}}
-            results = limits.repeated(10, 4 if again else 1)
+            results = limits.repeated(1, 4 if again else 1)
             retries = limits.retries if results == (WORDS["RETRIES"],) else None
             yield Scenario(
                 name=f"{name} always ends with {base | code << 8:08X}",
                 status=results,
+                scan=1,
                 busy=(0, 0),
                 retries=retries,
                 telegram=1,
@@ -88,13 +90,15 @@ def _status_always(limits: Limits) -> Iterator[Scenario]:
             )
     scan = max(20, limits.timeout // 500)
     slow = max(1, ceil((limits.timeout / max(limits.retries, 1) - limits.pause) / scan) + 3)
+    if not limits.retries or slow * scan > limits.drain // 2:
+        return
     for script in ({"writes": {0: 0xDF80C300}}, {"reads": {0: STATE_CONFLICT}}):
         yield Scenario(
             name=f"{'WRREC' if 'writes' in script else 'RDREC'} always ends with a temporary error on a slow bus",
             status=(WORDS["TIMEOUT"],),
             busy=(slow, slow),
             scan=scan,
-            took=(limits.timeout, limits.timeout + (slow + 4) * scan),
+            took=(limits.timeout, limits.timed_out(scan) + (slow + 4) * scan),
             retries=None,
             telegram=1,
             calls=None,
@@ -105,7 +109,7 @@ def _status_always(limits: Limits) -> Iterator[Scenario]:
 def _busy(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
     tries = len(job.telegrams)
     for scans in BUSY_SCANS:
-        if scans * 10 * tries * 2 > limits.timeout:
+        if (scans + 10) * 10 * tries * 2 > limits.timeout:
             continue
         yield Scenario(name=f"WRREC busy for {scans} scans", busy=(scans, 0), follow=False)
         yield Scenario(name=f"RDREC busy for {scans} scans", busy=(0, scans), follow=False)
@@ -141,13 +145,15 @@ def _busy(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
 def _late(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
     total = len(job.telegrams)
     for late in (25, 350, 2000):
-        if late + 500 < limits.retries * limits.pause and total * (late + 500) < limits.timeout:
+        if limits.fits(ceil(late / limits.pause) * total, total) and late < limits.retries * limits.pause:
             yield Scenario(name=f"answer after {late} ms", processing=late, retries=None, calls=None, follow=False)
     once = {"busy": (0, 0), "telegram": 1, "calls": None}
     for name, silent, late in (("drive silent", True, 0), ("answer after TIMEOUT", False, limits.timeout + 500)):
         results = limits.repeated(10, 1)
+        left = late - limits.retries * limits.pause
         yield Scenario(
             name=name,
+            follow=limits.fits(max(0, ceil(left / limits.pause)) + 2, total) if late else True,
             status=results,
             silent=silent,
             processing=late,
@@ -163,9 +169,8 @@ def _stale(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
             yield Scenario(
                 name=f"{count} old answers before that of telegram {number}",
                 stale=range(number, number + count),
-                retries=count if number == total else 0,
-                calls=(0, count),
                 follow=False,
+                **limits.after(count, total, retries=count if number == total else 0, calls=(0, count)),
             )
     results = limits.repeated(10, 2)
     yield Scenario(
@@ -182,26 +187,28 @@ def _stale(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
 # --- the CPU ----------------------------------------------------------------------------------------------
 
 
-def cpu_scenarios(limits: Limits, scans: int, *, retentive: bool) -> Iterator[Scenario]:
+def cpu_scenarios(job: PlannedJob, limits: Limits, scans: int, *, retentive: bool) -> Iterator[Scenario]:
     """What the CPU and its program may do.
 
     ``scans`` is how long a good run takes, ``retentive`` says that instances keep their values at a warm restart.
     """
+    total = len(job.telegrams)
     loose = {"retries": None, "telegram": None, "calls": None}
+    lost = limits.after(1, total, least=0, **loose)
     pause = limits.pause // 10 + 4
     for at in range(2, scans + 1):
         yield Scenario(name=f"execute falls before scan {at}", happens={at: "drop"}, follow=False)
     for kind in ("cold", "warm"):
         for at in range(2, scans + 1):
             happens: dict[int, Happening] = {at: "cold" if kind == "cold" else "warm"}
-            yield Scenario(name=f"{kind} restart before scan {at}", happens=happens, **loose)  # type: ignore[arg-type]
+            yield Scenario(name=f"{kind} restart before scan {at}", happens=happens, **lost)
         for at in range(5, 8 + pause, 3):
             happens = {at: "cold" if kind == "cold" else "warm"}
             yield Scenario(
                 name=f"{kind} restart before scan {at} of a job with a retry",
                 happens=happens,
                 reads={1: STATE_CONFLICT},
-                **loose,  # type: ignore[arg-type]
+                **limits.after(2, total, least=0, **loose),
             )
     long = ceil((limits.timeout + 2000) / 50)
     for busy in ((long, 0), (0, long)) if retentive else ():
@@ -221,25 +228,29 @@ def cpu_scenarios(limits: Limits, scans: int, *, retentive: bool) -> Iterator[Sc
             **loose,  # type: ignore[arg-type]
         )
     for at in range(5, scans):
-        yield Scenario(name=f"the record call is lost before scan {at}", happens={at: "lost"}, busy=(2, 2), **loose)  # type: ignore[arg-type]
-    for number in range(6):
+        yield Scenario(name=f"the record call is lost before scan {at}", happens={at: "lost"}, busy=(2, 2), **lost)
+    options = (400, 150, 0)
+    for number in range(6) if limits.fits(0, 3 * total) else ():
         yield Scenario(
             name=f"scans of random length {number}",
             jitter=True,
             busy=(number, 5 - number),
-            processing=(0, 150, 400)[number % 3],
+            processing=next(
+                late for late in options[number % 3 :] if limits.fits(3 * total * ceil(late / limits.pause), 3 * total)
+            ),
             retries=None,
             calls=None,
             follow=False,
         )
     yield from _owner(limits, scans)
-    yield from _clock()
+    yield from _clock(limits, total)
 
 
 def _owner(limits: Limits, scans: int) -> Iterator[Scenario]:
     loose = {"retries": None, "telegram": None, "calls": None}
     none = {"telegram": 1, "calls": (-1, -1)}
-    yield Scenario(name="the drive is busy with another job", owner=Foreign(20, leaves=True))
+    if limits.fits(0, 3):
+        yield Scenario(name="the drive is busy with another job", owner=Foreign(20, leaves=True))
     yield Scenario(
         name="another job keeps the drive",
         status=(WORDS["DRIVE_OCCUPIED"],),
@@ -248,7 +259,15 @@ def _owner(limits: Limits, scans: int) -> Iterator[Scenario]:
         took=(limits.timed_out(50), limits.timed_out(50)),
         **none,  # type: ignore[arg-type]
     )
-    if limits.timeout > limits.lease + 3000:
+    if limits.timeout <= limits.lease + 500 + 10 * scans:
+        early = limits.timeout <= limits.lease
+        yield Scenario(
+            name="the owner of the drive is not called any more, TIMEOUT comes at the same time",
+            status=tuple(WORDS[w] for w in (("DRIVE_OCCUPIED",) if early else ("DRIVE_OCCUPIED", "TIMEOUT", "DONE"))),
+            owner=Foreign(8),
+            **loose,  # type: ignore[arg-type]
+        )
+    else:
         for clock in (None, CLOCK_END - 1000):
             yield Scenario(
                 name="the owner of the drive is not called any more" + ("" if clock is None else ", the clock wraps"),
@@ -256,6 +275,7 @@ def _owner(limits: Limits, scans: int) -> Iterator[Scenario]:
                 took=(limits.lease + 70, limits.lease + 70 + (scans + 8) * 10),
                 clock=clock,
             )
+    if limits.timeout > limits.lease + 2500 + 10 * scans:
         yield Scenario(
             name="a dead owner of the drive is followed by another one",
             owner=Foreign(8, follows=200),
@@ -277,14 +297,13 @@ def _owner(limits: Limits, scans: int) -> Iterator[Scenario]:
     yield Scenario(name="another job takes the drive at the end", happens={scans: "steal"})
 
 
-def _clock() -> Iterator[Scenario]:
+def _clock(limits: Limits, total: int) -> Iterator[Scenario]:
     for before in (15, 60, 150):
         yield Scenario(
             name=f"the clock wraps after {before} ms",
             reads={1: STATE_CONFLICT},
             clock=CLOCK_END - before,
-            retries=None,
-            calls=(0, 1),
+            **limits.after(1, total, retries=None, calls=(0, 1)),
         )
     for beat in (0, 29_995, 29_998, 30_000, 30_001, 32_767):
         yield Scenario(name=f"heartbeat starts at {beat}", heartbeat=beat, follow=False)

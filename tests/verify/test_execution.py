@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from projects import FAQ, MM4, SPECS, every_type, retargeted
+from projects import FAQ, MM4, SPECS, TARGETS, every_type, retargeted
 
 from plcgen import api
 from plcgen.diagnostics import Report
@@ -45,6 +45,30 @@ def test_every_project_passes_every_scenario_with_full_coverage(name: str, tmp_p
     checks = list(check_execution(project, folder, "quick", workers=1))
     assert wrong(checks) == []
     assert [c.id for c in checks if c.id.startswith("coverage")] == [f"coverage.{job.key}" for job in project.jobs]
+
+
+TIMES = (
+    "retries: 0",
+    "retries: 1",
+    "retries: 1000",
+    "timeout: 1s",
+    "timeout: 5s, retry_pause: 50ms",
+    "timeout: 3333ms, retry_pause: 77ms",
+    "timeout: 2s, retry_pause: 1900ms",
+    "timeout: 60s, retry_pause: 1s",
+)
+
+
+@pytest.mark.parametrize("target", ["v5", "t15"])
+@pytest.mark.parametrize("times", TIMES)
+def test_any_times_pass(times: str, target: str, tmp_path: Path) -> None:
+    """No scenario expects what the job's own times, or no retries at all, do not allow."""
+    family, toolchain = TARGETS[target]
+    drive = f"{{device: sinamics-dcm, {'hardware_id' if target == 't15' else 'address'}: 256, drive_object: 2}}"
+    text = f"plc: {{name: Times, family: {family}, toolchain: {toolchain}}}\ndrives:\n  dcm: {drive}\n"
+    text += f"jobs:\n  a: {{drive: dcm, read: [P50303, P50304], {times}}}\n"
+    project, folder = generated(tmp_path, text)
+    assert wrong(list(check_execution(project, folder, "quick", workers=1))) == []
 
 
 def test_the_report_has_the_figures(tmp_path: Path) -> None:

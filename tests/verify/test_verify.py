@@ -131,10 +131,16 @@ def test_a_drive_file_replaces_the_profile(tmp_path: Path) -> None:
     drive.write_text(f"objects:\n  - number: 2\n    parameters: [{entry}]\n")
     verdicts = {c.id: c.verdict for c in api.verify(FAQ, GOLDEN, drive=drive).checks()}
     assert "P50303 = 12.5 s" in verdicts["drive.WR_DataBuffer"]
+    assert verdicts["own.read_ramp_up"] == "ok, values agree"
+    assert verdicts["own.write_ramp_down"] == "ok, values agree"
     drive.write_text("objects:\n  - number: 2\n    parameters: [{pnu: 1, type: FloatingPoint, value: 12.5}]\n")
     result = api.verify(FAQ, GOLDEN, drive=drive)
     assert {c.id: c.outcome for c in result.checks()}["drive.WR_DataBuffer"] is Outcome.ERROR
     assert "error 00h" in {c.id: c.verdict for c in result.checks()}["drive.WR_DataBuffer"]
+    own = {c.id: c for c in result.checks()}["own.read_ramp_up"]
+    assert own.outcome is Outcome.ERROR
+    assert "16#8401" in own.verdict
+    assert "P50303: error 00h" in own.verdict
 
 
 def test_a_missing_folder_or_spec_is_a_diagnostic(tmp_path: Path) -> None:
