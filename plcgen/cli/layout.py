@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, format_options
-from plcgen.cli.output import OK, PROBLEMS, Console
+from plcgen.cli.output import OK, PROBLEMS, Console, is_terminal
 
 if TYPE_CHECKING:
     from plcgen.api import Family, LayoutResult
@@ -99,4 +100,6 @@ def _spelled(
 
     if format_ == "markdown":
         return layout_markdown(result.blocks)
-    return layout_text(result.blocks, color=out.out_color and output is None, grid=grid, width=out.out_width)
+    screen = output is None and is_terminal(sys.stdout)
+    width = out.out_width if screen else 0
+    return layout_text(result.blocks, color=out.out_color and output is None, grid=grid, width=width)

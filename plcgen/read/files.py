@@ -129,18 +129,22 @@ def _read(
 
 
 def _unique(read: Iterable[tuple[Block, SourceFile]], diagnostics: list[Diagnostic]) -> Iterable[Block]:
-    """Leave out documents that repeat a text source; say so if one text repeats another."""
+    """Leave out documents that repeat a text source, but keep their number; say so if one text repeats another."""
     kept: dict[tuple[BlockKind, str], tuple[Block, SourceFile]] = {}
     for block, file in read:
         key = (block.kind, block.name.upper())
-        first = kept.setdefault(key, (block, file))
-        if first[1].is_xml and not file.is_xml:
-            kept[key] = (block, file)
-        elif first[0] is not block and first[1].is_xml == file.is_xml:
-            message = f'{block.kind} "{block.name}" is declared a second time; the one in {first[1].path} counts'
-            place = block.span or Span(str(file.path))
-            text = "name the files of one version only"
-            diagnostics.append(Diagnostic("PG805", message, place, Severity.WARNING, help=text))
+        first, where = kept.setdefault(key, (block, file))
+        if first is block:
+            continue
+        if where.is_xml != file.is_xml:
+            text, document = (block, first) if where.is_xml else (first, block)
+            number = document.number if text.number is None else text.number
+            kept[key] = (replace(text, number=number), file if where.is_xml else where)
+            continue
+        message = f'{block.kind} "{block.name}" is declared a second time; the one in {where.path} counts'
+        place = block.span or Span(str(file.path))
+        help_text = "name the files of one version only"
+        diagnostics.append(Diagnostic("PG805", message, place, Severity.WARNING, help=help_text))
     return [block for block, _ in kept.values()]
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 MAX_CELLS = 12_000
 """Cells of one picture; it ends there and says so."""
 
-_SMALL, _MEDIUM = 64, 1024
+_SMALL, _MEDIUM = 32, 1024
 _FOLD = 6
 """A member that covers more rows than this is drawn with its first two and its last one."""
 

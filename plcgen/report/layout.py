@@ -132,7 +132,10 @@ def member_address(db: int | None, byte: int, bit: int | None, bits: int) -> str
 
 
 def layout_text(blocks: Sequence[BlockTable], *, color: bool = False, grid: bool = True, width: int = 0) -> str:
-    """Tables for people; telegram buffers get their picture below the table."""
+    """Tables for people; telegram buffers get their picture below the table.
+
+    ``width`` (0: none) cuts long lines with ``...``.
+    """
     return "\n".join(_block(block, color=color, grid=grid, width=width) for block in blocks)
 
 
@@ -142,7 +145,9 @@ def _block(block: BlockTable, *, color: bool, grid: bool, width: int) -> str:
     if block.comment:
         lines.append(paint(f"  {cut(clean(block.comment), width or 160)}", "dim", color=color))
     shown, right = _columns(block, width)
-    header, *rows = text_table(shown[0], shown[1:], right=right, limit=width)
+    header, *rows = text_table(shown[0], shown[1:], right=right)
+    if width:
+        header, *rows = [cut(line, width) for line in (header, *rows)]
     lines.append(paint(header, "dim", color=color))
     lines += [
         paint(text, "dim", color=color and row.kind != MEMBER) for row, text in zip(block.rows, rows, strict=True)

@@ -166,11 +166,14 @@ def _texts(block: BlockTable, piece: Cell, room: int) -> tuple[str, str]:
     if not run.name or not piece.first:
         return ('"' if run.name and room > 0 else ""), ""
     name = _safe(run.name)
-    if width(name) > room and room <= _SHORT:
-        return (str(run.start % 8), "") if run.bits == 1 else ("", "")
     data = block.data[run.start // 8 : (run.start + run.bits) // 8] if block.data else b""
     value = data.hex(" ").upper() if data else _safe(run.value)
-    return cut(name, room), value if width(name) + width(value) + 2 <= room else ""
+    if width(name) <= room:
+        return name, value if width(name) + width(value) + 2 <= room else ""
+    last = name[name.rfind(".") + 1 :]
+    if run.bits == 1 and width(last) > room:
+        return str(run.start % 8), ""
+    return (cut(last, room) if room > _SHORT else ""), ""
 
 
 def _safe(text: str) -> str:

@@ -211,6 +211,7 @@ def test_of_text_and_document_the_text_counts_and_a_second_text_is_a_warning(tmp
     (block,) = read_files([tmp_path]).blocks
     assert block.span is not None
     assert block.span.file.endswith("d.db")
+    assert block.number == 3  # only the document says it
     write(tmp_path, sub__e_dot_db=text)
     found = read_files([tmp_path])
     assert (len(found.blocks), codes(found.diagnostics)) == (1, ["PG805"])

@@ -7,6 +7,7 @@ import html.parser
 import io
 import json
 import re
+from pathlib import Path
 
 import pytest
 from lxml import etree
@@ -19,6 +20,7 @@ from plcgen.report.grid import grid, title
 from plcgen.report.layout import layout_markdown, layout_text, letter, size_text
 from plcgen.report.layout_data import layout_csv, layout_json
 from plcgen.report.planned import project_tables
+from plcgen.s7.evidence import RULES
 
 HEAD = "DATA_BLOCK DB 3\n{ S7_Optimized_Access := 'FALSE' }\nSTRUCT\n"
 TAIL = "END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n"
@@ -265,3 +267,20 @@ def test_sizes_are_bytes_and_bits(bits, text):
 
 def test_footnote_letters_go_on_behind_z():
     assert [letter(n) for n in (0, 25, 26, 27, 52)] == ["a", "z", "aa", "ab", "ba"]
+
+
+PICTURES = Path(__file__).parents[2] / "docs" / "pictures"
+
+
+def test_the_picture_in_the_documentation_is_what_layout_draws():
+    """docs/pictures/conveyor.svg; after a change: plcgen layout conveyor.awl --block DB20 -f svg --out conveyor.svg."""
+    result = api.layout(PICTURES / "conveyor.awl", block="DB20")
+    assert layout_page.svg(result.blocks) == (PICTURES / "conveyor.svg").read_text("utf-8")
+    page = (PICTURES.parent / "layout.md").read_text("utf-8")
+    assert layout_text(result.blocks) in page
+
+
+def test_the_documentation_states_every_rule_with_its_evidence():
+    page = (PICTURES.parent / "layout.md").read_text("utf-8")
+    for rule in RULES.values():
+        assert f"| {rule.text} | {rule.evidence}{': ' if rule.vectors else ''}{', '.join(rule.vectors)} |" in page
