@@ -56,8 +56,17 @@ def _scl(source: SourceBlock, unit: ast.Unit, result: ParseResult, types: Mappin
         record = _record(named["RECORD"].value, _text(result, named["RECORD"].value), result.span(named["RECORD"]))
         if record.local and record.length is None:
             record = replace(record, length=_local_size(named["RECORD"].value, source, types))
-        place = result.span(node.target)
-        yield RecordCall(not _is_read(set(named)), block_title(source.block), place, arguments, record)
+        call = RecordCall(
+            not _is_read(set(named)), block_title(source.block), result.span(node.target), arguments, record
+        )
+        yield call if source.located else _at_block(call, source.block.span or Span(source.file))
+
+
+def _at_block(call: RecordCall, place: Span) -> RecordCall:
+    """The same call in SimaticML, whose code has no lines: everything in it stands where the block does."""
+    arguments = {name: replace(argument, span=place) for name, argument in call.arguments.items()}
+    record = None if call.record is None else replace(call.record, span=place)
+    return replace(call, span=place, arguments=arguments, record=record)
 
 
 def _local_size(node: ast.Expression, source: SourceBlock, types: Mapping[str, Block]) -> int | None:

@@ -145,7 +145,7 @@ class _Pair:
         if old.size is not None and new.size is not None and old.size != new.size:
             kind = "block-grown" if new.size > old.size else "block-shrunk"
             self.add(kind, f"{old.size} -> {new.size} bytes", str(old.size), str(new.size))
-        if _access(old) != _access(new):
+        if _access(old) != _access(new) and not _unsaid(old, new):
             self.add("access-changed", f"{_access(old)} -> {_access(new)} access", _access(old), _access(new))
         if old.non_retain != new.non_retain:
             was, now = _retain(old), _retain(new)
@@ -189,6 +189,12 @@ def _at(span: Span | None, line: int) -> Span | None:
 
 def _access(block: BlockState) -> str:
     return "optimized" if block.optimized else "standard"
+
+
+def _unsaid(old: BlockState, new: BlockState) -> bool:
+    """Whether one side is a text that says nothing of its access, the other a document, which always does."""
+    documents = {block.span is not None and block.span.file.lower().endswith(".xml") for block in (old, new)}
+    return None in {old.optimized, new.optimized} and len(documents) == 2
 
 
 def _retain(block: BlockState) -> str:

@@ -33,16 +33,16 @@ def compare_code(old: BlockState, new: BlockState) -> CodeChange | None:
     a, b = old.code, new.code
     if a.form != b.form or not a.tokens or not b.tokens:
         known = bool(a.tokens) and bool(b.tokens)
-        message = "code cannot be compared: one side is text, the other SimaticML" if known else _whole(old, new)
+        message = "code cannot be compared: one side is SCL, the other is not" if known else _whole(old, new)
         return CodeChange(message, old.code_hash, new.code_hash)
     hunks = _hunks(a.tokens, b.tokens)
     details = tuple(_hunk(a, b, hunk) for hunk in hunks)
     i, _, k, _ = hunks[0]
     was, now = _line(a, i), _line(b, k)
-    places = f"{len(hunks)} places, first " if len(hunks) > 1 else ""
-    message = f"code: {places}{details[0]}"
-    lines = (a.lines[min(i, len(a.lines) - 1)], b.lines[min(k, len(b.lines) - 1)])
-    return CodeChange(message, was, now, *lines, details if len(details) > 1 else ())
+    several = f"{len(hunks)} places, first " if len(hunks) > 1 else ""
+    message = f"code: {several}{details[0]}"
+    lines = [code.lines[min(n, len(code.lines) - 1)] if code.located else 0 for code, n in ((a, i), (b, k))]
+    return CodeChange(message, was, now, lines[0], lines[1], details if len(details) > 1 else ())
 
 
 def _whole(old: BlockState, new: BlockState) -> str:
@@ -68,7 +68,7 @@ def _hunks(old: Sequence[str], new: Sequence[str]) -> list[tuple[int, int, int, 
 def _hunk(old: Code, new: Code, hunk: tuple[int, int, int, int]) -> str:
     i, j, k, n = hunk
     line = new.lines[min(k, len(new.lines) - 1)]
-    where = f"line {line}: "
+    where = f"line {line}: " if new.located else ""
     if i == j:
         return f"{where}added {_quote(_line(new, k))}"
     if k == n:

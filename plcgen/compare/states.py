@@ -128,7 +128,7 @@ class _State:
             return tuple(
                 self.laid(f.member, f.shape, f.offset, "", sections, foreign=foreign) for f in self.shape.fields
             )
-        found = (m for s in self.source.sections if s.kind not in _LOCALS for m in s.members)
+        found = (m for s in self.source.sections if s.kind not in _LOCALS for m in s.members if not _is_void(m))
         return tuple(self.declared(m, sections.get(m.name.upper(), ""), m.name) for m in found)
 
     def laid(
@@ -179,6 +179,11 @@ class _State:
 
 
 _AS_TEXT = "start values of this block are compared as text"
+
+
+def _is_void(member: Member) -> bool:
+    """Whether this is the return value that a function does not have."""
+    return isinstance(member.type, NamedType) and member.type.name.upper() == "VOID"
 
 
 def _doubt(problem: Diagnostic, block: Block) -> Diagnostic:

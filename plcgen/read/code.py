@@ -26,13 +26,14 @@ _LAYOUT = frozenset({"Blank", "NewLine", "LineComment", "Comment", "Multilingual
 class Code:
     """``form`` is ``scl``, ``stl``, ``xml`` or empty (no code); ``tokens`` and their ``lines`` (from 1) run parallel.
 
-    ``shown`` gives the source line of a token as it stands in the file.
+    ``source`` are all lines of the text; it is not that of the file if ``located`` is False.
     """
 
     form: str = ""
     tokens: tuple[str, ...] = ()
     lines: tuple[int, ...] = ()
     source: tuple[str, ...] = ()
+    located: bool = True
 
     @property
     def digest(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic
@@ -15,7 +15,8 @@ from plcgen.read.xml_attributes import document_attributes
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import TypeTable
 from plcgen.scl import ast
-from plcgen.scl.parser import ParseResult
+from plcgen.scl.parser import ParseResult, parse
+from plcgen.simaticml.source import source
 
 STATEMENT_LISTS = frozenset({".awl", ".stl"})
 _KEYWORDS = {
@@ -28,7 +29,8 @@ _KEYWORDS = {
 class SourceBlock:
     """One block, the file it comes from, its code without comments, and what stands in braces at its members.
 
-    ``unit`` is its syntax tree, None in SimaticML. ``attributes`` has one entry per member with attributes:
+    ``unit`` is its syntax tree, None if there is none; of SimaticML it is that of the SCL its networks say, whose
+    lines (``located`` False) are not those of the file. ``attributes`` has one entry per member with attributes:
     upper-case path to name and value; the key ``RETAIN`` is the retentivity (``RETAIN``, ``NONRETAIN``,
     ``SETINIDB``).
     """
@@ -39,6 +41,7 @@ class SourceBlock:
     attributes: dict[str, dict[str, str]] = field(default_factory=dict)
     unit: ast.Unit | None = None
     parsed: ParseResult | None = None
+    located: bool = True
 
 
 @dataclass(slots=True)
@@ -86,10 +89,24 @@ def _sources(files: Files, parsed: Sequence[ParseResult]) -> Sources:
             if file not in documents:
                 documents[file] = (document_code(Path(file)), document_attributes(Path(file)))
             code, attributes = documents[file]
-            found.append(SourceBlock(block, file, code.get(block.name, Code()), attributes.get(block.name, {})))
+            own = attributes.get(block.name, {})
+            found.append(_from_document(block, file, code.get(block.name, Code()), own, files.types))
         else:
             found.append(SourceBlock(block, file))
     return Sources(found, files.types, files.diagnostics)
+
+
+def _from_document(
+    block: Block, file: str, networks: Code, attributes: dict[str, dict[str, str]], types: TypeTable
+) -> SourceBlock:
+    """A block of SimaticML; where its networks are StructuredText, with the SCL that they say."""
+    if block.code is None:
+        return SourceBlock(block, file, networks, attributes)
+    result = parse(source(block, types), file)
+    if len(result.units) != 1:
+        return SourceBlock(block, file, networks, attributes)
+    code = replace(unit_code(result.units[0], result), located=False)
+    return SourceBlock(block, file, code, attributes, result.units[0], result, located=False)
 
 
 def _from_text(block: Block, file: str, unit: ast.Unit, result: ParseResult) -> SourceBlock:

@@ -449,3 +449,15 @@ def test_two_equal_requests_are_ambiguous(project):
         (project / f"{name}.db").write_text(text.replace("WR_DataBuffer", name), encoding="utf-8")
     outcomes = {c.subject: c.outcome for c in plcgen.audit(project, spec=FAQ).checks()}
     assert outcomes['DB3 "WR_DataBuffer"'] is Outcome.WARNING
+
+
+def test_calls_in_simaticml(project, tmp_path):
+    """The calls of an exported block are audited as those of its text; they stand where the block does."""
+    values = {"id": "256", "index": "47", "len": "12", "record": '"WR_DataBuffer"', "size": "10"}
+    text = tmp_path / "Talk.scl"
+    text.write_text(SCL.format(**values), encoding="utf-8")
+    assert plcgen.convert(text, to="xml", out=project, classic=True).ok
+    (project / "OB1.awl").unlink()
+    (found,) = findings(project)
+    assert found.code == "PG657"
+    assert (Path(found.span.file).name, found.span.column) == ("Talk.xml", 1)

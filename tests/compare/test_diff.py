@@ -296,3 +296,21 @@ def test_what_follows_from_a_spec_is_not_repeated(tmp_path):
     assert "telegram-field" in kinds
     assert not kinds & {"code-changed", "start-value", "member-comment", "block-text", "constant-changed"}
     assert not any(c.subject.startswith("UDT") for c in plcgen.diff(FAQ, path).changes)
+
+
+def test_code_in_simaticml_is_the_scl_it_says(tmp_path):
+    """A text against its document: nothing differs; one changed statement is one change, at the block."""
+    old, new = tmp_path / "old", tmp_path / "new"
+    text = 'FUNCTION "G" : Void\nVAR_INPUT\n  a : Int;\nEND_VAR\nBEGIN\n  "x" := #a + 1; // one\nEND_FUNCTION\n'
+    old.mkdir()
+    (old / "G.scl").write_text(text, encoding="utf-8")
+    assert plcgen.convert(old / "G.scl", to="xml", out=new).ok
+    (document,) = new.glob("*.xml")
+    assert [c.kind for c in plcgen.diff(old, new).changes if c.level is not Level.DOCUMENTATION] == []
+    xml = document.read_text("utf-8-sig")
+    assert ">1<" in xml
+    document.write_text(xml.replace(">1<", ">2<"), encoding="utf-8-sig")
+    (change,) = [c for c in plcgen.diff(old, new).changes if c.level is not Level.DOCUMENTATION]
+    assert (change.kind, change.message) == ("code-changed", 'code: ""x" := #a + 1; // one" -> ""x" := #a + 2; // one"')
+    assert change.new_span is not None
+    assert (Path(change.new_span.file).name, change.new_span.column) == (document.name, 1)
