@@ -5,12 +5,10 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import DiagnosticError
 from plcgen.read.simaticml import KINDS
-from plcgen.read.xml import child, children, load, local, parse_xml, text
+from plcgen.read.xml import child, children, local, text
 from plcgen.scl import ast
 from plcgen.scl.lexer import STRING
 
@@ -95,12 +93,8 @@ def _body(unit: ast.Unit, result: ParseResult) -> Iterator[tuple[int, int]]:
         yield index, tokens.position(tokens.starts[index])[0]
 
 
-def document_code(path: Path) -> dict[str, Code]:
+def document_code(root: Element) -> dict[str, Code]:
     """Code of every block of a SimaticML document by block name: its networks, UIds and comments left out."""
-    try:
-        root = parse_xml(*load(path, None))
-    except DiagnosticError:
-        return {}
     found: dict[str, Code] = {}
     for element in children(root):
         if local(element) in KINDS:

@@ -7,10 +7,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic
+from plcgen.diagnostics import Diagnostic, DiagnosticError
 from plcgen.read.code import Code, document_code, statement_list_code, unit_code
 from plcgen.read.files import XML_SUFFIXES, Files, read_files
 from plcgen.read.text import read_text
+from plcgen.read.xml import load, parse_xml
 from plcgen.read.xml_attributes import document_attributes
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import TypeTable
@@ -87,13 +88,22 @@ def _sources(files: Files, parsed: Sequence[ParseResult]) -> Sources:
             found.append(_from_text(block, file, *known))
         elif Path(file).suffix.lower() in XML_SUFFIXES:
             if file not in documents:
-                documents[file] = (document_code(Path(file)), document_attributes(Path(file)))
+                documents[file] = _details(Path(file))
             code, attributes = documents[file]
             own = attributes.get(block.name, {})
             found.append(_from_document(block, file, code.get(block.name, Code()), own, files.types))
         else:
             found.append(SourceBlock(block, file))
     return Sources(found, files.types, files.diagnostics)
+
+
+def _details(path: Path) -> tuple[dict[str, Code], dict[str, dict[str, dict[str, str]]]]:
+    """Networks and attributes of members of a document by block name; nothing if it cannot be read any more."""
+    try:
+        root = parse_xml(*load(path, None))
+    except DiagnosticError:
+        return {}, {}
+    return document_code(root), document_attributes(root)
 
 
 def _from_document(

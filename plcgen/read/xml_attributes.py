@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import DiagnosticError
 from plcgen.read.simaticml import KINDS
-from plcgen.read.xml import child, children, load, local, parse_xml, text
+from plcgen.read.xml import child, children, local, text
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -15,12 +13,8 @@ if TYPE_CHECKING:
 MAX_DEPTH = 64
 
 
-def document_attributes(path: Path) -> dict[str, dict[str, dict[str, str]]]:
-    """Block name to member path (upper case) to attribute and value (upper case); empty if it cannot be read."""
-    try:
-        root = parse_xml(*load(path, None))
-    except DiagnosticError:
-        return {}
+def document_attributes(root: Element) -> dict[str, dict[str, dict[str, str]]]:
+    """Block name to member path (upper case) to attribute and value (upper case)."""
     return {
         text(child(child(element, "AttributeList"), "Name")).strip(): _block(element)
         for element in children(root)

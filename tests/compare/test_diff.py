@@ -314,3 +314,48 @@ def test_code_in_simaticml_is_the_scl_it_says(tmp_path):
     assert (change.kind, change.message) == ("code-changed", 'code: ""x" := #a + 1; // one" -> ""x" := #a + 2; // one"')
     assert change.new_span is not None
     assert (Path(change.new_span.file).name, change.new_span.column) == (document.name, 1)
+
+
+LADDER = """\
+<?xml version="1.0" encoding="utf-8"?>
+<Document>
+  <Engineering version="V18" />
+  <SW.Blocks.FC ID="0">
+    <AttributeList>
+      <Interface><Sections xmlns="http://www.siemens.com/automation/Openness/SW/Interface/v5">
+        <Section Name="Input"><Member Name="a" Datatype="Bool" /></Section>
+      </Sections></Interface>
+      <MemoryLayout>Optimized</MemoryLayout>
+      <Name>Ladder</Name>
+      <Number>1</Number>
+      <ProgrammingLanguage>LAD</ProgrammingLanguage>
+    </AttributeList>
+    <ObjectList>
+      <SW.Blocks.CompileUnit ID="1" CompositionName="CompileUnits">
+        <AttributeList>
+          <NetworkSource><FlgNet xmlns="http://www.siemens.com/automation/Openness/SW/NetworkSource/FlgNet/v4">
+            <Parts><Part Name="Contact" UId="21" /></Parts>
+          </FlgNet></NetworkSource>
+          <ProgrammingLanguage>LAD</ProgrammingLanguage>
+        </AttributeList>
+      </SW.Blocks.CompileUnit>
+    </ObjectList>
+  </SW.Blocks.FC>
+</Document>
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "messages"),
+    [
+        ('UId="21"', 'UId="99"', []),
+        ("Contact", "Coil", ['code: line 18: "Part Name=Contact" -> "Part Name=Coil"']),
+        ('<Part Name="Contact" UId="21" />', "", ['code: line 18: removed "Part Name=Contact"']),
+    ],
+)
+def test_drawn_networks(tmp_path, old, new, messages):
+    """LAD has no text: its elements are compared, without the numbers that every export gives anew."""
+    first, second = tmp_path / "a.xml", tmp_path / "b.xml"
+    first.write_text(LADDER, encoding="utf-8")
+    second.write_text(LADDER.replace(old, new), encoding="utf-8")
+    assert [c.message for c in plcgen.diff(first, second).changes] == messages
