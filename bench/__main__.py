@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench import codec, generation, layout_speed, scl_speed, startup
+from bench import codec, generation, layout_speed, ppi, scl_speed, startup
 
 
 def main() -> None:
@@ -28,6 +28,7 @@ def main() -> None:
         limit = f"   budget {budget:.0f} ms" if budget else ""
         print(f"  {name:<26} {milliseconds:6.0f} ms{limit}")
     scl_speed.main()
+    ppi.main()
     layout_speed.main()
 
 

@@ -1,7 +1,7 @@
 """PPI client for the S7-200: values and their types, symbols, exchanges over a line, and the API on top.
 
-``values`` reads and writes what people type, ``symbols`` reads Micro/WIN's symbol table, ``exchange`` moves one request
-and its answer over a line with bounded retries, ``client`` is the Python API.
+``values`` reads and writes what people type, ``places`` are addresses and symbols with types, ``exchange`` moves one
+request and its answer over a line with bounded retries, ``client`` is the Python API.
 """
 
 from plcgen.client.client import Client, CpuInfo, Reading, Written

@@ -35,7 +35,6 @@ from plcgen.ppi.model import (
     ItemResult,
     Pdu,
     ReadReply,
-    ReadRequest,
     Request,
     RunRequest,
     SetupReply,
@@ -45,17 +44,19 @@ from plcgen.ppi.model import (
     WriteReply,
     WriteRequest,
 )
-from plcgen.ppi.pack import ReadPlan, mismatches, pack_read, pack_write
+from plcgen.ppi.pack import ReadPlan, pack_read, pack_write
 from plcgen.ppi.pdu import encode_pdu
 
 if TYPE_CHECKING:
     from types import TracebackType
 
-    from plcgen.client.symbols import SymbolTable
+    from plcgen.spec.symbols import SymbolTable
 
 CPU_TYPE = Item.memory(Area.SYS, 0, 20)
 _TYPE = re.compile(r"\s*(.*?)\s*([0-9]{4})?\s*")
 _LEAST_PDU = 60
+_MOST_PLANS = 100
+"""Different sets of items whose plans are kept: a panel or a logger reads a few again and again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +129,14 @@ class CpuInfo:
         return f"{found[2][:2]}.{found[2][2:]}" if found and found[2] else ""
 
 
+@dataclass(frozen=True, slots=True)
+class _Prepared:
+    """A plan and its PDUs, in which only the reference changes from read to read."""
+
+    plan: ReadPlan
+    pdus: tuple[bytes, ...]
+
+
 class Client:
     """A client for one station over one line; close it, or use it in a ``with`` block."""
 
@@ -144,7 +153,7 @@ class Client:
         self.pdu_limit = PDU_LIMIT
         self._reference = 0
         self._places: dict[str, Place] = {}
-        self._plans: dict[tuple[Item, ...], ReadPlan] = {}
+        self._prepared: dict[tuple[Item, ...], _Prepared] = {}
 
     @classmethod
     def open(
@@ -199,27 +208,35 @@ class Client:
         if not items:
             return ()
         key = tuple(items)
-        plan = self._plans.get(key)
-        if plan is None:
-            if len(self._plans) > 100:
-                self._plans.clear()
-            plan = self._plans.setdefault(key, pack_read(key, rules=replace(READING, limit=self.pdu_limit)))
-        results = list(self._collect(plan))
-        alone = [number for number, result in enumerate(results) if not result.ok and plan.shared(number)]
-        if alone:
-            single = pack_read(
-                [items[number] for number in alone], merge=False, rules=replace(READING, limit=self.pdu_limit)
-            )
-            for number, result in zip(alone, self._collect(single), strict=True):
-                results[number] = result
-        return tuple(results)
+        prepared = self._prepared.get(key)
+        if prepared is None:
+            if len(self._prepared) >= _MOST_PLANS:
+                self._prepared.clear()
+            prepared = self._prepared.setdefault(key, self._prepare(key, merge=True))
+        results = self._collect(prepared)
+        alone = [n for n, result in enumerate(results) if not result.ok and prepared.plan.shared(n)]
+        if not alone:
+            return results
+        again = self._collect(self._prepare([items[number] for number in alone], merge=False))
+        corrected = dict(zip(alone, again, strict=True))
+        return tuple(corrected.get(number, result) for number, result in enumerate(results))
 
-    def _collect(self, plan: ReadPlan) -> tuple[ItemResult, ...]:
+    def _prepare(self, items: Sequence[Item], *, merge: bool) -> _Prepared:
+        plan = pack_read(items, merge=merge, rules=replace(READING, limit=self.pdu_limit))
+        return _Prepared(plan, tuple(encode_pdu(request) for request in plan.requests()))
+
+    def _collect(self, prepared: _Prepared) -> tuple[ItemResult, ...]:
         replies = []
-        for telegram in plan.telegrams:
-            request = ReadRequest(self._following(), tuple(planned.item for planned in telegram))
-            replies.append(self._read(request))
-        return plan.collect(replies)
+        for pdu in prepared.pdus:
+            reference = self._following()
+            reply = self.exchange.run_encoded(pdu[:4] + reference.to_bytes(2) + pdu[6:], reference)
+            if not isinstance(reply, ReadReply):
+                raise self._unexpected("a read is answered with something else")
+            replies.append(reply)
+        try:
+            return prepared.plan.collect(replies)
+        except PpiError as problem:
+            raise self._unexpected("; ".join(violation.message for violation in problem.violations)) from problem
 
     # ---- Writing ----------------------------------------------------------------------------------------------
 
@@ -255,9 +272,15 @@ class Client:
             raise DiagnosticError(found) from problem
         replies = []
         for telegram in plan.telegrams:
-            request = WriteRequest(self._following(), telegram)
-            replies.append(self._write(request, experimental=experimental))
-        return tuple(Written(place, code) for (place, _), code in zip(pairs, plan.collect(replies), strict=True))
+            reply = self._run(WriteRequest(self._following(), telegram), experimental=experimental)
+            if not isinstance(reply, WriteReply):
+                raise self._unexpected("a write is answered with something else")
+            replies.append(reply)
+        try:
+            codes = plan.collect(replies)
+        except PpiError as problem:
+            raise self._unexpected("; ".join(violation.message for violation in problem.violations)) from problem
+        return tuple(Written(place, code) for (place, _), code in zip(pairs, codes, strict=True))
 
     # ---- The CPU ----------------------------------------------------------------------------------------------
 
@@ -285,7 +308,7 @@ class Client:
         if not isinstance(reply, SetupReply) or reply.pdu_size < _LEAST_PDU:
             raise self._unexpected("the negotiation is answered with something else")
         self.pdu_limit = min(reply.pdu_size, PDU_LIMIT)
-        self._plans.clear()
+        self._prepared.clear()
         return reply
 
     # ---- Jobs -------------------------------------------------------------------------------------------------
@@ -301,25 +324,6 @@ class Client:
         reply = self._run(request)
         if not isinstance(reply, AckReply):
             raise self._unexpected("RUN or STOP is answered with something else")
-
-    def _read(self, request: ReadRequest) -> ReadReply:
-        reply = self._run(request)
-        if not isinstance(reply, ReadReply):
-            raise self._unexpected("a read is answered with something else")
-        self._require_match(request, reply)
-        return reply
-
-    def _write(self, request: WriteRequest, *, experimental: bool) -> WriteReply:
-        reply = self._run(request, experimental=experimental)
-        if not isinstance(reply, WriteReply):
-            raise self._unexpected("a write is answered with something else")
-        self._require_match(request, reply)
-        return reply
-
-    def _require_match(self, request: ReadRequest | WriteRequest, reply: ReadReply | WriteReply) -> None:
-        found = mismatches(request, reply)
-        if found:
-            raise self._unexpected("; ".join(violation.message for violation in found))
 
     def _unexpected(self, message: str) -> ClientError:
         return ClientError(NO_ANSWER, self.exchange.line.name, message)

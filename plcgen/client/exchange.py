@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.line import Line
 from plcgen.ppi.codes import function_text, header_error
-from plcgen.ppi.errors import TOLERABLE, PpiError
-from plcgen.ppi.fdl import decode_frame, encode_frame
+from plcgen.ppi.errors import TOLERABLE
+from plcgen.ppi.fdl import encode_frame, found_frame, sd2
 from plcgen.ppi.model import (
     REQUEST,
     Acknowledgement,
@@ -95,19 +95,23 @@ class Exchange:
         self.count = Count()
         self._now = now
         self._frame_count = FrameCount()
+        self._polls: dict[int, bytes] = {}
         self._frames: list[Frame] = []
         self._splitter = Splitter(tolerant=True)
 
     def run(self, request: Request, *, experimental: bool = False) -> Pdu:
-        """Return the answer to a request.
+        """Return the answer to a request, see ``run_encoded``. Raises PpiError if the request makes no PDU."""
+        return self.run_encoded(encode_pdu(request, experimental=experimental), request.reference)
+
+    def run_encoded(self, pdu: bytes, reference: int) -> Pdu:
+        """Return the answer to a request whose PDU has this reference.
 
         Raises NoAnswerError, RefusedError (an error in the header, or a negative answer of the line) and LineError.
         """
-        pdu = encode_pdu(request, experimental=experimental)
         self.count.exchanges += 1
         self._drain()
         try:
-            reply = self._poll(request, self._send(pdu))
+            reply = self._poll(reference, self._send(pdu))
         except ClientError:
             self._frame_count.restart()
             raise
@@ -121,7 +125,7 @@ class Exchange:
         """Send the request until something comes back: E5 or already the answer."""
         settings = self.settings
         function = self._frame_count.following()
-        data = encode_frame(VariableFrame(settings.station, settings.own, function, pdu))
+        data = sd2(bytes((settings.station, settings.own, function)) + pdu)
         for attempt in range(settings.sends):
             self.count.sends += 1
             self.count.repeats += attempt > 0
@@ -143,7 +147,7 @@ class Exchange:
         text = f"station {self.settings.station} refuses the telegram: {function_text(frame.function)}"
         raise RefusedError(self.line.name, text)
 
-    def _poll(self, request: Request, frame: Frame | None) -> Pdu:
+    def _poll(self, reference: int, frame: Frame | None) -> Pdu:
         """Poll until the answer to the request comes, a bounded number of times.
 
         E5 (not ready) is followed by a new poll with the other frame count bit, silence by the same poll again. After
@@ -155,7 +159,7 @@ class Exchange:
         for number in range(settings.polls + 1):
             again = frame is None
             if isinstance(frame, VariableFrame):
-                reply, refused = self._reply(request, frame)
+                reply, refused = self._reply(reference, frame)
                 if reply is not None:
                     return reply
                 listened = not listened
@@ -179,22 +183,29 @@ class Exchange:
         function = self._frame_count.following() if function is None else function
         self.count.polls += 1
         self.count.repeats += again
-        self.line.write(encode_frame(FixedFrame(self.settings.station, self.settings.own, function)))
+        self.line.write(self._poll_frame(function))
         frame = self._receive()
         if frame is not None:
             self._try_again(frame)
         return frame
 
-    def _reply(self, request: Request, frame: VariableFrame) -> tuple[Pdu | None, str]:
+    def _poll_frame(self, function: int) -> bytes:
+        found = self._polls.get(function)
+        if found is None:
+            frame = FixedFrame(self.settings.station, self.settings.own, function)
+            found = self._polls.setdefault(function, encode_frame(frame))
+        return found
+
+    def _reply(self, reference: int, frame: VariableFrame) -> tuple[Pdu | None, str]:
         """Return the PDU if it is the answer to the request, otherwise why not."""
         pdu, found = examine_pdu(frame.pdu)
         wrong = [violation for violation in found if violation.kind not in TOLERABLE]
         if pdu is None or wrong:
             self.count.skipped += 1
             return None, f"an answer that is no valid PDU ({wrong[0].message if wrong else 'unknown'})"
-        if pdu.reference != request.reference:
+        if pdu.reference != reference:
             self.count.skipped += 1
-            return None, f"an answer to request {pdu.reference:04X}h instead of {request.reference:04X}h"
+            return None, f"an answer to request {pdu.reference:04X}h instead of {reference:04X}h"
         return pdu, ""
 
     # ---- Frames -----------------------------------------------------------------------------------------------
@@ -225,23 +236,17 @@ class Exchange:
 
     def _take(self, chunks: list[Chunk]) -> None:
         for chunk in chunks:
-            if not chunk.frame:
-                self.count.skipped += 1
-                continue
-            try:
-                self._frames.append(decode_frame(chunk.data, tolerant=True))
-            except PpiError:
+            if chunk.frame:
+                self._frames.append(found_frame(chunk.data))
+            else:
                 self.count.skipped += 1
 
     def _is_ours(self, frame: Frame) -> bool:
         """Whether a frame can answer us: E5, or a frame from the station to us that is no request."""
-        if isinstance(frame, Acknowledgement):
-            return True
-        if not isinstance(frame, VariableFrame | FixedFrame):
-            return False
-        settings = self.settings
-        pair = (frame.source, frame.destination)
-        return pair == (settings.station, settings.own) and not frame.function & REQUEST
+        if isinstance(frame, VariableFrame | FixedFrame):
+            answers = frame.source == self.settings.station and frame.destination == self.settings.own
+            return answers and not frame.function & REQUEST
+        return isinstance(frame, Acknowledgement)
 
     def _wait(self, seconds: float) -> None:
         """Let time pass; what arrives meanwhile is kept."""
@@ -252,7 +257,7 @@ class Exchange:
 
     def _drain(self) -> None:
         """Forget what arrived before the request: late answers and older traffic."""
-        self._splitter = Splitter(tolerant=True)
+        self._splitter.clear()
         self._frames.clear()
         taken = 0
         while taken < _LEFTOVERS:

@@ -14,8 +14,8 @@ from plcgen.ppi.model import Item, WriteItem
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from plcgen.client.symbols import SymbolTable
     from plcgen.client.values import Value
+    from plcgen.spec.symbols import SymbolTable
 
 ADDRESS, VALUE, LIMIT = "PG711", "PG716", "PG715"
 BEYOND = "PG713"

@@ -32,6 +32,7 @@ _RANGES = {
 }  # fmt: skip
 _SIGNED = {"BYTE": "BYTE", "WORD": "INT", "DWORD": "DINT"}
 _BOOLS = {"1": True, "0": False, "true": True, "false": False, "on": True, "off": False}
+_FORMATS = {"BYTE": "B", "WORD": "H", "INT": "h", "DWORD": "I", "DINT": "i", "REAL": "f"}
 _LONGEST = 40
 """Digits of a number; more are not even converted."""
 
@@ -85,17 +86,8 @@ def unpack(item: Item, data: bytes, type_: str = "") -> Value:
         return data.decode("latin-1")
     if kind == "STRING":
         return data[1 : 1 + data[0]].decode("latin-1")
-    width = _WIDTHS[kind]
-    chunks = [data[at : at + width] for at in range(0, len(data), width)]
-    values = tuple(_number(chunk, kind) for chunk in chunks)
+    values = struct.unpack(f">{len(data) // _WIDTHS[kind]}{_FORMATS[kind]}", data)
     return values[0] if item.count == 1 else values
-
-
-def _number(chunk: bytes, kind: str) -> int | float:
-    if kind == "REAL":
-        (number,) = struct.unpack(">f", chunk)
-        return float(number)
-    return int.from_bytes(chunk, "big", signed=kind in {"INT", "DINT"})
 
 
 def pack(item: Item, value: Value | Sequence[bool | int | float], type_: str = "") -> bytes:

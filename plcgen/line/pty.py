@@ -65,7 +65,7 @@ class PtyLine(WaitingLine):
             attributes[4:6] = [self._termios.B50] * 2
             self._termios.tcsetattr(self._slave, self._termios.TCSANOW, attributes)
 
-    def _send(self, data: memoryview) -> int:
+    def _send(self, data: bytes | memoryview) -> int:
         return os.write(self._master, data)
 
     def _receive(self, maximum: int) -> bytes:

@@ -12,6 +12,9 @@ from plcgen.line.model import BUSY, CANNOT_OPEN, CHUNK, MISSING_PACKAGE, LineErr
 RATES = (9600, 19200, 187500)
 """What an S7-200 knows; 187500 needs an adapter that can."""
 
+_WRITE_SECONDS = 10.0
+"""A port that takes no byte for so long is gone."""
+
 
 class SerialLine:
     """A serial port with 8 data bits, even parity and 1 stop bit, as PPI needs it."""
@@ -39,6 +42,8 @@ class SerialLine:
             )
         except self._failures as problem:
             raise _refused(port, problem) from problem
+        self._pseudo = _is_pseudo_terminal(port)
+        self._descriptor: Any = self._port.fileno() if os.name == "posix" else None
 
     @property
     def name(self) -> str:
@@ -46,12 +51,22 @@ class SerialLine:
         return self._name
 
     def write(self, data: bytes) -> None:
-        """Send all of ``data``. Raises LineLostError."""
+        """Send all of ``data`` and wait until it is on the line. Raises LineLostError."""
         try:
-            self._port.write(data)
-            self._port.flush()
+            self._port.write(data) if self._descriptor is None else self._send(memoryview(data))
+            if not self._pseudo:
+                self._port.flush()
         except self._failures as problem:
             raise self._lost(problem) from problem
+
+    def _send(self, rest: memoryview) -> None:
+        """Write without pyserial's own waiting, which costs more than the writing."""
+        while rest:
+            try:
+                rest = rest[os.write(self._descriptor, rest) :]
+            except BlockingIOError:
+                if not select.select([], [self._descriptor], [], _WRITE_SECONDS)[1]:
+                    raise LineLostError(self._name, f"nothing was taken for {_WRITE_SECONDS:.0f} s") from None
 
     def read(self, maximum: int = CHUNK, timeout: float | None = None) -> bytes:
         """Return what has arrived; empty after ``timeout`` seconds. Raises LineLostError."""
@@ -65,10 +80,10 @@ class SerialLine:
 
     def _read(self, maximum: int, timeout: float | None) -> bytes | None:
         """Bytes, empty after ``timeout``, None at the end of the port."""
-        if os.name == "posix":
-            if not select.select([self._port], [], [], timeout)[0]:
+        if self._descriptor is not None:
+            if not select.select([self._descriptor], [], [], timeout)[0]:
                 return b""
-            return self._port.read(min(max(self._port.in_waiting, 1), maximum)) or None
+            return os.read(self._descriptor, maximum) or None
         self._port.timeout = timeout
         first: bytes = self._port.read(1)
         if not first:
@@ -77,6 +92,8 @@ class SerialLine:
 
     def close(self) -> None:
         """Give the port back."""
+        if self._descriptor is not None:
+            self._descriptor = -1
         self._port.close()
 
     def _lost(self, problem: Exception) -> LineLostError:

@@ -60,7 +60,7 @@ class TcpLine(WaitingLine):
         """Close the connection."""
         self._socket.close()
 
-    def _send(self, data: memoryview) -> int:
+    def _send(self, data: bytes | memoryview) -> int:
         return self._socket.send(data)
 
     def _receive(self, maximum: int) -> bytes:

@@ -32,7 +32,7 @@ class WaitingLine(ABC):
         """Close the line."""
 
     @abstractmethod
-    def _send(self, data: memoryview) -> int:
+    def _send(self, data: bytes | memoryview) -> int:
         """Send some bytes without waiting and return how many."""
 
     @abstractmethod
@@ -42,10 +42,11 @@ class WaitingLine(ABC):
     def write(self, data: bytes) -> None:
         """Send all of ``data``, waiting for room. Raises LineLostError."""
         self._check()
-        rest = memoryview(bytes(data))
+        rest: bytes | memoryview = bytes(data)
         while rest:
             try:
-                rest = rest[self._send(rest) :]
+                sent = self._send(rest)
+                rest = b"" if sent == len(rest) else memoryview(rest)[sent:]
             except BlockingIOError:
                 if not select.select([], [self], [], _WRITE_SECONDS)[1]:
                     raise LineLostError(self._name, f"nothing was taken for {_WRITE_SECONDS:.0f} s") from None
@@ -54,16 +55,18 @@ class WaitingLine(ABC):
 
     def read(self, maximum: int = CHUNK, timeout: float | None = None) -> bytes:
         """Return what has arrived; empty after ``timeout`` seconds. Raises LineLostError at its end."""
-        self._check()
+        descriptor = self._check()
         end = None if timeout is None else time.monotonic() + timeout
+        left = timeout
         while True:
+            if left != 0 and not select.select((descriptor,), (), (), left)[0]:
+                return b""
             try:
                 found = self._receive(maximum)
             except BlockingIOError:
-                left = None if end is None else end - time.monotonic()
-                if left is not None and left <= 0:
+                left = None if end is None else max(0.0, end - time.monotonic())
+                if left == 0:
                     return b""
-                select.select([self], [], [], left)
                 continue
             except OSError as problem:
                 raise self._lost(problem) from problem
@@ -71,9 +74,11 @@ class WaitingLine(ABC):
                 raise LineLostError(self._name, "the partner closed the line")
             return found
 
-    def _check(self) -> None:
-        if self.fileno() < 0:
+    def _check(self) -> int:
+        descriptor = self.fileno()
+        if descriptor < 0:
             raise LineLostError(self._name, "the line is closed")
+        return descriptor
 
     def _lost(self, problem: OSError) -> LineLostError:
         return LineLostError(self._name, f"the line was lost: {problem.strerror or problem}")

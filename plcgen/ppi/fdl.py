@@ -55,9 +55,13 @@ def encode_frame(frame: Frame) -> bytes:
     if isinstance(frame, DataFrame):
         body = head + frame.data
         return bytes((SD3,)) + body + bytes((checksum(body), END))
-    body = head + frame.pdu
+    return sd2(head + frame.pdu)
+
+
+def sd2(body: bytes) -> bytes:
+    """Put DA, SA, FC and PDU between start and checksum; nothing is checked."""
     length = len(body)
-    return bytes((SD2, length, length, SD2)) + body + bytes((checksum(body), END))
+    return bytes((SD2, length, length, SD2)) + body + bytes((sum(body) & 0xFF, END))
 
 
 def _require(frame: VariableFrame | FixedFrame | DataFrame | TokenFrame) -> None:
@@ -88,6 +92,21 @@ def decode_frame(data: bytes, *, tolerant: bool = False) -> Frame:
     if found or frame is None:
         raise PpiError(found)
     return frame
+
+
+def found_frame(data: bytes) -> Frame:
+    """Return the frame in bytes that a Splitter has found: lengths, checksum and end byte are right already.
+
+    Stations and function code are taken as they are.
+    """
+    start = data[0]
+    if start == SD2:
+        return VariableFrame(data[4], data[5], data[6], data[7:-2])
+    if start == SD1:
+        return FixedFrame(data[1], data[2], data[3])
+    if start == SD3:
+        return DataFrame(data[1], data[2], data[3], data[4:12])
+    return TokenFrame(data[1], data[2]) if start == SD4 else Acknowledgement(start)
 
 
 def examine_frame(data: bytes) -> Examined:

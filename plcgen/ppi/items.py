@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from plcgen.ppi.areas import ELEMENT_SIZES, ITEM_SIZE, OCTETS, VALUE_HEADER, Area, ReturnCode, SizeCode, TransportSize
 from plcgen.ppi.errors import Kind, PpiError, Violation
@@ -16,6 +17,10 @@ from plcgen.ppi.model import Item, ItemResult, WriteItem
 ITEM_HEADER = bytes((0x12, 0x0A, 0x10))
 _AREAS = frozenset(Area)
 _CODES = frozenset(ReturnCode)
+_OK = int(ReturnCode.OK)
+_BIT, _WORDS = int(SizeCode.BIT), int(SizeCode.WORDS)
+_MEASURED = frozenset({int(SizeCode.WORDS), int(SizeCode.OCTETS)})
+_IN_BYTES = frozenset({0x06, 0x07, int(SizeCode.OCTETS)})
 
 
 @dataclass(slots=True)
@@ -153,8 +158,7 @@ def encode_values(items: Sequence[WriteItem], *, trailing_pad: bool) -> bytes:
     return b"".join(parts)
 
 
-@dataclass(frozen=True, slots=True)
-class Value:
+class Value(NamedTuple):
     """One value as it lies in a PDU: offset of its header, return code, size code, stated length, bytes, pad or not."""
 
     at: int
@@ -172,7 +176,7 @@ class Value:
 
 def octets_of(size_code: int, length: int) -> int:
     """Bytes of a value: the length counts bytes for size codes 06, 07 and 09, otherwise bits."""
-    return length if size_code in {0x06, 0x07, SizeCode.OCTETS} else (length + 7) // 8
+    return length if size_code in _IN_BYTES else (length + 7) // 8
 
 
 def walk_values(data: bytes, at: int, count: int, *, reply: bool, padded: bool = True) -> tuple[list[Value], int]:
@@ -186,7 +190,7 @@ def walk_values(data: bytes, at: int, count: int, *, reply: bool, padded: bool =
             break
         code, size_code, length = data[at], data[at + 1], data[at + 2] << 8 | data[at + 3]
         octets = octets_of(size_code, length)
-        if reply and code != ReturnCode.OK:
+        if reply and code != _OK:
             octets = 0
         start = at + VALUE_HEADER
         if start + octets > len(data):
@@ -237,7 +241,7 @@ def read_values(findings: Findings, data: bytes, at: int, count: int, *, reply: 
 
 def _check_value(findings: Findings, data: bytes, value: Value, number: int, *, reply: bool) -> None:
     what, at = f"value {number}", value.at
-    if reply and value.code != ReturnCode.OK:
+    if reply and value.code != _OK:
         if value.code not in _CODES:
             findings.add(Kind.RETURN_CODE, at, f"{what}: the return code {value.code:02X}h is unknown")
         if value.size_code or value.length:
@@ -245,14 +249,14 @@ def _check_value(findings: Findings, data: bytes, value: Value, number: int, *, 
         return
     if not reply and value.code:
         findings.add(Kind.RESERVED, at, f"{what}: the reserved byte is {value.code:02X}h instead of 00h")
-    if value.size_code == SizeCode.BIT:
+    if value.size_code == _BIT:
         if value.length != 1:
             findings.add(Kind.COUNT, at + 2, f"{what}: {value.length} bits; bits are accessed one at a time")
         elif value.data[0] > 1:
             findings.add(Kind.VALUE, at + 4, f"{what}: a bit is 00 or 01, not {value.data[0]:02X}h")
-    elif value.size_code not in {SizeCode.WORDS, SizeCode.OCTETS}:
+    elif value.size_code not in _MEASURED:
         findings.add(Kind.SIZE_CODE, at + 1, f"{what}: the size code {value.size_code:02X}h is none of 03h, 04h, 09h")
-    elif value.size_code == SizeCode.WORDS and value.length % 8:
+    elif value.size_code == _WORDS and value.length % 8:
         findings.add(Kind.VALUE_LENGTH, at + 2, f"{what}: {value.length} bits are no whole bytes")
     if not value.data:
         findings.add(Kind.VALUE_LENGTH, at + 2, f"{what} has no bytes")
@@ -262,9 +266,7 @@ def _check_value(findings: Findings, data: bytes, value: Value, number: int, *, 
 
 def result_of(value: Value) -> ItemResult:
     """Return the result in a value of a read reply."""
-    return (
-        ItemResult(value.code, value.data, value.size_code) if value.code == ReturnCode.OK else ItemResult(value.code)
-    )
+    return ItemResult(value.code, value.data, value.size_code) if value.code == _OK else ItemResult(value.code)
 
 
 def check_against(findings: Findings, value: Value, item: Item, number: int) -> None:

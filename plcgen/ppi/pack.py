@@ -48,12 +48,14 @@ class ReadPlan:
     asked: tuple[Item, ...]
     telegrams: tuple[tuple[PlannedItem, ...], ...]
 
+    @property
+    def items(self) -> tuple[tuple[Item, ...], ...]:
+        """Items of each telegram."""
+        return tuple(tuple(planned.item for planned in telegram) for telegram in self.telegrams)
+
     def requests(self, reference: int = 0) -> tuple[ReadRequest, ...]:
         """Return the requests, with references from ``reference`` on."""
-        return tuple(
-            ReadRequest((reference + number) & 0xFFFF, tuple(planned.item for planned in telegram))
-            for number, telegram in enumerate(self.telegrams)
-        )
+        return tuple(ReadRequest((reference + number) & 0xFFFF, items) for number, items in enumerate(self.items))
 
     def shared(self, asked: int) -> bool:
         """Whether an asked item is read in one item with others, so that its return code may not be its own."""
@@ -70,22 +72,21 @@ class ReadPlan:
         An asked item of which a part failed has the return code of that part. Raises PpiError if a reply has another
         number of results or a value another length than asked.
         """
-        values = [bytearray(item.octets) for item in self.asked]
-        codes = [int(ReturnCode.OK)] * len(self.asked)
+        asked = self.asked
+        results: list[ItemResult | None] = [None] * len(asked)
         for telegram, reply in zip(self.telegrams, replies, strict=True):
-            found = mismatches(ReadRequest(reply.reference, tuple(planned.item for planned in telegram)), reply)
-            if found:
-                raise PpiError(found)
+            wrong = _unlike([planned.item for planned in telegram], reply)
+            if wrong:
+                raise PpiError(Violation(Kind.MISMATCH, 0, text) for text in wrong)
             for planned, result in zip(telegram, reply.results, strict=True):
                 for part in planned.parts:
-                    if result.ok:
-                        _copy(values[part.asked], part, result.data)
-                    elif codes[part.asked] == ReturnCode.OK:
-                        codes[part.asked] = result.code
-        return tuple(
-            ItemResult.of(item, bytes(value)) if code == ReturnCode.OK else ItemResult(code)
-            for item, value, code in zip(self.asked, values, codes, strict=True)
-        )
+                    before, item = results[part.asked], asked[part.asked]
+                    if planned.item is item or not result.ok:
+                        results[part.asked] = before if before is not None and not before.ok else result
+                    elif before is None or before.ok:
+                        value = b"" if before is None else before.data
+                        results[part.asked] = ItemResult.of(item, _placed(value, item, part, result.data))
+        return tuple(result for result in results if result is not None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,21 +128,33 @@ def mismatches(request: ReadRequest | WriteRequest, reply: ReadReply | WriteRepl
     if isinstance(request, ReadRequest) != isinstance(reply, ReadReply):
         wrong.append("a read is answered as a write" if isinstance(request, ReadRequest) else "a write as a read")
         return [Violation(Kind.MISMATCH, 0, text) for text in wrong]
-    count = len(reply.results) if isinstance(reply, ReadReply) else len(reply.codes)
-    if count != len(request.items):
-        wrong.append(f"{count} items are answered, {len(request.items)} were asked for")
-    elif isinstance(request, ReadRequest) and isinstance(reply, ReadReply):
-        for item, result in zip(request.items, reply.results, strict=True):
-            if result.ok and len(result.data) != item.octets:
-                wrong.append(f"{address_text(item)} has {len(result.data)} bytes instead of {item.octets}")
+    if isinstance(request, ReadRequest) and isinstance(reply, ReadReply):
+        wrong += _unlike(request.items, reply)
+    elif isinstance(reply, WriteReply) and len(reply.codes) != len(request.items):
+        wrong.append(f"{len(reply.codes)} items are answered, {len(request.items)} were asked for")
     return [Violation(Kind.MISMATCH, 0, text) for text in wrong]
 
 
-def _copy(value: bytearray, part: Part, data: bytes) -> None:
+def _unlike(items: Sequence[Item], reply: ReadReply) -> list[str]:
+    """Return what shows that results are not those of these items: their number and the lengths of the values."""
+    if len(items) != len(reply.results):
+        return [f"{len(reply.results)} items are answered, {len(items)} were asked for"]
+    return [
+        f"{address_text(item)} has {len(result.data)} bytes instead of {item.octets}"
+        for item, result in zip(items, reply.results, strict=True)
+        if result.ok and len(result.data) != item.octets
+    ]
+
+
+def _placed(value: bytes, item: Item, part: Part, data: bytes) -> bytes:
+    """Return the value of an asked item with one more part of it in place."""
     chunk = data[part.at : part.at + part.length]
     if part.bit is not None:
-        chunk = bytes((chunk[0] >> part.bit & 1,))
-    value[part.start : part.start + part.length] = chunk
+        return bytes((chunk[0] >> part.bit & 1,))
+    if part.length == item.octets:
+        return chunk
+    value = value or bytes(item.octets)
+    return value[: part.start] + chunk + value[part.start + part.length :]
 
 
 # ---- Reading --------------------------------------------------------------------------------------------------

@@ -63,6 +63,9 @@ FORCE_PARAMETER = bytes.fromhex("000112081248 0B00 0000 0000")
 """Userdata parameters of force and unforce as the seed document prints them."""
 
 _KNOWN_CODES = frozenset(ReturnCode)
+_REQUESTS = frozenset({int(Rosctr.JOB), int(Rosctr.USERDATA)})
+_REPLIES = frozenset({int(Rosctr.ACK), int(Rosctr.ACK_DATA)})
+_WITH_ITEMS = frozenset({int(Function.READ), int(Function.WRITE)})
 
 
 def reply_size(items: tuple[Item, ...] | list[Item]) -> int:
@@ -203,10 +206,10 @@ def examine_pdu(data: bytes, base: int = 0) -> tuple[Pdu | None, list[Violation]
         findings.add(Kind.RESERVED, 2, f"the reserved bytes are {data[2]:02X} {data[3]:02X} instead of 00 00")
     if len(data) > PDU_LIMIT:
         findings.add(Kind.LIMIT, PDU_LIMIT, f"{len(data)} bytes exceed the PDU limit of {PDU_LIMIT}")
-    if rosctr in {Rosctr.JOB, Rosctr.USERDATA}:
+    if rosctr in _REQUESTS:
         read: _Read = _job if rosctr == Rosctr.JOB else _userdata
         return read(findings, data, JOB_HEADER), findings.found
-    if rosctr not in {Rosctr.ACK, Rosctr.ACK_DATA}:
+    if rosctr not in _REPLIES:
         findings.add(Kind.ROSCTR, 1, f"ROSCTR {rosctr:02X}h is none of 1 (job), 2, 3 (answer), 7 (userdata)")
         return None, findings.found
     if len(data) < REPLY_HEADER:
@@ -253,7 +256,7 @@ def _job(findings: Findings, data: bytes, start: int) -> Pdu | None:
         findings.add(Kind.PARAMETER_LENGTH, 6, "a job has at least the byte of its function")
         return None
     function = data[start]
-    if function in {Function.READ, Function.WRITE}:
+    if function in _WITH_ITEMS:
         return _items(findings, data, start, reference, write=function == Function.WRITE)
     if function == Function.SETUP:
         return _setup(findings, data, start, reference, SetupRequest)
@@ -353,10 +356,10 @@ def _reply(findings: Findings, data: bytes, start: int) -> Pdu | None:
         parameter, at = _split(findings, data, start)
         return ErrorReply(reference, data[10], data[11], rosctr, parameter, data[at:])
     if rosctr == Rosctr.ACK_DATA and start < len(data):
+        if data[start] in _WITH_ITEMS:
+            return _results(findings, data, start, reference)
         if data[start] == Function.SETUP:
             return _setup(findings, data, start, reference, SetupReply)
-        if data[start] in {Function.READ, Function.WRITE}:
-            return _results(findings, data, start, reference)
     parameter, at = _split(findings, data, start)
     if rosctr == Rosctr.ACK and not parameter and at == len(data):
         return AckReply(reference)

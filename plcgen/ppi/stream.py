@@ -6,20 +6,22 @@ end byte where it belongs) the search goes on at the next byte, so that a frame 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from plcgen.ppi.fdl import END as END_BYTE
 from plcgen.ppi.fdl import FIXED_SIZES, LEAST_LENGTH, MOST_LENGTH, SD2, SD4
 from plcgen.ppi.model import ACKNOWLEDGE, CLIPPED
 
 
-@dataclass(frozen=True, slots=True)
-class Chunk:
+class Chunk(NamedTuple):
     """Consecutive bytes of the stream from ``offset`` on: one frame, or garbage between frames (``frame`` False)."""
 
     offset: int
     data: bytes
     frame: bool
+
+
+_ACKNOWLEDGED = bytes((ACKNOWLEDGE,))
 
 
 class Splitter:
@@ -39,8 +41,17 @@ class Splitter:
         """Bytes that wait for more: the beginning of a frame."""
         return len(self._pending)
 
+    def clear(self) -> None:
+        """Forget what waits for more."""
+        self._offset += len(self._pending)
+        self._pending.clear()
+        self._garbage.clear()
+
     def feed(self, data: bytes) -> list[Chunk]:
         """Take bytes and return what is complete, in order."""
+        if len(data) == 1 and data[0] == ACKNOWLEDGE and not self._pending and not self._garbage:
+            self._offset += 1
+            return [Chunk(self._offset - 1, _ACKNOWLEDGED, frame=True)]
         self._pending += data
         return self._split(last=False)
 

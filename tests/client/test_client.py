@@ -6,10 +6,10 @@ import pytest
 from client.support import connect
 
 from plcgen.client import RefusedError
-from plcgen.client.symbols import parse_symbols
 from plcgen.diagnostics import DiagnosticError
 from plcgen.ppi.model import ReadRequest, VariableFrame
 from plcgen.ppi.pdu import decode_pdu
+from plcgen.spec.symbols import parse_symbols
 
 
 def requests(bus):

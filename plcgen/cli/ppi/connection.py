@@ -13,7 +13,7 @@ from plcgen.diagnostics import Diagnostic
 
 if TYPE_CHECKING:
     from plcgen.client import Client
-    from plcgen.client.symbols import SymbolTable
+    from plcgen.spec.symbols import SymbolTable
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 

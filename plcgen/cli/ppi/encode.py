@@ -15,9 +15,9 @@ from plcgen.cli.ppi.places import cpu_option, symbols_option
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 
 if TYPE_CHECKING:
-    from plcgen.client.symbols import SymbolTable
     from plcgen.ppi.model import Request
     from plcgen.sim.s7_200.profiles import Profile
+    from plcgen.spec.symbols import SymbolTable
 
 _BARE = ("run", "stop", "setup", "poll")
 _WITH_ITEMS = ("read", "write", "force", "unforce")

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plcgen.client.places import Place, PlaceError
-    from plcgen.client.symbols import SymbolTable
     from plcgen.ppi.model import Item, WriteItem
     from plcgen.sim.s7_200.profiles import Profile
+    from plcgen.spec.symbols import SymbolTable
 
 Callback = TypeVar("Callback", bound=Callable[..., object])
 Result = TypeVar("Result")
@@ -58,7 +58,7 @@ def find_symbols(name: str | None) -> SymbolTable | None:
     """Return the table of ``--symbols``. Raises DiagnosticError with everything wrong in it."""
     if name is None:
         return None
-    from plcgen.client.symbols import load_symbols
+    from plcgen.spec.symbols import load_symbols
 
     return load_symbols(Path(name))
 
