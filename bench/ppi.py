@@ -132,10 +132,8 @@ def main() -> None:
     print(f"PPI: {SIZE}-byte reads a second against python-snap7's PPI client on the same simulator, in turns")
     for title, options in (("pseudo terminal", ()), ("TCP", ("--tcp", "127.0.0.1:0"))):
         (ours, used), (theirs, their_used) = against_snap7(*options)
-        print(
-            f"  {title:<16} plcgen {ours:6,.0f}/s   snap7 {theirs:6,.0f}/s   ratio {ours / theirs:.2f}   goal > {GOAL:.0f}"
-            f"   own time {used:.0f} us, snap7 {their_used:.0f} us"
-        )
+        rates = f"plcgen {ours:6,.0f}/s   snap7 {theirs:6,.0f}/s   ratio {ours / theirs:.2f}   goal > {GOAL:.0f}"
+        print(f"  {title:<16} {rates}   own time {used:.0f} us, snap7 {their_used:.0f} us")
     print(f"  in memory        {in_memory():,.0f} exchanges/s (client, codec and simulated station)")
     count, used, plain, packed, alone = telegrams()
     print(f"  {count} scattered values: {used} telegrams, {plain} without joining neighbours, {count} one by one")

@@ -7,6 +7,7 @@ answer with another reference is one to an older request: it is refused, and the
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,6 +33,9 @@ from plcgen.ppi.stream import Chunk, Splitter
 
 NO_ANSWER, REFUSED = "PG718", "PG719"
 _NO_DATA, _NO_RESOURCE = 0x09, 0x02
+_FRESH = 0.005
+"""Seconds behind a smooth exchange in which nothing can have arrived that is worth looking for."""
+
 _LEFTOVERS = 64 * 1024
 """Most bytes of older traffic that are thrown away before a request; a line that never stops is not drained."""
 
@@ -96,6 +100,7 @@ class Exchange:
         self._now = now
         self._frame_count = FrameCount()
         self._polls: dict[int, bytes] = {}
+        self._clean_until = -math.inf
         self._frames: list[Frame] = []
         self._splitter = Splitter(tolerant=True)
 
@@ -108,13 +113,19 @@ class Exchange:
 
         Raises NoAnswerError, RefusedError (an error in the header, or a negative answer of the line) and LineError.
         """
-        self.count.exchanges += 1
-        self._drain()
+        count = self.count
+        count.exchanges += 1
+        if self._now() > self._clean_until:
+            self._drain()
+        odd = count.repeats + count.skipped
         try:
             reply = self._poll(reference, self._send(pdu))
         except ClientError:
             self._frame_count.restart()
+            self._clean_until = -math.inf
             raise
+        clean = odd == count.repeats + count.skipped and not self._frames and not self._splitter.pending
+        self._clean_until = self._now() + _FRESH if clean else -math.inf
         if isinstance(reply, ErrorReply):
             meaning = header_error(reply.code)
             text = f"station {self.settings.station} refuses the job: {reply.code:04X}h, {meaning.text}"
