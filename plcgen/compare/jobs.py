@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 
 from plcgen.compare.model import Change, DriveState, JobState, Snapshot, TelegramState
@@ -37,23 +38,23 @@ class _Found:
 
     def drive(self, key: str, old: DriveState | None, new: DriveState | None) -> None:
         """One drive."""
-        subject = f"drive {key}"
+        state = new or old
+        if state is None:
+            return
+        subject = f"{state.what} {key}"
         if old is None or new is None:
-            state = new or old
-            if state is not None:
-                kind, word = ("drive-added", "added") if old is None else ("drive-removed", "removed")
-                message = f"{word}: {state.device} at {state.address}, drive object {state.drive_object}"
-                spans = (None, state.span) if old is None else (state.span, None)
-                self.add(kind, subject, message, "", "", *spans)
+            kind, word = ("drive-added", "added") if old is None else ("drive-removed", "removed")
+            settings = ", ".join(f"{name} {value}" for name, value in state.settings)
+            spans = (None, state.span) if old is None else (state.span, None)
+            self.add(kind, subject, f"{word}: address {_number(state.address)}, {settings}", "", "", *spans)
             return
         if old.address != new.address:
-            message = f"hardware identifier or address {_number(old.address)} -> {_number(new.address)}"
+            what = "hardware identifier or address" if new.what == "drive" else "address"
+            message = f"{what} {_number(old.address)} -> {_number(new.address)}"
             self.add("drive-address", subject, message, str(old.address), str(new.address), old.span, new.span)
-        for what, was, now in (
-            ("device", old.device, new.device),
-            ("drive object", str(old.drive_object), str(new.drive_object)),
-            ("record index", _number(old.record_index), _number(new.record_index)),
-        ):
+        before, after = dict(old.settings), dict(new.settings)
+        for what in dict.fromkeys((*after, *before)):
+            was, now = before.get(what, "(none)"), after.get(what, "(none)")
             if was != now:
                 self.add("drive-device", subject, f"{what} {was} -> {now}", was, now, old.span, new.span)
 
@@ -98,9 +99,13 @@ class _Found:
 def _telegram(old: TelegramState, new: TelegramState) -> Iterator[tuple[str, str, str, str]]:
     if len(old.request) != len(new.request):
         was, now = len(old.request), len(new.request)
-        yield "request-length", f"request {was} -> {now} bytes (LEN of WRREC)", str(was), str(now)
-    before = {field.name: field for field in dissect_request(old.request)}
-    after = {field.name: field for field in dissect_request(new.request)}
+        yield (
+            "request-length",
+            f"request {was} -> {now} bytes{' (LEN of WRREC)' if new.protocol == 'ds47' else ''}",
+            str(was),
+            str(now),
+        )
+    before, after = _fields(old), _fields(new)
     for name, field in after.items():
         earlier = before.get(name)
         if earlier is None:
@@ -120,11 +125,25 @@ def _telegram(old: TelegramState, new: TelegramState) -> Iterator[tuple[str, str
             yield "response-length", f"{what} {was} -> {now} bytes", str(was), str(now)
 
 
+def _fields(telegram: TelegramState) -> dict[str, Field]:
+    """Fields of a request by name; lengths and checksums of a PPI frame follow from the others."""
+    if telegram.protocol == "ds47":
+        return {field.name: field for field in dissect_request(telegram.request)}
+    from plcgen.ppi.dissect import dissect
+
+    found: dict[str, Field] = {}
+    for field in dissect(telegram.request):
+        name = re.sub(r" \([^)]*\)", "", field.name)
+        if not name.startswith(("checksum", "length LE", "parameter length", "data length")):
+            found[name] = Field(field.offset, field.length, name, field.value, field.note)
+    return found
+
+
 def _kind(name: str) -> str:
     if name == "request reference":
         return "telegram-reference"
     words = name.split()
-    is_value = "value" in words and "values" not in words
+    is_value = "value" in words and "values" not in words and words[-1] not in {"code", "length", "reserved"}
     return "telegram-value" if is_value else "telegram-field"
 
 

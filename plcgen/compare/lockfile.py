@@ -144,8 +144,8 @@ def _members(member: MemberState, section: str) -> Iterator[tuple[str, str, str]
 
 
 def _drive(drive: DriveState) -> str:
-    rest = f"address: {drive.address}, device: {_text(drive.device)}, object: {drive.drive_object}"
-    return f"  {_key(drive.key)}: {{{rest}, index: {drive.record_index}}}"
+    settings = "".join(f", {_key(name)}: {_text(value)}" for name, value in drive.settings)
+    return f"  {_key(drive.key)}: {{what: {_text(drive.what)}, address: {drive.address}{settings}}}"
 
 
 def _job(job: JobState) -> Iterator[str]:
@@ -158,7 +158,8 @@ def _job(job: JobState) -> Iterator[str]:
     yield "    telegrams:"
     for telegram in job.telegrams:
         lengths = f"positive: {telegram.positive}, negative: {telegram.negative}, buffer: {telegram.buffer}"
-        yield f'      - {{request: "{telegram.request.hex(" ").upper()}", {lengths}}}'
+        protocol = "" if telegram.protocol == "ds47" else f", protocol: {telegram.protocol}"
+        yield f'      - {{request: "{telegram.request.hex(" ").upper()}", {lengths}{protocol}}}'
 
 
 def _key(text: str) -> str:

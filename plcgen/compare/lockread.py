@@ -20,7 +20,7 @@ _VALUE = re.compile(
 _SECTIONS = {"members": "Static", "input": "Input", "output": "Output", "inout": "InOut", "static": "Static"}
 _SECTIONS |= {"return": "Return"}
 _KINDS = ("DB", "FB", "FC", "OB", "UDT")
-_HEX = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2}){0,239}\Z")
+_HEX = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2}){0,254}\Z")
 _OPTIMIZED = {text: value for value, text in ACCESS.items()}
 _LARGEST = 1 << 31
 _LONGEST = 2000
@@ -176,8 +176,9 @@ class _Reader:
         return MemberState(name, key, match["type"], "", offset, bits, match["start"] or "", "", braces, span=node.span)
 
     def drive(self, key: str, node: Node) -> DriveState:
-        values = [self.number(node, name, 0xFFFF_FFFF) or 0 for name in ("address", "object", "index")]
-        return DriveState(key, values[0], self.text(node, "device"), values[1], values[2], node.span)
+        address = self.number(node, "address", 0xFFFF_FFFF) or 0
+        settings = tuple(pair for pair in self.pairs(node, "drives") if pair[0] not in {"what", "address"})
+        return DriveState(key, self.text(node, "what") or "drive", address, settings, node.span)
 
     def job(self, key: str, node: Node) -> JobState:
         timing, trigger, telegrams = node.get("timing"), node.get("trigger"), node.get("telegrams")
@@ -191,10 +192,13 @@ class _Reader:
     def telegram(self, key: str, node: Node) -> TelegramState | None:
         request = self.text(node, "request")
         if not _HEX.match(request):
-            self.wrong(f"{key}: request is 1 to 240 bytes in hexadecimal", node.get("request") or node)
+            self.wrong(f"{key}: request is 1 to 255 bytes in hexadecimal", node.get("request") or node)
             return None
         lengths = [self.number(node, name) or 0 for name in ("positive", "negative", "buffer")]
-        return TelegramState(bytes.fromhex(request), *lengths)
+        protocol = self.text(node, "protocol") or "ds47"
+        if protocol not in {"ds47", "ppi"}:
+            self.wrong(f'protocol is ds47 or ppi, not "{protocol[:40]}"', node.get("protocol") or node)
+        return TelegramState(bytes.fromhex(request), lengths[0], lengths[1], lengths[2], protocol)
 
 
 @dataclass(slots=True)

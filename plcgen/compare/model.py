@@ -66,12 +66,16 @@ class BlockState:
 
 @dataclass(frozen=True, slots=True)
 class TelegramState:
-    """One request with its answer: bytes, lengths and the size of the response buffer."""
+    """One request with its answer: bytes, lengths and the size of the response buffer.
+
+    ``protocol`` (``ds47`` or ``ppi``) says how the bytes of the request are read.
+    """
 
     request: bytes
     positive: int
     negative: int
     buffer: int
+    protocol: str = "ds47"
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,13 +92,12 @@ class JobState:
 
 @dataclass(frozen=True, slots=True)
 class DriveState:
-    """One drive of a spec: what addresses it."""
+    """A drive or a station on a line: its address, and the ``settings`` it is talked to with, by name."""
 
     key: str
+    what: str
     address: int
-    device: str
-    drive_object: int
-    record_index: int
+    settings: tuple[tuple[str, str], ...]
     span: Span | None = field(default=None, compare=False)
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 from plcgen.compare.model import DriveState, JobState, Snapshot, TelegramState
 from plcgen.compare.states import snapshot_of
 from plcgen.diagnostics import DiagnosticError, Report
-from plcgen.plan.model import PlannedJob, Project
+from plcgen.plan.model import PlannedDrive, PlannedJob, Project
+from plcgen.plan.ppi_model import PlannedMaster, PpiTelegram
 from plcgen.read.output import SOURCES
 from plcgen.read.sources import read_texts
 
@@ -34,13 +35,44 @@ def spec_snapshot(path: Path) -> Snapshot:
     buffers = [ref for job in project.jobs for t in job.telegrams for ref in (t.request_type, t.response_type)]
     snapshot.mirrored = frozenset(ref.name.upper() for ref in buffers)
     snapshot.drives = {
-        drive.key: DriveState(
-            drive.key, drive.id_value, drive.device.key, drive.drive_object, drive.record_index,
-            project.loaded.key_span(drive.path),
-        )
+        drive.key: DriveState(drive.key, "drive", drive.id_value, _settings(drive), project.loaded.key_span(drive.path))
         for drive in project.drives
-    }  # fmt: skip
+    }
+    for master in project.ppi.masters if project.ppi is not None else ():
+        _master(project, master, snapshot)
     return snapshot
+
+
+def _settings(drive: PlannedDrive) -> tuple[tuple[str, str], ...]:
+    index = f"{drive.record_index} (16#{drive.record_index:04X})"
+    return (("device", drive.device.key), ("drive object", str(drive.drive_object)), ("record index", index))
+
+
+def _master(project: Project, master: PlannedMaster, snapshot: Snapshot) -> None:
+    """Stations and jobs of a PPI master, under the name of the master."""
+    line = (("module", master.module), ("port", str(master.port)), ("baud", str(master.baud)))
+    for station in master.stations:
+        key = f"{master.key}.{station.key}"
+        settings = (("cpu", station.profile.key), *line)
+        place = project.loaded.key_span(station.path)
+        snapshot.drives[key] = DriveState(key, "station", station.address, settings, place)
+    for job in master.jobs:
+        key = f"{master.key}.{job.key}"
+        telegrams = tuple(_ppi_telegram(telegram) for telegram in job.telegrams)
+        timing = (("timeout", f"{job.timeout} ms"), ("cycle", f"{job.cycle} ms"))
+        trigger = tuple((name, address.text()) for name, address in job.trigger.items())
+        station_key = f"{master.key}.{job.station.key}"
+        place = project.loaded.key_span(job.path)
+        assert snapshot.jobs is not None  # noqa: S101 - made just before
+        snapshot.jobs[key] = JobState(key, station_key, telegrams, timing, trigger, place)
+    refs = [ref for t in master.telegrams for ref in (t.request_type, t.response_type) if ref is not None]
+    snapshot.mirrored |= {ref.name.upper() for ref in refs}
+
+
+def _ppi_telegram(telegram: PpiTelegram) -> TelegramState:
+    last = telegram.response_fields[-1] if telegram.response_fields else None
+    size = 0 if last is None else last.offset + last.size
+    return TelegramState(telegram.request, size, 0, size, "ppi")
 
 
 def _rendered(project: Project, label: str) -> Snapshot:
@@ -53,7 +85,11 @@ def _rendered(project: Project, label: str) -> Snapshot:
         for file in render_project(project)
         if file.path.lower().endswith(SOURCES)
     ]
-    return snapshot_of(read_texts(sorted(texts)), label)
+    snapshot = snapshot_of(read_texts(sorted(texts)), label)
+    snapshot.diagnostics = [
+        d for d in snapshot.diagnostics if d.code != "PG630"
+    ]  # nobody can add the types of a library
+    return snapshot
 
 
 def _job(project: Project, job: PlannedJob) -> JobState:

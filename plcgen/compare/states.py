@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from plcgen.compare.model import BlockState, MemberState, Snapshot
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
@@ -44,18 +44,19 @@ class _State:
     def __init__(self, found: SourceBlock, types: Mapping[str, Block], diagnostics: list[Diagnostic]) -> None:
         self.found = found
         self.source = found.block
+        self.owner = types.get((self.source.instance_of or "").upper())
         self.shape: Shape | None = None
         self.size: int | None = None
         self.memory: bytes | None = None
         self.named: list[str] = []
-        self.owner = types.get((self.source.instance_of or "").upper())
         if self.source.kind not in _MEMORY:
             return
         try:
             layout = layout_block(self.source, types)
             self.shape, self.size = layout.shape, layout.size
         except DiagnosticError as problem:
-            diagnostics += [_doubt(d, self.source) for d in problem.diagnostics]
+            if self.owner is None:  # what an instance lacks is said of its function block
+                diagnostics.append(_doubt(problem.diagnostics, self.source))
             return
         try:
             self.memory = bytes(image(self.source, types))
@@ -186,11 +187,13 @@ def _is_void(member: Member) -> bool:
     return isinstance(member.type, NamedType) and member.type.name.upper() == "VOID"
 
 
-def _doubt(problem: Diagnostic, block: Block) -> Diagnostic:
+def _doubt(problems: Sequence[Diagnostic], block: Block) -> Diagnostic:
     """A layout that cannot be computed is no error here: the declarations are still compared."""
-    message = f'{block.kind} "{block.name}" is compared without offsets: {problem.message}'
-    help_ = problem.help or "name the files that declare the type, too"
-    return Diagnostic("PG630", message, problem.span, Severity.WARNING, help=help_)
+    first = problems[0]
+    reasons = ", ".join(dict.fromkeys(problem.message for problem in problems[:4]))
+    message = f'{block.kind} "{block.name}" is compared without offsets: {reasons}'
+    help_ = first.help or "name the files that declare the type, too"
+    return Diagnostic("PG630", message, first.span, Severity.WARNING, help=help_)
 
 
 def _element_type(type_: DataType) -> DataType:

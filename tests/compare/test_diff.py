@@ -70,7 +70,7 @@ SPEC_EDITS = {
     "drive": (
         "dcm: {device: sinamics-dcm, address: 256, drive_object: 2}",
         "dcm: {device: sinamics-dcm, address: 256, drive_object: 2}\n  second: {device: sinamics-dcm, address: 300}",
-        {"drive-added": "sinamics-dcm at 300"},
+        {"drive-added": "address 300 (16#012C), device sinamics-dcm"},
     ),
 }  # fmt: skip
 
@@ -100,7 +100,7 @@ def test_other_spec_changes(tmp_path):
     old.write_text(base + one + two + job % ("a", items))
     new.write_text(base + two + job % ("b", f"{items}, r947"))
     kinds = {c.kind: c.message for c in plcgen.diff(old, new).changes}
-    assert kinds["drive-removed"].startswith("removed: sinamics-g120 at 270")
+    assert kinds["drive-removed"].startswith("removed: address 270 (16#010E), device sinamics-g120")
     assert kinds["job-drive"] == "drive a -> b"
     assert kinds["telegram-count"] == "1 -> 2 telegrams"
 
@@ -359,3 +359,30 @@ def test_drawn_networks(tmp_path, old, new, messages):
     first.write_text(LADDER, encoding="utf-8")
     second.write_text(LADDER.replace(old, new), encoding="utf-8")
     assert [c.message for c in plcgen.diff(first, second).changes] == messages
+
+
+PPI = """\
+plc: {name: a, family: s7-1200, toolchain: tia-v19}
+ppi:
+  m:
+    module: cm1241
+    port: 270
+    stations: {p: {address: 2, cpu: "224"}}
+    jobs:
+      w: {station: p, write: {VW100: 7}}
+"""
+
+
+def test_ppi_jobs_in_specs(tmp_path):
+    """Requests to an S7-200 are compared field by field, too; figures by hand from the S7 PDU: VW100 is bit 320h."""
+    old, new, lock = tmp_path / "old.yaml", tmp_path / "new.yaml", tmp_path / "x.lock.yaml"
+    old.write_text(PPI, encoding="utf-8")
+    new.write_text(PPI.replace("VW100: 7", "VW104: 8").replace("address: 2", "address: 3"), encoding="utf-8")
+    assert plcgen.lock(old, out=lock).ok
+    for result in (plcgen.diff(old, new), plcgen.check_lock(new, lock=lock)):
+        found = [(c.kind, c.subject, c.message) for c in result.changes if c.subject.startswith(("job", "station"))]
+        assert ("drive-address", "station m.p", "address 2 (16#0002) -> 3 (16#0003)") in found
+        assert ("telegram-value", "job m.w", "byte 35: value 1 data 7 -> 8") in found
+        assert ("telegram-field", "job m.w", "byte 28: item 1 address 000320h (100.0) -> 000340h (104.0)") in found
+        assert not any("checksum" in message for _, _, message in found)
+    assert plcgen.check_lock(old, lock=lock).changes == ()
