@@ -247,7 +247,8 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
     """Lay out the telegram buffers of specs (``.yaml``) and the blocks of PLC sources (all other files, folders).
 
     Types may stand in any of the files, in any order; UDT and SCL files beside a source (or in ``../udt`` and
-    ``../scl``) are looked at too. ``family`` decides what a TON or WRREC inside an FB is, ``block`` picks blocks by
+    ``../scl``) are looked at too. ``family`` decides what a TON or WRREC inside an FB is (None: as the other
+    types in the sources suggest), ``block`` picks blocks by
     name or number (``DB3``), ``expand`` shows every element of every array.
     """
     with collector_paused():
@@ -373,6 +374,8 @@ def _source_tables(
     known = {(d.code, d.span) for d in files.diagnostics}
     circles = any(d.code == "PG807" for d in files.diagnostics)
     types = files.types
+    if family is None and files.modern:
+        family = "s7-1500"
     for name, system in family_types(family).items():
         types.setdefault(name, system)
     chosen = [b for b in files.blocks if not block or _is_called(b.name, b.kind.value, b.number, block)]

@@ -14,7 +14,7 @@ from plcgen.read.symbols import read_symbols
 from plcgen.read.text import read_source
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import TypeTable
-from plcgen.s7.types import ArrayType, NamedType, StructType
+from plcgen.s7.types import ELEMENTARY, HARDWARE, ArrayType, StructType
 from plcgen.scl.declarations import recursive_types
 from plcgen.scl.parser import ParseResult
 
@@ -23,6 +23,10 @@ XML_SUFFIXES = frozenset({".xml"})
 MAX_FILES = 20_000
 """More files below one folder are refused with PG802."""
 
+_MODERN = HARDWARE | {
+    "LREAL", "LINT", "ULINT", "USINT", "UINT", "UDINT", "SINT", "LWORD", "LTIME", "LDT", "LTIME_OF_DAY", "DTL",
+    "WSTRING", "WCHAR", "VARIANT", "IEC_TIMER", "TON_TIME", "TOF_TIME", "TP_TIME", "TONR_TIME",
+}  # fmt: skip
 _TYPES = frozenset({BlockKind.UDT, BlockKind.FB})
 MAX_SEEN = 200_000
 """So many entries of a folder tree are looked at."""
@@ -45,12 +49,14 @@ class SourceFile:
 class Files:
     """Blocks in the order of the files, every type known to them, and everything that could not be read.
 
-    ``types`` also has the blocks of files that stand beside the named ones.
+    ``types`` also has the blocks of files that stand beside the named ones; ``modern`` says that a type is used
+    which only the S7-1200/1500 have.
     """
 
     blocks: list[Block] = field(default_factory=list)
     types: TypeTable = field(default_factory=TypeTable)
     diagnostics: list[Diagnostic] = field(default_factory=list)
+    modern: bool = False
 
 
 def read_files(
@@ -75,10 +81,13 @@ def read_files(
             blocks, problems = _read(file, classic=classic, keep=keep)
             read += [(block, file) for block in blocks]
         found.diagnostics += problems
+    read = _without_unknown_bounds(read, found.diagnostics)
     found.blocks = [_numbered(block, symbols) for block in _unique(read, found.diagnostics)]
     _add_types(found.blocks, found.types)
     _add_aliases(symbols, found.types)
-    if any(name not in found.types for name in _used(found.blocks)):
+    used = _used(found.blocks)
+    found.modern = not used.isdisjoint(_MODERN)
+    if any(name not in found.types and name not in ELEMENTARY for name in used):
         _add_neighbours([file.path for file in files if not file.listed], found.types)
     found.diagnostics = list(dict.fromkeys([*found.diagnostics, *recursive_types(found.types.values())]))
     return found
@@ -128,6 +137,22 @@ def _read(
     return blocks, problems
 
 
+def _without_unknown_bounds(
+    read: list[tuple[Block, SourceFile]], diagnostics: list[Diagnostic]
+) -> list[tuple[Block, SourceFile]]:
+    """Leave out blocks with an array bound or length from elsewhere: nobody knows where their members lie."""
+    unknown = [n for n, d in enumerate(diagnostics) if d.code == "PG806" and d.severity is Severity.WARNING]
+    if not unknown:
+        return read
+    left_out: set[int] = set()
+    for position in unknown:
+        place = diagnostics[position].span
+        diagnostics[position] = replace(diagnostics[position], severity=Severity.ERROR)
+        above = [b for b, _ in read if b.span and b.span.file == place.file and b.span.line <= place.line]
+        left_out.update(id(block) for block in above[-1:])
+    return [(block, file) for block, file in read if id(block) not in left_out]
+
+
 def _unique(read: Iterable[tuple[Block, SourceFile]], diagnostics: list[Diagnostic]) -> Iterable[Block]:
     """Leave out documents that repeat a text source, but keep their number; say so if one text repeats another."""
     kept: dict[tuple[BlockKind, str], tuple[Block, SourceFile]] = {}
@@ -162,7 +187,7 @@ def _add_types(blocks: Iterable[Block], types: TypeTable) -> None:
 
 
 def _used(blocks: Iterable[Block]) -> set[str]:
-    """Upper-case names of all types that the blocks name."""
+    """Upper-case names of all types that the blocks name, elementary ones too."""
     names = {block.instance_of.upper() for block in blocks if block.instance_of}
     pending = [member.type for block in blocks for section in block.sections for member in section.members]
     while pending:
@@ -171,7 +196,7 @@ def _used(blocks: Iterable[Block]) -> set[str]:
             pending.append(type_.element)
         elif isinstance(type_, StructType):
             pending += [member.type for member in type_.members]
-        elif isinstance(type_, NamedType):
+        else:
             names.add(type_.name.upper())
     return names
 

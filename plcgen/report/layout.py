@@ -22,6 +22,9 @@ _LONG = 6
 _START = 36
 """Columns of start values on a screen; files have them whole."""
 
+_MARKS = 5
+"""Footnotes of one row that are spelled out."""
+
 MEMBER, GAP, MORE = "member", "gap", "more"
 
 
@@ -99,9 +102,13 @@ class BlockTable:
         return f"{self.size} bytes{unused}"
 
     def mark(self, row: LayoutRow) -> str:
-        """Letters of the footnotes of a row: ``a``, ``a b``."""
+        """Letters of the footnotes of a row: ``a``, ``a b``; of many the first, and how many more."""
+        if not row.rules:
+            return ""
         keys = [rule.key for rule in self.rules]
-        return " ".join(letter(keys.index(key)) for key in row.rules if key in keys)
+        marks = [letter(keys.index(key)) for key in row.rules if key in keys]
+        more = [f"+{len(marks) - _MARKS}"] if len(marks) > _MARKS else []
+        return " ".join(marks[:_MARKS] + more)
 
     @property
     def footnotes(self) -> list[tuple[str, str]]:

@@ -126,7 +126,12 @@ class _Cursor:
             self.causes = NO_DOUBTS
 
 
-_SYSTEM = re.compile(r"SF[BC][0-9]{1,3}", re.IGNORECASE)
+_SYSTEM = re.compile(
+    r"SF[BC][0-9]{1,3}|IEC_\w+|CT(?:U|D|UD)_\w+|T(?:CON|SEND|RCV|DISCON|USEND|URCV)(?:_\w+)?|T(?:ON|OF|P|ONR)_\w+"
+    r"|(?:PID|MC|TO|MB)_\w+|TMAIL_C|RALRM|GET|PUT|[BU]SEND|[BU]RCV|CONT_[CS]|PULSEGEN|CTRL_\w+|PROGRAM_ALARM",
+    re.IGNORECASE,
+)
+"""Names of the system libraries, beyond those whose members ``system`` has."""
 
 
 class TypeTable(dict[str, "Block"]):
@@ -226,7 +231,8 @@ class ShapeBuilder:
             offset, doubts = cursor.place(known)
             return Field(member, offset, known, doubts)
         if kind is SectionKind.IN_OUT and self._by_pointer(member.type):
-            self.shape(member.type, member)
+            if not isinstance(member.type, ArrayType) or member.type.bounds:  # ARRAY[*] takes what it is given
+                self.shape(member.type, member)
             shape = Shape(ELEMENTARY["POINTER"], 48, 16, 48, 16)
         else:
             shape = self.shape(member.type, member)
@@ -347,8 +353,10 @@ class ShapeBuilder:
         if block is not None:
             self.report("PG806", f"{name} is {block.kind.value}, not a data type", span)
         elif _SYSTEM.fullmatch(name):
-            help_text = "name the source of a block that declares the same members"
+            help_text = "declare a UDT of this name with the same members, for example from its instance DB"
             self.report("PG806", f"the members of {name} are not known to plcgen", span, help_text)
+        elif name.startswith("REF_TO "):
+            self.report("PG806", f"{name}: references exist in blocks with optimized access only", span)
         else:
             near = did_you_mean(name, [*self._types, *ELEMENTARY])
             help_text = near or "name the file that declares it, too; several files and folders can be given"

@@ -185,6 +185,28 @@ def test_a_system_block_without_known_members_is_said_to_be_one(tmp_path):
     assert problem.message == "the members of SFB33 are not known to plcgen"
 
 
+def test_a_block_with_a_bound_from_elsewhere_is_no_layout(tmp_path):
+    """The value of "MAX" stands in a tag table: neither the type nor what is made from it has known offsets."""
+    write(
+        tmp_path,
+        a_dot_udt='TYPE "T"\nSTRUCT\n a : ARRAY[1.."MAX"] OF INT;\nEND_STRUCT\nEND_TYPE\n',
+        b_dot_db='DATA_BLOCK "D"\nSTRUCT\n x : "T";\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n',
+        c_dot_db='DATA_BLOCK "E"\nSTRUCT\n x : INT;\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n',
+    )
+    result = api.layout(tmp_path)
+    assert [block.name for block in result.blocks] == ["E"]
+    assert [(d.code, d.severity.label) for d in result.diagnostics] == [("PG806", "error"), ("PG806", "error")]
+
+
+def test_an_array_without_bounds_is_a_pointer_as_in_out(tmp_path):
+    text = "FUNCTION_BLOCK F\nVAR_IN_OUT\n a : ARRAY[*] OF INT;\n b : BOOL;\nEND_VAR\nBEGIN\nEND_FUNCTION_BLOCK\n"
+    write(tmp_path, f_dot_scl=text)
+    (table,) = api.layout(tmp_path / "f.scl").blocks
+    assert [(row.offset, row.size) for row in table.rows[:2]] == [("0.0", "6 B"), ("6.0", "1 bit")]
+    write(tmp_path, f_dot_scl=text.replace("VAR_IN_OUT", "VAR_INPUT"))
+    assert codes(api.layout(tmp_path / "f.scl").diagnostics) == ["PG806"]
+
+
 def test_a_symbol_table_gives_numbers_to_symbols(tmp_path):
     """UDT 5 is declared by its symbol; the DB by its symbol gets the number 7 and so addresses."""
     (tmp_path / "s.sdf").write_text('"MotorTyp","UDT 5","UDT 5","größer"\n"Puffer","DB 7","DB 7",""\n', "cp1252")
@@ -196,6 +218,12 @@ def test_a_symbol_table_gives_numbers_to_symbols(tmp_path):
     result = api.layout(tmp_path, block="DB7")
     assert result.diagnostics == ()
     assert [row.address for row in result.blocks[0].rows] == ["DB7.DBB0", "DB7.DBW0"]
+    write(
+        tmp_path, a_dot_awl=UDT + 'DATA_BLOCK "Puffer"\nSTRUCT\n m : "MotorTyp";\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n'
+    )
+    (tmp_path / "b.udt").unlink()
+    result = api.layout(tmp_path, block="Puffer")  # and the other way round: declared by number, used by symbol
+    assert (result.diagnostics, result.blocks[0].size) == ((), 4)
     path = tmp_path / "s.asc"
     path.write_text("126,MotorTyp                UDT     5   UDT     5 Kommentar\n126,x   E 0.0\nrubbish\n", "cp1252")
     assert read_symbols(path) == ({"MotorTyp": "UDT5"}, [])
@@ -261,6 +289,15 @@ def test_the_family_decides_what_a_timer_is(tmp_path):
         write(tmp_path, f_dot_scl=f"FUNCTION_BLOCK FB1\nVAR\n t : {spelling};\nEND_VAR\nBEGIN\nEND_FUNCTION_BLOCK\n")
         (table,) = api.layout(tmp_path / "f.scl", family=family).blocks
         assert table.size == size
+
+
+def test_the_types_beside_it_tell_whose_record_block_it_is(tmp_path):
+    """26 bytes beside types that every CPU has, 16 (RECORD is a VARIANT) beside a UInt; --family has the last word."""
+    for other, family, size in (("Int", None, 26), ("UInt", None, 16), ("UInt", "s7-300", 26), ("Int", "s7-1200", 16)):
+        text = f"FUNCTION_BLOCK F\nVAR\n w : WRREC;\n x : {other};\nEND_VAR\nBEGIN\nEND_FUNCTION_BLOCK\n"
+        write(tmp_path, f_dot_scl=text)
+        (table,) = api.layout(tmp_path / "f.scl", family=family).blocks
+        assert table.size == size + 2
 
 
 def test_documented_structures_have_their_documented_lengths():

@@ -246,6 +246,18 @@ def test_unconfirmed_places_have_footnotes_in_every_format():
     assert marked == {"a": [], "b": ["array-end"]}
 
 
+def test_a_row_with_many_footnotes_names_the_first_five():
+    """The last member comes behind six types whose sizes no compiled block confirms."""
+    types = ("LREAL", "LINT", "LWORD", "LTIME", "DTL", "POINTER")
+    text = "".join(f"m{n} : {name};\n" for n, name in enumerate(types)) + "last : BYTE;\n"
+    block = tables(text)[0]
+    assert [block.mark(row) for row in block.rows if row.name in {"m0", "m4", "last"}] == [
+        "c",
+        "a b c d e",
+        "a b c d e +1",
+    ]
+
+
 def test_telegrams_of_a_spec_are_drawn_with_their_bytes(tmp_path):
     spec = tmp_path / "x.yaml"
     spec.write_text(

@@ -74,6 +74,8 @@ def test_every_doubt_has_a_sentence():
         (["a : ARRAY[1..3] OF BYTE", "b : BYTE", "c : BYTE", "w : WORD"], "w", set()),  # 5 -> 6 or 6
         (["a : ARRAY[1..10] OF BOOL", "x : BOOL"], "x", set()),  # whole byte, and that is even
         (["a : ARRAY[1..3] OF BOOL", "x : BOOL"], "x", {"array-end"}),  # byte 1 or 2
+        (["a : ARRAY[0..1] OF ARRAY[1..3] OF BYTE"], "a[1]", {"array-end"}),  # 3 or 4
+        (["a : ARRAY[0..1] OF ARRAY[1..4] OF BYTE"], "a[1]", set()),
         (["a : ARRAY[1..2,1..3] OF BYTE", "l : LREAL", "b : BYTE"], "b", {"LREAL"}),
         (["s : WSTRING[1]", "b : BYTE"], "b", {"WSTRING"}),
         (["t : TON_TIME", "b : BYTE"], "b", {"TON_TIME"}),
