@@ -26,6 +26,9 @@ _DEFAULTS = {
     TransportSize.BIT: "BOOL", TransportSize.BYTE: "BYTE", TransportSize.CHAR: "CHAR", TransportSize.WORD: "WORD",
     TransportSize.INT: "INT", TransportSize.DWORD: "DWORD", TransportSize.DINT: "DINT", TransportSize.REAL: "REAL",
 }  # fmt: skip
+_ELEMENTS = {Area.C: "INT", Area.T: "DWORD", Area.HC: "DINT"}
+"""Counters count to -32768..32767, high-speed counters have 32 bits with sign; a status byte stands before."""
+
 _RANGES = {
     "BYTE": (0, 0xFF), "WORD": (0, 0xFFFF), "DWORD": (0, 0xFFFFFFFF),
     "INT": (-0x8000, 0x7FFF), "DINT": (-0x80000000, 0x7FFFFFFF),
@@ -48,9 +51,9 @@ class ItemValueError(ValueError):
 
 
 def default_type(item: Item) -> str:
-    """Type that an item has if none is given: BOOL, BYTE, WORD or DWORD; CHAR for the CPU type in SYS."""
-    if item.area == Area.C:
-        return "WORD"
+    """Type that an item has if none is given: BOOL, BYTE, WORD, DWORD; INT for C, DINT for HC, CHAR for SYS."""
+    if item.by_element:
+        return _ELEMENTS[Area(item.area)]
     if item.area == Area.SYS and item.size == TransportSize.BYTE and item.count > 1:
         return "CHAR"
     return _DEFAULTS.get(TransportSize(item.size), "DWORD")
@@ -77,8 +80,9 @@ def unpack(item: Item, data: bytes, type_: str = "") -> Value:
     """Return the value in the bytes of an item; of timers and counters the current value without the status."""
     kind = type_ or default_type(item)
     if item.by_element:
-        step = OCTETS[item.size]
-        numbers = tuple(int.from_bytes(data[at + 1 : at + step], "big") for at in range(0, len(data), step))
+        step, width = len(data) // item.count, _WIDTHS[_ELEMENTS[Area(item.area)]]
+        chunks = (data[at - width : at] for at in range(step, len(data) + 1, step))
+        numbers = tuple(int.from_bytes(chunk, "big", signed=item.area != Area.T) for chunk in chunks)
         return numbers[0] if item.count == 1 else numbers
     if kind == "BOOL":
         return bool(data[0])
@@ -101,8 +105,7 @@ def pack(item: Item, value: Value | Sequence[bool | int | float], type_: str = "
             f"{address_text(item)} takes {item.count} value{'s' * (item.count > 1)}, not {len(values)}"
         )
     if item.by_element:
-        step = OCTETS[item.size] - 1
-        return b"".join(b"\x00" + _whole(entry, "WORD" if step == 2 else "DWORD") for entry in values)
+        return b"".join(b"\x00" + _whole(entry, _ELEMENTS[Area(item.area)]) for entry in values)
     if kind in {"CHAR", "STRING"}:
         raise ItemValueError(f"{kind} takes a text", f"for example {address_text(item)}:{kind}='abc'")
     return b"".join(_pack_one(entry, kind) for entry in values)

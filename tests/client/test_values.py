@@ -105,7 +105,8 @@ CASES = {
     "VD0:REAL": st.floats(width=32, allow_nan=False),
     "V0.3": st.booleans(),
     "T5": st.integers(0, 2**32 - 1),
-    "C5[2]": st.tuples(*[st.integers(0, 65535)] * 2),
+    "C5[2]": st.tuples(*[st.integers(-32768, 32767)] * 2),
+    "HC0": st.integers(-(2**31), 2**31 - 1),
     "VB0[9]:STRING": st.text(st.characters(max_codepoint=255), max_size=8),
 }
 
@@ -132,3 +133,12 @@ def test_any_text(text):
 def test_items_are_those_of_the_address():
     """A place has the item of its address."""
     assert parse_place("VW100:INT").item == parse_address("VW100")
+
+
+def test_high_speed_counters_with_and_without_status():
+    """Five bytes or four: the value is the last four, with sign."""
+    place = parse_place("HC0[2]")
+    assert place.value(bytes.fromhex("00 FFFFFFFE 00 00000007")) == (-2, 7)
+    assert place.value(bytes.fromhex("FFFFFFFE 00000007")) == (-2, 7)
+    assert parse_place("C5").value(bytes.fromhex("00 FFFE")) == -2
+    assert parse_place("T5").value(bytes.fromhex("00 FFFFFFFE")) == 0xFFFFFFFE

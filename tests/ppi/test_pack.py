@@ -276,3 +276,12 @@ def test_a_wrong_answer_is_refused():
     written = pack_write([WriteItem(items("MB0")[0], b"\x01")])
     with pytest.raises(PpiError, match="2 items are answered"):
         written.collect([WriteReply(0, (255, 255))])
+
+
+def test_a_high_speed_counter_may_lack_its_status():
+    """Four or five bytes are an answer, three are none."""
+    plan = pack_read(items("HC0"))
+    for data in (bytes(4), bytes(5)):
+        assert plan.collect([ReadReply(0, (ItemResult(0xFF, data, 9),))])[0].data == data
+    with pytest.raises(PpiError, match="HC0 has 3 bytes instead of 5"):
+        plan.collect([ReadReply(0, (ItemResult(0xFF, bytes(3), 9),))])
