@@ -452,6 +452,17 @@ def test_monitor_table(plcgen, plc, monkeypatch):
 
 
 @pytest.mark.usefixtures("port")
+def test_monitor_table_higher_than_the_screen(plcgen, monkeypatch):
+    """What does not fit is counted instead of scrolling away under the cursor."""
+    monkeypatch.setattr("plcgen.cli.ppi.monitor.is_terminal", lambda _stream: True)
+    monkeypatch.setenv("LINES", "8")
+    result = plcgen("ppi", "monitor", *(f"VB{number}" for number in range(20)), "--count", "1")
+    lines = result.out.splitlines()
+    assert len(lines) == 7
+    assert lines[-2] == "  ... 16 more"
+
+
+@pytest.mark.usefixtures("port")
 def test_monitor_goes_on_without_an_answer(plcgen, bus):
     """A station that is silent for a while is asked again; the exit code is that of the last read."""
     bus.faults.append(parse_fault("deaf:times=3"))

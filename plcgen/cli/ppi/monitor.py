@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 import time
 from collections.abc import Sequence
@@ -141,6 +142,9 @@ class _Screen:
             self.out.complain(found)
 
     def _draw(self, lines: list[str]) -> None:
+        room = shutil.get_terminal_size().lines - 1
+        if len(lines) > room > 2:  # what has left the screen at the top could not be drawn over
+            lines = [*lines[: room - 2], f"  ... {len(lines) - room + 1} more", lines[-1]]
         up = f"\x1b[{self._drawn}F\x1b[J" if self._drawn else ""
         self.out.result(up + "\n".join(lines) + "\n")
         self._drawn = sum(line.count("\n") + 1 for line in lines)
