@@ -25,7 +25,7 @@ from plcgen.ppi.model import (
     WriteItem,
     WriteRequest,
 )
-from plcgen.ppi.pdu import decode_pdu, encode_pdu
+from plcgen.ppi.pdu import decode_pdu, encode_pdu, examine_pdu
 from plcgen.ppi.sequence import FrameCountCheck
 from plcgen.ppi.telegram import decode, examine
 
@@ -167,6 +167,38 @@ def test_failed_items_are_four_bytes():
     assert len(pdu) - 14 != 0x10
     pdu = pdu[:9] + bytes([len(pdu) - 14]) + pdu[10:]
     assert decode_pdu(pdu) == ReadReply(7, (ItemResult(0xFF, b"\x5a", 4), ItemResult(5), ItemResult(0xFF, b"\x01", 3)))
+
+
+@pytest.mark.parametrize(
+    ("pdu", "kinds"),
+    [
+        ("32 03 00 00 00 00 00 02 00 04 00 00 04 01 05 00 00 04", ["reserved"]),
+        ("32 03 00 00 00 00 00 02 00 04 00 00 04 01 55 00 00 00", ["return code"]),
+        ("32 03 00 00 00 00 00 02 00 01 00 00 05 01 55", ["return code"]),
+        ("32 03 00 00 00 00 00 02 00 02 00 00 05 01 FF FF", ["data length"]),
+        ("32 01 00 00 00 00 00 08 00 00 F0 01 00 01 00 01 00 F0", ["reserved"]),
+        ("32 01 00 01 00 00 00 08 00 00 F0 00 00 01 00 01 00 F0", ["reserved"]),
+        ("32 01 00 00 00 00 00 08 00 01 F0 00 00 01 00 01 00 F0", ["data length"]),
+        ("32 01 00 00 00 00 00 00 00 00", ["parameter length"]),
+        ("32 01 00 00 00 00 00 01 00 00", ["parameter length", "parameter length"]),
+        ("32 03 00 00 00 00 00 00 00 00 00 00", ["parameter length"]),
+        ("32 03 00 00 00 00 00 00 00 00", ["short"]),
+        ("32 07 00 00 00 00 00 01 00 00", ["parameter length"]),
+    ],
+)
+def test_violation_of_a_pdu(pdu, kinds):
+    """Failed items, negotiation, empty PDUs: what is wrong with their bytes."""
+    with pytest.raises(PpiError) as caught:
+        decode_pdu(bytes.fromhex(pdu))
+    assert [kind.value for kind in caught.value.kinds] == kinds
+
+
+@pytest.mark.parametrize(("size", "kinds"), [(240, []), (241, ["limit"])])
+def test_the_limit_of_a_pdu(size, kinds):
+    """240 bytes are the most: header 10, function 1, the rest."""
+    pdu = bytes.fromhex("32 01 00 00 00 00 00") + bytes((size - 10, 0, 0, 0x1A)) + bytes(size - 11)
+    assert len(pdu) == size
+    assert [violation.kind.value for violation in examine_pdu(pdu)[1]] == kinds
 
 
 def test_frame_count():
