@@ -461,3 +461,35 @@ def test_calls_in_simaticml(project, tmp_path):
     (found,) = findings(project)
     assert found.code == "PG657"
     assert (Path(found.span.file).name, found.span.column) == ("Talk.xml", 1)
+
+
+def test_what_was_not_looked_at_is_said(project):
+    """Buffers that no call names, and code without any call."""
+    text = (project / "OB1.awl").read_text("utf-8")
+    first = text.index("NETWORK", text.index("NETWORK") + 1)
+    (project / "OB1.awl").write_text(f"{text[:first]}END_ORGANIZATION_BLOCK\n", encoding="utf-8")
+    checks = {c.verdict for c in plcgen.audit(project, spec=FAQ).checks() if c.outcome is Outcome.NOT_RUN}
+    assert checks == {"no WRREC call names it", "no RDREC call names it"}
+    (project / "OB1.awl").unlink()
+    assert [group.name for group in plcgen.audit(project, spec=FAQ).groups] == ["buffers"]
+    (project / "F.scl").write_text('FUNCTION "F" : Void BEGIN "x" := 1; END_FUNCTION', encoding="utf-8")
+    assert [group.name for group in plcgen.audit(project, spec=FAQ).groups] == ["buffers", "calls"]
+
+
+def test_instance_data_are_no_buffer(project):
+    """A DB made from a function block is not taken for a request, whatever its name."""
+    (project / "DB3.db").write_text(
+        'FUNCTION_BLOCK "F" VAR a : Int; END_VAR BEGIN END_FUNCTION_BLOCK\n'
+        'DATA_BLOCK "WR_DataBuffer" "F" BEGIN END_DATA_BLOCK\n',
+        encoding="utf-8",
+    )
+    assert "PG650" in {d.code for d in findings(project)}
+
+
+def test_a_variable_is_not_a_constant(project):
+    """The start value of a variable says nothing about what LEN is in a call."""
+    values = {"id": "256", "index": "47", "len": "#n", "record": '"WR_DataBuffer"', "size": "10"}
+    text = SCL.format(**values).replace("own :", "n : Int := 12;\n  own :")
+    (project / "Talk.scl").write_text(text, encoding="utf-8")
+    (project / "OB1.awl").unlink()
+    assert findings(project) == []

@@ -386,3 +386,49 @@ def test_ppi_jobs_in_specs(tmp_path):
         assert ("telegram-field", "job m.w", "byte 28: item 1 address 000320h (100.0) -> 000340h (104.0)") in found
         assert not any("checksum" in message for _, _, message in found)
     assert plcgen.check_lock(old, lock=lock).changes == ()
+
+
+def test_long_rows_are_shortened(tmp_path):
+    """Four of a kind and how many more; everything with --verbose."""
+    block = 'DATA_BLOCK "B" STRUCT a : Int; {} END_STRUCT; BEGIN END_DATA_BLOCK'
+    result = diff(tmp_path, block.format(""), block.format("".join(f"n{n} : Int; " for n in range(9))))
+    text = comparison_text(result, "breaking")
+    assert (text.count("added: n"), ".. and 5 more member-added" in text) == (4, True)
+    assert comparison_text(result, "breaking", verbose=True).count("added: n") == 9
+
+
+def test_both_places_are_in_sarif(tmp_path):
+    """Where it was, and where it is."""
+    result = diff(
+        tmp_path, *(f'DATA_BLOCK "B" STRUCT a : {t}; END_STRUCT; BEGIN END_DATA_BLOCK' for t in ("Int", "Word"))
+    )
+    (found,) = json.loads(comparison_sarif(result, "breaking"))["runs"][0]["results"]
+    assert found["relatedLocations"][0]["physicalLocation"]["artifactLocation"]["uri"].endswith("old/source.db")
+
+
+def test_what_an_instance_lacks_is_said_once(tmp_path):
+    """The function block lacks the type; its instance follows."""
+    block = 'FUNCTION_BLOCK "F" VAR a : "No"; b : "Never"; END_VAR BEGIN END_FUNCTION_BLOCK'
+    text = f'{block}\nDATA_BLOCK "I" "F" BEGIN END_DATA_BLOCK'
+    result = diff(tmp_path, text, text, "scl")
+    assert {d.message.partition(":")[0] for d in result.diagnostics} == {'FB "F" is compared without offsets'}
+
+
+def test_access_that_a_text_begins_to_name(tmp_path):
+    """Between two texts the attribute counts, also if one of them did not say anything."""
+    block = 'DATA_BLOCK "B" {} STRUCT a : Int; END_STRUCT; BEGIN END_DATA_BLOCK'
+    result = diff(tmp_path, block.format(""), block.format("{ S7_Optimized_Access := 'TRUE' }"))
+    assert [c.kind for c in result.changes] == ["access-changed"]
+
+
+def test_the_size_of_a_written_item_is_a_field(tmp_path):
+    """The value is the number; its size code and length say how it is written."""
+    old, new = tmp_path / "old.yaml", tmp_path / "new.yaml"
+    old.write_text(PPI, encoding="utf-8")
+    new.write_text(PPI.replace("VW100: 7", "VD100: 7"), encoding="utf-8")
+    kinds = {
+        c.message.split(": ")[1].rpartition(" ->")[0]: c.kind
+        for c in plcgen.diff(old, new).changes
+        if ": " in c.message
+    }
+    assert kinds["value 1 length 16 (2 bytes)"] == "telegram-field"

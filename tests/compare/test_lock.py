@@ -258,3 +258,24 @@ def test_nothing_to_lock(tmp_path, monkeypatch):
     assert [d.code for d in plcgen.lock("a.db", out="no/such/lock.yaml").diagnostics] == ["PG503"]
     (tmp_path / "job.yaml").write_text("x")
     assert [d.code for d in plcgen.lock("job.yaml", "a.db").diagnostics] == ["PG632"]
+
+
+@pytest.mark.usefixtures("project")
+def test_every_reader_sees_the_same_words():
+    """Names and values that YAML 1.1 takes for truth values or numbers are quoted."""
+    edit("plc/Motor.db", "run : Bool", "no : Bool")
+    plcgen.lock()
+    assert "no" in yaml.safe_load(lock_text())["blocks"]["DB Motor"]["members"]
+    spec = Path("job.yaml")
+    head = "plc: {name: a, family: s7-1200, toolchain: tia-v19}\nppi: {m: {module: cm1241, port: 270, stations: "
+    text = head + '{p: {address: 2, cpu: "224"}}, jobs: {j: {station: p, read: [VW1]}}}}\n'
+    spec.write_text(text, encoding="utf-8")
+    plcgen.lock(spec, out="job.lock.yaml")
+    assert yaml.safe_load(Path("job.lock.yaml").read_text("utf-8"))["drives"]["m.p"]["cpu"] == "224"
+
+
+@pytest.mark.usefixtures("project")
+def test_members_are_bounded():
+    """A line of more than 2,000 characters is no member."""
+    edit("plcgen.lock.yaml", "run: 0.0 1 bit BOOL", f"run: 0.0 1 bit {'B' * 2500}")
+    assert "PG633" in {d.code for d in plcgen.check_lock().diagnostics}
