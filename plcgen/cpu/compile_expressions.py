@@ -20,6 +20,7 @@ from plcgen.cpu.semantics_types import (
     WIDTHS,
     common_type,
     limits,
+    remedy,
     widens,
 )
 from plcgen.s7.types import HARDWARE
@@ -125,8 +126,9 @@ class ExpressionCompiler(PlaceCompiler):
             return self.constant_as(value, target, node)
         if not widens(source, target, classic=self.classic) and not (target in TEXTS and source in TEXTS):
             shown = source or "a structure"
-            help_text = f"write {source}_TO_{target}(..)" if source in WIDTHS and target in WIDTHS else ""
-            self.error("PG821", f"{shown} is not converted to {target} implicitly", node, help_text)
+            text = f"write {source}_TO_{target}(..)" if source in WIDTHS and target in WIDTHS else ""
+            text = remedy(source, target, text, self.link.dialect)
+            self.error("PG821", f"{shown} is not converted to {target} implicitly", node, text)
             return "0"
         if value.const is not None:
             return self.constant_as(value, target, node)
@@ -147,6 +149,9 @@ class ExpressionCompiler(PlaceCompiler):
                 return repr(const)
             if target in {"CHAR", "WCHAR"} and len(const) == 1:
                 return str(ord(const))
+            if target in {"CHAR", "WCHAR"} and not const and not self.classic:
+                self.error("PG827", f"the soft CPU does not know the code of an empty {target}", node)
+                return "0"
         elif isinstance(const, float):
             if target in REALS:
                 return source_of(as_real(const, target))
@@ -234,7 +239,9 @@ class ExpressionCompiler(PlaceCompiler):
     def mismatch(self, node: ast.Binary, left: Val, right: Val) -> Val:
         """PG821 about two operands."""
         kinds = f"{left.type or 'a structure'} and {right.type or 'a structure'}"
-        self.error("PG821", f"{node.operator} does not take {kinds}", node, "convert one of them explicitly")
+        text = remedy(left.type, right.type, "convert one of them explicitly", self.link.dialect)
+        text = text if ";" in text else remedy(right.type, left.type, text, self.link.dialect)
+        self.error("PG821", f"{node.operator} does not take {kinds}", node, text)
         return Val("0", "BOOL" if node.operator in _COMPARE else UNKNOWN)
 
     def logic(self, node: ast.Binary, left: Val, right: Val) -> Val:

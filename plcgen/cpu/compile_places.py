@@ -15,6 +15,7 @@ from plcgen.s7.shapes import Shape
 from plcgen.s7.types import ELEMENTARY, ArrayType, NamedType, StringType
 from plcgen.scl import ast
 
+_TYPES = frozenset({BlockKind.UDT, BlockKind.FB})
 _SHORT = re.compile(r"(%?DB\d+\.)D([XBWD])?(?=\d)", re.IGNORECASE)
 _AREA_WIDTHS = {"X": "BOOL", "B": "BYTE", "W": "WORD", "D": "DWORD"}
 _INDEXED = re.compile(r"(?:DB|D)([XBWD])", re.IGNORECASE)
@@ -80,8 +81,11 @@ class PlaceCompiler(Emitter):
                 return self.data_block(block)
             if block is self.owner and upper in self.scope.symbols:
                 return self.scope.symbols[upper].place
-            if block is not None:
+            if block is not None and not (block.block.kind in _TYPES and not self.classic):
                 self.error("PG820", f"{node.name} is {block.block.kind.value}, not data", node)
+                return None
+            if not self.classic and (block is not None or (node.scope == "bare" and canonical(upper) in ELEMENTARY)):
+                self.error("PG827", f"the soft CPU does not compare with the type {node.name}", node)
                 return None
         self.undefined(node)
         return None

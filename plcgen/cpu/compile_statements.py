@@ -212,6 +212,8 @@ class StatementCompiler(MoveCompiler):
             if end is None:
                 continue
             value = self.expression(end)
+            if value.type == UNKNOWN and type_ == UNKNOWN:
+                return "False"
             const = ord(value.const) if isinstance(value.const, str) and len(value.const) == 1 else value.const
             if not isinstance(const, int):
                 self.error("PG821", f"the label {self.text(end)} is no constant", end)

@@ -6,6 +6,7 @@ from functools import cache
 
 from plcgen.s7.types import ALIASES, ELEMENTARY, HARDWARE
 from plcgen.s7.values import RANGES
+from plcgen.scl.dialect import Dialect
 
 INT_CONST, REAL_CONST, TEXT_CONST = "#int", "#real", "#text"
 """Types of literals that take the type of their surroundings."""
@@ -59,6 +60,38 @@ def widening(*, classic: bool) -> dict[str, frozenset[str]]:
 def widens(source: str, target: str, *, classic: bool) -> bool:
     """Whether a value of ``source`` may stand where ``target`` is wanted."""
     return source == target or target in widening(classic=classic).get(source, ())
+
+
+_PATTERNS = frozenset({*INTEGERS, *BITS})
+_UNCHECKED_CLASSIC = frozenset(
+    {("BYTE", "DINT"), ("BYTE", "CHAR"), ("WORD", "BYTE"), ("WORD", "INT"), ("WORD", "DINT"), ("WORD", "S5TIME"),
+     ("WORD", "DATE"), ("DWORD", "BYTE"), ("DWORD", "WORD"), ("DWORD", "DINT"), ("DWORD", "TIME"),
+     ("DWORD", "TIME_OF_DAY"), ("INT", "WORD"), ("DINT", "DWORD"), ("DINT", "TIME"), ("TIME", "DWORD"),
+     ("TIME", "DINT"), ("S5TIME", "WORD"), ("DATE", "WORD")}
+)  # fmt: skip
+_UNCHECKED = frozenset(
+    {("DWORD", "REAL"), ("LWORD", "LREAL"), ("REAL", "DWORD"), ("LREAL", "LWORD"), ("LREAL", "REAL"),
+     ("WORD", "S5TIME"), ("S5TIME", "WORD"), ("LTIME", "TIME"), ("TIME", "TIME_OF_DAY"), ("TIME_OF_DAY", "TIME"),
+     *((name, "DATE") for name in ("WORD", "INT", "UINT")), *(("DATE", name) for name in ("WORD", "INT", "UINT")),
+     *((name, real) for name in ("DINT", "UDINT", "LINT", "ULINT") for real in REALS),
+     *((real, name) for name in INTEGERS for real in REALS),
+     *((name, text) for name in _PATTERNS for text in ("CHAR", "WCHAR")),
+     *((name, time) for name in ("DWORD", "DINT", "UDINT") for time in ("TIME", "TIME_OF_DAY")),
+     *((time, name) for name in ("DWORD", "DINT", "UDINT") for time in ("TIME", "TIME_OF_DAY")),
+     *((name, "LTIME") for name in ("LWORD", "LINT", "ULINT")),
+     *(("LTIME", name) for name in ("LWORD", "LINT", "ULINT"))}
+)  # fmt: skip
+
+
+def remedy(source: str, target: str, text: str, dialect: Dialect) -> str:
+    """Help about a refused conversion; with a word when only the IEC check of a block forbids it.
+
+    The IEC check is a property of the block that a source does not carry (help of the TIA Portal, "Implicit
+    conversions"), so the stricter rule holds.
+    """
+    new = dialect is Dialect.TIA_1200_1500
+    off = (source, target) in (_UNCHECKED if new else _UNCHECKED_CLASSIC) or (new and {source, target} <= _PATTERNS)
+    return f"{text}; without IEC check the TIA Portal converts by itself" if dialect.is_tia and off else text
 
 
 def common_type(left: str, right: str, *, classic: bool) -> str | None:

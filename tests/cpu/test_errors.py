@@ -39,10 +39,10 @@ def test_help_names_the_near_name():
 
 
 def codes(text, dialect=T15):
-    """Codes of a source, in less than two seconds."""
-    began = time.perf_counter()
+    """Codes of a source, in less than two seconds of the processor: others may be at work, too."""
+    began = time.process_time()
     program = Program.load([("hostile.scl", text)], dialect)
-    assert time.perf_counter() - began < 2
+    assert time.process_time() - began < 2
     return {diagnostic.code for diagnostic in program.diagnostics}
 
 
@@ -192,3 +192,27 @@ def test_dialect():
     text = 'FUNCTION_BLOCK "A"\nVAR a : INT; END_VAR\nBEGIN\na := a DIV 2;\nEND_FUNCTION_BLOCK\n'
     assert codes(text, Dialect.STEP7_V5) == set()
     assert codes(text, Dialect.TIA_300_400) == {"PG803"}
+
+
+@pytest.mark.parametrize(
+    ("dialect", "types", "code", "noted"),
+    [
+        ("T15", "Word DInt", "#b := #a;", True),
+        ("T15", "Word DInt", "#b := #b + #a;", True),
+        ("T15", "Real Int", "#b := #a;", True),
+        ("T15", "Time DInt", "#b := #a;", True),
+        ("T15", "Word Real", "#b := #a;", False),
+        ("T15", "Bool Int", "#b := #a;", False),
+        ("T3", "Word Int", "#b := #a;", True),
+        ("T3", "Real Int", "#b := #a;", False),
+        ("T3", "DInt Int", "#b := #a;", False),
+        ("V5", "WORD INT", "b := a;", False),
+    ],
+)
+def test_a_conversion_that_only_the_iec_check_forbids_is_refused_with_a_word_about_it(dialect, types, code, noted):
+    """The IEC check is a property of a block that its source does not carry."""
+    first, second = types.split()
+    (found,) = load({"dialect": dialect, "vars": f"a : {first}; b : {second};", "code": code}).diagnostics
+    assert found.code == "PG821"
+    assert ("IEC check" in found.help) is noted
+    assert found.help.count("IEC check") <= 1
