@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench import codec, generation, layout_speed, ppi, scl_speed, startup
+from bench import codec, generation, layout_speed, ppi, scl_speed, simaticml_reading, startup
 
 
 def main() -> None:
@@ -29,6 +29,7 @@ def main() -> None:
         print(f"  {name:<26} {milliseconds:6.0f} ms{limit}")
     scl_speed.main()
     ppi.main()
+    simaticml_reading.main()
     layout_speed.main()
 
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
-from plcgen.diagnostics import Diagnostic
-from plcgen.read.xml import child, children, local, namespace, span, text
+from plcgen.diagnostics import Diagnostic, Note, Span
+from plcgen.read.values import is_plain_value, is_start_value
+from plcgen.read.xml import TAGS, child, children, local, namespace, parts, span, text
 from plcgen.s7.blocks import Assignment, Section, SectionKind
 from plcgen.s7.types import (
     ArrayType,
     DataType,
+    Elementary,
     Member,
     NamedType,
     StringType,
@@ -31,14 +34,19 @@ VERSIONS = frozenset({"2", "3", "4", "5"})
 
 MAX_DEPTH = 64
 MAX_LISTED = 10_000
+MAX_SPELLING = 1000
+"""Characters of a Datatype: names have 128 at most, arrays six dimensions."""
+
 
 _SECTIONS = {kind.value: kind for kind in SectionKind} | {"None": SectionKind.STATIC}
 _ARRAY = re.compile(r"Array\s*\[(?P<bounds>[^\]]*)\]\s*of\s+(?P<element>.+)", re.IGNORECASE | re.DOTALL)
-_BOUNDS = re.compile(r"\s*(-?\d+)\s*\.\.\s*(-?\d+)\s*", re.ASCII)
-_STRING = re.compile(r"(W?String)(?:\[\s*(\d+)\s*\])?", re.IGNORECASE | re.ASCII)
+_BOUNDS = re.compile(r"\s*(-?\d{1,10})\s*\.\.\s*(-?\d{1,10})\s*", re.ASCII)
+_STRING = re.compile(r"(W?String)(?:\[\s*(\d{1,10})\s*\])?", re.IGNORECASE | re.ASCII)
+_QUOTED = re.compile(r'"[^"\r\n]+"')
 _PLAIN = re.compile(r"[^\W\d]\w*")
 
 
+@lru_cache(maxsize=4096)
 def parse_datatype(spelling: str) -> DataType | None:
     """Type of a Datatype attribute, without the members of a Struct; None if it has no fixed size.
 
@@ -46,6 +54,8 @@ def parse_datatype(spelling: str) -> DataType | None:
     is dropped.
     """
     spelling = spelling.strip()
+    if len(spelling) > MAX_SPELLING:
+        return None
     array = _ARRAY.fullmatch(spelling)
     if array:
         bounds = [_BOUNDS.fullmatch(part) for part in array["bounds"].split(",")]
@@ -56,7 +66,7 @@ def parse_datatype(spelling: str) -> DataType | None:
     string = _STRING.fullmatch(spelling)
     if string:
         return StringType(string[1].upper(), int(string[2] or 254))
-    if len(spelling) > 2 and spelling[0] == spelling[-1] == '"':
+    if _QUOTED.fullmatch(spelling):
         return NamedType(spelling[1:-1], quoted=True)
     name = spelling.partition(":")[0].strip()
     if name.upper() == "STRUCT":
@@ -91,13 +101,25 @@ class InterfaceReader:
                 self.report(f"unknown section {name or '(no Name)'}", section)
                 continue
             found += self.groups(section, kind)
+        self.duplicates([m for section in found for m in section.members])
         return tuple(found)
+
+    def duplicates(self, members: Sequence[Member]) -> None:
+        """PG805: names are unique within a block and within a structure, whatever their case."""
+        if len({m.name.upper() for m in members}) != len(members):
+            first: dict[str, Member] = {}
+            for member in members:
+                known = first.setdefault(member.name.upper(), member)
+                if known is not member:
+                    notes = (Note("first declared here", known.span),) if known.span else ()
+                    message, place = f'"{member.name}" is declared twice', member.span or Span(self.file)
+                    self.diagnostics.append(Diagnostic("PG805", message, place, notes=notes))
 
     def groups(self, section: Element, kind: SectionKind) -> list[Section]:
         """Members of one section; a source declares retentive ones in a section of their own, with their views."""
         groups: list[tuple[str, list[Member]]] = []
-        for element in children(section, "Member"):
-            member = self.member(element, ())
+        for element in section:
+            member = self.member(element, ()) if TAGS[element.tag] == "Member" else None
             if member is None:
                 continue
             retain = "RETAIN" if element.get("Remanence") == "Retain" else ""
@@ -119,26 +141,62 @@ class InterfaceReader:
         if type_ is None:
             self.report(f"{name}: the data type {spelling} has no fixed size", element)
             return None
-        path = (*parents, (name, isinstance(type_, ArrayType)))
-        inner = [self.member(m, path) for m in children(element, "Member")]
-        type_ = _with_members(type_, tuple(m for m in inner if m is not None))
-        if _is_user_type(type_):
-            self._expanded(element, path)
-        start = child(element, "StartValue")
-        literal = text(start).strip() or None
-        if isinstance(type_, ArrayType) and literal is None and not any(is_array for _, is_array in parents):
-            literal = self._listed(element, type_, path)
-        else:
-            self._subelements(element, path)
-        place = span(element, self.file)
-        return Member(name, type_, literal, _comment(element), _at(element), place, _attributes(element, type_))
+        comment = ""
+        literal: str | None = None
+        listed: Element | None = None
+        rest: dict[str, list[Element]] = {}
+        for sub in element:
+            tag = TAGS[sub.tag]
+            if tag == "Comment":
+                comment = comment or _comment(sub)
+            elif tag == "StartValue":
+                literal = literal or self.value(sub)
+            elif tag == "AttributeList":
+                listed = sub
+            else:
+                rest.setdefault(tag, []).append(sub)
+        if rest or not isinstance(type_, Elementary):
+            type_, literal = self.inside(type_, literal, rest, (*parents, (name, isinstance(type_, ArrayType))))
+        version = element.get("Version")
+        at, attributes = _attributes(version, listed, type_) if version or listed is not None else (None, ())
+        line: Any = element.sourceline
+        return Member(name, type_, literal, comment, at, Span(self.file, line or 1, 1), attributes)
 
-    def _expanded(self, element: Element, path: tuple[tuple[str, bool], ...]) -> None:
+    def inside(
+        self,
+        type_: DataType,
+        literal: str | None,
+        rest: dict[str, list[Element]],
+        path: tuple[tuple[str, bool], ...],
+    ) -> tuple[DataType, str | None]:
+        """Type with its members, and start value with those of single elements."""
+        found = [self.member(m, path) for m in rest.get("Member", ())]
+        members = [m for m in found if m is not None]
+        type_ = _with_members(type_, tuple(members))
+        self.duplicates(members)
+        if "Sections" in rest and _is_user_type(type_):
+            self._expanded(rest["Sections"], path)
+        if "Subelement" in rest:
+            if isinstance(type_, ArrayType) and literal is None and not any(is_array for _, is_array in path[:-1]):
+                literal = self._listed(rest["Subelement"], type_, path)
+            else:
+                self._subelements(rest["Subelement"], path)
+        return type_, literal
+
+    def value(self, element: Element) -> str | None:
+        """Text of a StartValue; None if it is empty, or no value at all."""
+        found = (element.text or "").strip()
+        if found and not (is_plain_value(found) or is_start_value(found)):
+            self.report(f"{found[:40]} is no start value", element)
+            return None
+        return found or None
+
+    def _expanded(self, groups: Sequence[Element], path: tuple[tuple[str, bool], ...]) -> None:
         """Start values of a user type's members, written out below Sections."""
         if len(path) >= MAX_DEPTH:
-            self.report("nested too deeply", element)
+            self.report("nested too deeply", groups[0])
             return
-        for sections in children(element, "Sections"):
+        for sections in groups:
             for section in children(sections, "Section"):
                 for inner in children(section, "Member"):
                     self._expanded_member(inner, path)
@@ -148,18 +206,21 @@ class InterfaceReader:
         if not name or type_ is None or len(parents) >= MAX_DEPTH:
             return
         path = (*parents, (name, isinstance(type_, ArrayType)))
-        literal = text(child(element, "StartValue")).strip()
+        inside = parts(element)
+        start = inside.get("StartValue")
+        literal = self.value(start[0]) if start else None
         if literal and not any(is_array for _, is_array in path):
             self._assign(path, (), literal, element)
-        self._subelements(element, path)
-        for inner in children(element, "Member"):
+        self._subelements(inside.get("Subelement", ()), path)
+        for inner in inside.get("Member", ()):
             self._expanded_member(inner, path)
-        if _is_user_type(type_):
-            self._expanded(element, path)
+        if "Sections" in inside and _is_user_type(type_):
+            self._expanded(inside["Sections"], path)
 
-    def _subelements(self, element: Element, path: tuple[tuple[str, bool], ...]) -> None:
-        for sub in children(element, "Subelement"):
-            literal = text(child(sub, "StartValue")).strip()
+    def _subelements(self, found: Sequence[Element], path: tuple[tuple[str, bool], ...]) -> None:
+        for sub in found:
+            start = child(sub, "StartValue")
+            literal = self.value(start) if start is not None else None
             groups = tuple(sub.get("Path", "").split(";"))
             if not literal:
                 continue
@@ -173,11 +234,12 @@ class InterfaceReader:
         steps = (_quote(name) + (f"[{next(indices)}]" if is_array else "") for name, is_array in path)
         self.assignments.append(Assignment(".".join(steps), literal, span(at, self.file)))
 
-    def _listed(self, element: Element, type_: ArrayType, path: tuple[tuple[str, bool], ...]) -> str | None:
+    def _listed(self, found: Sequence[Element], type_: ArrayType, path: tuple[tuple[str, bool], ...]) -> str | None:
         """Start values of single elements as one list ``[1, 0, 3]``; too many gaps become assignments."""
         values: dict[int, str] = {}
-        for sub in children(element, "Subelement"):
-            literal = text(child(sub, "StartValue")).strip()
+        for sub in found:
+            start = child(sub, "StartValue")
+            literal = self.value(start) if start is not None else None
             position = _position(sub.get("Path", ""), type_)
             if not literal:
                 continue
@@ -188,7 +250,7 @@ class InterfaceReader:
         if not values:
             return None
         if max(values) >= MAX_LISTED:
-            self._subelements(element, path)
+            self._subelements(found, path)
             return None
         default = default_literal(type_.element)
         return "[" + ", ".join(values.get(n, default) for n in range(max(values) + 1)) + "]"
@@ -227,32 +289,31 @@ def _is_user_type(type_: DataType) -> bool:
 
 
 def _comment(element: Element) -> str:
-    texts = (text(item).strip() for item in children(child(element, "Comment"), "MultiLanguageText"))
-    return next((found for found in texts if found), "")
+    """First text of a comment that is not empty."""
+    for item in element:
+        if TAGS[item.tag] == "MultiLanguageText" and (found := (item.text or "").strip()):
+            return found
+    return ""
 
 
-def _at(element: Element) -> str | None:
-    for attribute in children(child(element, "AttributeList"), "StringAttribute"):
-        if attribute.get("Name") == "At":
-            return text(attribute).strip().strip('"') or None
-    return None
-
-
-def _attributes(element: Element, type_: DataType) -> tuple[tuple[str, str], ...]:
-    """Attributes as a source writes them in braces; the version of a library type comes first."""
+def _attributes(
+    version: str | None, listed: Element | None, type_: DataType
+) -> tuple[str | None, tuple[tuple[str, str], ...]]:
+    """What a view lies over, and attributes as a source has them in braces: the version of a library type first."""
     found: list[tuple[str, str]] = []
-    version, inner = element.get("Version"), innermost(type_)
+    at: str | None = None
+    inner = innermost(type_)
     if version and isinstance(inner, NamedType) and not inner.quoted:
         found += [("InstructionName", inner.name), ("LibVersion", version)]
-    for entry in children(child(element, "AttributeList")):
+    for entry in children(listed):
         name, value = entry.get("Name", ""), text(entry).strip()
-        if not name or name == "At" or entry.get("Informative") == "true":
-            continue
-        if local(entry) == "BooleanAttribute":
-            value = value.capitalize()
-        found.append(("S7_SetPoint" if name == "SetPoint" else name, value))
-    return tuple(found)
+        if name == "At":
+            at = value.strip('"') or None
+        elif _PLAIN.fullmatch(name) and entry.get("Informative") != "true":
+            value = value.capitalize() if local(entry) == "BooleanAttribute" else value
+            found.append(("S7_SetPoint" if name == "SetPoint" else name, value))
+    return at, tuple(found)
 
 
 def _quote(name: str) -> str:
-    return name if _PLAIN.fullmatch(name) else f'"{name}"'
+    return name if _PLAIN.fullmatch(name) else '"' + name.replace('"', "_") + '"'

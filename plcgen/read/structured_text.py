@@ -11,8 +11,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity
-from plcgen.read.xml import local, span
-from plcgen.scl.lexer import KEYWORDS, POINTER, STRING, TYPED, tokenize
+from plcgen.read.values import is_literal
+from plcgen.read.xml import TAGS, local, span
+from plcgen.scl.lexer import KEYWORDS
 from plcgen.scl.parser import MAX_CHARACTERS
 from plcgen.simaticml.addresses import Operand
 
@@ -29,7 +30,6 @@ _LINES = re.compile(r"[\r\n\x0b\x0c\x1c-\x1e\x85\u2028\u2029]+")
 _NUMBER = re.compile(r"[0-9]{1,9}")
 _CONSTANTS = frozenset({"LiteralConstant", "TypedConstant", "AddressConstant", "AlarmConstant", "Unnamed"})
 _GLOBAL = frozenset({"GlobalVariable", "Undef"})
-_LITERAL = re.compile(r"[^\s;,:(){}\[\]'\"]+")
 
 
 class CodeReader:
@@ -53,13 +53,9 @@ class CodeReader:
 
     def elements(self, parent: Element) -> None:
         """Write every child in order."""
-        out = self.out
+        out, tags = self.out, TAGS
         for element in parent:
-            tag = element.tag
-            if tag.__class__ is not str:
-                self.report("an entity reference instead of an element", element)
-                continue
-            name = tag[tag.find("}") + 1 :]
+            name = tags[element.tag]
             if name == "Token":
                 out.append(_token(element.get("Text", "")))
             elif name in {"Blank", "NewLine"}:
@@ -79,7 +75,7 @@ class CodeReader:
             elif name == "Text":
                 out.append(_LINES.sub(" ", element.text or ""))
             elif not name.endswith("Attribute") and name not in _IGNORED:
-                self.report(f"{name} is unknown in StructuredText", element)
+                self.report(f"{name or 'an entity reference'} is unknown in StructuredText", element)
 
     def repeated(self, sign: str, count: str, element: Element) -> str:
         """Blanks or line breaks, up to a bound."""
@@ -97,7 +93,9 @@ class CodeReader:
         """Write one operand or call."""
         scope = element.get("Scope", "")
         children = list(element)
-        inner = next((c for c in children if c.tag.__class__ is str and local(c) in _CONTENT), None)
+        if len(children) == 1 and self.simple(children[0], scope):
+            return
+        inner = next((c for c in children if local(c) in _CONTENT), None)
         if inner is None:
             self.report(f"an Access with Scope {scope or '(none)'} has no known content", element)
             return
@@ -121,6 +119,8 @@ class CodeReader:
             self.elements(inner)
         else:
             self.report(f"{name} is no SCL", inner)
+        if len(children) == 1:
+            return
         for behind in children[children.index(inner) + 1 :]:
             if local(behind) in {"Blank", "NewLine", "LineComment", "Comment"}:
                 self.elements_of(behind)
@@ -132,6 +132,23 @@ class CodeReader:
             self.out.append(_comment(name, element))
         else:
             self.out.append(self.repeated(" " if name == "Blank" else "\n", element.get("Num", "1"), element))
+
+    def simple(self, inner: Element, scope: str) -> bool:
+        """Write a variable that is one plain name, or a literal; most are."""
+        tag = TAGS[inner.tag]
+        if tag == "Constant" and len(inner):
+            self.constant(inner, scope)
+            return True
+        if tag != "Symbol" or len(inner) != 1:
+            return False
+        component = inner[0]
+        attributes = component.items()
+        if len(component) or TAGS[component.tag] != "Component" or not attributes or attributes[0][0] != "Name":
+            return False
+        if not attributes[0][1] or len(attributes) > 2 or (len(attributes) == 2 and attributes[1][0] != "UId"):
+            return False
+        self.out.append(_variable(scope, str(attributes[0][1])))
+        return True
 
     def symbol(self, element: Element, scope: str) -> None:
         """Write a variable: ``#a.b[1]``, ``"DB".c``; a dot that the document leaves out is put in."""
@@ -199,10 +216,12 @@ class CodeReader:
             prefix = "#" if scope == "LocalConstant" else ""
             self.out.append(prefix + _name(name, quoted=scope == "GlobalConstant"))
             return
-        value = next((part.text or "" for part in element if local(part) == "ConstantValue"), "")
-        if not value and name:
-            value = name
-        if not _is_literal(value):
+        value = name or ""
+        for part in element:
+            if TAGS[part.tag] == "ConstantValue":
+                value = part.text or value
+                break
+        if not is_literal(value):
             self.report(f"{value[:40] or '(nothing)'} is no constant", element)
             return
         self.out.append(value)
@@ -257,7 +276,7 @@ class CodeReader:
     def parameter(self, element: Element) -> None:
         """Write ``name := value`` or ``name => value``."""
         self.out.append(_name(element.get("Name", "")))
-        if len(element) and not any(local(p) == "Token" and p.get("Text") in {":=", "=>"} for p in element):
+        if len(element) and not _is_assigned(element):
             self.out.append(" := ")
         self.elements(element)
 
@@ -271,13 +290,15 @@ _CONTENT = frozenset(
 )
 
 
+def _is_assigned(parameter: Element) -> bool:
+    """Whether a Parameter has its ``:=`` or ``=>`` itself."""
+    return any(TAGS[part.tag] == "Token" and part.get("Text") in {":=", "=>"} for part in parameter)
+
+
 @lru_cache(maxsize=4096)
-def _is_literal(value: str) -> bool:
-    """Whether a constant is one literal and nothing more: a number, a text, a pointer."""
-    if _LITERAL.fullmatch(value):
-        return True
-    kinds = tokenize(value, "").kinds
-    return len(kinds) == 2 and kinds[0] in {STRING, TYPED, POINTER} and value == value.strip()
+def _variable(scope: str, name: str) -> str:
+    """A variable of one component."""
+    return _name(name, quoted=True) if scope in _GLOBAL else f"#{_name(name)}"
 
 
 @lru_cache(maxsize=4096)

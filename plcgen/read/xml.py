@@ -13,10 +13,12 @@ if TYPE_CHECKING:
 
     from lxml.etree import _Element as Element
 
-MAX_BYTES = 16 * 1024 * 1024
+MAX_BYTES = 64 * 1024 * 1024
 """Larger documents are refused with PG802 before they are read."""
 
-_PROLOG = re.compile(rb"<[^!?]")
+_PROLOG = re.compile(rb"(?:[\s\xef\xbb\xbf\xfe\xff]|<\?[\s\S]*?\?>|<!--[\s\S]*?-->)*+")
+"""What may stand before a document type: marks, blanks, declaration, comments."""
+
 _DTD = "a document type declaration is not allowed: it can pull in files or blow the document up"
 
 
@@ -52,9 +54,9 @@ def parse_xml(data: bytes, file: str) -> Element:
     from lxml import etree
 
     head = data.replace(b"\0", b"")
-    first = _PROLOG.search(head)
-    doctype = head.find(b"<!DOCTYPE", 0, first.start() if first else None)
-    if doctype >= 0:
+    prolog = _PROLOG.match(head)
+    doctype = prolog.end() if prolog else 0
+    if head.startswith(b"<!DOCTYPE", doctype):
         line = head.count(b"\n", 0, doctype) + 1
         raise _refusal("PG810", _DTD, Span(file, line, doctype - head.rfind(b"\n", 0, doctype)))
     parser = etree.XMLParser(
@@ -87,10 +89,31 @@ def span(element: Element, file: str) -> Span:
     return Span(file, line or 1, 1)
 
 
+class _Tags(dict[Any, str]):
+    """Tag as lxml gives it to its name without namespace; what is no element has none. Bounded."""
+
+    def __missing__(self, tag: Any) -> str:
+        if len(self) >= MAX_TAGS:
+            self.clear()
+        self[tag] = name = tag.rpartition("}")[2] if isinstance(tag, str) else ""
+        return name
+
+
+MAX_TAGS = 4096
+TAGS = _Tags()
+
+
 def local(element: Element) -> str:
     """Tag without namespace; an unresolved entity reference has none."""
-    tag: Any = element.tag
-    return tag.rpartition("}")[2] if isinstance(tag, str) else ""
+    return TAGS[element.tag]
+
+
+def parts(element: Element) -> dict[str, list[Element]]:
+    """Child elements by tag without namespace: one pass where several kinds are wanted."""
+    found: dict[str, list[Element]] = {}
+    for child in element:
+        found.setdefault(TAGS[child.tag], []).append(child)
+    return found
 
 
 def namespace(element: Element) -> str:
@@ -103,7 +126,8 @@ def children(element: Element | None, name: str | None = None) -> Iterator[Eleme
     """Child elements in order, all or those with one tag; namespaces do not matter."""
     if element is not None:
         for child in element:
-            if local(child) and name in (None, local(child)):
+            found = TAGS[child.tag]
+            if found and name in (None, found):
                 yield child
 
 

@@ -16,9 +16,10 @@ from plcgen.s7.blocks import Block, BlockKind
 from plcgen.scl.declarations import recursive_types
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.lexer import tokenize
+from plcgen.scl.parser import parse
 from plcgen.simaticml.documents import Setting, document
 from plcgen.simaticml.scope import Scope, is_system
-from plcgen.simaticml.source import SUFFIXES, source
+from plcgen.simaticml.source import KEYWORDS, SUFFIXES, source
 from plcgen.simaticml.structured_text import elements, numbered
 from plcgen.simaticml.versions import VERSIONS
 
@@ -157,8 +158,23 @@ def _to_text(block: Block, place: Span, types: dict[str, Block], found: Converte
         message = f'{block.kind} "{block.name}" has no SCL code: it is not converted'
         found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
         return None
-    return RenderedFile(
-        file_name(block.name) + SUFFIXES[block.kind], source(block, types).encode("utf-8-sig", "replace")
+    text = source(block, types)
+    problem = _wrong(text, block)
+    if problem:
+        message = f'{block.kind} "{block.name}" does not become SCL: {problem}'
+        found.diagnostics.append(Diagnostic("PG812", message, place))
+        return None
+    return RenderedFile(file_name(block.name) + SUFFIXES[block.kind], text.encode("utf-8-sig", "replace"))
+
+
+def _wrong(text: str, block: Block) -> str:
+    """What keeps a finished source from being exactly this block; empty if nothing does."""
+    result = parse(text, "")
+    errors = [d for d in result.diagnostics if d.severity is Severity.ERROR]
+    if errors:
+        return f"{errors[0].message} (line {errors[0].span.line} of the source)"
+    return (
+        "" if len(result.units) == 1 and result.units[0].keyword == KEYWORDS[block.kind] else "its code ends the block"
     )
 
 

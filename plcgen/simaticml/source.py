@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind
 from plcgen.s7.types import ArrayType, Member, StructType
-from plcgen.scl.lexer import KEYWORDS
+from plcgen.scl import lexer
 from plcgen.simaticml.datatypes import datatype, default_literal, innermost
 from plcgen.simaticml.scope import is_system
 from plcgen.simaticml.starts import Path, Starts
@@ -19,10 +19,12 @@ SUFFIXES = MappingProxyType(
 )
 """File name ending of a source by kind of block."""
 
-_KEYWORDS = {
+KEYWORDS = {
     BlockKind.UDT: "TYPE", BlockKind.DB: "DATA_BLOCK", BlockKind.FB: "FUNCTION_BLOCK", BlockKind.FC: "FUNCTION",
     BlockKind.OB: "ORGANIZATION_BLOCK",
 }  # fmt: skip
+"""Keyword that opens a source by kind of block."""
+
 _SECTIONS = {
     SectionKind.INPUT: "VAR_INPUT", SectionKind.OUTPUT: "VAR_OUTPUT", SectionKind.IN_OUT: "VAR_IN_OUT",
     SectionKind.STATIC: "VAR", SectionKind.TEMP: "VAR_TEMP", SectionKind.CONSTANT: "VAR CONSTANT",
@@ -42,7 +44,7 @@ def source(block: Block, types: Mapping[str, Block] | None = None) -> str:
     of = (types or {}).get((block.instance_of or "").upper())
     if of is not None and block.optimized is None and of.kind is BlockKind.FB:
         block = replace(block, optimized=of.optimized)
-    keyword = _KEYWORDS[block.kind]
+    keyword = KEYWORDS[block.kind]
     lines = [f"{keyword} {quoted(block.name)}{_result(block)}", *_header(block)]
     if block.kind is BlockKind.UDT:
         lines += ["  STRUCT", *_members(block.section(SectionKind.STATIC), 4), "  END_STRUCT;"]
@@ -60,7 +62,12 @@ def quoted(name: str) -> str:
 
 def plain(name: str) -> str:
     """The name of a member, in quotes if it needs them."""
-    return name if _PLAIN.fullmatch(name) and name.upper() not in KEYWORDS else quoted(name)
+    return name if _PLAIN.fullmatch(name) and name.upper() not in lexer.KEYWORDS else quoted(name)
+
+
+def _value(text: str) -> str:
+    """Value of an attribute: nothing in it ends or escapes its quotes."""
+    return _one_line(text).replace("'", "_").replace("$", "_")
 
 
 def _one_line(text: str) -> str:
@@ -116,7 +123,7 @@ def _members(members: Sequence[Member], indent: int) -> Iterator[str]:
 
 def _member(member: Member, indent: int) -> Iterator[str]:
     pad = " " * indent
-    pairs = "; ".join(f"{name} := '{_one_line(value)}'" for name, value in member.attributes)
+    pairs = "; ".join(f"{name} := '{_value(value)}'" for name, value in member.attributes)
     attributes = f" {{{pairs}}}" if pairs else ""
     at = f" AT {plain(member.at)}" if member.at else ""
     comment = f"  // {_one_line(member.comment)}" if member.comment else ""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from plcgen.scl.cursor import unquote
@@ -25,23 +24,19 @@ from plcgen.scl.lexer import (
     TYPED,
     WORDS,
     Tokens,
-    split_trivia,
 )
 from plcgen.simaticml.addresses import address
+from plcgen.simaticml.elements import SLOT, UID, constant, named_constant, simple_symbol, token, trivia
 from plcgen.simaticml.escape import attribute, content
 from plcgen.simaticml.scope import is_system
 
 if TYPE_CHECKING:
     from plcgen.simaticml.scope import Scope
 
-SLOT = "\0"
-"""Stands for a UId until the network is numbered."""
-
 FIRST_UID = 21
 """UIds of a network begin here in every genuine export."""
 
 _NUMBERS: list[str] = []
-_UID = f'UId="{SLOT}"'
 _CONSTANTS = {
     INT: "LiteralConstant", REAL: "LiteralConstant", STRING: "LiteralConstant", "TRUE": "LiteralConstant",
     "FALSE": "LiteralConstant", TYPED: "TypedConstant", POINTER: "AddressConstant",
@@ -54,8 +49,6 @@ _OPERAND_ENDS = frozenset(
 )
 _ASSIGNS = frozenset({":=", "=>"})
 _NO_TITLE = frozenset({".", "[", "(", ":", ";", ",", ")", ":=", "+=", "-=", "*=", "/=", "&=", "**=", "?="})
-TAB = "    "
-"""What a tab becomes: StructuredText has blanks only."""
 
 
 def elements(tokens: Tokens, begin: int, stop: int, scope: Scope) -> str:
@@ -73,74 +66,6 @@ def numbered(elements: str) -> str:
     parts[::2] = pieces
     parts[1::2] = _NUMBERS[:count]
     return "".join(parts)
-
-
-@lru_cache(maxsize=4096)
-def trivia(gap: str) -> str:
-    """Elements of a gap between two tokens: blanks, line breaks and comments."""
-    out: list[str] = []
-    begin = breaks = 0
-    for comment in split_trivia(gap, 0):
-        blank = gap[begin : comment.start]
-        begin = comment.start + len(comment.text)
-        if breaks and (blank or comment.text != "\n"):
-            out.append(_new_line(breaks))
-            breaks = 0
-        if blank:
-            out.append(_blank(blank))
-        if comment.text == "\n":
-            breaks += 1
-        else:
-            out.append(_comment(comment.text))
-    if breaks:
-        out.append(_new_line(breaks))
-    if begin < len(gap):
-        out.append(_blank(gap[begin:]))
-    return "".join(out)
-
-
-def _new_line(count: int) -> str:
-    return f'<NewLine Num="{count}" {_UID} />\n' if count > 1 else f"<NewLine {_UID} />\n"
-
-
-def _blank(gap: str) -> str:
-    count = len(gap.replace("\t", TAB))
-    return f'<Blank Num="{count}" {_UID} />' if count > 1 else f"<Blank {_UID} />"
-
-
-def _comment(text: str) -> str:
-    """``// text`` ends with its line, ``(* text *)`` is inserted, ``(/* text */)`` can be translated."""
-    if text.startswith("//"):
-        return f"<LineComment {_UID}><Text {_UID}>{content(text[2:])}</Text></LineComment>"
-    if text.startswith("(/*"):
-        inner = content(text[3:].removesuffix("*/)"))
-        language = f'<MultiLanguageText Lang="en-US" {_UID}>{inner}</MultiLanguageText>'
-        return f'<Comment Inserted="true" {_UID}>{language}</Comment>'
-    inner = content(text[2:].removesuffix("*)"))
-    return f'<LineComment Inserted="true" {_UID}><Text {_UID}>{inner}</Text></LineComment>'
-
-
-@lru_cache(maxsize=1024)
-def _token(text: str) -> str:
-    return f'<Token Text="{attribute(text)}" {_UID} />'
-
-
-@lru_cache(maxsize=4096)
-def _constant(scope: str, text: str) -> str:
-    """An operand that is its own value."""
-    value = f"<ConstantValue {_UID}>{content(text)}</ConstantValue>"
-    return f'<Access Scope="{scope}" {_UID}><Constant {_UID}>{value}</Constant></Access>'
-
-
-@lru_cache(maxsize=4096)
-def _named_constant(scope: str, name: str) -> str:
-    return f'<Access Scope="{scope}" {_UID}><Constant Name="{attribute(name)}" {_UID} /></Access>'
-
-
-@lru_cache(maxsize=4096)
-def _simple_symbol(scope: str, name: str) -> str:
-    component = f'<Component Name="{attribute(name)}" {_UID} />'
-    return f'<Access Scope="{scope}" {_UID}><Symbol {_UID}>{component}</Symbol></Access>'
 
 
 class _Writer:
@@ -184,7 +109,7 @@ class _Writer:
     def token(self) -> None:
         """Write the current token as a Token; the TIA Portal writes keywords in upper case."""
         kind = self.kinds[self.pos]
-        self.out.append(_token(kind if kind in KEYWORDS else self.texts[self.pos]))
+        self.out.append(token(kind if kind in KEYWORDS else self.texts[self.pos]))
         self.step()
 
     def item(self) -> None:
@@ -197,14 +122,14 @@ class _Writer:
         elif kind == QUOTED:
             self.operand("Global", unquote(self.texts[self.pos]), quoted=False)
         elif scope := _CONSTANTS.get(kind):
-            self.out.append(_constant(scope, self.texts[self.pos]))
+            self.out.append(constant(scope, self.texts[self.pos]))
             self.step()
         elif kind == NAME:
             self.name()
         elif kind == ADDRESS:
             self.absolute()
         elif kind == "-" and self.is_sign():
-            self.out.append(_constant("LiteralConstant", "-" + self.texts[self.pos + 1]))
+            self.out.append(constant("LiteralConstant", "-" + self.texts[self.pos + 1]))
             self.step(2)
         elif kind == "REGION" and self.kinds[self.pos + 1] not in _NO_TITLE:
             self.token()
@@ -236,7 +161,7 @@ class _Writer:
         lead = len(line) - len(line.lstrip())
         if lead:
             self.out.append(trivia(line[:lead]))
-        self.out.append(f"<Text {_UID}>{content(text)}</Text>")
+        self.out.append(f"<Text {UID}>{content(text)}</Text>")
         self.end += lead + len(text)
         while self.pos < self.last and self.starts[self.pos] < stop:
             self.pos += 1
@@ -259,19 +184,19 @@ class _Writer:
         upper = text.upper()
         following = self.kinds[pos + 1]
         if upper in self.labels and (following == ":" or (pos and self.kinds[pos - 1] == "GOTO")):
-            self.out.append(f'<Access Scope="Label" {_UID}><Label Name="{attribute(text)}" {_UID} /></Access>')
+            self.out.append(f'<Access Scope="Label" {UID}><Label Name="{attribute(text)}" {UID} /></Access>')
             self.step()
         elif self.scope.is_local(text):
             self.operand("Local", text, quoted=False)
         elif following == "(":
             self.step()
-            self.call(f'<Instruction Name="{attribute(text)}" {_UID}>', "</Instruction>")
+            self.call(f'<Instruction Name="{attribute(text)}" {UID}>', "</Instruction>")
         elif upper == "ENO":
-            variable = f'<PredefinedVariable Name="ENO" {_UID} />'
-            self.out.append(f'<Access Scope="PredefinedVariable" {_UID}>{variable}</Access>')
+            variable = f'<PredefinedVariable Name="ENO" {UID} />'
+            self.out.append(f'<Access Scope="PredefinedVariable" {UID}>{variable}</Access>')
             self.step()
         elif upper == "NULL":
-            self.out.append(_constant("LiteralConstant", text))
+            self.out.append(constant("LiteralConstant", text))
             self.step()
         else:
             self.operand("Global", text, quoted=False)
@@ -284,7 +209,7 @@ class _Writer:
             return
         block = "" if found.block is None else f' BlockNumber="{found.block}"'
         place = f'Area="{found.area}" Type="{found.type}"{block} BitOffset="{found.bits}"'
-        self.out.append(f'<Access Scope="Address" {_UID}><Address {place} {_UID} /></Access>')
+        self.out.append(f'<Access Scope="Address" {UID}><Address {place} {UID} /></Access>')
         self.step()
 
     def operand(self, where: str, name: str, *, quoted: bool) -> None:
@@ -293,13 +218,13 @@ class _Writer:
         following = self.kinds[self.pos + 1]
         constants = self.scope.constants if where == "Local" else self.scope.global_constants
         if name.upper() in constants:
-            self.out.append(_named_constant(f"{where}Constant", name))
+            self.out.append(named_constant(f"{where}Constant", name))
             self.step()
             return
         quoted = quoted and _is_plain(name)
         peripheral = text.endswith('":P')
         if following not in _PATH and not quoted and not peripheral:
-            self.out.append(_simple_symbol(f"{where}Variable", name))
+            self.out.append(simple_symbol(f"{where}Variable", name))
             self.step()
             return
         outer, self.out = self.out, []
@@ -308,7 +233,7 @@ class _Writer:
         if self.pos < self.last and self.kinds[self.pos] == "(":
             self.instance(where, names, symbol)
         else:
-            self.out.append(f'<Access Scope="{where}Variable" {_UID}><Symbol {_UID}>{symbol}</Symbol></Access>')
+            self.out.append(f'<Access Scope="{where}Variable" {UID}><Symbol {UID}>{symbol}</Symbol></Access>')
 
     def path(self, name: str, *, quoted: bool, peripheral: bool = False) -> tuple[str, ...]:
         """Write the components of a symbol and return their names."""
@@ -322,6 +247,8 @@ class _Writer:
             elif kind == ".":
                 self.gap()
                 self.token()
+                if self.pos >= self.last:
+                    break
                 self.gap()
                 names.append(self.member())
             else:
@@ -344,19 +271,20 @@ class _Writer:
         indexed = self.pos < self.last and self.kinds[self.pos] == "["
         modifier = ' SimpleAccessModifier="Periphery"' if peripheral or self.is_peripheral() else ""
         modifier += ' AccessModifier="Array"' if indexed else ""
-        head = f'<Component Name="{attribute(name)}"{modifier} {_UID}'
+        head = f'<Component Name="{attribute(name)}"{modifier} {UID}'
         if not indexed and not quoted:
             self.out.append(f"{head} />")
         else:
             self.out.append(f"{head}>")
             if quoted:
-                self.out.append(f'<BooleanAttribute Name="HasQuotes" {_UID}>true</BooleanAttribute>')
+                self.out.append(f'<BooleanAttribute Name="HasQuotes" {UID}>true</BooleanAttribute>')
             while self.pos < self.last and self.kinds[self.pos] == "[":
                 self.gap()
                 self.token()
                 self.until("]")
-                self.gap()
-                self.token()
+                if self.pos < self.last:
+                    self.gap()
+                    self.token()
             self.out.append("</Component>")
         if self.is_peripheral():
             self.step(2)
@@ -394,14 +322,14 @@ class _Writer:
         else:
             made = None
         if made is not None and made[1]:
-            self.out.append(f'<Access Scope="{where}Variable" {_UID}><Symbol {_UID}>{symbol}</Symbol></Access>')
-            self.call(f"<Instruction {_UID}>", "</Instruction>")
+            self.out.append(f'<Access Scope="{where}Variable" {UID}><Symbol {UID}>{symbol}</Symbol></Access>')
+            self.call(f"<Instruction {UID}>", "</Instruction>")
         elif made is not None and made[0] == "":
-            self.call(f'<CallInfo Name="{attribute(names[0])}" BlockType="FC" {_UID}>', "</CallInfo>")
+            self.call(f'<CallInfo Name="{attribute(names[0])}" BlockType="FC" {UID}>', "</CallInfo>")
         else:
             name = f' Name="{attribute(made[0])}"' if made is not None else ""
             self.call(
-                f'<CallInfo{name} BlockType="FB" {_UID}><Instance Scope="{where}Variable" {_UID}>{symbol}</Instance>',
+                f'<CallInfo{name} BlockType="FB" {UID}><Instance Scope="{where}Variable" {UID}>{symbol}</Instance>',
                 "</CallInfo>",
             )
 
@@ -419,7 +347,7 @@ class _Writer:
 
     def call(self, head: str, tail: str) -> None:
         """Write the arguments of a call between ``head`` and ``tail``."""
-        self.out.append(f'<Access Scope="Call" {_UID}>{head}')
+        self.out.append(f'<Access Scope="Call" {UID}>{head}')
         self.gap()
         self.token()
         while self.pos < self.last and self.kinds[self.pos] != ")":
@@ -437,12 +365,12 @@ class _Writer:
         """Write ``name := value``, ``name => value`` or a value alone."""
         pos = self.pos
         if self.kinds[pos] in WORDS and self.kinds[pos + 1] in _ASSIGNS:
-            self.out.append(f'<Parameter Name="{attribute(unquote(self.texts[pos]))}" {_UID}>')
+            self.out.append(f'<Parameter Name="{attribute(unquote(self.texts[pos]))}" {UID}>')
             self.step()
             self.until(",", ")")
             self.out.append("</Parameter>")
         else:
-            self.out.append(f"<NamelessParameter {_UID}>")
+            self.out.append(f"<NamelessParameter {UID}>")
             self.until(",", ")")
             self.out.append("</NamelessParameter>")
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from hypothesis import given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from projects import ROOT, SPECS, TARGETS, every_type
 from simaticml.codes import SETTING, back, exact, meant, network, read_code, wrapped
@@ -181,6 +181,7 @@ statements = st.one_of(simple, regions, whens, calls(expressions).map(lambda c: 
 codes = st.lists(st.tuples(statements, gaps).map("".join), max_size=5).map("\n".join)
 
 
+@settings(deadline=None)
 @given(codes)
 def test_any_code_comes_back(code: str) -> None:
     """Random code: the same text but for tabs, and the same document again."""
@@ -190,6 +191,11 @@ def test_any_code_comes_back(code: str) -> None:
     assert wrapped(again) == wrapped(code)
 
 
+@settings(deadline=None)
+@example("_[D[")
+@example('"a".')
+@example("f(")
+@example("#a[1")
 @given(st.text(st.sampled_from("#ab\"'.[]()%X0:=;,-> \n\t/*{}^EIFND_TR1$<&"), max_size=40))
 def test_any_text_becomes_a_document_that_can_be_read(code: str) -> None:
     """Whatever stands in a body: a well-formed document, no exception, and the tokens that are some come back."""

@@ -105,6 +105,7 @@ CASES = {
     f"{token(')')}</Instruction></Access>",
     "// a <b>": "<LineComment><Text> a &lt;b&gt;</Text></LineComment>",
     "(* a *)": '<LineComment Inserted="true"><Text> a </Text></LineComment>',
+    "/* a */": '<LineComment Inserted="true"><Text> a </Text></LineComment>',
     "(/* a */)": '<Comment Inserted="true"><MultiLanguageText Lang="en-US"> a </MultiLanguageText></Comment>',
     "REGION one; two // x\nEND_REGION": f"{token('REGION')}~<Text>one; two // x</Text><NewLine />{token('END_REGION')}",
     "GOTO out;\nout: ;": f'{token("GOTO")}~<Access Scope="Label"><Label Name="out" /></Access>{token(";")}<NewLine />'
