@@ -9,6 +9,7 @@ from plcgen.read.text import read_text
 from plcgen.s7.blocks import Assignment, Block, BlockKind, SectionKind
 from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, NamedType, StringType, StructType
 from plcgen.scl.constants import integer
+from plcgen.scl.parser import parse
 
 
 def _blocks(text: str) -> list[Block]:
@@ -235,3 +236,14 @@ def test_blocks_survive_errors_in_their_neighbourhood() -> None:
 def test_integer_literals(text: str, value: int | None) -> None:
     """The value of every spelling, None for what is no integer."""
     assert value == integer(text)
+
+
+@pytest.mark.parametrize(
+    "text", ["abc : INT := 16#5;", "abc : INT;", "abc, d : INT := 16#5;", "abc {S7_x := 'y'} : INT;"]
+)
+def test_a_declaration_ends_before_its_semicolon(text):
+    """Whether it is read in one step or piece by piece."""
+    (unit,) = parse(f"FUNCTION_BLOCK F\nVAR\n{text}\nEND_VAR\nBEGIN\nEND_FUNCTION_BLOCK\n", "x.scl").units
+    (declaration,) = unit.sections[0].declarations
+    whole = f"FUNCTION_BLOCK F\nVAR\n{text}"
+    assert whole[declaration.start : declaration.end] == text[:-1]
