@@ -4,7 +4,7 @@ BIN := .venv/bin
 READY := .venv/.ready
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test lint bench mutate examples docs lock clean
+.PHONY: demo test lint bench mutate deletions examples docs lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -23,6 +23,9 @@ bench: $(READY)
 
 mutate: $(READY)
 	$(BIN)/python -m mutation
+
+deletions: $(READY)
+	$(BIN)/python -m mutation --deletions
 
 examples: $(READY)
 	@for name in $(SPECS); do $(BIN)/plcgen generate specs/$$name.yaml --out examples/$$name/expected --force --quiet || exit 1; done

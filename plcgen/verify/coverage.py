@@ -9,6 +9,7 @@ from plcgen.cpu.compile_model import Probe
 from plcgen.cpu.program import Program
 from plcgen.plan.model import PlannedJob
 
+Step = tuple[int, int]
 NO_OTHER = "the selector has no other value"
 ONE_ERROR = "a telegram of one parameter has one error"
 NO_RETRY = "retries: 0"
@@ -48,17 +49,22 @@ def _retries_only(probe: Probe, text: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """Counts of one block: ``missing`` never ran although they should, ``explained`` cannot."""
+    """Counts of one block: ``missing`` never ran although they should, ``explained`` cannot.
+
+    ``steps`` are the ways from state to state that were never gone.
+    """
 
     statements: int
     branches: int
     missing: tuple[Probe, ...]
     explained: tuple[tuple[Probe, str], ...]
+    steps: frozenset[Step] = frozenset()
 
     @property
     def text(self) -> str:
-        """``245 statements, 130 branches``."""
-        return f"{self.statements} statements, {self.branches} branches"
+        """``245 statements, 130 branches, every state transition``."""
+        end = "every state transition" if not self.steps else f"all but {len(self.steps)} state transitions"
+        return f"{self.statements} statements, {self.branches} branches, {end}"
 
     @property
     def verdict(self) -> str:
@@ -82,7 +88,9 @@ def measure(program: Program, name: str, counts: Sequence[int]) -> tuple[list[tu
     return found, block.result.tokens.source.splitlines()
 
 
-def merge(job: PlannedJob, found: tuple[Iterable[tuple[Probe, int]], Sequence[str]]) -> Coverage:
+def merge(
+    job: PlannedJob, found: tuple[Iterable[tuple[Probe, int]], Sequence[str]], steps: frozenset[Step] = frozenset()
+) -> Coverage:
     """Add up the probes that stand at one place: a block may have been compiled twice."""
     probes, lines = found
     totals: dict[Probe, int] = {}
@@ -98,4 +106,4 @@ def merge(job: PlannedJob, found: tuple[Iterable[tuple[Probe, int]], Sequence[st
         else:
             missing.append(probe)
     statements = sum(probe.kind == "statement" for probe in totals)
-    return Coverage(statements, len(totals) - statements, tuple(missing), tuple(explained))
+    return Coverage(statements, len(totals) - statements, tuple(missing), tuple(explained), steps)

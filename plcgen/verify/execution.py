@@ -22,6 +22,7 @@ from plcgen.verify.coverage import Coverage, measure, merge
 from plcgen.verify.execution_own import own_checks
 from plcgen.verify.execution_rig import JobRig, ScenarioError, load_program
 from plcgen.verify.execution_run import Failure, Runner, Statistics
+from plcgen.verify.execution_times import STATE_NAMES, transitions
 from plcgen.verify.execution_together import program_scenarios, row, try_program, wrong_numbers
 from plcgen.verify.model import Check, Outcome
 from plcgen.verify.scenarios import Scenario
@@ -82,8 +83,9 @@ def check_execution(
     yield _program_check(project, program_result)
     counts = [sum(column) for column in zip(*(result.counts for result in (*results, program_result)), strict=True)]
     if not any(result.failures for result in (*results, program_result)):
-        for job in project.jobs:
-            yield _coverage_check(job, merge(job, measure(program, job.block.name, counts)))
+        for job, result in zip(project.jobs, results, strict=True):
+            steps = transitions(job, classic=project.target.classic) - result.statistics.transitions
+            yield _coverage_check(project, job, merge(job, measure(program, job.block.name, counts), steps))
 
 
 # --- running ----------------------------------------------------------------------------------------------
@@ -175,9 +177,10 @@ def _matrix(project: Project, program: Program, runner: Runner, result: JobResul
         result.failures += [failure] if failure is not None else []
     result.counts = [a + b for a, b in zip(result.counts, runner.rig.cpu.coverage, strict=True)]
     if project.target.classic and not result.failures:
-        for failure, counts in wrong_numbers(project, program, job):
+        for failure, other in wrong_numbers(project, program, job):
             result.failures += [failure] if failure is not None else []
-            result.counts = [a + b for a, b in zip(result.counts, counts, strict=True)]
+            result.counts = [a + b for a, b in zip(result.counts, other.rig.cpu.coverage, strict=True)]
+            statistics.transitions |= other.statistics.transitions
     errors = sum(1 for _ in errors_of(job, level))
     positions = sum(len(telegram.parts) for telegram in job.telegrams)
     result.matrix = (
@@ -281,8 +284,14 @@ def _program_check(project: Project, result: JobResult) -> Check:
     return Check("together", "all jobs", text, Outcome.ERROR, str(result.failures[0]), found)
 
 
-def _coverage_check(job: PlannedJob, coverage: Coverage) -> Check:
+def _coverage_check(project: Project, job: PlannedJob, coverage: Coverage) -> Check:
     name, subject, text = f"coverage.{job.key}", f"coverage {job.key}", coverage.text
+    if coverage.steps:
+        steps = ", ".join(f"{STATE_NAMES[one]} to {STATE_NAMES[two]}" for one, two in sorted(coverage.steps))
+        message = f"{job.key}: the block never goes from {steps}"
+        return Check(
+            name, subject, text, Outcome.ERROR, message, Diagnostic("PG622", message, project.loaded.key_span(job.path))
+        )
     if not coverage.missing:
         return Check(name, subject, text, Outcome.OK, coverage.verdict)
     first = coverage.missing[0]

@@ -5,11 +5,28 @@ from __future__ import annotations
 import random
 
 from plcgen.emit.status_words import STATES
+from plcgen.plan.model import PlannedJob
 from plcgen.verify.execution_rig import JobRig, ScenarioError
 from plcgen.verify.scenarios import WORDS, Scenario
 
 IDLE, ACQUIRE, BUILD, WRITE, READ, CHECK, WAIT, DRAIN = (number for _, number, _ in STATES)
 STATE_NAMES = {number: name.removeprefix("STATE_") for name, number, _ in STATES}
+
+
+def transitions(job: PlannedJob, *, classic: bool) -> frozenset[tuple[int, int]]:
+    """From one call to the next, as docs/generated-code.md draws them; a CPU restart may lead anywhere.
+
+    An end without a running record call drains and reports in one call: nothing runs in WAIT, and BUILD drains only
+    if it finds a wrong DB number.
+    """
+    found = {(IDLE, ACQUIRE), (ACQUIRE, BUILD), (BUILD, WRITE), (WRITE, READ), (READ, CHECK), (DRAIN, IDLE)}
+    found |= {(state, WAIT) for state in (WRITE, READ, CHECK)} | {(WAIT, state) for state in (BUILD, WRITE, READ)}
+    found |= {(state, DRAIN) for state in (WRITE, READ, CHECK)}
+    found |= {(state, IDLE) for state in (ACQUIRE, BUILD, WRITE, READ, CHECK, WAIT)}
+    if not job.retries:
+        found = {step for step in found if WAIT not in step}
+    found |= {(CHECK, BUILD)} if len(job.telegrams) > 1 else set()
+    return frozenset(found | {(BUILD, DRAIN)} if classic else found)
 
 
 class TimeChecks:

@@ -253,7 +253,7 @@ def _take_over(first: PlannedJob, second: PlannedJob, calls: int) -> Callable[[P
 # --- wrong numbers ----------------------------------------------------------------------------------------
 
 
-def wrong_numbers(project: Project, program: Program, job: PlannedJob) -> Iterator[tuple[Failure | None, list[int]]]:
+def wrong_numbers(project: Project, program: Program, job: PlannedJob) -> Iterator[tuple[Failure | None, Runner]]:
     """Buffer DBs that have other numbers than the block expects: nothing is sent."""
     blocks = {entry.name: entry for entry in program.link.blocks.values() if entry.block.kind is BlockKind.DB}
     for index, telegram in enumerate(job.telegrams, 1):
@@ -288,7 +288,8 @@ def wrong_numbers(project: Project, program: Program, job: PlannedJob) -> Iterat
                 blocks[other].number = number
             if control in numbers and size < max(len(telegram.request), telegram.response_size):
                 continue
-            yield Runner(rig).try_run(scenario), rig.cpu.coverage
+            runner = Runner(rig)
+            yield runner.try_run(scenario), runner
 
 
 def row(runner: Runner) -> Failure | None:

@@ -90,6 +90,19 @@ def _status_always(limits: Limits) -> Iterator[Scenario]:
             )
     scan = max(20, limits.timeout // 500)
     slow = max(1, ceil((limits.timeout / max(limits.retries, 1) - limits.pause) / scan) + 3)
+    step = max(1, limits.pause // 20)
+    if limits.retries and limits.timeout > limits.pause + 20 * step:
+        yield Scenario(
+            name="TIMEOUT in the pause behind a late error",
+            status=(WORDS["TIMEOUT"],),
+            writes={1: 0xDF80C300},
+            busy=((limits.timeout - limits.pause // 2) // step - 4, 0),
+            scan=step,
+            took=(limits.timed_out(step),) * 2,
+            retries=1,
+            telegram=1,
+            calls=(0, -1),
+        )
     if not limits.retries or slow * scan > limits.drain // 2:
         return
     for script in ({"writes": {0: 0xDF80C300}}, {"reads": {0: STATE_CONFLICT}}):
