@@ -237,6 +237,12 @@ def test_decode_a_capture(plcgen, tmp_path):
     assert "warning[PG710]: tolerated: byte 0: F9h is an acknowledgement" in tolerant.err
 
 
+def test_decode_lines_that_are_wrong_each(plcgen):
+    """Two telegrams that are cut short stay two: a line is where a telegram may begin."""
+    result = plcgen("ppi", "decode", "--json", stdin="10 02 5C 5E 16\n10 02 5C 5E 16\n")
+    assert [telegram["offset"] for telegram in json.loads(result.out)["telegrams"]] == [0, 5]
+
+
 def test_decode_raw_bytes(plcgen, tmp_path):
     """A file that is no text is taken as the bytes themselves."""
     (tmp_path / "line.bin").write_bytes(bytes.fromhex(VB100) + b"\xe5" + bytes.fromhex(POLL))

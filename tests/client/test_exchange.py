@@ -1,11 +1,15 @@
 """One request, one answer: whatever the line does, it ends, and nothing is executed twice."""
 
+import math
+
 import pytest
 from client.support import connect, scripted
 
 from plcgen.client import Client, ClientError, NoAnswerError, RefusedError, Settings
 from plcgen.line.endpoint import EndpointLine
 from plcgen.line.model import LineLostError
+from plcgen.ppi.fdl import encode_frame
+from plcgen.ppi.model import VariableFrame
 
 READ = "68 1B 1B 68 02 00 {fc} 32 01 00 00 00 01 00 0E 00 00 04 01 12 0A 10 02 00 01 00 01 84 00 03 20 {fcs} 16"
 ANSWER = bytes.fromhex("68 16 16 68 00 02 08 32 03 00 00 00 01 00 02 00 05 00 00 04 01 FF 04 00 08 22 79 16")
@@ -166,9 +170,23 @@ def test_old_bytes_are_forgotten():
     """What arrived before the request is no answer to it."""
     client, script, line = scripted([None, ACK, ANSWER])
     line.write(b"")
-    script.waiting = ACK + ANSWER
+    script.waiting = ACK + other(0, 2, 0x08)
     assert client.read("VB100")[0].value == 0x22
     assert script.heard[1][6] == 0x6C
+
+
+def other(destination, source, function):
+    """Return the answer 99 to the same request in a frame of our choice."""
+    pdu = ANSWER[7:-2].replace(b"\x22", b"\x99")
+    return encode_frame(VariableFrame(destination, source, function, pdu))
+
+
+@pytest.mark.parametrize("frame", [(0, 3, 0x08), (1, 2, 0x08), (0, 2, 0x6C)])
+def test_frames_that_only_look_like_the_answer(frame):
+    """From another station, to another master, or a request: passed over although everything else fits."""
+    client, _, _ = scripted([ACK, other(*frame) + ANSWER])
+    assert client.read("VB100")[0].value == 0x22
+    assert client.exchange.count.skipped == 1
 
 
 @pytest.mark.parametrize(
@@ -183,9 +201,6 @@ def test_old_bytes_are_forgotten():
 )
 def test_answers_to_something_else(pdu):
     """The right reference with another function, length or number of items is refused, never misread."""
-    from plcgen.ppi.fdl import encode_frame
-    from plcgen.ppi.model import VariableFrame
-
     frame = encode_frame(VariableFrame(0, 2, 0x08, bytes.fromhex(pdu)))
     client, _, _ = scripted([ACK, frame])
     with pytest.raises(ClientError) as caught:
@@ -218,10 +233,11 @@ def test_the_wait_for_a_frame_that_has_begun():
     pieces = [ANSWER[:10], ANSWER[10:]]
 
     def read(maximum=4096, timeout=None):
-        if len(script.heard) == 2 and pieces:
-            line.clock.now += 150 if len(pieces) == 2 else 400
-            return pieces.pop(0)
-        return line_read(maximum, timeout)
+        if len(script.heard) < 2 or not pieces or timeout == 0:
+            return line_read(maximum, timeout)
+        gap = 150 if len(pieces) == 2 else 400
+        line.clock.now += min(gap, math.ceil(timeout * 1000))
+        return pieces.pop(0) if gap <= timeout * 1000 else b""
 
     line.read = read
     assert client.read("VB100")[0].value == 0x22
