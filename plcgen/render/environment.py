@@ -6,6 +6,7 @@ Output depends on the view alone: undefined names are errors, and no clock, user
 from __future__ import annotations
 
 import functools
+import zlib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -15,14 +16,31 @@ import jinja2
 from plcgen.emit.document import Document
 from plcgen.resources import templates_dir
 
+MAX_PLAIN = 256 * 1024 * 1024
+"""Bytes of a project that are kept as they are; what goes beyond is kept compressed until it is written."""
+
+_WORTH_PACKING = 16 * 1024
+
 
 @dataclass(frozen=True, slots=True)
 class RenderedFile:
     """A finished file: relative path with forward slashes, exact bytes, why it is experimental ("" if not)."""
 
     path: str
-    data: bytes
+    content: bytes
     experimental: str = ""
+    packed: bool = False
+
+    @property
+    def data(self) -> bytes:
+        """The exact bytes of the file."""
+        return zlib.decompress(self.content) if self.packed else self.content
+
+    def pack(self) -> RenderedFile:
+        """The same file in less memory: the documents of ten thousand jobs are gigabytes."""
+        if self.packed or len(self.content) < _WORTH_PACKING:
+            return self
+        return RenderedFile(self.path, zlib.compress(self.content, 1), self.experimental, packed=True)
 
 
 _MARKUP = (".xml.j2", ".html.j2", ".svg.j2")
@@ -71,12 +89,15 @@ def render_all(
 
     ``progress(what, done, 0)``: how many there will be is not known before.
     """
-    files = []
+    files: list[RenderedFile] = []
+    plain = 0
     for number, document in enumerate(documents, 1):
         text = render_text(document.template, document.view)
-        files.append(_finished(document, text))
+        made = [_finished(document, text)]
         if document.twins is not None:
-            files += [render(twin) for twin in document.twins(text)]
+            made += [render(twin) for twin in document.twins(text)]
+        plain += sum(len(file.content) for file in made)
+        files += made if plain <= MAX_PLAIN else [file.pack() for file in made]
         if progress is not None and number % 50 == 0:
             progress("render", number, 0)
     return files

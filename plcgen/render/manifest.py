@@ -45,9 +45,10 @@ def manifest(project: Project, files: Sequence[RenderedFile]) -> RenderedFile:
             for job in project.jobs
         ],
         "files": [
-            {"path": file.path, "sha256": digest(file.data), "bytes": len(file.data)}
+            {"path": file.path, "sha256": digest(data), "bytes": len(data)}
             | ({"experimental": file.experimental} if file.experimental else {})
             for file in sorted(files, key=lambda file: file.path)
+            for data in (file.data,)
         ],
     }
     return RenderedFile(MANIFEST, (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode())

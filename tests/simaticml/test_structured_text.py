@@ -56,6 +56,7 @@ DOT = '<Token Text="." />'
 CASES = {
     "#i := 1;": f"{local('i')}~{token(':=')}~{number('1')}{token(';')}",
     "#i := -1;": f"{local('i')}~{token(':=')}~{number('-1')}{token(';')}",
+    "#i := - 1;": f"{local('i')}~{token(':=')}~{token('-')}~{number('1')}{token(';')}",
     "#i-1": f"{local('i')}{token('-')}{number('1')}",
     "(#i) -1": f"{token('(')}{local('i')}{token(')')}~{token('-')}{number('1')}",
     "#LIMIT": '<Access Scope="LocalConstant"><Constant Name="LIMIT" /></Access>',

@@ -56,6 +56,22 @@ def test_line_by_line_and_as_a_whole_give_the_same_document(generated: dict[str,
     assert twin._PARAGRAPHS.pieces
 
 
+def test_a_line_means_what_its_names_mean_in_its_block() -> None:
+    """The same line with the same names: a constant in one block, a variable in the other, an instance in a third."""
+    code = "#a := #b;\n#c();\n"
+    kinds = {
+        "VAR CONSTANT\n  b : Int := 1;\nEND_VAR": '<Constant Name="b"',
+        "VAR\n  b : Int;\nEND_VAR": '<Component Name="b"',
+        'VAR\n  c : "Motor";\nEND_VAR': '<CallInfo Name="Motor"',
+        'VAR\n  c : "Pump";\nEND_VAR': '<CallInfo Name="Pump"',
+        "VAR\n  c : TON_TIME;\nEND_VAR": "<Instruction UId",
+    }
+    for _ in range(3):
+        for section, expected in kinds.items():
+            text = f'FUNCTION_BLOCK "X"\n{section}\nBEGIN\n{code}\nEND_FUNCTION_BLOCK\n'
+            assert expected in twin.code_document(twin.read_block(text), SETTING)
+
+
 @pytest.mark.parametrize(
     "code",
     [
