@@ -15,7 +15,7 @@ from plcgen.plan.ppi_model import PlannedMaster, PlannedPpiJob, PpiTelegram, Ppi
 from plcgen.s7.types import ArrayType
 
 MAX_MESSAGE = 512
-"""Bytes of one message that are looked at; a module that ends messages as documented never delivers more than 255."""
+"""Bytes of one message that are looked at, and the length at which the module ends one."""
 RECEIVE_LAST = MAX_MESSAGE + 23
 SEND_BYTES = 256
 MODULES = {"cm1241": "CM 1241", "cm-ptp": "CM PtP", "cp341": "CP 341"}
@@ -200,7 +200,7 @@ class _Views:
         """Local data: name, type."""
         t = self.t
         kinds = {
-            t["BOOL"]: "Done Fault New Execute Trigger Retry Finished Clean",
+            t["BOOL"]: "Done Fault New Execute Trigger Retry Finished Clean Mine",
             t["BYTE"]: "Byte Check Code",
             t["WORD"]: "Status Word Result Error",
             t["INT"]: "Job Next Index Length First Count Size Sum Position Event At End Item LastItem Failed",
@@ -255,6 +255,7 @@ class _Views:
         ]
         events = (
             ("NONE", "nothing for us"), ("ACK", "taken, ask again"), ("REPLY", "the reply"), ("REFUSED", "refused"),
+            ("BUSY", "refused for the moment"),
         )  # fmt: skip
         rows += [(f"EVENT_{name}", t["INT"], n, text) for n, (name, text) in enumerate(events)]
         left_out = ONLY_CLASSIC if new else ONLY_NEW

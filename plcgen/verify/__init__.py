@@ -69,12 +69,21 @@ def _verify(
     if drive_file is not None:
         own = partial(load_drive, read_text(drive_file), str(drive_file))
     files = read_folder(folder, project.target, progress)
-    groups = (
+    layouts, telegrams = list(check_layouts(project, files)), list(check_telegrams(project, files))
+    if project.ppi is not None:
+        from plcgen.verify.ppi_layouts import check_ppi_layouts, check_ppi_telegrams
+
+        layouts += check_ppi_layouts(project, files)
+        telegrams += check_ppi_telegrams(project, files)
+    groups = [
         CheckGroup("files", "Files", (*check_files(project, files), *check_twins(project, files))),
-        CheckGroup("layout", "Layout", tuple(check_layouts(project, files))),
-        CheckGroup("telegrams", "Telegrams", tuple(check_telegrams(project, files))),
-        CheckGroup("drive", "Simulated drive", tuple(check_drive(project, files, own and own(), progress))),
-        CheckGroup("execution", "Execution", tuple(check_execution(project, folder, faults, progress, own=own))),
-    )
+        CheckGroup("layout", "Layout", tuple(layouts)),
+        CheckGroup("telegrams", "Telegrams", tuple(telegrams)),
+    ]
+    if project.jobs:
+        drive = tuple(check_drive(project, files, own and own(), progress))
+        groups.append(CheckGroup("drive", "Simulated drive", drive))
+    ran = tuple(check_execution(project, folder, faults, progress, own=own))
+    groups.append(CheckGroup("execution", "Execution", ran))
     target = f"{project.target.family} / {project.target.toolchain}"
-    return Verification(str(spec), str(folder), project.name, target, groups, tuple(report))
+    return Verification(str(spec), str(folder), project.name, target, tuple(groups), tuple(report))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from plcgen.cpu.compile_model import Probe
@@ -51,18 +51,20 @@ def _retries_only(probe: Probe, text: str) -> bool:
 class Coverage:
     """Counts of one block: ``missing`` never ran although they should, ``explained`` cannot.
 
-    ``steps`` are the ways from state to state that were never gone.
+    ``steps`` are the ways from state to state that were never gone, None if nobody looked.
     """
 
     statements: int
     branches: int
     missing: tuple[Probe, ...]
     explained: tuple[tuple[Probe, str], ...]
-    steps: frozenset[Step] = frozenset()
+    steps: frozenset[Step] | None = frozenset()
 
     @property
     def text(self) -> str:
         """``245 statements, 130 branches, every state transition``."""
+        if self.steps is None:
+            return f"{self.statements} statements, {self.branches} branches"
         end = "every state transition" if not self.steps else f"all but {len(self.steps)} state transitions"
         return f"{self.statements} statements, {self.branches} branches, {end}"
 
@@ -91,7 +93,19 @@ def measure(program: Program, name: str, counts: Sequence[int]) -> tuple[list[tu
 def merge(
     job: PlannedJob, found: tuple[Iterable[tuple[Probe, int]], Sequence[str]], steps: frozenset[Step] = frozenset()
 ) -> Coverage:
-    """Add up the probes that stand at one place: a block may have been compiled twice."""
+    """Coverage of a job's block."""
+    return cover(found, lambda probe, line: explanation(job, probe, line), steps)
+
+
+def cover(
+    found: tuple[Iterable[tuple[Probe, int]], Sequence[str]],
+    explain: Callable[[Probe, str], str],
+    steps: frozenset[Step] | None = None,
+) -> Coverage:
+    """Add up the probes that stand at one place: a block may have been compiled twice.
+
+    ``explain`` says why a probe on a line cannot run, or nothing.
+    """
     probes, lines = found
     totals: dict[Probe, int] = {}
     for probe, count in probes:
@@ -100,7 +114,7 @@ def merge(
     explained: list[tuple[Probe, str]] = []
     for probe in (probe for probe, count in totals.items() if not count):
         line = lines[probe.line - 1].strip() if probe.line <= len(lines) else ""
-        reason = explanation(job, probe, line)
+        reason = explain(probe, line)
         if reason:
             explained.append((probe, reason))
         else:

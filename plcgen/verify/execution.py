@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import warnings
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
@@ -25,6 +21,7 @@ from plcgen.verify.execution_run import Failure, Runner, Statistics
 from plcgen.verify.execution_times import STATE_NAMES, transitions
 from plcgen.verify.execution_together import program_scenarios, row, try_program, wrong_numbers
 from plcgen.verify.model import Check, Outcome
+from plcgen.verify.processes import shared_out
 from plcgen.verify.scenarios import Scenario
 from plcgen.verify.scenarios_answer import answer_scenarios, error_matrix
 from plcgen.verify.scenarios_record import STATE_CONFLICT, cpu_scenarios, record_scenarios
@@ -71,6 +68,12 @@ def check_execution(
     except DiagnosticError as problem:
         first = problem.diagnostics[0]
         yield Check("execution.scl", "sources", "SCL in the simulated CPU", Outcome.ERROR, first.message, first)
+        return
+    if project.ppi is not None:
+        from plcgen.verify.ppi_execution import check_masters
+
+        yield from check_masters(project, program, level, progress)
+    if not project.jobs:
         return
     results = list(_results(project, program, level, progress, workers))
     program_result = results.pop() if level != "none" else None
@@ -211,38 +214,13 @@ def _task(project: Project, program: Program, index: int, level: Level) -> JobRe
     return run_job(project, program, project.jobs[index], level)
 
 
-_inherited: list[tuple[Project, Program, Level]] = []
-
-
-def _forked(index: int) -> JobResult:
-    project, program, level = _inherited[0]
-    return _task(project, program, index, level)
-
-
 def _results(
     project: Project, program: Program, level: Level, progress: Progress | None, workers: int | None
 ) -> Iterator[JobResult]:
     """Results in the order of the jobs, that of the program last; in several processes if that helps."""
     total = len(project.jobs) + (level != "none")
-    count = min(workers if workers is not None else os.cpu_count() or 1, total)
-    if count < 2 or level == "none" or "fork" not in multiprocessing.get_all_start_methods():
-        for index in range(total):
-            if progress is not None:
-                progress("execute", index, total)
-            yield _task(project, program, index, level)
-        return
-    _inherited[:] = [(project, program, level)]
-    found: dict[int, JobResult] = {}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)
-        with ProcessPoolExecutor(count, multiprocessing.get_context("fork")) as pool:
-            futures = {pool.submit(_forked, index): index for index in range(total)}
-            for future in as_completed(futures):
-                found[futures[future]] = future.result()
-                if progress is not None:
-                    progress("execute", len(found), total)
-    _inherited.clear()
-    yield from (found[index] for index in range(total))
+    share = workers if level != "none" else 1
+    return shared_out(lambda index: _task(project, program, index, level), total, progress, share)
 
 
 # --- reporting --------------------------------------------------------------------------------------------
@@ -301,13 +279,14 @@ def _coverage_check(project: Project, job: PlannedJob, coverage: Coverage) -> Ch
 
 
 def _shown(value: Tree, unit: str) -> str:
-    text = _text(value)
+    text = value_text(value)
     return f"{text} {unit}" if unit else text
 
 
-def _text(value: Tree) -> str:
+def value_text(value: Tree) -> str:
+    """A value as a line of the report shows it: four elements of an array."""
     if isinstance(value, list):
-        return f"[{', '.join(_text(item) for item in value[:4])}{', ..' if len(value) > 4 else ''}]"
+        return f"[{', '.join(value_text(item) for item in value[:4])}{', ..' if len(value) > 4 else ''}]"
     if isinstance(value, float):
         return f"{value:.7g}.0" if value.is_integer() and abs(value) < 1e7 else f"{value:.7g}"
     return str(value)

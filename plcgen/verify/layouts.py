@@ -49,40 +49,43 @@ def _buffer(
 ) -> Check:
     size = fields[-1].offset + fields[-1].size
     subject = f'DB{db.number} "{db.name}"'
-    figures = " ".join(f"{f.name}@{f.offset}{_width(f.type)}" for f in fields if f.role != "reserve")
+    figures = " ".join(f"{f.name}@{f.offset}{width_mark(f.type)}" for f in fields if f.role != "reserve")
     text = f"{size} B  {figures}"
     planned = [Row(f.name, f.offset, f.size, f.type) for f in fields]
-    problem = _compare(project, folder, (db, type_block), planned, size)
+    problem = compare(project, folder, ((db, ""), (type_block, "")), planned, size)
     if problem is None and answers is not None:
         problem = _room(answers, size, folder)
         text = f"{size} B  positive {answers.positive_length} / negative {answers.negative_length}  {figures}"
     if problem is not None:
         return Check(f"layout.{db.name}", subject, text, Outcome.ERROR, problem.message, problem)
-    return Check(f"layout.{db.name}", subject, text, Outcome.OK, _agreement(project))
+    return Check(f"layout.{db.name}", subject, text, Outcome.OK, agreement(project))
 
 
-def _agreement(project: Project) -> str:
+def agreement(project: Project) -> str:
     """``3 calculators agree``; which ones, where there are fewer."""
     if project.target.xml_version is not None:
         return "3 calculators agree"
     return f"2 calculators agree: {TELEGRAM}, {TEXT}; no {XML}"
 
 
-def _compare(
-    project: Project, folder: Folder, refs: tuple[BlockRef, ...], planned: list[Row], size: int
+def compare(
+    project: Project, folder: Folder, refs: tuple[tuple[BlockRef, str], ...], planned: list[Row], size: int
 ) -> Diagnostic | None:
-    """The first disagreement between the calculators, about the DB and then about its type."""
+    """The first disagreement between the calculators, about the DB and then about its type.
+
+    ``refs`` are the blocks with the planned members, and the path of the structure they lie in (``telegram.``).
+    """
     sources = [(TEXT, folder.text)]
     if project.target.xml_version is not None:
         sources.append((XML, folder.xml))
-    for ref in refs:
+    for ref, prefix in refs:
         sizes = {TELEGRAM: (planned, size + size % 2)}
         for origin, blocks in sources:
             block = blocks.get(ref.name.upper())
             if block is None:
                 message = f'{ref.kind} "{ref.name}" is missing in the {origin}s'
                 return Diagnostic("PG608", message, folder.place(ref.name), help="run plcgen generate")
-            found = _laid_out(project, block, blocks, origin)
+            found = _laid_out(project, block, blocks, origin, prefix)
             if isinstance(found, Diagnostic):
                 return Diagnostic(found.code, found.message, folder.place(ref.name))
             sizes[origin] = found
@@ -93,7 +96,7 @@ def _compare(
 
 
 def _laid_out(
-    project: Project, block: Block, blocks: dict[str, Block], origin: str
+    project: Project, block: Block, blocks: dict[str, Block], origin: str, prefix: str
 ) -> tuple[list[Row], int] | Diagnostic:
     """Rows and size of one block as its source declares it."""
     what = f'{origin} of {block.kind} "{block.name}"'
@@ -104,7 +107,7 @@ def _laid_out(
     except DiagnosticError as problem:
         first = problem.diagnostics[0]
         return Diagnostic(first.code, f"{what}: {first.message}", Span(""))
-    return rows(layout), layout.size
+    return rows(layout, prefix), layout.size
 
 
 def _disagreement(found: dict[str, tuple[list[Row], int]]) -> str:
@@ -134,9 +137,11 @@ def _place(row: Row) -> str:
     return f"{row.name}@{row.offset} ({row.size} B, {type_})"
 
 
-def rows(layout: Layout) -> list[Row]:
-    """Members on the first level as (name, byte offset, bytes, type)."""
-    return [Row(e.path.strip('"'), e.byte, (e.size + 7) // 8, e.type) for e in layout.entries if e.depth == 0]
+def rows(layout: Layout, prefix: str = "") -> list[Row]:
+    """Members on the first level as (name, byte offset, bytes, type), or those of a structure by its path."""
+    depth = prefix.count(".")
+    entries = (e for e in layout.entries if e.depth == depth and e.path.startswith(prefix))
+    return [Row(e.path.removeprefix(prefix).strip('"'), e.byte, (e.size + 7) // 8, e.type) for e in entries]
 
 
 def _room(telegram: Telegram, size: int, folder: Folder) -> Diagnostic | None:
@@ -147,5 +152,6 @@ def _room(telegram: Telegram, size: int, folder: Folder) -> Diagnostic | None:
     return Diagnostic("PG605", message, folder.place(telegram.response_db.name), help=f"an answer needs {need} bytes")
 
 
-def _width(type_: DataType) -> str:
+def width_mark(type_: DataType) -> str:
+    """``:W`` behind the name of a word."""
     return _WIDTH.get(type_.bits, "") if isinstance(type_, Elementary) else ""

@@ -255,6 +255,14 @@ class Receiver(PortBlock):
 class Reset(PortBlock):
     """Receive_Reset: what was received is thrown away."""
 
+    def start(self, memory: Memory, offset: int, key: Key, buffer: Reference) -> None:
+        """Fail at once if the module does."""
+        port = self.find(memory, offset)
+        if port is not None and port.reset_fault:
+            self.finish(memory, offset, (False, True), port.reset_fault)
+            return
+        super().start(memory, offset, key, buffer)
+
     def act(self, _memory: Memory, _offset: int, job: Transfer) -> None:
         """Empty the buffer of the module."""
         job.port.clear()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import insort
 from collections import deque
 from dataclasses import dataclass, field
-from math import floor
+from math import floor, inf
 
 from plcgen.line.endpoint import Endpoint
 
@@ -24,7 +24,8 @@ class Port:
     ``peer`` hears what is sent when the last character has left; ``line_baud`` is the speed of the stations,
     ``baud`` that of the port, ``even`` its parity: if they differ nobody understands anybody. ``gap_bits`` ends a
     message, so does ``max_length``. ``calls`` is how many calls a job of a block takes at least. ``faults`` maps
-    the n-th transmission (from 1, 0: every one) to a STATUS it fails with; ``hang`` keeps transmissions busy.
+    the n-th transmission (from 1, 0: every one) to a STATUS it fails with; ``hang`` keeps transmissions busy,
+    ``reset_fault`` is the STATUS that Receive_Reset fails with.
     """
 
     peer: Endpoint | None = None
@@ -32,14 +33,15 @@ class Port:
     line_baud: int = 9600
     even: bool = True
     gap_bits: int = 35
-    max_length: int = 255
+    max_length: int = 512
     calls: int = 2
     faults: dict[int, int] = field(default_factory=dict)
     hang: bool = False
+    reset_fault: int = 0
     time: float = 0.0
     sent: list[tuple[float, bytes]] = field(default_factory=list)
     configured: int = 0
-    _transmissions: int = 0
+    transmissions: int = 0
     _busy_until: float = 0.0
     _outgoing: bytes = b""
     _waiting: deque[bytes] = field(default_factory=deque)
@@ -59,13 +61,13 @@ class Port:
     @property
     def transmitting(self) -> bool:
         """Whether characters of a transmission are still leaving."""
-        return bool(self._outgoing) or self.hang
+        return bool(self._outgoing)
 
     def transmit(self, data: bytes) -> int:
         """Begin a transmission; STATUS of a failure, 0 if it runs."""
-        self._transmissions += 1
-        status = self.faults.get(self._transmissions) or self.faults.get(0, 0)
-        if not status and not self.hang:
+        self.transmissions += 1
+        status = self.faults.get(self.transmissions) or self.faults.get(0, 0)
+        if not status:
             self._waiting.append(data)
             self.begin()
         return status
@@ -74,7 +76,7 @@ class Port:
         """Send what waits, if nothing is being sent."""
         if self._waiting and not self._outgoing:
             self._outgoing = self._waiting.popleft()
-            self._busy_until = self.time + len(self._outgoing) * self.character
+            self._busy_until = inf if self.hang else self.time + len(self._outgoing) * self.character
 
     def restart(self) -> None:
         """The CPU starts again: what was stored or is being sent is gone, the configuration is that of the hardware."""
@@ -90,6 +92,8 @@ class Port:
     def advance(self, milliseconds: float) -> None:
         """Let time pass."""
         self.time += milliseconds
+        if self._busy_until == inf and not self.hang:
+            self._outgoing, self._busy_until = b"", self.time  # what hung is lost
         while self._outgoing and self._busy_until <= self.time:
             data, end = self._outgoing, self._busy_until
             self._outgoing = b""
