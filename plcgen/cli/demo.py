@@ -43,7 +43,7 @@ def _copy(out: Console, folder: Path) -> list[Path]:
 
     folder.mkdir(parents=True, exist_ok=True)
     copies: list[Path] = []
-    for source in sorted((*specs_dir().glob("*.yaml"), *specs_dir().glob("*.csv"))):
+    for source in sorted(specs_dir().glob("*.yaml")):
         target = folder / source.name
         data = source.read_bytes()
         if not target.exists():
@@ -51,8 +51,7 @@ def _copy(out: Console, folder: Path) -> list[Path]:
             out.say(f"copied {target}")
         elif target.read_bytes() != data:
             out.say(f"kept {target}: it differs from the shipped one")
-        if target.suffix == ".yaml":
-            copies.append(target)
+        copies.append(target)
     return copies
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
@@ -10,11 +10,12 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.plan.numbering import Numbering
 from plcgen.plan.ppi_jobs import JobPlanner
 from plcgen.plan.ppi_model import PlannedMaster, PlannedStation, PpiPlan
+from plcgen.ppi.address import AddressError, parse_address
 from plcgen.ppi.profiles import Profile, profiles
 from plcgen.s7.names import camel_case, pascal_case
 from plcgen.spec.load import LoadedSpec
 from plcgen.spec.ppi_schema import PpiMaster, PpiStation, SpecWithPpi
-from plcgen.spec.symbols import SymbolTable, load_symbols
+from plcgen.spec.symbols import Symbol, SymbolTable, load_symbols
 
 BAUD_RATES = (9600, 19200)
 CLASSIC_MODULES = frozenset({"cp341"})
@@ -145,6 +146,8 @@ def _symbols(key: str, name: str, station: PpiStation, loaded: LoadedSpec, repor
     """The station's symbol table; its own problems stand at their lines of the table."""
     if station.symbols is None:
         return SymbolTable(())
+    if not isinstance(station.symbols, str):
+        return _own_symbols(station.symbols, ("ppi", key, "stations", name, "symbols"), loaded, report)
     try:
         return load_symbols(Path(loaded.file).parent / station.symbols)
     except DiagnosticError as problem:
@@ -156,3 +159,15 @@ def _symbols(key: str, name: str, station: PpiStation, loaded: LoadedSpec, repor
         help_ = "export it from STEP 7-Micro/WIN; the path begins at the spec"
         report.add(Diagnostic("PG236", message, place, help=help_))
     return SymbolTable(())
+
+
+def _own_symbols(symbols: Mapping[str, str], path: tuple[str, ...], loaded: LoadedSpec, report: Report) -> SymbolTable:
+    """Symbols that the spec itself defines."""
+    found = []
+    for name, address in symbols.items():
+        span = loaded.span((*path, name))
+        try:
+            found.append(Symbol(name, parse_address(address), "", span.line))
+        except AddressError as problem:
+            report.add(Diagnostic("PG230", problem.message, span, help=problem.help))
+    return SymbolTable(tuple(found))

@@ -71,7 +71,9 @@ class PpiStation(StrictModel):
 
     address: int = Field(ge=0, le=126, description="PPI address of the CPU; 2 is the factory setting")
     cpu: str = Field("226", description="221, 222, 224, 224XP, 226, ST20 or ST40: how much memory it has")
-    symbols: str | None = Field(None, description="CSV export of the Micro/WIN symbol table, beside the spec")
+    symbols: str | dict[str, str] | None = Field(
+        None, description="CSV export of the Micro/WIN symbol table beside the spec, or symbols with their addresses"
+    )
     comment: Text | None = None
 
 

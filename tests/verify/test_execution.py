@@ -20,7 +20,11 @@ from plcgen.verify.scenarios import WORDS, Limits
 PROJECTS = {
     **{f"every type {target}": every_type(target) for target in ("v5", "t3", "t15")},
     **{f"{spec.stem} {target}": retargeted(spec, target) for spec in (FAQ, MM4) for target in ("v5", "t3", "t15")},
-    **{spec.stem: spec.read_text(encoding="utf-8") for spec in SPECS if spec.stem.startswith("s7-1")},
+    **{
+        spec.stem: spec.read_text(encoding="utf-8")
+        for spec in SPECS
+        if spec.stem.startswith("s7-1") and "ppi" not in spec.stem
+    },
 }
 
 

@@ -19,6 +19,7 @@ from plcgen.verify.bench import build_drive
 from plcgen.verify.folder import read_folder
 from plcgen.verify.layouts import check_layouts
 from plcgen.verify.model import Outcome, Verification
+from plcgen.verify.ppi_layouts import check_ppi_layouts
 
 GOLDEN = ROOT / "examples" / FAQ.stem / "expected"
 
@@ -271,8 +272,11 @@ def test_every_buffer_is_calculated_by_all(spec: Path) -> None:
     folder = ROOT / "examples" / spec.stem / "expected"
     project = api.check(spec).project
     assert project is not None
-    checks = list(check_layouts(project, read_folder(folder, project.target)))
+    files = read_folder(folder, project.target)
+    checks = [*check_layouts(project, files), *check_ppi_layouts(project, files)]
     buffers = [ref.name for job in project.jobs for t in job.telegrams for ref in (t.request_db, t.response_db)]
+    telegrams = [t for master in (project.ppi.masters if project.ppi else ()) for t in master.telegrams]
+    buffers += [ref.name for t in telegrams for ref in (t.request_db, t.response_db) if ref is not None]
     assert [c.id for c in checks] == [f"layout.{name}" for name in buffers]
     expected = "3 calculators agree"
     if project.target.xml_version is None:
