@@ -22,7 +22,7 @@ Value: TypeAlias = bool | int | float | str | tuple[bool, ...] | tuple[int, ...]
 
 _WIDTHS = {"BOOL": 0, "BYTE": 1, "WORD": 2, "INT": 2, "DWORD": 4, "DINT": 4, "REAL": 4, "CHAR": 1, "STRING": 1}
 TYPES = tuple(_WIDTHS)
-_DEFAULTS = {
+_DEFAULTS: dict[int, str] = {
     TransportSize.BIT: "BOOL", TransportSize.BYTE: "BYTE", TransportSize.CHAR: "CHAR", TransportSize.WORD: "WORD",
     TransportSize.INT: "INT", TransportSize.DWORD: "DWORD", TransportSize.DINT: "DINT", TransportSize.REAL: "REAL",
 }  # fmt: skip
@@ -56,7 +56,7 @@ def default_type(item: Item) -> str:
         return _ELEMENTS[Area(item.area)]
     if item.area == Area.SYS and item.size == TransportSize.BYTE and item.count > 1:
         return "CHAR"
-    return _DEFAULTS.get(TransportSize(item.size), "DWORD")
+    return _DEFAULTS.get(item.size, "DWORD")
 
 
 def check_type(item: Item, name: str) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from plcgen.ppi.fdl import END as END_BYTE
-from plcgen.ppi.fdl import FIXED_SIZES, LEAST_LENGTH, MOST_LENGTH, SD2, SD4
+from plcgen.ppi.fdl import FIXED_SIZES, LEAST_LENGTH, MOST_LENGTH, SD1, SD2, SD4
 from plcgen.ppi.model import ACKNOWLEDGE, CLIPPED
 
 
@@ -21,7 +21,20 @@ class Chunk(NamedTuple):
     frame: bool
 
 
-_ACKNOWLEDGED = bytes((ACKNOWLEDGE,))
+def _is_frame(data: bytes) -> bool:
+    """Whether bytes are exactly one frame of the usual kinds (E5, SD1, SD2): what a line mostly delivers."""
+    size = len(data)
+    if size == 1:
+        return data[0] == ACKNOWLEDGE
+    if size == 6:
+        return data[0] == SD1 and data[5] == END_BYTE and sum(data[1:4]) & 0xFF == data[4]
+    return (
+        LEAST_LENGTH + 6 <= size <= MOST_LENGTH + 6
+        and data[0] == SD2 == data[3]
+        and data[1] == size - 6 == data[2]
+        and data[-1] == END_BYTE
+        and sum(data[4:-2]) & 0xFF == data[-2]
+    )
 
 
 class Splitter:
@@ -49,9 +62,9 @@ class Splitter:
 
     def feed(self, data: bytes) -> list[Chunk]:
         """Take bytes and return what is complete, in order."""
-        if len(data) == 1 and data[0] == ACKNOWLEDGE and not self._pending and not self._garbage:
-            self._offset += 1
-            return [Chunk(self._offset - 1, _ACKNOWLEDGED, frame=True)]
+        if not self._pending and not self._garbage and _is_frame(data):
+            self._offset += len(data)
+            return [Chunk(self._offset - len(data), bytes(data), frame=True)]
         self._pending += data
         return self._split(last=False)
 
