@@ -1,4 +1,4 @@
-"""Verified S7 blocks for the PROFIdrive acyclic parameter channel (data set 47).
+"""Verified S7 blocks for drives (PROFIdrive acyclic channel, data set 47) and S7-200 stations (PPI).
 
 The names in ``__all__`` are the public API; they are imported when first used, so that ``import plcgen`` is free.
 """

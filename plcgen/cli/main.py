@@ -91,7 +91,7 @@ def _hint(name: str) -> str:
 @click.version_option(__version__, "-V", "--version", message="plcgen %(version)s")
 @click.pass_context
 def cli(ctx: click.Context) -> int:
-    """Generate and verify S7 blocks that read and write drive parameters (PROFIdrive data set 47)."""
+    """Generate and verify S7 blocks that talk to drives (PROFIdrive data set 47) and S7-200 stations (PPI)."""
     if ctx.invoked_subcommand is None:
         click.echo(ctx.get_help())
     return output.OK

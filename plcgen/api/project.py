@@ -1,0 +1,231 @@
+"""What is done with a spec: check, generate, verify, simulate, encode."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
+from plcgen.resources import collector_paused
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from plcgen.plan.model import Project
+    from plcgen.trace.model import Trace
+    from plcgen.verify.model import Verification
+
+Progress = Callable[[str, int, int], None]
+"""Called as ``progress(what, done, total)`` during long work."""
+
+
+@dataclass(frozen=True, slots=True)
+class CheckResult:
+    """A checked spec: the plan (None if the spec is unusable) and everything found."""
+
+    spec: Path
+    project: Project | None
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether no diagnostic is an error."""
+        return not any(d.severity.label == "error" for d in self.diagnostics)
+
+
+@dataclass(frozen=True, slots=True)
+class GenerateResult:
+    """What generation did to the output folder; ``diff`` is the unified diff of ``check=True``."""
+
+    spec: Path
+    folder: Path
+    written: tuple[str, ...]
+    unchanged: tuple[str, ...]
+    removed: tuple[str, ...]
+    diff: str
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether no diagnostic is an error."""
+        return not any(d.severity.label == "error" for d in self.diagnostics)
+
+
+@dataclass(frozen=True, slots=True)
+class EncodedTelegram:
+    """A request as bytes: which job, which of its telegrams (from 1), the data block it lies in."""
+
+    job: str
+    index: int
+    block: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class EncodeResult:
+    """Requests as bytes, in the order in which they are sent."""
+
+    telegrams: tuple[EncodedTelegram, ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether no diagnostic is an error."""
+        return not any(d.severity.label == "error" for d in self.diagnostics)
+
+
+def check(spec: Path | str) -> CheckResult:
+    """Read, validate and plan a spec and apply every rule to it."""
+    from plcgen.plan.resolve import resolve
+    from plcgen.rules import apply_rules
+    from plcgen.spec.load import load_spec
+
+    path = Path(spec)
+    report = Report()
+    project = None
+    try:
+        loaded = load_spec(path, report)
+        if loaded is not None:
+            project = resolve(loaded, report)
+            apply_rules(project, report)
+    except DiagnosticError as problem:
+        report.extend(problem.diagnostics)
+    return CheckResult(path, project, tuple(report))
+
+
+def default_folder(spec: Path) -> Path:
+    """Output folder of a spec if none is given: ``machines/press.yaml`` -> ``machines/press_generated``."""
+    return spec.with_name(f"{spec.stem}_generated")
+
+
+def _folder(spec: Path | str, folder: Path | str | None) -> Path:
+    return default_folder(Path(spec)) if folder is None else Path(folder)
+
+
+def generate(
+    spec: Path | str,
+    folder: Path | str | None = None,
+    *,
+    check_only: bool = False,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> GenerateResult:
+    """Generate all files of a spec into a folder, atomically; nothing is written if there is an error.
+
+    Without ``folder`` it is ``<spec>_generated`` beside the spec.
+
+    ``check_only`` writes nothing and compares; ``force`` overwrites files that were changed by hand.
+    """
+    from plcgen.render.project import render_project
+    from plcgen.render.write import compare_folder, write_folder
+
+    target = _folder(spec, folder)
+    with collector_paused():
+        checked = check(spec)
+    if not checked.ok or checked.project is None:
+        return GenerateResult(checked.spec, target, (), (), (), "", checked.diagnostics)
+    report = Report(list(checked.diagnostics))
+    written: Iterable[str] = ()
+    unchanged: Iterable[str] = ()
+    removed: Iterable[str] = ()
+    diff = ""
+    try:
+        files = render_project(checked.project, progress)
+        if check_only:
+            diff, found = compare_folder(files, target)
+            report.extend(found)
+        else:
+            result = write_folder(files, target, force=force, progress=progress)
+            written, unchanged, removed = result.written, result.unchanged, result.removed
+            for name in result.kept:
+                message = "kept: it is no longer generated, but was changed by hand"
+                place = Span(str(target / name))
+                report.add(Diagnostic("PG502", message, place, Severity.WARNING, help="delete it if it is not needed"))
+            if result.recovered:
+                note = "an earlier generation was interrupted: its files were completed or discarded"
+                report.add(Diagnostic("PG505", note, Span(str(target)), Severity.NOTE))
+    except DiagnosticError as problem:
+        report.extend(problem.diagnostics)
+    return GenerateResult(checked.spec, target, tuple(written), tuple(unchanged), tuple(removed), diff, tuple(report))
+
+
+def verify(
+    spec: Path | str,
+    folder: Path | str | None = None,
+    *,
+    drive: Path | str | None = None,
+    faults: Literal["none", "quick", "full"] = "quick",
+    progress: Progress | None = None,
+) -> Verification:
+    """Verify what lies in a folder against its spec, DS47 and a simulated drive (optionally from a drive file).
+
+    The generated SCL is executed; ``faults`` is how much of the fault matrix runs.
+    """
+    from plcgen.verify import verify as run
+
+    return run(Path(spec), _folder(spec, folder), Path(drive) if drive is not None else None, progress, faults)
+
+
+def simulate(
+    spec: Path | str,
+    folder: Path | str | None = None,
+    *,
+    jobs: Sequence[str] = (),
+    scans: int | None = None,
+    scan_time: int | str = 10,
+    sets: Sequence[str] = (),
+    watches: Sequence[str] = (),
+    faults: Sequence[str] = (),
+    fault_file: Path | str | None = None,
+    drives: Sequence[str] = (),
+    own: Sequence[Path | str] = (),
+    progress: Progress | None = None,
+) -> Trace:
+    """Run the generated files in a folder in the soft CPU and record every scan; see ``docs/simulate.md``.
+
+    The arguments are spelled as on the command line: ``sets`` ``MEMBER=VALUE``, ``faults`` ``KIND:KEY=VALUE``,
+    ``drives`` ``FILE`` or ``DRIVE=FILE``; ``own`` are SCL files of the user, ``scan_time`` is in ms or a text
+    like ``10ms``.
+    """
+    from plcgen.trace.run import Settings
+    from plcgen.trace.run import simulate as run
+
+    chosen = Path(fault_file) if fault_file is not None else None
+    sources = tuple(Path(path) for path in own)
+    settings = Settings(jobs, scans, scan_time, sets, watches, faults, chosen, drives, sources)
+    return run(Path(spec), _folder(spec, folder), settings, progress)
+
+
+def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
+    """Return the requests of all jobs of a spec, or of one job, with their start values."""
+    from plcgen.diagnostics.suggest import did_you_mean
+
+    checked = check(spec)
+    if checked.project is None or not checked.ok:
+        return EncodeResult((), checked.diagnostics)
+    jobs = [planned for planned in checked.project.jobs if job in {None, planned.key}]
+    if not jobs:
+        names = [planned.key for planned in checked.project.jobs]
+        hint = f"{did_you_mean(job or '', names)} jobs of this spec: {', '.join(names)}".strip()
+        span = checked.project.loaded.key_span(("jobs",))
+        unknown = Diagnostic("PG703", f'the spec has no job "{job}"', span, help=hint)
+        return EncodeResult((), (*checked.diagnostics, unknown))
+    telegrams = [
+        EncodedTelegram(planned.key, number, _block_text(telegram.request_db), telegram.request)
+        for planned in jobs
+        for number, telegram in enumerate(planned.telegrams, 1)
+    ]
+    return EncodeResult(tuple(telegrams), checked.diagnostics)
+
+
+def _block_text(ref: Any) -> str:
+    return f'{ref.kind}{ref.number} "{ref.name}"'
+
+
+def schema() -> dict[str, Any]:
+    """JSON schema of a spec, for editors."""
+    from plcgen.spec.schema import json_schema
+
+    return json_schema()

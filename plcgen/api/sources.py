@@ -1,0 +1,197 @@
+"""What is done with anyone's sources: layout, convert, diff, lock, audit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from plcgen.api.project import check
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
+from plcgen.resources import collector_paused
+
+if TYPE_CHECKING:
+    from plcgen.compare.lock import LockResult
+    from plcgen.compare.model import Comparison
+    from plcgen.report.layout import BlockTable
+    from plcgen.verify.model import Verification
+
+SPEC_SUFFIXES = frozenset({".yaml", ".yml"})
+
+
+Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
+
+
+@dataclass(frozen=True, slots=True)
+class LayoutResult:
+    """Memory layouts: of a spec's telegram buffers, or of the blocks in source files."""
+
+    blocks: tuple[BlockTable, ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether no diagnostic is an error."""
+        return not any(d.severity.label == "error" for d in self.diagnostics)
+
+
+@dataclass(frozen=True, slots=True)
+class ConvertResult:
+    """What a conversion wrote: names in the folder, and what could not be converted."""
+
+    folder: Path
+    written: tuple[str, ...]
+    unchanged: tuple[str, ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether no diagnostic is an error."""
+        return not any(d.severity.label == "error" for d in self.diagnostics)
+
+
+def layout(*paths: Path | str, family: Family | None = None, block: str = "", expand: bool = False) -> LayoutResult:
+    """Lay out the telegram buffers of specs (``.yaml``) and the blocks of PLC sources (all other files, folders).
+
+    Types may stand in any of the files, in any order; UDT and SCL files beside a source (or in ``../udt`` and
+    ``../scl``) are looked at too. ``family`` decides what a TON or WRREC inside an FB is (None: as the other
+    types in the sources suggest), ``block`` picks blocks by
+    name or number (``DB3``), ``expand`` shows every element of every array.
+    """
+    with collector_paused():
+        return _layout([Path(path) for path in paths], family, block, expand=expand)
+
+
+def _layout(paths: Sequence[Path], family: Family | None, block: str, *, expand: bool) -> LayoutResult:
+    from plcgen.report.planned import project_tables
+
+    tables: list[BlockTable] = []
+    report = Report()
+    sources: list[Path] = []
+    for path in paths:
+        if path.suffix.lower() in SPEC_SUFFIXES:
+            checked = check(path)
+            report.extend(checked.diagnostics)
+            if checked.project is not None:
+                tables += project_tables(checked.project)
+        else:
+            sources.append(path)
+    tables = [table for table in tables if not block or _is_called(table.name, table.kind, table.number, block)]
+    if sources:
+        tables += _source_tables(sources, report, family, block, expand=expand)
+    if block and not tables and not report.has_errors:
+        report.add(Diagnostic("PG806", f'there is no DB, UDT or FB "{block}" in these files', Span(str(paths[0]))))
+    return LayoutResult(tuple(tables), tuple(report))
+
+
+def _source_tables(
+    paths: Sequence[Path], report: Report, family: Family | None, block: str, *, expand: bool
+) -> list[BlockTable]:
+    from plcgen.read.files import read_files
+    from plcgen.report.declared import block_tables
+    from plcgen.s7.system import family_types
+
+    classic = family in {"s7-300", "s7-400"}
+    files = read_files(paths, classic=classic)
+    report.extend(files.diagnostics)
+    known = {(d.code, d.span) for d in files.diagnostics}
+    circles = any(d.code == "PG807" for d in files.diagnostics)
+    types = files.types
+    if family is None and files.modern:
+        family = "s7-1500"
+    for name, system in family_types(family).items():
+        types.setdefault(name, system)
+    chosen = [b for b in files.blocks if not block or _is_called(b.name, b.kind.value, b.number, block)]
+    tables, problems = block_tables(chosen, types, expand=expand)
+    report.extend(d for d in problems if (d.code, d.span) not in known and not (circles and d.code == "PG807"))
+    return tables
+
+
+def _is_called(name: str, kind: str, number: int | None, wanted: str) -> bool:
+    plain = wanted.strip('"').upper()
+    return plain == name.upper() or (number is not None and plain.replace(" ", "") == f"{kind}{number}")
+
+
+def convert(
+    *paths: Path | str,
+    to: Literal["scl", "xml"],
+    out: Path | str,
+    version: str = "V16",
+    classic: bool = False,
+    culture: str = "en-US",
+    encoding: str | None = None,
+    force: bool = False,
+) -> ConvertResult:
+    """Write the blocks of sources (files or folders) as SCL text or as SimaticML, one file per block.
+
+    ``version`` is the TIA Portal version of the documents (``V14 SP1``, ``V15`` .. ``V21``), ``culture`` the language
+    of their comments, ``encoding`` the code page of ANSI sources. Nothing is written if something is wrong, or if a
+    file exists and ``force`` is not given.
+    """
+    from plcgen.render.convert import convert as run
+    from plcgen.render.write import add_files
+
+    found = run(
+        [Path(path) for path in paths], to, version=version, classic=classic, culture=culture, encoding=encoding
+    )
+    report = Report()
+    report.extend(found.diagnostics)
+    written: tuple[str, ...] = ()
+    unchanged: tuple[str, ...] = ()
+    if found.ok:
+        try:
+            done = add_files(found.files, Path(out), force=force)
+            written, unchanged = done.written, done.unchanged
+        except DiagnosticError as problem:
+            report.extend(problem.diagnostics)
+    return ConvertResult(Path(out), written, unchanged, tuple(report))
+
+
+def diff(
+    old: Path | str | Sequence[Path | str],
+    new: Path | str | Sequence[Path | str],
+    *,
+    policy: Sequence[str] = (),
+    classic: bool = False,
+) -> Comparison:
+    """Compare two versions of sources (files or folders) or specs by what others notice.
+
+    ``policy`` holds ``id=class`` settings and policy files, later ones win; ``classic``: SimaticML documents are
+    for S7-300/400.
+    """
+    from plcgen.compare.run import compare
+
+    return compare(_paths(old), _paths(new), policy, classic=classic)
+
+
+def lock(
+    *paths: Path | str, out: Path | str = "plcgen.lock.yaml", classic: bool = False, force: bool = False
+) -> LockResult:
+    """Write the layout lock of sources (files or folders) or one spec; without paths, of those the lock names."""
+    from plcgen.compare.lock import write_lock
+
+    return write_lock([Path(path) for path in paths], Path(out), classic=classic, force=force)
+
+
+def check_lock(
+    *paths: Path | str,
+    lock: Path | str = "plcgen.lock.yaml",
+    policy: Sequence[str] = (),
+    classic: bool = False,
+) -> Comparison:
+    """Compare a layout lock with sources or a spec; without paths, with those the lock names."""
+    from plcgen.compare.lock import check_lock as run
+
+    return run([Path(path) for path in paths], Path(lock), policy, classic=classic)
+
+
+def audit(*paths: Path | str, spec: Path | str) -> Verification:
+    """Audit hand-written request and response DBs, and the record calls, in sources against a spec and DS47."""
+    from plcgen.audit.run import audit as run
+
+    return run([Path(path) for path in paths], Path(spec))
+
+
+def _paths(given: Path | str | Sequence[Path | str]) -> list[Path]:
+    return [Path(given)] if isinstance(given, Path | str) else [Path(path) for path in given]
