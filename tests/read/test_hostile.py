@@ -18,6 +18,7 @@ from plcgen.diagnostics import DiagnosticError, Severity
 from plcgen.read.interface import parse_datatype
 from plcgen.read.invariants import check_invariants
 from plcgen.read.simaticml import read_simaticml, read_tag_table, read_watch_table
+from plcgen.read.xml import MAX_TAGS, TAGS
 from plcgen.s7.layout import layout_block
 from plcgen.simaticml.source import source
 
@@ -286,3 +287,23 @@ def test_hostile_documents_in_a_small_process(tmp_path: Path) -> None:
     )
     assert run.returncode == 0, run.stderr
     assert run.stdout.split("\n")[:-1] == ["array.xml", "blanks.xml", "count.xml PG812", "laughs.xml PG810"]
+
+
+def test_names_of_elements_do_not_fill_the_memory() -> None:
+    """The memory for tags is bounded, however many different ones a document has."""
+    found(code("".join(f"<t{n}/>" for n in range(3 * MAX_TAGS))))
+    assert len(TAGS) <= MAX_TAGS
+
+
+@pytest.mark.parametrize(
+    ("elements", "message"),
+    [
+        ('<Token Text=";" UId="22"/><Blank UId="21"/>', "UId 21 comes after 22: they ascend in document order"),
+        ('<Token Text=";" UId="21"/><Blank UId="21"/>', "UId 21 is used twice in one network"),
+        ('<Token Text=";" UId="x"/>', "UId x is no number"),
+    ],
+)
+def test_uids_ascend(elements: str, message: str) -> None:
+    """In StructuredText every UId is a number above the one before it."""
+    messages = [d.message for d in check_invariants(code(elements), "x.xml")]
+    assert message in messages
