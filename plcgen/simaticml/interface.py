@@ -171,14 +171,27 @@ def _values(entries: dict[str, str], pad: str) -> list[str]:
 
 def _expanded(members: Sequence[Member], starts: Starts, path: Path, pad: str) -> str:
     """Members of a user type that have a start value of their own here."""
+    lines = _with_starts(members, starts, path, pad + "    ")
+    return f'{pad}<Sections>\n{pad}  <Section Name="None">\n{"".join(lines)}{pad}  </Section>\n{pad}</Sections>\n'
+
+
+def _with_starts(members: Sequence[Member], starts: Starts, path: Path, pad: str) -> list[str]:
+    """Those members; a STRUCT has its members in itself, only a user type has Sections."""
     lines = []
     for inner in members:
         here = (*path, inner.name.upper())
         below = starts.below(here)
-        values = _values(starts.of(here), pad + "      ")
+        values = _values(starts.of(here), pad + "  ")
         if not values and not below:
             continue
-        head = f'{pad}    <Member Name="{attribute(inner.name)}" Datatype="{attribute(datatype(inner.type))}">\n'
-        deeper = _expanded(starts.members(inner.type), starts, here, pad + "      ") if below else ""
-        lines.append(f"{head}{deeper}{''.join(values)}{pad}    </Member>\n")
-    return f'{pad}<Sections>\n{pad}  <Section Name="None">\n{"".join(lines)}{pad}  </Section>\n{pad}</Sections>\n'
+        head = f'{pad}<Member Name="{attribute(inner.name)}" Datatype="{attribute(datatype(inner.type))}">\n'
+        deeper = ""
+        if below:
+            struct = isinstance(innermost(inner.type), StructType)
+            inside = starts.members(inner.type)
+            if struct:
+                deeper = "".join(_with_starts(inside, starts, here, pad + "  "))
+            else:
+                deeper = _expanded(inside, starts, here, pad + "  ")
+        lines.append(f"{head}{deeper}{''.join(values)}{pad}</Member>\n")
+    return lines

@@ -176,3 +176,44 @@ def test_user_constants_of_tag_tables_are_constants(tmp_path: Path) -> None:
     text = (tmp_path / "xml/Motor.xml").read_text("utf-8-sig")
     assert '<Constant Name="MAX"' in text
     assert '<Component Name="other"' in text
+
+
+def test_start_values_in_a_structure_inside_a_type_survive(tmp_path: Path) -> None:
+    """An anonymous STRUCT has its members in itself, as in exports; only a user type has Sections."""
+    udt = """TYPE "Rec"
+VERSION : 0.1
+  STRUCT
+    nested : STRUCT
+      c : Array[1..3] of Char;
+      deep : STRUCT
+        i : Int;
+      END_STRUCT;
+    END_STRUCT;
+  END_STRUCT;
+END_TYPE
+"""
+    db = """DATA_BLOCK "Recs"
+{ S7_Optimized_Access := 'FALSE' }
+VERSION : 0.1
+NON_RETAIN
+  STRUCT
+    a : "Rec";
+    b : Array[1..2] of "Rec";
+  END_STRUCT;
+
+BEGIN
+  a.nested.deep.i := 5;
+  b[2].nested.c[1] := 'x';
+  b[1].nested.deep.i := 6;
+END_DATA_BLOCK
+"""
+    sources = put(tmp_path, Rec_udt=udt, Recs_db=db)
+    assert plcgen.convert(*sources, to="xml", out=tmp_path / "xml").diagnostics == ()
+    document = (tmp_path / "xml" / "Recs.xml").read_text("utf-8")
+    # One Sections of the Interface, one for each of the two members of the user type.
+    assert document.count("<Sections") == 3
+    assert plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl").diagnostics == ()
+    text = (tmp_path / "scl" / "Recs.db").read_text("utf-8-sig")
+    for line in ("a.nested.deep.i := 5;", "b[2].nested.c[1] := 'x';", "b[1].nested.deep.i := 6;"):
+        assert line in text
+    assert validate_islands(tmp_path / "xml" / "Recs.xml", "V16") == []
