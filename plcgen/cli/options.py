@@ -13,6 +13,7 @@ from plcgen.cli.output import Console
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 
 CONTEXT: dict[str, Any] = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+_SOURCES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".sdf", ".asc"})
 FORMATS = ("text", "json", "sarif", "junit", "github")
 
 
@@ -45,7 +46,31 @@ class Examples(click.Command):
 
 
 class Verb(Examples):
-    """One verb of the command line."""
+    """One verb of the command line; a file that it reads is never the one that it writes."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the verb, unless its result would overwrite one of its inputs."""
+        target = ctx.params.get("output") or ctx.params.get("path")
+        if isinstance(target, Path) and target.is_file():
+            for name, value in ctx.params.items():
+                read = value if isinstance(value, tuple) else (value,)
+                if name in {"output", "path"}:
+                    continue
+                for path in read:
+                    if isinstance(path, Path) and _would_destroy(target, path):
+                        raise click.UsageError(f"{target} is a source that is read: write the result elsewhere", ctx)
+        return super().invoke(ctx)
+
+
+def _would_destroy(target: Path, read: Path) -> bool:
+    """Whether an existing file is ``read``, or a PLC source below the folder ``read``."""
+    try:
+        if not read.is_dir():
+            return target.samefile(read)
+        inside = target.resolve().is_relative_to(read.resolve())
+    except OSError:
+        return False
+    return inside and target.suffix.lower() in _SOURCES
 
 
 def _quiet(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature

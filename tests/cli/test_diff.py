@@ -97,3 +97,33 @@ def test_unreadable(plcgen, versions):
 def test_dev_null_is_an_empty_version(plcgen, versions):
     """Git hands it over for a file that was added or removed."""
     assert "block-added" in plcgen("diff", "/dev/null", versions("x", "y")[1]).out
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("diff", "old.db", "new.db", "--output", "old.db"),
+        ("diff", "old.db", "new.db", "-o", "./new.db"),
+        ("check", "old.db", "--output", "old.db"),
+        ("check", ".", "--output", "old.db"),
+        ("layout", "old.db", "--out", "old.db", "--force"),
+        ("lock", "old.db", "--out", "old.db", "--force"),
+        ("lock", "new.db", ".", "--out", "old.db", "--force"),
+    ],
+)
+def test_a_source_that_is_read_is_never_overwritten(plcgen, versions, tmp_path, words):
+    """Whatever is said about overwriting: it is the user's work."""
+    versions("a", "a")
+    result = plcgen(*words)
+    assert (result.code, result.out) == (2, "")
+    assert "is a source that is read: write the result elsewhere" in result.err
+    assert (tmp_path / "old.db").read_text(encoding="utf-8") == OLD
+    assert (tmp_path / "new.db").read_text(encoding="utf-8") == OLD
+
+
+def test_a_report_beside_the_sources_is_written_again(plcgen, versions, tmp_path):
+    """Pipelines write the same file every time."""
+    versions("a", "a")
+    (tmp_path / "report.json").write_text("old report", encoding="utf-8")
+    assert plcgen("check", "old.db", "new.db", "-f", "json", "-o", "report.json").code == 0
+    assert json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["ok"] is True
