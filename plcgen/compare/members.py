@@ -54,7 +54,7 @@ class MemberComparison:
     def run(self) -> list[Found]:
         """Everything that differs, moves last."""
         self.scope(self.old.members, self.new.members, top=True)
-        inside = [f for f in self.found if f.kind in INTERNAL and f.path.partition(".")[0] in self.static]
+        inside = [f for f in self.found if f.kind in INTERNAL and _root(f.path) in self.static]
         self.found = [found for found in self.found if found not in inside]
         if inside:
             details = tuple(f"{found.path}: {found.message}" for found in inside)
@@ -68,8 +68,8 @@ class MemberComparison:
 
     def moved(self) -> None:
         """Moves: of static variables in one change, in a DB made from a type in one change, else run by run."""
-        outside = [pair for pair in self.pairs if pair[1].path.partition(".")[0] not in self.static]
-        inside = [pair for pair in self.pairs if pair[1].path.partition(".")[0] in self.static]
+        outside = [pair for pair in self.pairs if _root(pair[1].path) not in self.static]
+        inside = [pair for pair in self.pairs if _root(pair[1].path) in self.static]
         runs = moves(outside, self.new.members)
         if self.new.instance_of and len(runs) > 1:
             runs = [_together(runs, "member-moved", f"follows {self.new.instance_of}")]
@@ -283,6 +283,11 @@ def _distance(bits: int) -> str:
     if bits % 8:
         return f"{bits:+d} bit{'' if abs(bits) == 1 else 's'}"
     return f"{bits // 8:+d} byte{'' if abs(bits) == 8 else 's'}"
+
+
+def _root(path: str) -> str:
+    """Name of the member on the first level: ``motor`` of ``motor.speed`` and of ``motor[].speed``."""
+    return path.partition(".")[0].partition("[")[0]
 
 
 def _incomparable(old: MemberState, new: MemberState) -> bool:

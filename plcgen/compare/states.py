@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
 from plcgen.compare.model import BlockState, MemberState, Snapshot
+from plcgen.compare.starts import array_start, literal_start, plain, scalar_start
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.read.sources import SourceBlock, Sources
 from plcgen.s7.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.image import image
 from plcgen.s7.layout import layout_block
-from plcgen.s7.literals import LiteralError, pack_literal
+from plcgen.s7.literals import LiteralError
 from plcgen.s7.shapes import Shape
-from plcgen.s7.spelling import spell, type_text
-from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, Elementary, Member, NamedType, StringType, StructType
-from plcgen.s7.values import unpack_value
+from plcgen.s7.spelling import type_text
+from plcgen.s7.types import ArrayType, DataType, Member, NamedType, StructType
 
 _MEMORY = frozenset({BlockKind.DB, BlockKind.UDT, BlockKind.FB})
 _LOCALS = frozenset({SectionKind.TEMP, SectionKind.CONSTANT})
@@ -24,9 +23,6 @@ _TEXTS = frozenset(
     {"AUTHOR", "FAMILY", "VERSION", "NAME", "HEADERAUTHOR", "HEADERFAMILY", "HEADERVERSION", "HEADERNAME"}
 )
 _IGNORED = frozenset({"PROGRAMMINGLANGUAGE", "AUTONUMBER", "NAMESPACE", "INSTANCEOFTYPE", "INSTANCEOFNUMBER"})
-_BLANK = {"CHAR": b" ", "WCHAR": b"\0 "}
-_LONGEST_START = 60
-_LONGEST_TEXT = 300
 
 
 def snapshot_of(sources: Sources, label: str) -> Snapshot:
@@ -119,7 +115,7 @@ class _State:
 
     def assignments(self, *, foreign: bool) -> tuple[tuple[str, str], ...]:
         """BEGIN lines for what is declared elsewhere; those of the block's own members are start values."""
-        pairs = [(_path(a.path), _plain(a.literal)) for a in self.source.assignments]
+        pairs = [(_path(a.path), plain(a.literal)) for a in self.source.assignments]
         inside = tuple(f"{path}." for path in self.named)
         return tuple(pair for pair in pairs if foreign or re.sub(r"\[[^\]]*\]", "", pair[0]).startswith(inside))
 
@@ -161,22 +157,24 @@ class _State:
         inner: Iterable[Member] = type_.members if isinstance(type_, StructType) else ()
         children = tuple(self.declared(child, "", f"{path}.{child.name}") for child in inner)
         return MemberState(
-            member.name, path, _type(member), section, start=_literal_start(member), comment=member.comment,
+            member.name, path, _type(member), section, start=literal_start(member), comment=member.comment,
             attributes=self.attributes(path), inner=children, span=member.span,
         )  # fmt: skip
 
     def start(self, member: Member, shape: Shape, offset: int) -> str:
         """Canonical start value: from the image, so that every spelling of a value is the same."""
-        if isinstance(shape.type, StructType | NamedType):
-            return "" if self.memory is None or isinstance(shape.type, StructType) else _plain(member.start or "")
+        if isinstance(_element_type(shape.type), NamedType):  # single values are assignments
+            return "" if self.memory is None else plain(member.start or "")
+        if isinstance(shape.type, StructType):
+            return ""
         if self.memory is None:
-            return _literal_start(member)
+            return literal_start(member)
         if shape.bits == 1:
             return "TRUE" if self.memory[offset // 8] >> offset % 8 & 1 else ""
         data = self.memory[offset // 8 : (offset + shape.bits) // 8]
         if shape.element is not None:
-            return _array_start(data, shape)
-        return _scalar_start(data, shape.type)
+            return array_start(data, shape)
+        return scalar_start(data, shape.type)
 
 
 _AS_TEXT = "start values of this block are compared as text"
@@ -207,81 +205,5 @@ def _type(member: Member) -> str:
     return f"{text} AT {member.at}" if member.at is not None else text
 
 
-def _plain(text: str) -> str:
-    """A literal without blanks and in upper case outside quotes."""
-    parts = text.split("'")
-    parts[::2] = ["".join(part.split()).upper() for part in parts[::2]]
-    return "'".join(parts)
-
-
 def _path(path: str) -> str:
     return "".join(path.split()).replace('"', "").upper()
-
-
-def _literal_start(member: Member) -> str:
-    """Canonical start value of a member without an image; the text as written if it is a list or does not fit."""
-    if member.start is not None and isinstance(member.type, Elementary | StringType):
-        try:
-            data = pack_literal(member.start, member.type)
-        except LiteralError:
-            return _plain(member.start)
-        if member.type == ELEMENTARY["BOOL"]:
-            return "TRUE" if data[0] else ""
-        return _scalar_start(data, member.type)
-    return _plain(member.start or "")
-
-
-def _scalar_start(data: bytes, type_: DataType) -> str:
-    if isinstance(type_, StringType):
-        text = _spelled(data, type_)
-        if text in {"''", "WSTRING#''"}:
-            return ""
-        return text if len(text) <= _LONGEST_TEXT else f"sha256:{hashlib.sha256(data).hexdigest()[:16]}"
-    if not isinstance(type_, Elementary) or type_.name in {"ANY", "POINTER"}:
-        return "" if not any(data) else data.hex(" ").upper()
-    default = _BLANK.get(type_.name)
-    if data == default or (default is None and not any(data)):
-        return ""
-    text = _spelled(data, type_)
-    return "" if type_.name == "DATE_AND_TIME" and text.startswith("DT#1990-01-01-00:00:00") else text
-
-
-def _spelled(data: bytes, type_: Elementary | StringType) -> str:
-    try:
-        return spell(unpack_value(data, type_), type_, v5=False)
-    except ValueError:
-        return data.hex(" ").upper()
-
-
-def _array_start(data: bytes, shape: Shape) -> str:
-    """``[1, 2, 14(0)]`` for one dimension of an elementary type, else a digest of the bytes."""
-    element = shape.element
-    if element is None or not any(data):
-        return ""
-    if isinstance(element.type, Elementary) and len(shape.strides) == 1:
-        low, high = shape.type.bounds[0] if isinstance(shape.type, ArrayType) else (0, -1)
-        values = [_element(data, element, n * shape.strides[0]) for n in range(min(high - low + 1, 1000))]
-        blank = _BLANK.get(element.type.name, bytes(element.bits // 8))
-        default = "FALSE" if element.bits == 1 else _spelled(blank, element.type)
-        if not any(values):
-            return ""
-        text = f"[{', '.join(_runs([value or default for value in values]))}]"
-        if len(text) <= _LONGEST_START and high - low < 1000:
-            return text
-    return f"sha256:{hashlib.sha256(data).hexdigest()[:16]}"
-
-
-def _element(data: bytes, element: Shape, offset: int) -> str:
-    if element.bits == 1:
-        return "TRUE" if data[offset // 8] >> offset % 8 & 1 else ""
-    return _scalar_start(data[offset // 8 : (offset + element.bits) // 8], element.type)
-
-
-def _runs(values: list[str]) -> list[str]:
-    found: list[tuple[str, int]] = []
-    for value in values:
-        if found and found[-1][0] == value:
-            found[-1] = (value, found[-1][1] + 1)
-        else:
-            found.append((value, 1))
-    return [value if count == 1 else f"{count}({value})" for value, count in found]

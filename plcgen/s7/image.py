@@ -64,6 +64,14 @@ def image(block: Block, types: Mapping[str, Block]) -> bytearray:
     return memory
 
 
+def default_bytes(shape: Shape) -> bytes:
+    """Bytes of a type after a download, with the start values that the type declares; one byte for a BOOL.
+
+    Raises StartValueError for a declared value that does not fit.
+    """
+    return _Builder().default(shape)
+
+
 def read_member(memory: bytes | bytearray, layout: Layout, path: str) -> Tree:
     """Value at ``path``: a Python value, a list for an array (row by row), a dict for a structure.
 
