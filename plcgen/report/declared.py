@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
@@ -24,7 +25,9 @@ if TYPE_CHECKING:
 MAX_ROWS = 200_000
 """Rows of all blocks together; after that structures and arrays are one row."""
 
+_INDEX = re.compile(r"\[([^\]]*)\]")
 _MAX_NOTES = 8
+_MAX_SINGLE = 4
 _WITH_MEMORY = frozenset({BlockKind.DB, BlockKind.UDT, BlockKind.FB})
 
 
@@ -53,7 +56,7 @@ def _grouped(diagnostics: Mapping[Diagnostic, None]) -> list[Diagnostic]:
     groups: dict[tuple[str, str], list[Diagnostic]] = {}
     for diagnostic in diagnostics:
         place = "" if diagnostic.code == "PG806" else str(diagnostic.span)
-        groups.setdefault((diagnostic.code, diagnostic.message + place), []).append(diagnostic)
+        groups.setdefault((diagnostic.code, (diagnostic.message + place).upper()), []).append(diagnostic)
     return [_with_uses(group) for group in groups.values()]
 
 
@@ -119,6 +122,13 @@ class _Rows:
     room: int
     expand: bool
     found: list[LayoutRow] = field(default_factory=list)
+    assigned: dict[str, dict[str, str]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for path, literal in self.begin.items():
+            for index in _INDEX.finditer(path):
+                elements = self.assigned.setdefault(path[: index.start()], {})
+                elements[index[1]] = literal if index.end() == len(path) else ""
 
     def fields(self, shape: Shape, base: int, depth: int, prefix: str, doubts: frozenset[str]) -> None:
         """Members of a structure at bit ``base``, with the gaps before, between and behind them."""
@@ -161,7 +171,7 @@ class _Rows:
         for done, (index, offset) in enumerate(places(shape)):
             place = start + offset
             if (done and not self.expand) or len(self.found) >= self.room:
-                self.fold(shape, (offset, place), depth, (done, total), index, doubts)
+                self.fold(shape, (offset, place), depth, (done, total), index, doubts, path)
                 return
             self.gap(end, place, depth)
             own = doubts | shape.stride_doubts if done and shape.stride_doubts else doubts
@@ -179,6 +189,7 @@ class _Rows:
         counts: tuple[int, int],
         index: str,
         doubts: frozenset[str],
+        path: str,
     ) -> None:
         """One row for the elements that are not shown; ``at`` is the bit in the array and in the block.
 
@@ -191,6 +202,8 @@ class _Rows:
         every = f", one every {size_text(shape.strides[-1])}" if len(shape.type.bounds) == 1 else ""
         name = f"[{index}]" if done + 1 == total else f"[{index}] to [{last}]"
         text = f"the same{every}" if done + 1 < total else "the same"
+        if self.assigned.get(path.lower(), {}).keys() - {next(places(shape))[0]}:
+            text += ", other start values"
         byte, bits = (None, 0) if self.block.optimized else (place // 8, extent(shape) - offset)
         rules = self.rules(doubts | shape.stride_doubts)
         self.found.append(LayoutRow(byte, None, bits, "", name, text, "", depth, kind=MORE, rules=rules))
@@ -210,6 +223,8 @@ class _Rows:
         start = (member.start if member else "") or ""
         if self.begin:
             start = self.begin.get(path.lower(), start)
+            if not self.expand and shape.element is not None and not is_composite(shape):
+                start = self.singly(path, start)
         comment = member.comment if member else ""
         if self.block.optimized:
             self.found.append(LayoutRow(None, None, 0, "", name, type_, start, depth, comment))
@@ -223,6 +238,13 @@ class _Rows:
         rules = self.rules(doubts | shape.doubts if shape.doubts else doubts)
         bits = shape.bits if plain else extent(shape)
         self.found.append(LayoutRow(byte, shown, bits, address, name, type_, start, depth, comment, rules=rules))
+
+    def singly(self, path: str, start: str) -> str:
+        """Start value of an array in one row, with those that single elements were given."""
+        given = [f"[{index}] := {literal}" for index, literal in self.assigned.get(path.lower(), {}).items()]
+        if len(given) > _MAX_SINGLE:
+            given[_MAX_SINGLE - 1 :] = [".."]
+        return ", ".join([start, *given] if start else given)
 
     def rules(self, doubts: frozenset[str]) -> tuple[str, ...]:
         """Keys in a fixed order."""

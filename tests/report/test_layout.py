@@ -219,6 +219,21 @@ def test_values_behind_begin_win_also_inside_arrays():
     assert [cell.run.value for row in grid(block).rows for cell in row.cells] == ["7", "5"]
 
 
+def test_folded_elements_with_start_values_of_their_own_are_not_called_the_same():
+    """An array of structures says it; an array of values shows them."""
+    members = (
+        "p : ARRAY[1..3] OF STRUCT\n x : INT := 5;\nEND_STRUCT;\nq : ARRAY[1..3] OF STRUCT\n x : INT;\nEND_STRUCT;\n"
+        "v : ARRAY[0..9] OF INT;\n w : ARRAY[0..9] OF BYTE;\n"
+    )
+    begin = "p[2].x := 7;\n q[1].x := 1;\n v[3] := 4;\n" + "".join(f"w[{n}] := {n};\n" for n in range(5))
+    rows = tables(members, tail=f"END_STRUCT;\nBEGIN\n {begin}END_DATA_BLOCK\n")[0].rows
+    assert [row.type for row in rows if row.kind == "more"] == [
+        "the same, one every 2 B, other start values",
+        "the same, one every 2 B",
+    ]
+    assert [row.start for row in rows if row.name in "vw"] == ["[3] := 4", "[0] := 0, [1] := 1, [2] := 2, .."]
+
+
 def test_optimized_blocks_have_no_offsets_in_any_format():
     text = "a : ARRAY[1..2] OF STRUCT\n w : WORD;\n b : BYTE;\nEND_STRUCT;\n"
     block = tables(text, head=HEAD.replace("FALSE", "TRUE"))[0]
