@@ -9,10 +9,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Note
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Severity, Span
 from plcgen.report.layout import GAP, MORE, BlockTable, LayoutRow, member_address, size_text
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.evidence import NO_DOUBTS, rule
+from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block, split_path
 from plcgen.s7.spelling import type_text
 from plcgen.s7.types import ArrayType, Elementary
@@ -25,9 +26,9 @@ if TYPE_CHECKING:
 MAX_ROWS = 200_000
 """Rows of all blocks together; after that structures and arrays are one row."""
 
-_INDEX = re.compile(r"\[([^\]]*)\]")
 _MAX_NOTES = 8
 _MAX_SINGLE = 4
+_NAME = re.compile(r'#?[^\W\d]\w*|"[^"]+"')
 _WITH_MEMORY = frozenset({BlockKind.DB, BlockKind.UDT, BlockKind.FB})
 
 
@@ -44,7 +45,8 @@ def block_tables(
     for block in blocks:
         if block.kind in _WITH_MEMORY:
             try:
-                tables.append(_declared(block, types, room, expand=expand))
+                memory = _memory(block, types, found)
+                tables.append(_declared(block, types, room, memory, expand=expand))
                 room -= len(tables[-1].rows)
             except DiagnosticError as problem:
                 found += problem.diagnostics
@@ -71,10 +73,25 @@ def _with_uses(group: list[Diagnostic]) -> Diagnostic:
     return replace(first, notes=(*first.notes, *notes))
 
 
-def _declared(block: Block, types: Mapping[str, Block], room: int, *, expand: bool) -> BlockTable:
+def _memory(block: Block, types: Mapping[str, Block], found: list[Diagnostic]) -> _Memory | None:
+    """Contents of a block whose lines behind BEGIN say something, as far as they fit."""
+    if not block.assignments:
+        return None
+    try:
+        return _Memory(bytes(image(replace(block, assignments=()), types)), bytes(image(block, types)))
+    except StartValueError as problem:
+        if not _NAME.fullmatch(problem.text):  # a constant of the user is no mistake
+            place = problem.span or block.span or Span(block.name)
+            found.append(Diagnostic("PG809", str(problem), place, Severity.WARNING))
+    return None
+
+
+def _declared(
+    block: Block, types: Mapping[str, Block], room: int, memory: _Memory | None, *, expand: bool
+) -> BlockTable:
     layout = layout_block(block, types)
     begin = {_plain(assignment.path): assignment.literal for assignment in block.assignments}
-    rows = _Rows(block, begin, room, expand=expand)
+    rows = _Rows(block, begin, room, memory, expand=expand)
     rows.fields(layout.shape, 0, 0, "", NO_DOUBTS)
     keys = sorted({key for row in rows.found for key in row.rules})
     offsets = not block.optimized
@@ -113,6 +130,26 @@ def extent(shape: Shape) -> int:
     return sum((high - low) * stride for (low, high), stride in steps) + extent(element)
 
 
+@dataclass(frozen=True, slots=True)
+class _Memory:
+    """Bytes of a block as declared, and with the lines behind BEGIN."""
+
+    declared: bytes
+    loaded: bytes
+
+    def changed(self, start: int, bits: int) -> bool:
+        """Whether BEGIN changes bytes of the ``bits`` at bit ``start``."""
+        part = slice(start // 8, -(-(start + bits) // 8))
+        return self.declared[part] != self.loaded[part]
+
+    def alike(self, shape: Shape, base: int) -> bool:
+        """Whether all elements of the array at bit ``base`` hold the same."""
+        bits = shape.element.bits if shape.element is not None else 0
+        found = (self.loaded[(base + at) // 8 : (base + at + bits) // 8] for _, at in places(shape))
+        first = next(found, b"")
+        return all(part == first for part in found)
+
+
 @dataclass(slots=True)
 class _Rows:
     """The rows of one block, in memory order."""
@@ -120,15 +157,9 @@ class _Rows:
     block: Block
     begin: Mapping[str, str]
     room: int
+    memory: _Memory | None
     expand: bool
     found: list[LayoutRow] = field(default_factory=list)
-    assigned: dict[str, dict[str, str]] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        for path, literal in self.begin.items():
-            for index in _INDEX.finditer(path):
-                elements = self.assigned.setdefault(path[: index.start()], {})
-                elements[index[1]] = literal if index.end() == len(path) else ""
 
     def fields(self, shape: Shape, base: int, depth: int, prefix: str, doubts: frozenset[str]) -> None:
         """Members of a structure at bit ``base``, with the gaps before, between and behind them."""
@@ -171,7 +202,7 @@ class _Rows:
         for done, (index, offset) in enumerate(places(shape)):
             place = start + offset
             if (done and not self.expand) or len(self.found) >= self.room:
-                self.fold(shape, (offset, place), depth, (done, total), index, doubts, path)
+                self.fold(shape, (offset, place), depth, (done, total), index, doubts)
                 return
             self.gap(end, place, depth)
             own = doubts | shape.stride_doubts if done and shape.stride_doubts else doubts
@@ -189,7 +220,6 @@ class _Rows:
         counts: tuple[int, int],
         index: str,
         doubts: frozenset[str],
-        path: str,
     ) -> None:
         """One row for the elements that are not shown; ``at`` is the bit in the array and in the block.
 
@@ -202,7 +232,7 @@ class _Rows:
         every = f", one every {size_text(shape.strides[-1])}" if len(shape.type.bounds) == 1 else ""
         name = f"[{index}]" if done + 1 == total else f"[{index}] to [{last}]"
         text = f"the same{every}" if done + 1 < total else "the same"
-        if self.assigned.get(path.lower(), {}).keys() - {next(places(shape))[0]}:
+        if not self.expand and self.memory is not None and not self.memory.alike(shape, place - offset):
             text += ", other start values"
         byte, bits = (None, 0) if self.block.optimized else (place // 8, extent(shape) - offset)
         rules = self.rules(doubts | shape.stride_doubts)
@@ -223,8 +253,8 @@ class _Rows:
         start = (member.start if member else "") or ""
         if self.begin:
             start = self.begin.get(path.lower(), start)
-            if not self.expand and shape.element is not None and not is_composite(shape):
-                start = self.singly(path, start)
+            if self.memory is not None and shape.element is not None and not is_composite(shape):
+                start = self.singly(shape, place, path, start)
         comment = member.comment if member else ""
         if self.block.optimized:
             self.found.append(LayoutRow(None, None, 0, "", name, type_, start, depth, comment))
@@ -239,12 +269,16 @@ class _Rows:
         bits = shape.bits if plain else extent(shape)
         self.found.append(LayoutRow(byte, shown, bits, address, name, type_, start, depth, comment, rules=rules))
 
-    def singly(self, path: str, start: str) -> str:
-        """Start value of an array in one row, with those that single elements were given."""
-        given = [f"[{index}] := {literal}" for index, literal in self.assigned.get(path.lower(), {}).items()]
-        if len(given) > _MAX_SINGLE:
-            given[_MAX_SINGLE - 1 :] = [".."]
-        return ", ".join([start, *given] if start else given)
+    def singly(self, shape: Shape, place: int, path: str, start: str) -> str:
+        """Start value of an array in one row, with those of single elements if they change anything."""
+        if self.expand or self.memory is None or not self.memory.changed(place, extent(shape)):
+            return start
+        names = (index for index, _ in places(shape))
+        given = (f"[{n}] := {self.begin[key]}" for n in names if (key := f"{path.lower()}[{n}]") in self.begin)
+        listed = list(itertools.islice(given, _MAX_SINGLE))
+        if len(listed) == _MAX_SINGLE:
+            listed[-1] = ".."
+        return ", ".join([start, *listed] if start else listed)
 
     def rules(self, doubts: frozenset[str]) -> tuple[str, ...]:
         """Keys in a fixed order."""

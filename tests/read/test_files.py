@@ -67,7 +67,7 @@ def test_a_statement_list_export_is_read_whatever_its_encoding(tmp_path, encodin
     rows = [(row.offset, row.address, row.name, row.start, row.comment) for row in db.rows if row.kind == "member"]
     assert rows == [
         ("0.0", "DB3.DBB0", "Request_Ref", "B#16#4", "Referenz"),
-        ("2.0", "DB3.DBB2", "Arr", "B#16#0, B#16#1", ""),
+        ("2.0", "DB3.DBB2", "Arr", "B#16#0, B#16#1, [1] := B#16#1", ""),
         ("12.0", "DB3.DBB12", "p", "", ""),
         ("12.0", "DB3.DBX12.0", "x", "", "Bit"),
         ("14.0", "DB3.DBB14", "u", "", ""),

@@ -222,16 +222,45 @@ def test_values_behind_begin_win_also_inside_arrays():
 def test_folded_elements_with_start_values_of_their_own_are_not_called_the_same():
     """An array of structures says it; an array of values shows them."""
     members = (
-        "p : ARRAY[1..3] OF STRUCT\n x : INT := 5;\nEND_STRUCT;\nq : ARRAY[1..3] OF STRUCT\n x : INT;\nEND_STRUCT;\n"
-        "v : ARRAY[0..9] OF INT;\n w : ARRAY[0..9] OF BYTE;\n"
+        "p : ARRAY[1..3] OF STRUCT\n x : INT := 5;\nEND_STRUCT;\n"
+        "r : ARRAY[1..3] OF STRUCT\n x : INT := 2;\nEND_STRUCT;\n"
+        "u : ARRAY[0..9] OF INT := 1, 9(2);\n v : ARRAY[0..9] OF INT;\n w : ARRAY[0..9] OF BYTE;\n"
     )
-    begin = "p[2].x := 7;\n q[1].x := 1;\n v[3] := 4;\n" + "".join(f"w[{n}] := {n};\n" for n in range(5))
+    # STEP 7 V5 repeats every value behind BEGIN: those of r and u change nothing.
+    begin = "p[2].x := 7;\n r[2].x := 2;\n v[3] := 4;\n u[0] := 1;\n" + "".join(f"w[{n}] := {n};\n" for n in range(5))
     rows = tables(members, tail=f"END_STRUCT;\nBEGIN\n {begin}END_DATA_BLOCK\n")[0].rows
     assert [row.type for row in rows if row.kind == "more"] == [
         "the same, one every 2 B, other start values",
         "the same, one every 2 B",
     ]
-    assert [row.start for row in rows if row.name in "vw"] == ["[3] := 4", "[0] := 0, [1] := 1, [2] := 2, .."]
+    assert [row.start for row in rows if row.name in "uvw"] == [
+        "1, 9(2)",
+        "[3] := 4",
+        "[0] := 0, [1] := 1, [2] := 2, ..",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("a[99] := 5;", "a[99]"),
+        ("nosuch := 5;", "nosuch"),
+        ("i := 40000;", "i: 40000 is no INT constant"),
+        ("i := MAX_SPEED;", None),
+    ],
+)
+def test_a_line_behind_begin_that_does_not_fit_is_a_warning(line, words):
+    """The layout is right all the same; a constant from elsewhere is no mistake."""
+    blocks, _ = read_text(
+        f"{HEAD}a : ARRAY[0..9] OF INT;\n i : INT;\nEND_STRUCT;\nBEGIN\n {line}\nEND_DATA_BLOCK\n", "x.db"
+    )
+    found, problems = block_tables(blocks, {})
+    assert found[0].size == 22
+    if words is None:
+        assert problems == []
+    else:
+        assert [(p.code, p.severity.label, p.span.line) for p in problems] == [("PG809", "warning", 8)]
+        assert words in problems[0].message
 
 
 def test_optimized_blocks_have_no_offsets_in_any_format():
