@@ -44,17 +44,19 @@ def _reduced(block: BlockState) -> BlockState:
         code = _digest(lines)
     return BlockState(
         block.kind, block.name, block.number, block.size, block.optimized, block.instance_of, "", block.non_retain,
-        attributes=block.attributes, members=tuple(_own(block.members)), assignments=block.assignments,
+        attributes=block.attributes, members=tuple(_own(block.members, block.kind)), assignments=block.assignments,
         code_hash=code, span=block.span,
     )  # fmt: skip
 
 
-def _own(members: Iterable[MemberState]) -> Iterator[MemberState]:
+def _own(members: Iterable[MemberState], kind: str) -> Iterator[MemberState]:
     for m in members:
         if not m.foreign:
-            inner = tuple(_own(m.inner))
+            inner = tuple(_own(m.inner, kind))
+            # An instance DB whose function block has no known layout brings its sections: a lock has none for data.
+            section = "Static" if m.section and section_key(m.section, kind) == "members" else m.section
             yield MemberState(
-                m.name, m.path, m.type, m.section, m.offset, m.bits, m.start, "", m.attributes, inner, span=m.span
+                m.name, m.path, m.type, section, m.offset, m.bits, m.start, "", m.attributes, inner, span=m.span
             )
 
 
