@@ -136,7 +136,7 @@ class Cpu:
             serial = PORT_BLOCKS[system.kind](system, shape, self.bus, self._report, self._locate)
             self._records.append(serial)
             return serial
-        if system.kind in {"TON", "TOF", "TP"}:
+        if system.kind in {"TON", "TOF", "TP", "TONR"}:
             return timer(system, shape, self._clock)
         return edge(system, shape) if system.kind.endswith("_TRIG") else counter(system, shape)
 

@@ -27,9 +27,12 @@ _MODERN_RECORD = {
     "WRREC": ("REQ BOOL;ID HW_IO;INDEX DINT;LEN UINT", f"DONE BOOL;{_STATE}", "RECORD VARIANT"),
 }
 _TIMER = ("", "", "", "START TIME;PT TIME;ET TIME;RU BOOL;IN BOOL;Q BOOL;RESERVED WORD")
-_TIMERS = dict.fromkeys(
-    ("IEC_TIMER", "TON", "TOF", "TP", "TONR", "TON_TIME", "TOF_TIME", "TP_TIME", "TONR_TIME"), _TIMER
-)
+_LTIMER = ("", "", "", "START LTIME;PT LTIME;ET LTIME;RU BOOL;IN BOOL;Q BOOL;RESERVED DWORD")
+_KINDS = ("TON", "TOF", "TP")
+_RETENTIVE = [(*form[:3], form[3].replace("Q BOOL", "Q BOOL;R BOOL")) for form in (_TIMER, _LTIMER)]
+_TIMERS = dict.fromkeys(("IEC_TIMER", *_KINDS, *(f"{kind}_TIME" for kind in _KINDS)), _TIMER)
+_TIMERS |= dict.fromkeys(("IEC_LTIMER", *(f"{kind}_LTIME" for kind in _KINDS)), _LTIMER)
+_TIMERS |= {"TONR": _RETENTIVE[0], "TONR_TIME": _RETENTIVE[0], "TONR_LTIME": _RETENTIVE[1]}
 _CLASSIC_TIMER = ("IN BOOL;PT TIME", "Q BOOL;ET TIME", "", "STATE BYTE;STIME TIME;ATIME TIME")
 _NEW_DATA = "NDR BOOL;ERROR BOOL;STATUS WORD"
 _ADDRESSES = ";".join(f"{name}_{n} ANY" for name in ("ADDR", "RD") for n in range(1, 5))
@@ -96,7 +99,8 @@ def system_block(name: str, *, classic: bool = False) -> Block | None:
 
     RDREC/SFB52 (28 bytes) and WRREC/SFB53 (26 bytes) have the S7-300/400 interface, confirmed by compiled
     multi-instances. TON, TOF and TP are the 16 bytes of an IEC timer of the S7-1200/1500 (start, PT, ET, then the
-    bits running, IN and Q) unless ``classic`` asks for SFB3 to SFB5 of the S7-300/400, 22 bytes; literature both.
+    bits running, IN and Q; TONR has R behind them; the LTIME forms have 32 bytes) unless ``classic`` asks for SFB3 to
+    SFB5 of the S7-300/400, 22 bytes; literature both.
     """
     upper = name.upper()
     upper = _NUMBERS.get(upper, upper)

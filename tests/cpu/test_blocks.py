@@ -30,6 +30,42 @@ PULSE = [0, 1, 0, 1, 1, 1, 0, 1, 1]
 PULSE_Q = [(0, 0), (1, 0), (1, 10), (1, 20), (0, 30), (0, 30), (0, 0), (1, 0), (1, 10)]
 
 
+SUM = [1, 1, 1, 0, 0, 1, 1, 1, 0, "r", 0, 1, 1]
+SUM_Q = [(0, 0), (0, 10), (0, 20), (0, 20), (0, 20), (0, 20), (1, 30), (1, 30), (1, 30)]
+SUM_Q += [(0, 0), (0, 0), (0, 0), (0, 10)]
+
+
+@pytest.mark.parametrize("form", ["TONR", "TONR_TIME", "TONR_LTIME"])
+def test_retentive_timer(form):
+    """TONR adds up the times in which IN is TRUE; only R takes Q and ET back, in every form."""
+    long = "LTIME" in form
+    code = f"#t(IN := #x, R := #r, PT := {'LT' if long else 'T'}#30ms, Q => #q, ET => #et);"
+    outputs = f"q : Bool; et : {'LTime' if long else 'Time'};"
+    cpu = Cpu(
+        load({"in": "x : Bool; r : Bool;", "out": outputs, "code": code, "dialect": "T15", "vars": f"t : {form};"})
+    )
+    found = []
+    for value in SUM:
+        cpu.call("Test_DB", 10, x=value == 1, r=value == "r")
+        found.append((int(cpu["Test_DB.q"]), cpu["Test_DB.et"] // (1_000_000 if long else 1)))
+    assert found == SUM_Q
+
+
+@pytest.mark.parametrize(
+    ("kind", "inputs", "expected"), [("TON", ON, ON_Q), ("TOF", OFF, OFF_Q), ("TP", PULSE, PULSE_Q)]
+)
+def test_timers_with_ltime(kind, inputs, expected):
+    """The forms with LTIME count nanoseconds and switch in the same calls."""
+    code = "#t(IN := #x, PT := LT#30ms, Q => #q, ET => #et);"
+    case = {**TIMER, "out": "q : Bool; et : LTime;", "code": code, "dialect": "T15", "vars": f"t : {kind}_LTIME;"}
+    cpu = Cpu(load(case))
+    found = []
+    for value in inputs:
+        cpu.call("Test_DB", 10, x=bool(value))
+        found.append((int(cpu["Test_DB.q"]), cpu["Test_DB.et"] // 1_000_000))
+    assert found == expected
+
+
 @pytest.mark.parametrize("dialect", ["V5", "T3", "T15"])
 @pytest.mark.parametrize(
     ("kind", "inputs", "expected"), [("TON", ON, ON_Q), ("TOF", OFF, OFF_Q), ("TP", PULSE, PULSE_Q)]

@@ -83,11 +83,12 @@ def system_fbs(*, classic: bool) -> Mapping[str, SystemFb]:
     for name, block in serial_blocks(classic=classic).items():
         found[name] = SystemFb(name, block, _parameters(block))
     if not classic:
-        for kind in ("TON", "TOF", "TP"):
-            for name in (kind, f"{kind}_TIME"):
+        for kind in ("TON", "TOF", "TP", "TONR"):
+            reset = {"R": _IN} if kind == "TONR" else {}
+            for name in (kind, f"{kind}_TIME", f"{kind}_LTIME"):
                 timer = system_block(name)
                 if timer is not None:
-                    found[name] = SystemFb(kind, timer, MappingProxyType(_TIMER_PARAMETERS))
+                    found[name] = SystemFb(kind, timer, MappingProxyType(_TIMER_PARAMETERS | reset))
     else:
         found |= {number: found[name] for number, name in _NUMBERS.items() if name in found}
     return MappingProxyType(found)

@@ -37,17 +37,19 @@ class Fields:
 
 
 def timer(system: SystemFb, shape: Shape, clock: list[int]) -> Runner:
-    """Make the timer function: TON, TOF or TP over the declared members."""
-    fields = Fields(shape)
+    """Make the timer function: TON, TOF, TP or TONR over the declared members, in ms, or in ns with LTIME."""
+    fields, kind = Fields(shape), system.kind
     classic = "STATE" in fields.places
     start = "STIME" if classic else "START"
     running = (fields.places["STATE"][0], 1) if classic else fields.flag("RU")
     old = (fields.places["STATE"][0], 2) if classic else (fields.places["RESERVED"][0], 1)
     in_byte, in_mask = fields.flag("IN")
     q_byte, q_mask = fields.flag("Q")
-    et_byte = fields.places["ET"][0]
-    kind = system.kind
-    step = {"TON": _on, "TOF": _off, "TP": _pulse}[kind]
+    et_byte, _, bits = fields.places["ET"]
+    zero = bytes(bits // 8)
+    unit, whole = (1_000_000 if bits == 64 else 1), (1 << bits) - 1
+    r_byte, r_mask = fields.flag("R") if kind == "TONR" else (0, 0)
+    step = {"TON": _on, "TOF": _off, "TP": _pulse, "TONR": _sum}[kind]
 
     def run(memory: Memory, offset: int) -> None:
         active = bool(memory[offset + in_byte] & in_mask)
@@ -55,15 +57,18 @@ def timer(system: SystemFb, shape: Shape, clock: list[int]) -> Runner:
             if memory[offset + running[0]] & running[1] or memory[offset + q_byte] & q_mask:
                 memory[offset + running[0]] &= 255 - running[1]
                 memory[offset + q_byte] &= 255 - q_mask
-                memory[offset + et_byte : offset + et_byte + 4] = b"\0\0\0\0"
+                memory[offset + et_byte : offset + et_byte + len(zero)] = zero
             return
-        now = clock[0]
+        if memory[offset + r_byte] & r_mask:
+            memory[offset + running[0]] &= 255 - running[1]
+            memory[offset + et_byte : offset + et_byte + len(zero)] = zero
+        now = clock[0] * unit
         preset = fields.number(memory, offset, "PT")
         was_active = bool(memory[offset + old[0]] & old[1])
         was_running = bool(memory[offset + running[0]] & running[1])
-        begun = fields.number(memory, offset, start) & 0xFFFFFFFF
+        begun = fields.number(memory, offset, start) & whole
         elapsed = fields.number(memory, offset, "ET")
-        passed = (now - begun) & 0xFFFFFFFF
+        passed = (now - begun) & whole
         is_running, q, et, restart = step(active, was_active, was_running, passed, elapsed, preset)
         if restart:
             fields.put(memory, offset, start, now)
@@ -107,6 +112,12 @@ def _pulse(active: bool, was: bool, running: bool, passed: int, et: int, preset:
     if active and not was:
         return preset > 0, preset > 0, 0, True
     return False, False, et if active else 0, False
+
+
+def _sum(active: bool, _was: bool, running: bool, passed: int, et: int, preset: int) -> State:  # noqa: FBT001
+    """TONR: adds up the times of IN until R; Q stays when IN falls."""
+    et = min(et + passed, preset) if active and running else et
+    return active, et >= preset and (active or et > 0), et, active
 
 
 def counter(system: SystemFb, shape: Shape) -> Runner:
