@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from plcgen.ppi.address import address_text
 from plcgen.ppi.codes import header_error, return_code
 from plcgen.ppi.dissect import title
+from plcgen.ppi.fdl import SD1, SD2, examine_frame
 from plcgen.ppi.model import (
     ErrorReply,
     FixedFrame,
@@ -66,7 +67,9 @@ class TrafficText:
         """What a frame says."""
         if entry.direction == ">" and entry.frame is None:
             size = f"{len(entry.data)} byte{'s' * (len(entry.data) != 1)}"
-            return f"{size} without a frame" if entry.note == "no frame" else f"{size} of an unfinished frame"
+            if entry.note != "no frame":
+                return f"{size} of an unfinished frame"
+            return f"{size} without a frame{_flaw(entry.data)}"
         words = title(entry.data)
         frame = entry.frame
         if isinstance(frame, FixedFrame | VariableFrame):
@@ -101,6 +104,12 @@ class TrafficText:
 def _fault(entry: Traffic) -> str:
     """Fault behind an answer; what is noted about other bytes is in their words."""
     return entry.note if entry.direction == "<" else ""
+
+
+def _flaw(data: bytes) -> str:
+    """What is wrong with bytes that begin like a frame and are none."""
+    found = examine_frame(data)[1] if data[0] in {SD1, SD2} else []
+    return f": {found[0].message}" if found else ""
 
 
 def _named(names: Sequence[str], number: int, text: str) -> str:

@@ -98,3 +98,17 @@ def test_noise_is_counted() -> None:
         "poll, station 0 to 2 (5C)",
         "acknowledgement",
     ]
+
+
+def test_a_broken_frame_is_told_at_once_and_why() -> None:
+    """A master with a wrong checksum sees its mistake, not only silence; nothing waits for the next frame."""
+    good = encode_request(ReadRequest(0, (Item.memory(Area.V, 100),)))
+    bus = Bus([Station()])
+    for time, frame in enumerate((good[:-2] + b"\x8a\x16", b"\x68\xff\xff\x68" + bytes(256) + b"\x16", good)):
+        bus.exchange(frame, 300 * time)
+        assert bus.journal[-1].time == 300 * time
+    assert words(list(bus.journal))[:3] == [
+        "33 bytes without a frame: the checksum FCS is 8Ah, the bytes add up to 8Bh",
+        "261 bytes without a frame: the length LE is 255; it is 4 to 249",
+        "read request, station 0 to 2 (6C): VB100",
+    ]

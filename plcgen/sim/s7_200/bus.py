@@ -75,7 +75,10 @@ class Bus:
             for chunk in self._splitter.finish():
                 self._note(Traffic(now, ">", chunk.data, note="unfinished"))
         self._heard = now
-        for chunk in self._splitter.feed(data):
+        chunks = self._splitter.feed(data)
+        if not self._splitter.pending:
+            chunks += self._splitter.finish()  # what is no frame is told at once, not with the next frame
+        for chunk in chunks:
             frame = examine_frame(chunk.data)[0] if chunk.frame else None
             self._note(Traffic(now, ">", chunk.data, frame, "" if frame else "no frame"))
             station = self._addressed(frame)

@@ -64,7 +64,7 @@ def load_bus(
 def assign(bus: Bus, text: str) -> None:
     """Give an address or symbol a value: ``VW100=1234``, or ``3:VW100=1234`` for station 3. Raises DiagnosticError.
 
-    Without a station the first one is meant.
+    Without a station the first one is meant. Several elements take numbers with commas: ``VB300[3]=1,2,3``.
     """
     option = Span(f"--set {text}")
     name, equals, value = (part.strip() for part in text.partition("="))
@@ -77,11 +77,22 @@ def assign(bus: Bus, text: str) -> None:
         help_ = "for example VW100=1234" if station is not None else f"stations: {known}"
         raise DiagnosticError([Diagnostic(USAGE, what, option, help=help_)])
     node = Node("map", option)
-    node.pairs[rest if colon else name] = (Node("scalar", option), Node("scalar", option, resolve_plain(value), value))
+    node.pairs[rest if colon else name] = (Node("scalar", option), _typed(value, option))
     report = Report()
     _values(Reader(node, report, "the values"), station)
     if report.has_errors:
         raise DiagnosticError([Diagnostic(USAGE, found.message, option, help=found.help) for found in report])
+
+
+def _typed(value: str, option: Span) -> Node:
+    """The node of a value typed behind --set: numbers with commas are a list, as for ``ppi write``."""
+    pieces = [piece.strip() for piece in value.split(",")]
+    plain = [resolve_plain(piece) for piece in pieces]
+    if len(pieces) == 1 or any(isinstance(piece, str) or piece is None for piece in plain):
+        return Node("scalar", option, resolve_plain(value), value)
+    node = Node("seq", option)
+    node.items.extend(Node("scalar", option, *pair) for pair in zip(plain, pieces, strict=True))
+    return node
 
 
 def _bus(reader: Reader, given: _Given) -> Bus:

@@ -136,6 +136,9 @@ def test_options_for_one_station_do_not_suit_several() -> None:
         ("M0.0=true", 2, "M0.0", True),
         ("VB0[4]=abc", 2, "VB0[4]", b"abc\0"),
         ("VD0=1.5", 2, "VD0", 0x3FC00000),
+        ("VB0[3]=1, 16#FF,3", 2, "VB0[3]", b"\x01\xff\x03"),
+        ("VW0[2]=-1,2", 2, "VW0[2]", [0xFFFF, 2]),
+        ("VB0[4]=1,ab", 2, "VB0[4]", b"1,ab"),
     ],
 )
 def test_values_of_the_command_line(text: str, address: int, name: str, value: object) -> None:
@@ -151,7 +154,8 @@ def test_values_of_the_command_line(text: str, address: int, name: str, value: o
         ("VW100=", "an address and its value"),
         ("9:VB0=1", "there is no station 9"), ("x:VB0=1", "there is no station x"), ("VB0=256", "does not fit"),
         ("VB9000=1", "beyond the memory"), ("YB0=1", "no memory area"),
-        ("VB0=[1", "2 characters for 1"),
+        ("VB0=[1", "2 characters for 1"), ("VB0[3]=1,2", "2 values for 3"), ("VW0[2]=1,70000", "does not fit"),
+        ("VB0=1,2", "2 values for 1"),
     ],
 )  # fmt: skip
 def test_values_of_the_command_line_that_are_none(text: str, words: str) -> None:
