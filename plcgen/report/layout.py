@@ -224,13 +224,19 @@ def _draw(lines: list[str], row: LayoutRow, data: bytes, step: tuple[int, int], 
         lines.append(f"{begin:6d} |{drawn}|")
 
 
+def _indented(cell: str) -> str:
+    """A cell whose leading blanks a Markdown viewer keeps."""
+    text = cell.lstrip(" ")
+    return "\N{NO-BREAK SPACE}" * (len(cell) - len(text)) + text
+
+
 def layout_markdown(blocks: Sequence[BlockTable]) -> str:
     """Write one heading and one table a block, its footnotes below."""
     parts = []
     for block in blocks:
         role = f", {clean(block.role)}" if block.role else ""
         shown, right = _columns(block, 0)
-        table = markdown_table(shown[0], shown[1:], right=right)
+        table = markdown_table(shown[0], [[_indented(cell) for cell in row] for row in shown[1:]], right=right)
         title = block.title.replace("_", "\\_")
         notes = [f"- {mark}: {text}" for mark, text in block.footnotes]
         lines = [f"### {title}", "", f"{block.summary}{role}", "", *table, *([""] if notes else []), *notes]

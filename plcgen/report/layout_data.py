@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from plcgen.report.json import dump, head
-from plcgen.report.layout import BlockTable, LayoutRow
+from plcgen.report.layout import GAP, MORE, BlockTable, LayoutRow
 from plcgen.report.table import csv_table
 
 COLUMNS = (
@@ -57,14 +57,28 @@ def _block(block: BlockTable) -> dict[str, Any]:
         "file": block.file,
         "line": block.line,
         "data": None if block.data is None else block.data.hex().upper(),
-        "members": [_member(row) for row in block.rows],
+        "members": [_member(row, path) for row, path in zip(block.rows, _paths(block.rows), strict=True)],
         "unconfirmed_rules": {rule.key: rule.text for rule in block.rules},
     }
 
 
-def _member(row: LayoutRow) -> dict[str, Any]:
+def _paths(rows: Sequence[LayoutRow]) -> Iterator[str]:
+    """``drive[1].speed`` for every member and element, empty for gaps and folds."""
+    above: list[str] = []
+    for row in rows:
+        del above[row.depth :]
+        if row.kind in {GAP, MORE}:
+            yield ""
+            continue
+        parent = above[-1] if above else ""
+        above.append(parent + row.name if row.name.startswith("[") or not parent else f"{parent}.{row.name}")
+        yield above[-1]
+
+
+def _member(row: LayoutRow, path: str) -> dict[str, Any]:
     return {
         "name": row.name,
+        "path": path,
         "byte": row.byte,
         "bit": row.bit,
         "bits": None if row.byte is None else row.bits,

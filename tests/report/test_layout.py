@@ -205,6 +205,17 @@ def test_folded_and_expanded_arrays():
     assert len([name for _, name in expanded if name == "w"]) == 3
 
 
+def test_programs_get_whole_names_and_markdown_keeps_the_indentation():
+    """Gaps and folds have no name of their own."""
+    found = tables(
+        "a : ARRAY[1..2] OF STRUCT\n x : BYTE;\n s : STRUCT\n  y : INT;\n END_STRUCT;\nEND_STRUCT;\n b : INT;\n"
+    )
+    members = json.loads(layout_json(found, [], ok=True))["blocks"][0]["members"]
+    assert [m["path"] for m in members] == ["a", "a[1]", "a[1].x", "", "a[1].s", "a[1].s.y", "", "b"]
+    indent = "\N{NO-BREAK SPACE}" * 4
+    assert f"| {indent}x | BYTE |" in layout_markdown(found)
+
+
 def test_expanding_a_huge_array_stops_at_a_bound():
     rows = tables("a : ARRAY[0..999999] OF BYTE;\n", expand=True)[0].rows
     assert len(rows) == 200_001
