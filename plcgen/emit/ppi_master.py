@@ -116,6 +116,8 @@ class _Views:
             "many": any(len(job.telegrams) > 1 for job in master.jobs),
             "reads": any(job.kind == "read" for job in master.jobs),
             "writes": any(job.kind == "write" for job in master.jobs),
+            "services": any(job.kind in {"run", "stop"} for job in master.jobs),
+            "syncs": bool(master.syncs),
             "telegrams": telegrams,
             "wire_items": items,
             "most_values": max(1, *(len(job.values) for job in master.jobs)) if master.jobs else 1,

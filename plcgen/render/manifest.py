@@ -44,6 +44,7 @@ def manifest(project: Project, files: Sequence[RenderedFile]) -> RenderedFile:
             }
             for job in project.jobs
         ],
+        **_masters(project),
         "files": [
             {"path": file.path, "sha256": digest(data), "bytes": len(data)}
             | ({"experimental": file.experimental} if file.experimental else {})
@@ -52,3 +53,25 @@ def manifest(project: Project, files: Sequence[RenderedFile]) -> RenderedFile:
         ],
     }
     return RenderedFile(MANIFEST, (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode())
+
+
+def _masters(project: Project) -> dict[str, Any]:
+    """PPI masters with the telegrams of their tables; nothing for a spec without any."""
+    if project.ppi is None:
+        return {}
+    masters = [
+        {
+            "master": master.key,
+            "block": master.block.name,
+            "telegrams": [
+                {
+                    "request": telegram.request.hex(" ").upper(),
+                    "request_db": f"DB{telegram.request_db.number}",
+                    **({"response_db": f"DB{telegram.response_db.number}"} if telegram.response_db else {}),
+                }
+                for telegram in master.telegrams
+            ],
+        }
+        for master in project.ppi.masters
+    ]
+    return {"ppi": masters}

@@ -11,11 +11,14 @@ from plcgen.s7.types import Elementary
 
 if TYPE_CHECKING:
     from plcgen.plan.model import Field, PlannedJob, Project
+    from plcgen.plan.ppi_model import PlannedMaster, PpiField
 
 
 def project_tables(project: Project) -> list[BlockTable]:
-    """Return request and response buffer of every telegram, offsets as DS47 demands them."""
-    return [table for job in project.jobs for table in _job_tables(job, v5=project.target.v5)]
+    """Return request and response buffer of every telegram, offsets as DS47 or PPI demands them."""
+    tables = [table for job in project.jobs for table in _job_tables(job, v5=project.target.v5)]
+    masters = project.ppi.masters if project.ppi is not None else ()
+    return tables + [t for master in masters for t in _master_tables(master, v5=project.target.v5)]
 
 
 def _job_tables(job: PlannedJob, *, v5: bool) -> Iterator[BlockTable]:
@@ -32,7 +35,24 @@ def _job_tables(job: PlannedJob, *, v5: bool) -> Iterator[BlockTable]:
         yield BlockTable("DB", ref.name, ref.number, telegram.response_size, rows, role)
 
 
-def _planned(field: Field, db: int, *, v5: bool, start: bool) -> LayoutRow:
+def _master_tables(master: PlannedMaster, *, v5: bool) -> Iterator[BlockTable]:
+    for telegram in master.telegrams:
+        job = next((job for job in master.jobs if telegram in job.telegrams), None)
+        which = f" telegram {job.telegrams.index(telegram) + 1}" if job and len(job.telegrams) > 1 else ""
+        whose = f"{job.key}{which}" if job else f"the first frame to {telegram.station.key}"
+        ref = telegram.request_db
+        image = bytes((len(telegram.request),)) + telegram.request
+        rows = tuple(_planned(field, ref.number, v5=v5, start=True) for field in telegram.request_fields)
+        role = f"telegram table of {whose}: its length, then {len(telegram.request)} bytes"
+        yield BlockTable("DB", ref.name, ref.number, len(image), rows, role, image)
+        if telegram.response_db is not None:
+            ref = telegram.response_db
+            rows = tuple(_planned(field, ref.number, v5=v5, start=False) for field in telegram.response_fields)
+            size = telegram.response_fields[-1].offset + telegram.response_fields[-1].size
+            yield BlockTable("DB", ref.name, ref.number, size, rows, f"response of {whose}, as if every item is good")
+
+
+def _planned(field: Field | PpiField, db: int, *, v5: bool, start: bool) -> LayoutRow:
     from plcgen.s7.spelling import spell
     from plcgen.s7.values import unpack_value
 

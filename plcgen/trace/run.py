@@ -60,6 +60,9 @@ def _simulate(spec: Path, folder: Path, settings: Settings, progress: Progress |
     project = resolve(loaded, report)
     apply_rules(project, report)
     report.raise_on_errors()
+    if not project.jobs:
+        help_ = "plcgen verify runs PPI masters against simulated stations"
+        raise usage(str(spec), "there is no drive job to be simulated", help_)
     jobs = _chosen(project, settings.jobs)
     scan_time = parse_time(str(settings.scan_time))
     assignments = sorted(map(parse_assignment, settings.sets), key=lambda item: item.scan)

@@ -27,6 +27,27 @@ Level = Literal["none", "quick", "full"]
 Progress = Callable[[str, int, int], None]
 MAX_FAILURES = 3
 SHOWN = 3
+RETRIES = frozenset(
+    {
+        "IF statRetries < MAX_RETRIES THEN",
+        "statRetries := statRetries + 1;",
+        "IF statState = STATE_SEND OR statState = STATE_ACK THEN",
+        "statResume := STATE_SEND;",
+        "statResume := STATE_POLL;",
+        "statPause := RETRY_PAUSE;",
+    }
+)
+ALTERNATING = frozenset(
+    {
+        "ELSIF statFunctionCode[statStation] <> B1600 THEN",
+        "IF statFunctionCode[statStation] = B165C THEN",
+        "statFunctionCode[statStation] := B165C;",
+        "statFunctionCode[statStation] := B167C;",
+    }
+)
+"""With one poll per telegram every request has 7C and every poll 5C: the lines without their number signs."""
+POLLS = ALTERNATING | {"statPause := POLL_PAUSE;", "statResume := STATE_POLL;"}
+PAUSES = frozenset({"IF tempElapsed >= statPause THEN", "statState := statResume;", "statSince := tempNow;"})
 SHAPES = {"read": "read", "write": "write", "run": "service", "stop": "service"}
 """Kinds of jobs whose replies are walked alike: one of each runs through the whole matrix."""
 
@@ -68,7 +89,7 @@ def check_masters(
             yield _together(master, results[-1])
             if not any(result.failures for result in results):
                 counts = [sum(column) for column in zip(*(result.counts for result in results), strict=True)]
-                yield _coverage(program, master, counts)
+                yield _coverage(project, program, master, counts)
 
 
 def run_job(
@@ -200,8 +221,10 @@ def _together(master: PlannedMaster, result: JobResult) -> Check:
     return Check(name, subject, text, Outcome.OK, "round robin, one frame at a time, none starves")
 
 
-def _coverage(program: Program, master: PlannedMaster, counts: list[int]) -> Check:
-    found: Coverage = cover(measure(program, master.block.name, counts), explanation)
+def _coverage(project: Project, program: Program, master: PlannedMaster, counts: list[int]) -> Check:
+    found: Coverage = cover(
+        measure(program, master.block.name, counts), lambda probe, line: explanation(project, master, probe, line)
+    )
     name, subject = f"coverage.{master.key}", f"coverage {master.block.name}"
     if not found.missing:
         return Check(name, subject, found.text, Outcome.OK, found.verdict)
@@ -211,8 +234,30 @@ def _coverage(program: Program, master: PlannedMaster, counts: list[int]) -> Che
     return Check(name, subject, found.text, Outcome.ERROR, f"line {first.line} never ran", problem)
 
 
-def explanation(probe: Probe, line: str) -> str:
-    """Why a branch of a master cannot run; empty if it should."""
-    if probe.kind == "else" and line.replace("#", "").startswith("CASE "):
+def explanation(project: Project, master: PlannedMaster, probe: Probe, line: str) -> str:
+    """Why a branch or statement of a master cannot run; empty if it should."""
+    text = line.replace("#", "")
+    if probe.kind == "else" and text.startswith("CASE "):
         return NO_OTHER
+    alone = len(master.jobs) == 1 and project.target.classic
+    occupied = (
+        "IF statPhase[tempJob] = PHASE_WAITING THEN",
+        "statPhase[tempJob] := PHASE_IDLE;",
+        "statStatus[tempJob] := STATUS_PORT_OCCUPIED;",
+    )
+    if alone and text in occupied and probe.kind != "else":
+        return "a single job never waits for the port"
+    if not master.retries and text in RETRIES and (probe.kind != "else" or "STATE_ACK" in text):
+        return "no retries"
+    if master.polls == 1 and text in POLLS:
+        return "one poll only"
+    if master.polls == 1 and not master.retries and (text in PAUSES or "STATE_WAIT" in text):
+        return "neither retries nor further polls"
+    if master.polls == 1 and probe.kind == "else" and text == "IF statState = STATE_ACK THEN":
+        return "one poll only"
+    single = all(len(t.items) < 2 for t in master.telegrams)
+    if single and text.startswith(
+        ("IF tempItem < tempLastItem", "tempAt := tempAt + tempSize MOD", "IF tempFailed = 0 OR")
+    ):
+        return "every telegram has one item"
     return ""

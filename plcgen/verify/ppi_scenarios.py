@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 from plcgen.emit.ppi_status_words import STATUS_WORDS
 from plcgen.plan.ppi_model import PlannedMaster, PlannedPpiJob
@@ -65,10 +65,25 @@ def fault(kind: str, at: At = "any", times: int | None = 1, **more: int) -> Faul
     return Fault(FaultKind(kind), times=times, at=at, data=data, **more)
 
 
+def _again(master: PlannedMaster) -> tuple[int, ...]:
+    """What comes of one frame that is lost: nothing, if it may be repeated."""
+    return (DONE,) if master.retries else (WORDS["NO_ANSWER"],)
+
+
+def _repeated(master: PlannedMaster, polls: int = 1) -> dict[str, Any]:
+    """Expectations of a run in which one frame is lost; ``polls`` is how many there were if that was the end."""
+    return {
+        "status": _again(master),
+        "retries": min(1, master.retries),
+        "polls": 1 if master.retries else polls,
+    }
+
+
 def line_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiScenario]:
     """Everything a line and a station can do wrong."""
     most, polls = master.retries, master.polls
     silent = {WORDS["NO_ANSWER"]}
+    again = _again(master)
     yield PpiScenario(name="first job after power-up", fresh=True, retries=None, polls=None)
     spoilt: tuple[tuple[At, tuple[str, ...]], ...] = (
         ("request", ("deaf", "silence", "garbage", "clipped")),
@@ -91,12 +106,12 @@ def line_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiSce
     repeats: tuple[tuple[int | None, str], ...] = ((1, "once"), (None, "for ever"))
     for number, how in repeats:  # the second answer before is the right one
         stale = (fault("stale", "poll", number),)
-        yield PpiScenario(name=f"an old answer {how}", faults=stale, retries=min(1, most))
+        yield PpiScenario(name=f"an old answer {how}", faults=stale, retries=min(1, most), status=again)
     yield from _ready(polls)
     in_front: tuple[tuple[str, At], ...] = (("echo", "any"), ("token", "any"), ("foreign", "any"), ("noise", "poll"))
     for kind, at in in_front:
         yield PpiScenario(name=f"{kind} in front of every answer", faults=(fault(kind, at, None),))
-    yield PpiScenario(name="noise in front of E5", faults=(fault("noise", "request"),), retries=min(1, most))
+    yield PpiScenario(name="noise in front of E5", faults=(fault("noise", "request"),), **_repeated(master, polls=0))
     for kind in ("count", "length"):
         if job.kind == "read" or (kind == "count" and job.kind == "write"):
             yield PpiScenario(
@@ -109,7 +124,9 @@ def line_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiSce
             status=(WORDS[word],),
             polls=0,
         )
-    yield PpiScenario(name="refused with 02h once", faults=(fault("nack", "request", value=2),), retries=min(1, most))
+    yield PpiScenario(
+        name="refused with 02h once", faults=(fault("nack", "request", value=2),), **_repeated(master, polls=0)
+    )
     # a late E5 looks like "not ready" to the poll of a repeated request: the job may fail, but says so
     ends = (DONE, WORDS["NOT_READY"], *silent)
     for late in (100, 200, 400, 900):
@@ -126,6 +143,7 @@ def line_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiSce
         )
     yield from _refusals(job)
     yield from _short(master, job)
+    yield from _first_read(job)
     for name, edit in _edits(job):
         yield PpiScenario(
             name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None
@@ -148,7 +166,7 @@ def _short(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiScenario]:
         lost = (WORDS["NOT_READY"],)
         yield PpiScenario(name=f"{what} instead of the reply", faults=(polled,), polls=master.polls, status=lost)
     short = replace(fault("garbage", "poll"), data=frame(b"\x08\x32\x03", variable=True))
-    yield PpiScenario(name="a frame without an answer", faults=(short,), retries=min(1, master.retries))
+    yield PpiScenario(name="a frame without an answer", faults=(short,), **_repeated(master))
 
 
 def _edits(job: PlannedPpiJob) -> Iterator[tuple[str, Edit]]:
@@ -169,6 +187,19 @@ def _edits(job: PlannedPpiJob) -> Iterator[tuple[str, Edit]]:
         yield "half an item", lambda pdu: _data(pdu, pdu[14:16])
         yield "another size code", lambda pdu: pdu[:15] + bytes((pdu[15] ^ 0x0F,)) + pdu[16:]
         yield "another value length", lambda pdu: pdu[:17] + bytes((pdu[17] ^ 0x08,)) + pdu[18:]
+
+
+def _first_read(job: PlannedPpiJob) -> Iterator[PpiScenario]:
+    """The read in front of the first write with an item that nobody asked for."""
+    if job.kind != "read":
+        yield PpiScenario(
+            name="first read with an item too many",
+            edit=lambda pdu: pdu[:13] + bytes((pdu[13] + 1,)) + pdu[14:],
+            status=(WORDS["REPLY_FORMAT"],),
+            fresh=True,
+            retries=None,
+            polls=None,
+        )
 
 
 def _data(pdu: bytes, data: bytes) -> bytes:
@@ -227,7 +258,12 @@ def module_scenarios(master: PlannedMaster, job: PlannedPpiJob, *, classic: bool
     most = master.retries
     for transmission, at in ((1, "request"), (2, "poll")):
         yield PpiScenario(
-            name=f"sending of the {at} fails once", port={transmission: 0x80D1}, retries=min(1, most), module=0x80D1
+            name=f"sending of the {at} fails once",
+            port={transmission: 0x80D1},
+            module=0x80D1,
+            status=(DONE,) if most else (WORDS["SEND_ERROR"],),
+            retries=min(1, most),
+            polls=1 if most or at == "poll" else 0,
         )
     yield PpiScenario(
         name="sending fails for ever",
@@ -261,13 +297,14 @@ def core_scenarios(master: PlannedMaster, job: PlannedPpiJob, scans: int) -> Ite
     yield PpiScenario(name="first job after power-up", fresh=True, retries=None, polls=None)
     for at, kind in (("request", "silence"), ("poll", "fcs"), ("poll", "silence")):
         once = fault(kind, "request" if at == "request" else "poll")
-        yield PpiScenario(name=f"{kind} at the {at}", faults=(once,), retries=min(1, master.retries))
+        yield PpiScenario(name=f"{kind} at the {at}", faults=(once,), **_repeated(master, polls=at == "poll"))
     dead = (fault("deaf", times=None),)
     yield PpiScenario(
         name="silence for ever", faults=dead, status=(WORDS["NO_ANSWER"],), retries=master.retries, polls=0
     )
     yield from _ready(master.polls)
     yield from _refusals(job)
+    yield from _first_read(job)
     for name, edit in _edits(job):
         yield PpiScenario(
             name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None

@@ -51,7 +51,7 @@ def together(project: Project, program: Program, master: PlannedMaster) -> Resul
     def run() -> None:
         for number in range(ROUNDS):
             _round(rig, project, number)
-        if len(master.jobs) > 1:
+        if len(master.jobs) > 1 or not project.target.classic:
             _occupied(rig, project)
 
     return _guarded(rig, "all jobs at once", run)
@@ -113,19 +113,21 @@ def _occupied(rig: MasterRig, project: Project) -> None:
     """A job that waits for the port for its whole timeout says so; afterwards everything works."""
     jobs, cpu = rig.master.jobs, rig.cpu
     rig.port.hang = True
-    for job in jobs:
-        cpu[_control(project, job, "execute")] = True
-    slowest = max(job.timeout for job in jobs)
-    for _ in range(slowest // 50 + 200):
-        cpu.scan(50)
-    words = [cpu[_control(project, job, "status")] for job in jobs]
+    words: list[object] = []
+    for _ in range(2):  # on an S7-1200/1500 even a single job waits the second time: the module is still sending
+        for job in jobs:
+            cpu[_control(project, job, "execute")] = True
+        slowest = max(job.timeout for job in jobs)
+        for _ in range(slowest // 50 + 200):
+            cpu.scan(50)
+        words += [cpu[_control(project, job, "status")] for job in jobs]
+        for job in jobs:
+            cpu[_control(project, job, "execute")] = False
+        cpu.scan(50, 2)
     allowed = {WORDS[name] for name in ("TIMEOUT", "DRAIN_TIMEOUT", "PORT_OCCUPIED", "RUNNING", "STARTED")}
-    if not all(word in allowed for word in words) or WORDS["PORT_OCCUPIED"] not in words:
-        shown = ", ".join(f"16#{word:04X}" for word in words)
-        raise ScenarioError(f"a port that hangs gives {shown}")
+    if not allowed.issuperset(words) or WORDS["PORT_OCCUPIED"] not in words:
+        raise ScenarioError(f"a port that hangs gives {', '.join(f'16#{word:04X}' for word in words)}")
     rig.port.hang = False
-    for job in jobs:
-        cpu[_control(project, job, "execute")] = False
     for _ in range(2000):
         cpu.scan(10)
         if all(cpu[_control(project, job, "status")] == WORDS["IDLE"] for job in jobs):

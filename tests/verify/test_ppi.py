@@ -81,8 +81,8 @@ DAMAGE: dict[str, tuple[str, str]] = {
         "#statFunctionCode[#statStation] := B#16#5C;",
     ),
     "a repetition takes another function code": (
-        "        #statReq := TRUE;\n        #statOpen := TRUE;",
-        "        #statReq := TRUE;\n        #statOpen := TRUE;\n        #statSend[6] := B#16#7C;",
+        "#statCall := #CALL_SEND;",
+        "#statCall := #CALL_SEND;\n      #statSend[6] := B#16#7C;",
     ),
     "the reference stays": ("#statReference := #statReference + 1;", "#statReference := #statReference;"),
     "FCS forgets the reference": (
