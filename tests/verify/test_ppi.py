@@ -85,9 +85,9 @@ DAMAGE: dict[str, tuple[str, str]] = {
         "#statCall := #CALL_SEND;\n      #statSend[6] := B#16#7C;",
     ),
     "the reference stays": ("#statReference := #statReference + 1;", "#statReference := #statReference;"),
-    "FCS forgets the reference": (
-        "- WORD_TO_INT(BYTE_TO_WORD(#statTable[12])) - WORD_TO_INT(BYTE_TO_WORD(#statTable[13]));",
-        "- WORD_TO_INT(BYTE_TO_WORD(#statTable[12]));",
+    "FCS forgets the last byte": (
+        "FOR #tempIndex := 5 TO #statSendLength - 2 DO",
+        "FOR #tempIndex := 5 TO #statSendLength - 3 DO",
     ),
     "polls are not bounded": ("#statPolls >= #MAX_POLLS", "#statPolls >= 30000"),
     "retries are not bounded": ("#statRetries < #MAX_RETRIES", "#statRetries < 30000"),
