@@ -145,9 +145,10 @@ class _Pair:
         if old.size is not None and new.size is not None and old.size != new.size:
             kind = "block-grown" if new.size > old.size else "block-shrunk"
             self.add(kind, f"{old.size} -> {new.size} bytes", str(old.size), str(new.size))
-        if _access(old) != _access(new) and not _unsaid(old, new):
+        if _access(old) != _access(new) and not (None in {old.optimized, new.optimized} and _mixed(old, new)):
             self.add("access-changed", f"{_access(old)} -> {_access(new)} access", _access(old), _access(new))
-        if old.non_retain != new.non_retain:
+        instances = old.instance_of and new.instance_of  # of their retentivity a document says nothing
+        if old.non_retain != new.non_retain and not (instances and _mixed(old, new)):
             was, now = _retain(old), _retain(new)
             self.add("retain-changed", f"the block: {was} -> {now}", was, now)
         for name, was, now in _differences(dict(old.attributes), dict(new.attributes)):
@@ -191,10 +192,9 @@ def _access(block: BlockState) -> str:
     return "optimized" if block.optimized else "standard"
 
 
-def _unsaid(old: BlockState, new: BlockState) -> bool:
-    """Whether one side is a text that says nothing of its access, the other a document, which always does."""
-    documents = {block.span is not None and block.span.file.lower().endswith(".xml") for block in (old, new)}
-    return None in {old.optimized, new.optimized} and len(documents) == 2
+def _mixed(old: BlockState, new: BlockState) -> bool:
+    """Whether one side is a document, the other a text: a text need not state its access, which documents do."""
+    return len({block.span is not None and block.span.file.lower().endswith(".xml") for block in (old, new)}) == 2
 
 
 def _retain(block: BlockState) -> str:

@@ -9,7 +9,7 @@ from plcgen.compare.model import BlockState, MemberState, Snapshot
 from plcgen.compare.starts import array_start, literal_start, plain, scalar_start
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.read.sources import SourceBlock, Sources
-from plcgen.s7.blocks import Block, BlockKind, SectionKind
+from plcgen.s7.blocks import Block, BlockKind, SectionKind, is_retentive
 from plcgen.s7.image import image
 from plcgen.s7.layout import layout_block
 from plcgen.s7.literals import LiteralError
@@ -84,7 +84,7 @@ class _State:
             optimized=source.optimized,
             instance_of=source.instance_of or "",
             instance_kind="" if self.owner is None else self.owner.kind.value,
-            non_retain=not self.retentive() if self.is_document() else source.non_retain,
+            non_retain=source.kind is BlockKind.DB and not is_retentive(source),
             texts=tuple(sorted((key, text) for key, text in texts.items() if text)),
             attributes=tuple(sorted(attributes.items())),
             members=members,
@@ -97,19 +97,10 @@ class _State:
             span=source.span,
         )
 
-    def is_document(self) -> bool:
-        """Whether this is a data block of a SimaticML document, where members, not blocks, are retentive."""
-        return self.source.kind is BlockKind.DB and self.found.file.lower().endswith(".xml")
-
-    def retentive(self) -> bool:
-        """Whether every member on the first level is."""
-        members = [m.name.upper() for s in self.source.sections for m in s.members]
-        return bool(members) and all(self.found.attributes.get(m, {}).get("RETAIN") == "RETAIN" for m in members)
-
     def attributes(self, path: str) -> tuple[tuple[str, str], ...]:
         """What stands in braces at a member; a retentive block says it once, not at every member."""
         own = self.found.attributes.get(path.replace("[]", "").upper(), {})
-        if "RETAIN" in own and self.is_document() and self.retentive():
+        if "RETAIN" in own and is_retentive(self.source):
             own = {name: value for name, value in own.items() if name != "RETAIN"}
         return tuple(sorted(own.items()))
 

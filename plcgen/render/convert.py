@@ -12,7 +12,7 @@ from plcgen.read.files import SourceFile, source_files
 from plcgen.read.simaticml import read_simaticml, read_tag_table
 from plcgen.read.text import read_source
 from plcgen.render.environment import RenderedFile
-from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.blocks import Block, BlockKind, is_retentive
 from plcgen.scl.declarations import recursive_types
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.lexer import tokenize
@@ -192,6 +192,10 @@ def _to_document(
     elif block.instance_of:
         block = _instance(block, place, types, found)
     text, lost = document(block, setting, code, types)
+    if is_retentive(block) and (block.instance_of or not any(s.members for s in block.sections)):
+        message = f'{block.kind} "{block.name}": that it is retentive is not converted'
+        help_ = "a document says it at members, and not in instance data blocks: set Retain in the TIA Portal"
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.NOTE, help=help_))
     for what in lost:
         message = f'{block.kind} "{block.name}": {what} is not converted'
         found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))

@@ -22,7 +22,7 @@ class BlockKind(enum.StrEnum):
 
 
 class SectionKind(enum.StrEnum):
-    """Declaration sections; a global DB or UDT has exactly one STATIC section."""
+    """Declaration sections; a UDT has exactly one STATIC section, a global DB one for each retentivity."""
 
     INPUT = "Input"
     OUTPUT = "Output"
@@ -77,3 +77,14 @@ class Block:
     def section(self, kind: SectionKind) -> tuple[Member, ...]:
         """Members of one section; empty if the block has none of that kind."""
         return tuple(m for s in self.sections if s.kind is kind for m in s.members)
+
+
+def is_retentive(block: Block) -> bool:
+    """Whether a data block as a whole keeps its values: neither NON_RETAIN nor single sections say otherwise.
+
+    Either nothing is said of any section, or all of them with members are RETAIN.
+    """
+    said = {s.retain for s in block.sections if s.members}
+    if block.kind is not BlockKind.DB:
+        return False
+    return said == {"RETAIN"} or (not block.non_retain and said <= {""})

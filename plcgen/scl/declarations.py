@@ -335,10 +335,17 @@ def _number(unit: ast.Unit, kind: BlockKind) -> int | None:
 
 
 def _merged(sections: list[Section]) -> list[Section]:
-    """Merge STATIC sections: a global DB or UDT has one, an instance DB without a body none."""
-    static = tuple(m for s in sections if s.kind is SectionKind.STATIC for m in s.members)
+    """Merge STATIC sections of one retentivity: a UDT has one, an instance DB without a body none."""
     others = [s for s in sections if s.kind is not SectionKind.STATIC]
-    return [*others, Section(SectionKind.STATIC, static)] if static or sections else others
+    static: list[Section] = []
+    for section in sections:
+        if section.kind is not SectionKind.STATIC or (static and not section.members):
+            continue
+        if static and section.retain == static[-1].retain:
+            static[-1] = Section(SectionKind.STATIC, static[-1].members + section.members, section.retain)
+        else:
+            static.append(section)
+    return [*others, *(static or [Section(SectionKind.STATIC, ())])] if sections else others
 
 
 def recursive_types(found: Iterable[Block]) -> Iterator[Diagnostic]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from types import MappingProxyType
 
-from plcgen.s7.blocks import Block, BlockKind, SectionKind
+from plcgen.s7.blocks import Block, BlockKind, SectionKind, is_retentive
 from plcgen.s7.types import DataType, Elementary, Member, NamedType, StringType, StructType
 from plcgen.simaticml.datatypes import datatype, innermost
 from plcgen.simaticml.escape import attribute, content
@@ -62,10 +62,11 @@ def _empty(name: str) -> str:
 
 def _section(block: Block, section: SectionKind, kind: str, culture: str, starts: Starts) -> list[str]:
     values = kind != "SW.Types.PlcStruct" or block.kind is BlockKind.UDT
+    whole = kind == "SW.Blocks.GlobalDB" and is_retentive(block)
     found = []
     for group in block.sections:
         if group.kind is section:
-            retain = group.retain == "RETAIN" and kind != "SW.Blocks.InstanceDB"
+            retain = whole or (group.retain == "RETAIN" and kind != "SW.Blocks.InstanceDB")
             found += [member(m, culture, starts if values else None, retain=retain) for m in group.members]
     return found
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
-from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind
+from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind, is_retentive
 from plcgen.s7.types import ArrayType, Member, StructType
 from plcgen.scl import lexer
 from plcgen.simaticml.datatypes import datatype, default_literal, innermost
@@ -89,7 +89,7 @@ def _header(block: Block) -> list[str]:
         value = block.attributes.get(name) or (_DEFAULT_VERSION if name == "VERSION" else "")
         if value:
             lines.append(f"{name} : {_one_line(value)}")
-    if block.kind is BlockKind.DB and block.non_retain:
+    if block.kind is BlockKind.DB and block.non_retain and not is_retentive(block):
         lines.append("NON_RETAIN")
     if block.comment and block.kind is not BlockKind.UDT:
         lines += [f"// {line}".rstrip() for line in _BREAKS.split(block.comment)]
@@ -156,15 +156,16 @@ def _data(block: Block, of: Block | None) -> Iterator[str]:
         return
     assigned: list[Assignment] = []
     groups = [replace(s, members=tuple(_bare(m, (), assigned) for m in s.members)) for s in block.sections]
-    yield from _body(groups)
+    yield from _body(groups, whole=is_retentive(block))
     yield ""
     yield "BEGIN"
     for assignment in (*assigned, *block.assignments):
         yield f"  {_one_line(assignment.path)} := {_one_line(assignment.literal)};"
 
 
-def _body(groups: Sequence[Section]) -> Iterator[str]:
-    if not any(group.retain for group in groups):
+def _body(groups: Sequence[Section], *, whole: bool) -> Iterator[str]:
+    """Members; in sections if only some of them are retentive, which else the header says."""
+    if {group.retain for group in groups if group.members} <= {""} or whole:
         yield "  STRUCT"
         for group in groups:
             yield from _members(group.members, 4)

@@ -81,6 +81,51 @@ def test_an_instance_db_keeps_its_own_values(tmp_path: Path) -> None:
     assert [(d.code, d.severity.label) for d in alone.diagnostics] == [("PG815", "warning"), ("PG815", "warning")]
 
 
+@pytest.mark.parametrize("header", ["", "NON_RETAIN\n"])
+@pytest.mark.parametrize("optimized", ["TRUE", "FALSE"])
+def test_a_global_db_stays_as_retentive_as_it_is(header: str, optimized: str, tmp_path: Path) -> None:
+    """Without NON_RETAIN every member on the first level is Remanence="Retain"; the way back is the same text."""
+    text = (
+        f"DATA_BLOCK \"Data\"\n{{ S7_Optimized_Access := '{optimized}' }}\nVERSION : 0.1\n{header}  STRUCT\n"
+        "    run : Bool;\n    part : STRUCT\n      low : Int := 3;\n    END_STRUCT;\n  END_STRUCT;\n\nBEGIN\n"
+        "END_DATA_BLOCK\n"
+    )
+    files = put(tmp_path, a_db=text)
+    assert plcgen.convert(*files, to="xml", out=tmp_path / "xml").diagnostics == ()
+    document = (tmp_path / "xml/Data.xml").read_text("utf-8-sig")
+    assert document.count('Remanence="Retain"') == (0 if header else 2)
+    assert check_invariants(tmp_path / "xml/Data.xml") == []
+    assert validate_islands(tmp_path / "xml/Data.xml", "V16") == []
+    assert plcgen.diff(files[0], tmp_path / "xml").changes == ()
+    plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl")
+    assert (tmp_path / "scl/Data.db").read_text("utf-8-sig") == text
+
+
+def test_single_retentive_members_stay_so(tmp_path: Path) -> None:
+    """VAR RETAIN beside VAR: the members of the first are Retain, those of the second are not, both ways."""
+    text = (
+        "DATA_BLOCK \"Data\"\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\n  VAR RETAIN\n"
+        "    a : Int;\n  END_VAR\n  VAR\n    b : Int;\n  END_VAR\n\nBEGIN\nEND_DATA_BLOCK\n"
+    )
+    files = put(tmp_path, a_db=text)
+    plcgen.convert(*files, to="xml", out=tmp_path / "xml")
+    assert (tmp_path / "xml/Data.xml").read_text("utf-8-sig").count('Name="a" Datatype="Int" Remanence="Retain"') == 1
+    assert (tmp_path / "xml/Data.xml").read_text("utf-8-sig").count("Remanence") == 1
+    assert plcgen.diff(files[0], tmp_path / "xml").changes == ()
+    plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl")
+    assert (tmp_path / "scl/Data.db").read_text("utf-8-sig") == text
+
+
+def test_a_retentive_instance_db_is_told(tmp_path: Path) -> None:
+    """Documents of instance DBs have no Remanence: a note says what is lost."""
+    retentive = INSTANCE.replace("NON_RETAIN\n", "")
+    files = put(tmp_path, a_scl=FB, b_db=retentive)
+    there = plcgen.convert(*files, to="xml", out=tmp_path / "xml")
+    found = [(d.code, d.severity.label, d.message) for d in there.diagnostics]
+    assert found == [("PG815", "note", 'DB "Motor_DB": that it is retentive is not converted')]
+    assert plcgen.diff(files, [tmp_path / "xml"]).changes == ()
+
+
 def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
     """An existing file stops the whole conversion; equal files are left alone; --force replaces."""
     files = put(tmp_path, a_scl=FB, b_db=INSTANCE)
