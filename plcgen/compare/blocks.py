@@ -159,7 +159,12 @@ class _Pair:
 
     def assignments(self) -> None:
         """Start values that a DB gives to members of its types."""
-        for path, was, now in _differences(dict(self.old.assignments), dict(self.new.assignments)):
+        before, after = dict(self.old.assignments), dict(self.new.assignments)
+        if self.old.instance_of and not self.old.instance_kind and _mixed(self.old, self.new):
+            # Without the function block nobody knows which values of the document are its own.
+            before = {path: before[path] for path in before.keys() & after.keys()}
+            after = {path: after[path] for path in before}
+        for path, was, now in _differences(before, after):
             message = f"start value {was or 'of the type'} -> {now or 'of the type'}"
             self.add("start-value", message, was, now, path=path)
 
@@ -193,8 +198,9 @@ def _access(block: BlockState) -> str:
 
 
 def _mixed(old: BlockState, new: BlockState) -> bool:
-    """Whether one side is a document, the other a text: a text need not state its access, which documents do."""
-    return len({block.span is not None and block.span.file.lower().endswith(".xml") for block in (old, new)}) == 2
+    """Whether one side is a document, the other a text, which states less or other things; locks are neither."""
+    files = [block.span.file.lower() for block in (old, new) if block.span is not None]
+    return sum(file.endswith(".xml") for file in files) == 1 and not any(file.endswith(".yaml") for file in files)
 
 
 def _retain(block: BlockState) -> str:

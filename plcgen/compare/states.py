@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
+from plcgen.compare.instances import instance_starts
 from plcgen.compare.model import BlockState, MemberState, Snapshot
 from plcgen.compare.starts import array_start, literal_start, plain, scalar_start
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
@@ -106,9 +107,11 @@ class _State:
 
     def assignments(self, *, foreign: bool) -> tuple[tuple[str, str], ...]:
         """BEGIN lines for what is declared elsewhere; those of the block's own members are start values."""
+        if foreign:
+            return instance_starts(self.source, self.owner)
         pairs = [(_path(a.path), plain(a.literal)) for a in self.source.assignments]
         inside = tuple(f"{path}." for path in self.named)
-        return tuple(pair for pair in pairs if foreign or re.sub(r"\[[^\]]*\]", "", pair[0]).startswith(inside))
+        return tuple(pair for pair in pairs if re.sub(r"\[[^\]]*\]", "", pair[0]).startswith(inside))
 
     def members(self, sections: Mapping[str, str], *, foreign: bool) -> tuple[MemberState, ...]:
         """Members with a place if the layout is known, else as declared."""
