@@ -116,20 +116,23 @@ def _specs(specs: list[Path]) -> list[Subject]:
 
 
 def _files(sources: list[Path], target: str | None, out: Console) -> tuple[list[Subject], int]:
-    """Every source on its own, and the number of blocks in all of them."""
-    from plcgen.cpu.sources import check_source
+    """Every source on its own, blocks that are declared twice, and the number of blocks in all of them."""
+    from plcgen.cpu.sources import check_source, repeated_blocks
     from plcgen.scl.dialect import BY_NAME
 
-    subjects: list[Subject] = []
-    blocks = 0
+    checks = []
     with out.progress() as progress:
         for number, path in enumerate(sources, 1):
-            result = check_source(path, BY_NAME[target] if target else None)
-            blocks += result.blocks
-            subjects.append((path.as_posix(), result.diagnostics))
+            checks.append(check_source(path, BY_NAME[target] if target else None))
             if progress is not None:
                 progress(path.name, number, len(sources))
-    return subjects, blocks
+    again: dict[Path, list[Diagnostic]] = {}
+    for path, diagnostic in repeated_blocks(checks):
+        again.setdefault(path, []).append(diagnostic)
+    subjects: list[Subject] = [
+        (path.as_posix(), [*c.diagnostics, *again.get(path, ())]) for c in checks for path in c.paths
+    ]
+    return subjects, sum(c.blocks for c in checks)
 
 
 def _program(sources: list[Path], target: str, tags: tuple[Path, ...]) -> tuple[list[Subject], int]:

@@ -5,15 +5,15 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 from plcgen.compare.lockfile import lock_text, reduced
 from plcgen.compare.lockread import read_lock
-from plcgen.compare.model import Comparison
+from plcgen.compare.model import Comparison, Snapshot
 from plcgen.compare.policy import load_policy
 from plcgen.compare.run import compare_snapshots, snapshot
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 
 DEFAULT = "plcgen.lock.yaml"
 
@@ -41,7 +41,7 @@ def write_lock(paths: Sequence[Path], path: Path, *, classic: bool = False, forc
     """
     try:
         chosen = list(paths) or _locked_sources(path)
-        state = reduced(snapshot(chosen, classic=classic))
+        state = reduced(_once(snapshot(chosen, classic=classic)))
         found = tuple(dict.fromkeys(state.diagnostics))
         if any(d.severity.label == "error" for d in found):
             return LockResult(path, 0, False, found)  # noqa: FBT003 - see the field's name
@@ -65,10 +65,19 @@ def check_lock(paths: Sequence[Path], path: Path, policy: Sequence[str] = (), *,
         levels = load_policy(policy)
         lock = read_lock(path)
         chosen = list(paths) or _inside(lock.sources, path)
-        state = reduced(snapshot(chosen, classic=classic))
+        state = reduced(_once(snapshot(chosen, classic=classic)))
     except DiagnosticError as problem:
         return Comparison(path.as_posix(), "", (), problem.diagnostics)
     return compare_snapshots(lock.snapshot, state, levels)
+
+
+def _once(found: Snapshot) -> Snapshot:
+    """Make it an error that a block is declared a second time: a change of that version would never be seen."""
+    found.diagnostics[:] = [
+        replace(d, severity=Severity.ERROR) if d.code == "PG805" and d.severity is Severity.WARNING else d
+        for d in found.diagnostics
+    ]
+    return found
 
 
 def _locked_sources(path: Path) -> list[Path]:

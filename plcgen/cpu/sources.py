@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
 from plcgen.cpu.program import Program
-from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.read.text import read_source
 from plcgen.scl.dialect import Dialect
 
@@ -25,6 +25,8 @@ class SourceCheck:
     paths: tuple[Path, ...]
     blocks: int
     diagnostics: tuple[Diagnostic, ...]
+    declared: tuple[tuple[str, str, Span], ...] = ()
+    """Kind, name and place of every block of a file."""
 
     @property
     def ok(self) -> bool:
@@ -38,7 +40,21 @@ def check_source(path: Path | str, target: Dialect | None = None) -> SourceCheck
     Without a target everything is right that one of the three compilers accepts.
     """
     found, problems = read_source(path, target)
-    return SourceCheck((Path(path),), len(found), tuple(problems))
+    declared = tuple((block.kind.value, block.name, block.span or Span(str(path))) for block in found)
+    return SourceCheck((Path(path),), len(found), tuple(problems), declared)
+
+
+def repeated_blocks(checks: Iterable[SourceCheck]) -> Iterator[tuple[Path, Diagnostic]]:
+    """PG805, a warning, for every block that one of the files declares again, with the file it stands in."""
+    first: dict[tuple[str, str], Span] = {}
+    for check in checks:
+        for kind, name, place in check.declared:
+            known = first.setdefault((kind, name.upper()), place)
+            if known is not place:
+                message = f'{kind} "{name}" is declared a second time'
+                notes = (Note("first declared here", known),)
+                help_ = "name the files of one version only"
+                yield check.paths[0], Diagnostic("PG805", message, place, Severity.WARNING, help=help_, notes=notes)
 
 
 def check_program(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.read.symbols import SUFFIXES as SYMBOL_SUFFIXES
 from plcgen.read.symbols import read_symbols
 from plcgen.read.text import read_source
@@ -169,7 +169,8 @@ def _unique(read: Iterable[tuple[Block, SourceFile]], diagnostics: list[Diagnost
         message = f'{block.kind} "{block.name}" is declared a second time; the one in {where.path} counts'
         place = block.span or Span(str(file.path))
         help_text = "name the files of one version only"
-        diagnostics.append(Diagnostic("PG805", message, place, Severity.WARNING, help=help_text))
+        notes = (Note("first declared here", first.span),) if first.span else ()
+        diagnostics.append(Diagnostic("PG805", message, place, Severity.WARNING, help=help_text, notes=notes))
     return [block for block, _ in kept.values()]
 
 

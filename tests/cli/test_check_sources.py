@@ -119,3 +119,15 @@ def test_files_that_are_not_there(plcgen, name):
     assert result.code == 1
     assert name in result.out + result.err
     assert "internal" not in result.err
+
+
+def test_a_block_in_two_files_is_told(plcgen, tmp_path):
+    """A warning at the second place, in any letter case, with a note of the first; exit code 0."""
+    (tmp_path / "a.scl").write_text(GOOD)
+    (tmp_path / "b.scl").write_text("\n" + GOOD.replace('"Add"', '"ADD"').replace("+ 1", "+ 2"))
+    result = plcgen("check", tmp_path / "a.scl", tmp_path / "b.scl", "--json")
+    (found,) = json.loads(result.out)["diagnostics"]
+    assert (result.code, found["code"], found["severity"], found["line"]) == (0, "PG805", "warning", 2)
+    assert found["file"].endswith("b.scl")
+    assert [(n["message"], n["line"], n["file"][-5:]) for n in found["notes"]] == [("first declared here", 1, "a.scl")]
+    assert json.loads(plcgen("check", tmp_path / "a.scl", "--json").out)["diagnostics"] == []

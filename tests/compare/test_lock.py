@@ -279,3 +279,17 @@ def test_members_are_bounded():
     """A line of more than 2,000 characters is no member."""
     edit("plcgen.lock.yaml", "run: 0.0 1 bit BOOL", f"run: 0.0 1 bit {'B' * 2500}")
     assert "PG633" in {d.code for d in plcgen.check_lock().diagnostics}
+
+
+@pytest.mark.usefixtures("project")
+def test_a_block_declared_twice_is_not_locked():
+    """The second version would never be compared: an error with both places, for writing and for checking."""
+    before = Path("plcgen.lock.yaml").read_bytes()
+    Path("plc/Other.db").write_text(SOURCE.replace("10.0", "20.0"), encoding="utf-8")
+    for result in (plcgen.lock("plc"), plcgen.check_lock("plc")):
+        (found,) = result.diagnostics
+        assert (found.code, found.severity.label, found.span.file) == ("PG805", "error", "plc/Other.db")
+        assert [(note.message, note.span.file) for note in found.notes] == [("first declared here", "plc/Motor.db")]
+    assert not plcgen.lock("plc").ok
+    assert not plcgen.check_lock("plc").readable
+    assert Path("plcgen.lock.yaml").read_bytes() == before
