@@ -142,12 +142,15 @@ def test_assignments_behind_begin_keep_their_paths() -> None:
     assert (block.instance_of, block.optimized) == ("t", True)
 
 
-def test_a_data_block_has_one_static_section() -> None:
-    """Retentive and other variables of a global DB lie behind each other."""
-    text = "DATA_BLOCK a VAR RETAIN x : INT; END_VAR VAR y : INT; END_VAR BEGIN END_DATA_BLOCK"
+def test_a_data_block_has_one_static_section_for_each_retentivity() -> None:
+    """Retentive and other variables of a global DB lie behind each other; neighbours of one kind are together."""
+    text = (
+        "DATA_BLOCK a VAR RETAIN x : INT; END_VAR VAR y : INT; END_VAR VAR z : INT; END_VAR VAR RETAIN END_VAR "
+        "BEGIN END_DATA_BLOCK"
+    )
     (block,) = _blocks(text)
-    (section,) = block.sections
-    assert [m.name for m in section.members] == ["x", "y"]
+    assert [(s.retain, [m.name for m in s.members]) for s in block.sections] == [("RETAIN", ["x"]), ("", ["y", "z"])]
+    assert [m.name for m in block.section(SectionKind.STATIC)] == ["x", "y", "z"]
 
 
 @pytest.mark.parametrize(
