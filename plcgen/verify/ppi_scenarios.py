@@ -103,6 +103,14 @@ def line_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiSce
                 retries=most,
                 polls=None if at == "poll" else 0,
             )
+    for spot, byte in ((4, "high"), (5, "low")):
+        yield PpiScenario(
+            name=f"reference with another {byte} byte",
+            edit=lambda pdu, spot=spot: pdu[:spot] + bytes((pdu[spot] ^ 1,)) + pdu[spot + 1 :],  # type: ignore[misc]
+            status=tuple(silent),
+            retries=most,
+            polls=None,
+        )
     repeats: tuple[tuple[int | None, str], ...] = ((1, "once"), (None, "for ever"))
     for number, how in repeats:  # the second answer before is the right one
         stale = (fault("stale", "poll", number),)

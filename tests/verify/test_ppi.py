@@ -85,6 +85,7 @@ DAMAGE: dict[str, tuple[str, str]] = {
         "#statCall := #CALL_SEND;\n      #statSend[6] := B#16#7C;",
     ),
     "the reference stays": ("#statReference := #statReference + 1;", "#statReference := #statReference;"),
+    "the reference is half compared": (" AND #statReceive[#tempFirst + 7] = #statReferenceHigh", ""),
     "FCS forgets the last byte": (
         "FOR #tempIndex := 5 TO #statSendLength - 2 DO",
         "FOR #tempIndex := 5 TO #statSendLength - 3 DO",
