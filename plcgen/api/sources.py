@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -105,7 +105,7 @@ def _source_tables(
     chosen = [b for b in files.blocks if not block or _is_called(b.name, b.kind.value, b.number, block)]
     tables, problems = block_tables(chosen, types, expand=expand)
     report.extend(d for d in problems if (d.code, d.span) not in known and not (circles and d.code == "PG807"))
-    return tables
+    return [replace(table, unsaid=False) for table in tables] if classic else tables
 
 
 def _is_called(name: str, kind: str, number: int | None, wanted: str) -> bool:

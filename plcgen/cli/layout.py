@@ -75,7 +75,8 @@ def command(
     if result.blocks or format_ == "json":
         out.result(_spelled(result, format_, out, output, grid=grid, separator=separator), output, force=force)
     elif result.ok:
-        out.say("no data block, type or function block found")
+        nothing = f", {output} is not written" if output is not None else ""
+        out.say(f"no data block, type or function block in {' '.join(map(str, paths[:3]))}: no layout{nothing}")
     return OK if result.ok else PROBLEMS
 
 

@@ -139,7 +139,7 @@ def _members(member: MemberState, section: str) -> Iterator[tuple[str, str, str]
         size = f"{member.bits} bit" if member.bits % 8 else f"{member.bits // 8} B"
         where = f"{place(member.offset)} {size} "
     start = f" := {member.start}" if member.start else ""
-    braces = ", ".join(f"{name}={value}" for name, value in member.attributes)
+    braces = ", ".join(f"{name.upper()}={value}" for name, value in member.attributes)
     yield section, member.path, f"{where}{member.type}{start}{f' {{{braces}}}' if braces else ''}"
     for inner in member.inner:
         yield from _members(inner, section)

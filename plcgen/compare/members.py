@@ -145,7 +145,8 @@ class MemberComparison:
 
     def attributes(self, old: MemberState, new: MemberState) -> None:
         """Retentivity, access from outside, and everything else in braces."""
-        before, after = dict(old.attributes), dict(new.attributes)
+        before, after = ({name.upper(): value for name, value in side.attributes} for side in (old, new))
+        spelt = {name.upper(): name for name, _ in (*old.attributes, *new.attributes)}
         for name in sorted(before.keys() | after.keys()):
             was, now = before.get(name, ""), after.get(name, "")
             if name == "RETAIN":
@@ -162,7 +163,7 @@ class MemberComparison:
                 kind = "hmi-access-removed" if lost else "hmi-access-added"
                 self.add(kind, new, what, was, now, before=old.span)
             else:
-                what = f"{name} {was or '(absent)'} -> {now or '(absent)'}"
+                what = f"{spelt[name]} {was or '(absent)'} -> {now or '(absent)'}"
                 self.add("member-attribute", new, what, was, now, before=old.span)
 
 

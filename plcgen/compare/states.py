@@ -98,12 +98,13 @@ class _State:
             span=source.span,
         )
 
-    def attributes(self, path: str) -> tuple[tuple[str, str], ...]:
+    def attributes(self, path: str, member: Member) -> tuple[tuple[str, str], ...]:
         """What stands in braces at a member; a retentive block says it once, not at every member."""
         own = self.found.attributes.get(path.replace("[]", "").upper(), {})
         if "RETAIN" in own and is_retentive(self.source):
             own = {name: value for name, value in own.items() if name != "RETAIN"}
-        return tuple(sorted(own.items()))
+        spelt = {name.upper(): name for name, _ in member.attributes}
+        return tuple((spelt.get(name, name), value) for name, value in sorted(own.items()))
 
     def assignments(self, *, foreign: bool) -> tuple[tuple[str, str], ...]:
         """BEGIN lines for what is declared elsewhere; those of the block's own members are start values."""
@@ -142,7 +143,7 @@ class _State:
             start = self.start(member, shape, offset)
         return MemberState(
             member.name, path, _type(member), sections.get(member.name.upper(), ""), offset, shape.bits, start,
-            member.comment, self.attributes(path), inner, foreign, member.span,
+            member.comment, self.attributes(path, member), inner, foreign, member.span,
         )  # fmt: skip
 
     def declared(self, member: Member, section: str, path: str) -> MemberState:
@@ -152,7 +153,7 @@ class _State:
         children = tuple(self.declared(child, "", f"{path}.{child.name}") for child in inner)
         return MemberState(
             member.name, path, _type(member), section, start=literal_start(member), comment=member.comment,
-            attributes=self.attributes(path), inner=children, span=member.span,
+            attributes=self.attributes(path, member), inner=children, span=member.span,
         )  # fmt: skip
 
     def start(self, member: Member, shape: Shape, offset: int) -> str:

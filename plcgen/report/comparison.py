@@ -129,7 +129,7 @@ def _html(text: str) -> str:
 
 
 def _escape(text: str) -> str:
-    safe = clean(text).replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;").replace(">", "&gt;")
+    safe = _html(text).replace("\\", "\\\\").replace("|", "\\|")
     for mark in "*_`[]":
         safe = safe.replace(mark, f"\\{mark}")
     return safe

@@ -107,9 +107,21 @@ def _declared(
         comment=block.title or block.comment,
         file=block.span.file if block.span else "",
         line=block.span.line if block.span else 0,
+        unsaid=offsets and _is_unsaid(block, types),
         shape=layout.shape if offsets else None,
         begin=begin,
     )
+
+
+def _is_unsaid(block: Block, types: Mapping[str, Block]) -> bool:
+    """Whether a text of the TIA Portal says nothing of the block's access; an instance has that of its FB.
+
+    Block numbers stand in sources of STEP 7 V5 only, where every access is standard access.
+    """
+    owner = types.get((block.instance_of or "").upper())
+    said = block.optimized is not None or (owner is not None and owner.optimized is not None)
+    is_source = block.span is not None and block.span.file.lower().endswith((".db", ".scl"))
+    return is_source and not said and block.number is None and block.kind is not BlockKind.UDT
 
 
 def used_bits(shape: Shape) -> int:

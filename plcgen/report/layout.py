@@ -25,6 +25,8 @@ _START = 36
 _MARKS = 5
 """Footnotes of one row that are spelled out."""
 
+_UNSAID = "the source has no S7_Optimized_Access: on S7-1200/1500 these offsets hold for standard access only"
+
 MEMBER, GAP, MORE = "member", "gap", "more"
 
 
@@ -69,7 +71,8 @@ class BlockTable:
 
     ``data`` and ``role`` if it is a telegram's buffer; ``unused`` counts the bits of all gaps, those inside folded
     arrays included; ``shape`` is the memory the rows were made from, ``begin`` the values of the BEGIN part
-    by lower-case path; ``file`` and ``line`` where it is declared.
+    by lower-case path; ``file`` and ``line`` where it is declared; ``unsaid`` if its source could state the access
+    and does not.
     """
 
     kind: str
@@ -84,6 +87,7 @@ class BlockTable:
     comment: str = ""
     file: str = ""
     line: int = 0
+    unsaid: bool = False
     shape: Shape | None = field(default=None, repr=False, compare=False)
     begin: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
 
@@ -112,8 +116,9 @@ class BlockTable:
 
     @property
     def footnotes(self) -> list[tuple[str, str]]:
-        """(letter, sentence) of every rule that no compiled block confirms and that a row rests on."""
-        return [(letter(n), f"{r.text}: {r.evidence}, no compiled block") for n, r in enumerate(self.rules)]
+        """(letter, sentence) of every rule that no compiled block confirms and that a row rests on; then the access."""
+        notes = [(letter(n), f"{r.text}: {r.evidence}, no compiled block") for n, r in enumerate(self.rules)]
+        return [*notes, *([("*", _UNSAID)] if self.unsaid else [])]
 
 
 def letter(position: int) -> str:
@@ -237,8 +242,8 @@ def layout_markdown(blocks: Sequence[BlockTable]) -> str:
         role = f", {clean(block.role)}" if block.role else ""
         shown, right = _columns(block, 0)
         table = markdown_table(shown[0], [[_indented(cell) for cell in row] for row in shown[1:]], right=right)
-        title = block.title.replace("_", "\\_")
-        notes = [f"- {mark}: {text}" for mark, text in block.footnotes]
+        title = block.title.replace("&", "&amp;").replace("<", "&lt;").replace("_", "\\_")
+        notes = [f"- {mark}: {text}".replace("*", "\\*") for mark, text in block.footnotes]
         lines = [f"### {title}", "", f"{block.summary}{role}", "", *table, *([""] if notes else []), *notes]
         parts.append("\n".join(lines) + "\n")
     return "\n".join(parts)

@@ -40,7 +40,9 @@ def markdown_table(header: Row, rows: Sequence[Row], *, right: frozenset[int] = 
 
 
 def _markdown(row: Row) -> str:
-    cells = [clean(cell).replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;") for cell in row]
+    cells = [
+        clean(cell).replace("\\", "\\\\").replace("|", "\\|").replace("&", "&amp;").replace("<", "&lt;") for cell in row
+    ]
     return "| " + " | ".join(cells) + " |"
 
 

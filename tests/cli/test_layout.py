@@ -99,3 +99,47 @@ def test_hostile_text_on_a_terminal_stays_one_line(plcgen, tmp_path):
     out = plcgen("layout", "x.db").out
     assert "\x1b" not in out
     assert "\u202e" not in out
+
+
+UNSAID = 'DATA_BLOCK "D&quot;x"\nVERSION : 0.1\nSTRUCT\n  "a&quot;b" : Int;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+SAID = UNSAID.replace("VERSION", "{ S7_Optimized_Access := 'FALSE' }\nVERSION")
+_FOOTNOTE = "the source has no S7_Optimized_Access: on S7-1200/1500 these offsets hold for standard access only"
+
+
+@pytest.mark.parametrize("format_", ["text", "markdown", "html"])
+def test_a_source_that_does_not_say_its_access(plcgen, tmp_path, format_):
+    """A footnote, unless the source says it, the CPU has standard access only, or its number shows STEP 7 V5."""
+    path = tmp_path / "a.db"
+    for text, more, expected in (
+        (UNSAID, (), True),
+        (UNSAID, ("--family", "s7-1500"), True),
+        (UNSAID, ("--family", "s7-300"), False),
+        (SAID, (), False),
+        (UNSAID.replace('"D&quot;x"', "DB 5"), (), False),
+    ):
+        path.write_text(text, "utf-8")
+        assert (_FOOTNOTE in plcgen("layout", path, "-f", format_, *more).out) is expected, (text, more)
+    (tmp_path / "a.udt").write_text('TYPE "T"\nVERSION : 0.1\nSTRUCT\n x : Int;\nEND_STRUCT;\nEND_TYPE\n', "utf-8")
+    assert _FOOTNOTE not in plcgen("layout", tmp_path / "a.udt", "-f", format_).out
+
+
+def test_markdown_shows_an_ampersand(plcgen, tmp_path):
+    """&quot; in a name is no quote: the & is written as an entity, in the heading too."""
+    (tmp_path / "a.db").write_text(SAID, "utf-8")
+    out = plcgen("layout", tmp_path / "a.db", "-f", "markdown").out
+    assert '### DB "D&amp;quot;x"' in out
+    assert "| a&amp;quot;b |" in out
+    (tmp_path / "b.db").write_text(SAID.replace("Int", "Real"), "utf-8")
+    changed = plcgen("diff", tmp_path / "a.db", tmp_path / "b.db", "-f", "markdown").out
+    assert "a&amp;quot;b" in changed
+    assert "&quot;" not in changed.replace("&amp;quot;", "")
+
+
+def test_a_file_without_blocks_says_so(plcgen, tmp_path):
+    """Exit code 0, the file by name, and that no result was written."""
+    path = tmp_path / "a.scl"
+    path.write_text("FUNCTION f : INT\nBEGIN\nf := 1;\nEND_FUNCTION\n", "utf-8")
+    result = plcgen("layout", path, "--out", tmp_path / "x.txt")
+    assert (result.code, result.out) == (0, "")
+    assert "no data block, type or function block in" in result.err
+    assert result.err.endswith("x.txt is not written\n")

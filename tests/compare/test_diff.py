@@ -515,3 +515,14 @@ def test_a_lock_sees_a_start_value_of_an_instance_document(twins):
     path.write_text(path.read_text("utf-8-sig").replace(">7</StartValue>", ">9</StartValue>"), "utf-8-sig")
     found = [(c.kind, c.path, c.old, c.new) for c in plcgen.check_lock(twins / "xml", lock=lock).changes]
     assert found == [("start-value", "SPEED", "7", "9")]
+
+
+def test_attributes_are_named_as_the_source_spells_them(tmp_path):
+    """Letter case makes no attribute another one; the message has the spelling of the new source."""
+    old = "DATA_BLOCK d STRUCT a {A.id := '1.0'} : Int; END_STRUCT BEGIN END_DATA_BLOCK"
+    new = old.replace("A.id", "A.Id")
+    assert diff(tmp_path, old, new).changes == ()
+    for side in ("old", "new"):
+        shutil.rmtree(tmp_path / side)
+    (change,) = diff(tmp_path, old, new.replace("1.0", "1.1")).changes
+    assert (change.kind, change.message) == ("member-attribute", "A.Id 1.0 -> 1.1")
