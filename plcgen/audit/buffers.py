@@ -31,14 +31,14 @@ def buffers(sources: Sources, diagnostics: list[Diagnostic]) -> list[Buffer]:
     """Every data block that is small enough to be a buffer, and has a layout."""
     found: list[Buffer] = []
     for source in sources.blocks:
-        if source.block.kind is not BlockKind.DB:
+        if source.block.kind is not BlockKind.DB or _is_instance(source.block, sources.types):
             continue
         try:
             layout = layout_block(source.block, sources.types)
         except DiagnosticError as problem:
             diagnostics += problem.diagnostics
             continue
-        if layout.size <= LARGEST and not _is_instance(source.block, sources.types):
+        if layout.size <= LARGEST:
             found.append(_buffer(source, layout, sources.types, diagnostics))
     return found
 
