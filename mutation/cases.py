@@ -20,7 +20,7 @@ KINDS: dict[str, Callable[[str], Iterable[Mutant]]] = {"dropped": dropped, "exch
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A mutant in its place; ``job`` is empty for the main program."""
+    """A mutant in its place; ``job`` is the key of a drive job or PPI master, empty for the main program."""
 
     spec: str
     file: str
@@ -54,7 +54,10 @@ def encoding_of(spec: str) -> str:
 def cases(specs: Iterable[str], kinds: Iterable[str] = tuple(KINDS), *, main: bool = False) -> Iterator[Case]:
     """Every mutant of every function block; ``main`` takes the organization block too."""
     for spec in specs:
-        files = {f"scl/{job.block.name}.scl": job.key for job in project_of(spec).jobs}
+        project = project_of(spec)
+        masters = project.ppi.masters if project.ppi is not None else ()
+        files = {f"scl/{job.block.name}.scl": job.key for job in project.jobs}
+        files |= {f"scl/{master.block.name}.scl": master.key for master in masters}
         for file, job in {**files, **({"scl/Main.scl": ""} if main else {})}.items():
             text = (golden(spec) / file).read_text(encoding=encoding_of(spec))
             for kind in kinds:

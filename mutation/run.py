@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mutation.cases import Case, encoding_of, golden, project_of
+from plcgen.cpu.program import Program
 from plcgen.diagnostics import DiagnosticError
 from plcgen.plan.model import Project
-from plcgen.verify import execution
-from plcgen.verify.coverage import measure, merge
+from plcgen.verify import execution, ppi_execution
+from plcgen.verify.coverage import cover, measure, merge
 from plcgen.verify.execution_rig import load_program
 
 FOLDERS = "plcgen-mutation-"
@@ -55,6 +56,9 @@ def executed(project: Project, folder: Path, key: str) -> Verdict:
         if result.failures:
             return _verdict(result)
         counts = [a + b for a, b in zip(counts, result.counts, strict=True)]
+    found = _masters(project, program, key)
+    if found.text or not project.jobs:
+        return found
     result = execution.run_program(project, program)
     if result.failures:
         return _verdict(result)
@@ -66,7 +70,28 @@ def executed(project: Project, folder: Path, key: str) -> Verdict:
     return Verdict()
 
 
-def _verdict(result: execution.JobResult) -> Verdict:
+def _masters(project: Project, program: Program, key: str) -> Verdict:
+    """Every job of the damaged master, or what the masters do through OB1."""
+    for master in project.ppi.masters if project.ppi is not None else ():
+        if key not in {"", master.key}:
+            continue
+        counts = [0] * len(program.probes)
+        for job in master.jobs if key else ():
+            result = ppi_execution.run_job(project, program, master, job, "quick", thorough=job is master.jobs[0])
+            if result.failures:
+                return _verdict(result)
+            counts = [a + b for a, b in zip(counts, result.counts, strict=True)]
+        result = ppi_execution.all_jobs(project, program, master)
+        if result.failures:
+            return _verdict(result)
+        counts = [a + b for a, b in zip(counts, result.counts, strict=True)]
+        missing = cover(measure(program, master.block.name, counts), ppi_execution.explanation).missing
+        if key and missing:
+            return Verdict(f"line {missing[0].line} never ran")
+    return Verdict()
+
+
+def _verdict(result: execution.JobResult | ppi_execution.JobResult) -> Verdict:
     failure = result.failures[0]
     place = f"{Path(failure.file).name}:{failure.line}"
     return Verdict(f"{failure} ({place})", located=bool(failure.scenario and failure.scan and failure.line > 0))

@@ -77,7 +77,7 @@ def check_masters(
 
         def task(index: int, master: PlannedMaster = master) -> JobResult:
             if index == len(master.jobs):
-                return _all_jobs(project, program, master)
+                return all_jobs(project, program, master)
             job = master.jobs[index]
             first = next(other for other in master.jobs if SHAPES[other.kind] == SHAPES[job.kind])
             return run_job(project, program, master, job, level, thorough=level == "full" or job is first)
@@ -200,7 +200,7 @@ def _job_checks(master: PlannedMaster, job: PlannedPpiJob, result: JobResult, le
         yield Check(f"faults.{key}", f"faults {job.key}", result.matrix, Outcome.OK, "ok")
 
 
-def _all_jobs(project: Project, program: Program, master: PlannedMaster) -> JobResult:
+def all_jobs(project: Project, program: Program, master: PlannedMaster) -> JobResult:
     """All jobs at once, 600 in a row, a buffer with a wrong number."""
     result = JobResult()
     for run in (together, row, *([wrong_number] if project.target.classic else [])):
