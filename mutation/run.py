@@ -77,7 +77,8 @@ def _masters(project: Project, program: Program, key: str) -> Verdict:
             continue
         counts = [0] * len(program.probes)
         for job in master.jobs if key else ():
-            result = ppi_execution.run_job(project, program, master, job, "quick", thorough=job is master.jobs[0])
+            thorough = ppi_execution.is_first(master, job)
+            result = ppi_execution.run_job(project, program, master, job, "quick", thorough=thorough)
             if result.failures:
                 return _verdict(result)
             counts = [a + b for a, b in zip(counts, result.counts, strict=True)]

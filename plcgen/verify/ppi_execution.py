@@ -79,8 +79,7 @@ def check_masters(
             if index == len(master.jobs):
                 return all_jobs(project, program, master)
             job = master.jobs[index]
-            first = next(other for other in master.jobs if SHAPES[other.kind] == SHAPES[job.kind])
-            return run_job(project, program, master, job, level, thorough=level == "full" or job is first)
+            return run_job(project, program, master, job, level, thorough=level == "full" or is_first(master, job))
 
         results = list(shared_out(task, tasks, progress, workers if level != "none" else 1))
         for job, result in zip(jobs, results, strict=False):
@@ -90,6 +89,11 @@ def check_masters(
             if not any(result.failures for result in results):
                 counts = [sum(column) for column in zip(*(result.counts for result in results), strict=True)]
                 yield _coverage(project, program, master, counts)
+
+
+def is_first(master: PlannedMaster, job: PlannedPpiJob) -> bool:
+    """Whether a job is the first of its shape: the quick matrix runs it through everything."""
+    return job is next(other for other in master.jobs if SHAPES[other.kind] == SHAPES[job.kind])
 
 
 def run_job(
