@@ -354,7 +354,8 @@ def test_generated_sources_pass(spec):
             result = plcgen.audit(what, spec=spec)
             assert result.diagnostics == (), result.diagnostics
             buffers = [c for c in result.checks() if c.id.startswith("buffers.")]
-            assert {c.outcome for c in buffers} == {Outcome.OK}
+            drives = "\ndrives:" in spec.read_text("utf-8")  # PPI masters have no DS47 buffers
+            assert {c.outcome for c in buffers} == ({Outcome.OK} if drives else set())
 
 
 def test_optimized_by_default_on_s7_1500(tmp_path):
