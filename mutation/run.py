@@ -6,6 +6,7 @@ import os
 import shutil
 import tempfile
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from mutation.cases import Case, encoding_of, golden, project_of
@@ -86,7 +87,8 @@ def _masters(project: Project, program: Program, key: str) -> Verdict:
         if result.failures:
             return _verdict(result)
         counts = [a + b for a, b in zip(counts, result.counts, strict=True)]
-        missing = cover(measure(program, master.block.name, counts), ppi_execution.explanation).missing
+        reason = partial(ppi_execution.explanation, project, master)
+        missing = cover(measure(program, master.block.name, counts), reason).missing
         if key and missing:
             return Verdict(f"line {missing[0].line} never ran")
     return Verdict()

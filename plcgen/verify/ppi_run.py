@@ -14,6 +14,7 @@ from plcgen.verify.execution_rig import ScenarioError
 from plcgen.verify.execution_run import Failure, Statistics
 from plcgen.verify.ppi_rig import MasterRig
 from plcgen.verify.ppi_scenarios import DONE, WORDS, PpiScenario
+from plcgen.verify.ppi_tables import check_tables, soil
 
 MAX_SCANS = 40_000
 REFERENCE = slice(11, 13)
@@ -97,6 +98,7 @@ class MasterRunner:
             rig.cpu.restart("cold")
             self.codes.clear()
         rig.new_values(job)
+        soil(rig)
         rig.line.faults[:] = [replace(fault) for fault in scenario.faults]
         rig.line.journal.clear()
         rig.executed.clear()
@@ -179,6 +181,19 @@ class MasterRunner:
             self.check_values()
         self.check_diagnostics(status)
         self.check_frames(status)
+        if not scenario.happens and status in {DONE, WORDS["ITEM_ERROR"]}:
+            check_tables(rig, job, refused=status != DONE)
+        self.check_last(status)
+
+    def check_last(self, status: int) -> None:
+        """What the diagnostics say of the last telegram and its last frame."""
+        rig, job = self.rig, self.job
+        numbers = [telegram.number for telegram in job.telegrams]
+        number, code = rig.get("telegram"), self.codes.get(job.station.address, 0)
+        if number != numbers[-1] if status == DONE else number not in numbers:
+            raise ScenarioError(f"diagnostics.telegram is {number} at the end of telegrams {numbers}")
+        if rig.get("functionCode") != code and not self.scenario.happens:
+            raise ScenarioError(f"diagnostics.functionCode is {rig.get('functionCode'):02X}h instead of {code:02X}h")
 
     def check_values(self) -> None:
         """Outputs hold what the station has; the station holds what was written, and its mode is the one wanted."""
