@@ -18,8 +18,15 @@ from plcgen.verify.execution_run import Failure, Statistics
 from plcgen.verify.model import Check, Outcome
 from plcgen.verify.ppi_rig import MasterRig
 from plcgen.verify.ppi_run import MasterRunner
-from plcgen.verify.ppi_scenarios import PpiScenario, core_scenarios, cpu_scenarios, line_scenarios, module_scenarios
-from plcgen.verify.ppi_together import ROW, row, together, wrong_number
+from plcgen.verify.ppi_scenarios import (
+    PpiScenario,
+    core_scenarios,
+    cpu_scenarios,
+    line_scenarios,
+    module_scenarios,
+    pace_scenarios,
+)
+from plcgen.verify.ppi_together import ROW, behind, row, together, wrong_number
 from plcgen.verify.processes import shared_out
 from plcgen.verify.report import diagnostic
 
@@ -148,6 +155,7 @@ def scenarios(
         yield from core_scenarios(master, job, scans)
         return
     yield from line_scenarios(master, job)
+    yield from pace_scenarios(master, job)
     yield from module_scenarios(master, job, classic=classic)
     yield from cpu_scenarios(scans, CLOCK_END, retentive=project.target.v5)
 
@@ -207,7 +215,7 @@ def _job_checks(master: PlannedMaster, job: PlannedPpiJob, result: JobResult, le
 def all_jobs(project: Project, program: Program, master: PlannedMaster) -> JobResult:
     """All jobs at once, 600 in a row, a buffer with a wrong number."""
     result = JobResult()
-    for run in (together, row, *([wrong_number] if project.target.classic else [])):
+    for run in (together, behind, row, *([wrong_number] if project.target.classic else [])):
         failure, counts = run(project, program, master)
         result.add(counts)
         if failure is not None:

@@ -177,6 +177,8 @@ class MasterRunner:
             raise ScenarioError(f"done is {rig.flag(job, 'done')} with status 16#{status:04X}")
         if scenario.took is not None and not scenario.took[0] <= self.took <= scenario.took[1]:
             raise ScenarioError(f"took {self.took} ms instead of {scenario.took[0]} to {scenario.took[1]}")
+        if scenario.pace is not None:
+            self.check_pace(scenario.pace)
         if status == DONE:
             self.check_values()
         self.check_diagnostics(status)
@@ -184,6 +186,17 @@ class MasterRunner:
         if not scenario.happens and status in {DONE, WORDS["ITEM_ERROR"]}:
             check_tables(rig, job, refused=status != DONE)
         self.check_last(status)
+
+    def check_pace(self, pace: tuple[int, int, int]) -> None:
+        """The silence behind every frame is what the constants say, and a few scans."""
+        port = self.rig.port
+        sent = port.sent
+        begins = [*(end - len(data) * port.character for end, data in sent[1:]), port.time]
+        slack = 8 * self.scenario.scan + 2 * (port.gap + port.character)
+        for number, ((end, _), begin) in enumerate(zip(sent, begins, strict=True), 1):
+            wanted = pace[2] if number == len(sent) else pace[min(number, 2) - 1]
+            if not wanted - 1 <= begin - end <= wanted + slack:
+                raise ScenarioError(f"{begin - end:.0f} ms behind frame {number} instead of {wanted}")
 
     def check_last(self, status: int) -> None:
         """What the diagnostics say of the last telegram and its last frame."""

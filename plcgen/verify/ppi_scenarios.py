@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from plcgen.emit.ppi_status_words import STATUS_WORDS
+from plcgen.emit.ppi_status_words import CLOCK_END, STATUS_WORDS
 from plcgen.plan.ppi_model import PlannedMaster, PlannedPpiJob
 from plcgen.sim.s7_200 import Fault, FaultKind
 from plcgen.sim.s7_200.faults import At
@@ -35,7 +35,8 @@ class PpiScenario:
     with, ``hang`` keeps transmissions busy, ``reset`` is what Receive_Reset fails with, ``gone`` takes the module away.
     ``edit`` changes the PDU of every reply, whose frame stays right. ``status`` are the permitted results,
     ``retries`` and ``polls`` what the diagnostics must say (None: not checked), ``errors`` those of the addresses by
-    position, ``header`` and ``module`` the error words.
+    position, ``header`` and ``module`` the error words. ``pace`` are the ms behind the first frame, behind every other
+    one but the last, and from the last to the end of the job.
     """
 
     name: str
@@ -57,6 +58,7 @@ class PpiScenario:
     header: int = 0
     module: int = 0
     took: tuple[int, int] | None = None
+    pace: tuple[int, int, int] | None = None
 
 
 def fault(kind: str, at: At = "any", times: int | None = 1, **more: int) -> Fault:
@@ -156,6 +158,35 @@ def line_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiSce
         yield PpiScenario(
             name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None
         )
+
+
+def pace_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiScenario]:
+    """Waits and pauses held to the constants in scans of 2 ms, also across the end of the block's clock."""
+    ack, reply, pause, most = master.ack_timeout, master.reply_timeout, master.retry_pause, master.retries
+    waits = (("request", ack, (ack + pause,) * 2), ("poll", reply, (0, reply + pause)))
+    none = WORDS["NO_ANSWER"]
+    for at, end, (first, later) in waits:
+        if (most + 1) * (end + pause) + ack < job.timeout:
+            for clock in (None, CLOCK_END - 100):
+                yield PpiScenario(
+                    name=f"pace of repetitions of the {at}{', the clock starts again' if clock else ''}",
+                    faults=(fault("silence" if at == "poll" else "deaf", "poll" if at == "poll" else "request", None),),
+                    status=(none,), retries=most, polls=None if at == "poll" else 0,
+                    pace=(first, later, end), scan=2, clock=clock,
+                )  # fmt: skip
+    if master.polls * (master.poll_pause + 100) + ack < job.timeout:
+        yield PpiScenario(
+            name="pace of the polls", faults=(fault("not_ready", times=None),), status=(WORDS["NOT_READY"],),
+            polls=master.polls, pace=(0, master.poll_pause if master.polls > 1 else 0, 0), scan=2,
+        )  # fmt: skip
+    yield PpiScenario(name="reply without its last byte", faults=(fault("cut", "poll", value=-1),), **_repeated(master))
+    frames = len(job.telegrams) + (job.kind != "read")
+    if most and frames > 1 and (most + 3) * (ack + pause) + reply < job.timeout:
+        lost = (fault("deaf", "request"), fault("deaf", "request", most, after=2))
+        yield PpiScenario(
+            name="a frame lost in the first telegram, as many as allowed in the next",
+            faults=lost, fresh=True, retries=most if frames == 2 else None, polls=None,
+        )  # fmt: skip
 
 
 def _short(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiScenario]:
@@ -296,7 +327,7 @@ def module_scenarios(master: PlannedMaster, job: PlannedPpiJob, *, classic: bool
         hang=True,
         status=(WORDS["TIMEOUT"] if classic else WORDS["DRAIN_TIMEOUT"],),
         polls=0,
-        took=(job.timeout, job.timeout + drain + 200),
+        took=(job.timeout + drain, job.timeout + drain + 50),
     )
 
 

@@ -14,7 +14,7 @@ from plcgen.verify.execution_rig import ScenarioError
 from plcgen.verify.execution_run import Failure
 from plcgen.verify.ppi_rig import MasterRig
 from plcgen.verify.ppi_run import MasterRunner
-from plcgen.verify.ppi_scenarios import DONE, WORDS
+from plcgen.verify.ppi_scenarios import DONE, WORDS, PpiScenario
 
 ROW = 600
 ROUNDS = 4
@@ -133,6 +133,22 @@ def _occupied(rig: MasterRig, project: Project) -> None:
         if all(cpu[_control(project, job, "status")] == WORDS["IDLE"] for job in jobs):
             break
     _round(rig, project, ROUNDS)
+
+
+def behind(project: Project, program: Program, master: PlannedMaster) -> Result:
+    """Every job behind the last one of the master, and behind one of another station, after power-up."""
+    rig = MasterRig(project, program, master)
+    runner = MasterRunner(rig)
+
+    def run() -> None:
+        for job in master.jobs:
+            strange = [other for other in master.jobs if other.station is not job.station]
+            for before in dict.fromkeys((master.jobs[-1], *strange[-1:])):
+                name = f"{job.key} behind {before.key}"
+                for one, fresh in ((before, True), (job, False)):
+                    runner.run(one, PpiScenario(name=name, fresh=fresh, retries=None, polls=None))
+
+    return _guarded(rig, "jobs behind each other", run)
 
 
 # --- many in a row --------------------------------------------------------------------------------------------
