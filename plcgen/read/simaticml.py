@@ -10,6 +10,7 @@ from plcgen.read.interface import InterfaceReader, parse_datatype
 from plcgen.read.structured_text import CodeReader
 from plcgen.read.tables import Tag, TagTable, UserConstant, WatchEntry, WatchTable, tag_table, watch_table
 from plcgen.read.xml import child, children, load, local, parse_xml, span, text
+from plcgen.resources import collector_paused
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types import ArrayType, Member
 from plcgen.simaticml.documents import HEADER
@@ -63,9 +64,12 @@ def read_simaticml(
     Diagnostics: PG802 too large, PG804 unreadable, PG810 document type, PG811 not well formed, PG812 unknown
     kind, missing attribute or unusable data type.
     """
-    root, name, diagnostics = _open(source, file)
-    if root is None:
-        return [], diagnostics
+    with collector_paused():
+        root, name, diagnostics = _open(source, file)
+        return ([] if root is None else _blocks(root, name, diagnostics, classic=classic)), diagnostics
+
+
+def _blocks(root: Element, name: str, diagnostics: list[Diagnostic], *, classic: bool) -> list[Block]:
     blocks = []
     for element in children(root):
         tag = local(element)
@@ -75,7 +79,7 @@ def read_simaticml(
                 blocks.append(block)
         elif tag.startswith(("SW.Blocks.", "SW.Types.")):
             diagnostics.append(Diagnostic("PG812", f"unknown kind of object {tag}", span(element, name)))
-    return blocks, diagnostics
+    return blocks
 
 
 def read_tag_table(source: Path | str | bytes, file: str | None = None) -> tuple[list[TagTable], list[Diagnostic]]:
