@@ -84,32 +84,15 @@ def _repeated(master: PlannedMaster, polls: int = 1) -> dict[str, Any]:
 def line_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiScenario]:
     """Everything a line and a station can do wrong."""
     most, polls = master.retries, master.polls
-    silent = {WORDS["NO_ANSWER"]}
+    silent = (WORDS["NO_ANSWER"],)
     again = _again(master)
     yield PpiScenario(name="first job after power-up", fresh=True, retries=None, polls=None)
-    spoilt: tuple[tuple[At, tuple[str, ...]], ...] = (
-        ("request", ("deaf", "silence", "garbage", "clipped")),
-        ("poll", ("deaf", "silence", "garbage", "fcs", "cut", "address", "function", "reference")),
-    )
-    for at, kinds in spoilt:
-        for kind in kinds:
-            for times in sorted({1, max(1, most)}):
-                if times <= most:
-                    name = f"{kind} at the {at}, {times} times"
-                    yield PpiScenario(name=name, faults=(fault(kind, at, times),), retries=times)
-            name = f"{kind} at the {at}, for ever"
-            yield PpiScenario(
-                name=name,
-                faults=(fault(kind, at, None),),
-                status=tuple(silent),
-                retries=most,
-                polls=None if at == "poll" else 0,
-            )
+    yield from _spoilt(master)
     for spot, byte in ((4, "high"), (5, "low")):
         yield PpiScenario(
             name=f"reference with another {byte} byte",
             edit=lambda pdu, spot=spot: pdu[:spot] + bytes((pdu[spot] ^ 1,)) + pdu[spot + 1 :],  # type: ignore[misc]
-            status=tuple(silent),
+            status=silent,
             retries=most,
             polls=None,
         )
@@ -137,20 +120,7 @@ def line_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiSce
     yield PpiScenario(
         name="refused with 02h once", faults=(fault("nack", "request", value=2),), **_repeated(master, polls=0)
     )
-    # a late E5 looks like "not ready" to the poll of a repeated request: the job may fail, but says so
-    ends = (DONE, WORDS["NOT_READY"], *silent)
-    for late in (100, 200, 400, 900):
-        once = (fault("late", milliseconds=late),)
-        always = (fault("late", times=None, milliseconds=late),)
-        good = (DONE,) if late < master.ack_timeout else ends
-        yield PpiScenario(name=f"answer {late} ms late", faults=once, retries=None, polls=None, status=good)
-        yield PpiScenario(
-            name=f"every answer {late} ms late",
-            faults=always,
-            retries=None,
-            polls=None,
-            status=(*ends, WORDS["TIMEOUT"]),
-        )
+    yield from _late(master)
     yield from _refusals(job)
     yield from _short(master, job)
     yield from _first_read(job)
@@ -187,6 +157,47 @@ def pace_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiSce
             name="a frame lost in the first telegram, as many as allowed in the next",
             faults=lost, fresh=True, retries=most if frames == 2 else None, polls=None,
         )  # fmt: skip
+
+
+def _spoilt(master: PlannedMaster) -> Iterator[PpiScenario]:
+    """Requests that are not heard and answers that are lost or damaged: as often as is repeated, and for ever."""
+    most = master.retries
+    spoilt: tuple[tuple[At, tuple[str, ...]], ...] = (
+        ("request", ("deaf", "silence", "garbage", "clipped")),
+        ("poll", ("deaf", "silence", "garbage", "fcs", "cut", "address", "function", "reference")),
+    )
+    for at, kinds in spoilt:
+        for kind in kinds:
+            for times in sorted({1, max(1, most)}):
+                if times <= most:
+                    name = f"{kind} at the {at}, {times} times"
+                    yield PpiScenario(name=name, faults=(fault(kind, at, times),), retries=times)
+            name = f"{kind} at the {at}, for ever"
+            yield PpiScenario(
+                name=name,
+                faults=(fault(kind, at, None),),
+                status=(WORDS["NO_ANSWER"],),
+                retries=most,
+                polls=None if at == "poll" else 0,
+            )
+
+
+def _late(master: PlannedMaster) -> Iterator[PpiScenario]:
+    """Answers behind their time."""
+    # a late E5 looks like "not ready" to the poll of a repeated request: the job may fail, but says so
+    ends = (DONE, WORDS["NOT_READY"], WORDS["NO_ANSWER"])
+    for late in (100, 200, 400, 900):
+        once = (fault("late", milliseconds=late),)
+        always = (fault("late", times=None, milliseconds=late),)
+        good = (DONE,) if late < master.ack_timeout else ends
+        yield PpiScenario(name=f"answer {late} ms late", faults=once, retries=None, polls=None, status=good)
+        yield PpiScenario(
+            name=f"every answer {late} ms late",
+            faults=always,
+            retries=None,
+            polls=None,
+            status=(*ends, WORDS["TIMEOUT"]),
+        )
 
 
 def _short(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiScenario]:
