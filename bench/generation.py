@@ -24,13 +24,13 @@ def ratio(jobs: int = 1000) -> tuple[float, float, float]:
     Without the documents that are made from the text of others: see :func:`code`.
     """
     from plcgen.diagnostics import Report
-    from plcgen.emit import emit
-    from plcgen.plan.resolve import resolve
-    from plcgen.render.environment import environment, render_all
-    from plcgen.render.manifest import manifest
+    from plcgen.documents import emit
+    from plcgen.documents.environment import environment, render_all
+    from plcgen.documents.manifest import manifest
+    from plcgen.project.loading import parse_spec
+    from plcgen.project.resolve import resolve
+    from plcgen.project.rules import apply_rules
     from plcgen.resources import collector_paused
-    from plcgen.rules import apply_rules
-    from plcgen.spec.load import parse_spec
 
     text = many_jobs(jobs)
 
@@ -76,10 +76,10 @@ def code(jobs: int = 100) -> tuple[float, float, float, float]:
     from lxml import etree
 
     from plcgen.diagnostics import Report
-    from plcgen.emit import emit
-    from plcgen.plan.resolve import resolve
-    from plcgen.render.environment import render_text
-    from plcgen.spec.load import parse_spec
+    from plcgen.documents import emit
+    from plcgen.documents.environment import render_text
+    from plcgen.project.loading import parse_spec
+    from plcgen.project.resolve import resolve
 
     loaded = parse_spec(many_jobs(jobs), "bench.yaml", Report())
     assert loaded is not None  # noqa: S101 - the spec is ours

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from plcgen.ppi.model import Item
+from plcgen.protocols.ppi.wire.model import Item
 
 GOAL = 1.0
 """Reads per second as a multiple of snap7's: over it we are faster."""
@@ -33,7 +33,7 @@ def simulator(*options: str) -> Iterator[str]:
 
 
 def _ours(name: str) -> tuple[Read, Callable[[], object]]:
-    from plcgen.client import Client
+    from plcgen.protocols.ppi.client import Client
 
     client = Client.open(name)
     place = client.place(f"VB0[{SIZE}]")
@@ -84,9 +84,9 @@ def against_snap7(*options: str) -> tuple[tuple[float, float], tuple[float, floa
 
 def in_memory(seconds: float = 1.0) -> float:
     """Exchanges per second of client, codec and simulated station in one process: 222 bytes each."""
-    from plcgen.client import Client
     from plcgen.line.endpoint import EndpointLine
-    from plcgen.sim.s7_200 import Bus, Station
+    from plcgen.protocols.ppi.client import Client
+    from plcgen.protocols.ppi.sim import Bus, Station
 
     line = EndpointLine(Bus([Station("226")]))
     client = Client(line, now=lambda: line.clock.now / 1000)
@@ -109,8 +109,8 @@ SCATTERED = (
 
 def telegrams() -> tuple[int, int, int, float, float]:
     """Items, telegrams used, telegrams with 19 items each as asked; seconds at 9600 bit/s packed and one by one."""
-    from plcgen.ppi.address import parse_address
-    from plcgen.ppi.pack import pack_read
+    from plcgen.protocols.ppi.wire.address import parse_address
+    from plcgen.protocols.ppi.wire.pack import pack_read
 
     items = [parse_address(text) for text in SCATTERED]
     plan = pack_read(items)
@@ -121,7 +121,7 @@ def telegrams() -> tuple[int, int, int, float, float]:
 
 def _seconds(items: list[Item]) -> float:
     """Time on the line: request, E5, poll, answer; 11 bits a character at 9600 bit/s, no pauses."""
-    from plcgen.ppi.pdu import reply_size
+    from plcgen.protocols.ppi.wire.pdu import reply_size
 
     characters = (9 + 10 + 2 + 12 * len(items)) + 1 + 6 + (9 + reply_size(items))
     return characters * 11 / 9600

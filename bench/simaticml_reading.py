@@ -8,13 +8,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from plcgen import api
-from plcgen.read.simaticml import read_simaticml
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types import ELEMENTARY, Member
-from plcgen.simaticml.documents import Setting, document
-from plcgen.simaticml.scope import Scope
-from plcgen.simaticml.structured_text import elements, numbered
+from plcgen.simaticml.reading.documents import read_simaticml
 from plcgen.simaticml.versions import VERSIONS
+from plcgen.simaticml.writing.documents import Setting, document
+from plcgen.simaticml.writing.scope import Scope
+from plcgen.simaticml.writing.structured_text import elements, numbered
 
 ROOT = Path(__file__).resolve().parent.parent
 SIZES = (1, 5, 20)

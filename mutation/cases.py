@@ -9,9 +9,9 @@ from pathlib import Path
 from mutation.known import KNOWN
 from mutation.operators import Mutant, dropped, swapped, tokens
 from plcgen.diagnostics import Report
-from plcgen.plan.model import Project
-from plcgen.plan.resolve import resolve
-from plcgen.spec.load import load_spec
+from plcgen.project.loading import load_spec
+from plcgen.project.model import Project
+from plcgen.project.resolve import resolve
 
 ROOT = Path(__file__).resolve().parent.parent
 KINDS: dict[str, Callable[[str], Iterable[Mutant]]] = {"dropped": dropped, "exchanged": swapped, "changed": tokens}

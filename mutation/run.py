@@ -12,10 +12,11 @@ from pathlib import Path
 from mutation.cases import Case, encoding_of, golden, project_of
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import DiagnosticError
-from plcgen.plan.model import Project
-from plcgen.verify import execution, ppi_execution
-from plcgen.verify.coverage import cover, measure, merge
-from plcgen.verify.execution_rig import load_program
+from plcgen.project.model import Project
+from plcgen.proof.coverage import cover, measure, merge
+from plcgen.protocols.ds47.proof import execution
+from plcgen.protocols.ds47.proof.rig import load_program
+from plcgen.protocols.ppi.proof import execution as ppi_execution
 
 FOLDERS = "plcgen-mutation-"
 

@@ -86,7 +86,7 @@ def __dir__() -> list[str]:
 
 
 class _Package(ModuleType):
-    """Keeps ``plcgen.verify`` and ``plcgen.audit`` functions: importing the packages must not replace them."""
+    """Keeps ``plcgen.proof`` and ``plcgen.review.audit`` functions: importing the packages must not replace them."""
 
     def __setattr__(self, name: str, value: object) -> None:
         if name not in {"verify", "audit"}:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from plcgen.ppi.address import parse_address
-from plcgen.ppi.model import (
+from plcgen.protocols.ppi.sim import Bus
+from plcgen.protocols.ppi.wire.address import parse_address
+from plcgen.protocols.ppi.wire.model import (
     FrameCount,
     Item,
     Pdu,
@@ -18,8 +19,7 @@ from plcgen.ppi.model import (
     WriteReply,
     WriteRequest,
 )
-from plcgen.ppi.telegram import decode, encode_poll, encode_request
-from plcgen.sim.s7_200 import Bus
+from plcgen.protocols.ppi.wire.telegram import decode, encode_poll, encode_request
 
 E5 = b"\xe5"
 

@@ -57,12 +57,12 @@ def test_import_is_free():
 
 def test_verify_is_the_function_whatever_was_imported():
     """Importing the package of the same name does not replace the function."""
-    from plcgen.audit import model as audited
-    from plcgen.verify import model
+    from plcgen.proof import checks as model
+    from plcgen.review.audit import model as audited
 
     assert audited.Match is not None
-    assert callable(plcgen.audit)
-    assert callable(plcgen.verify)
+    assert callable(plcgen.review.audit)
+    assert callable(plcgen.proof)
     assert model.Outcome.OK == "ok"
 
 
@@ -80,7 +80,7 @@ def test_nothing_is_printed(tmp_path, capsys):
 
 def test_decode_and_encode():
     """FAQ 109750712, figure 5-1: request and response of P50303 = 10.0."""
-    from plcgen.ds47.model import ParameterAddress
+    from plcgen.protocols.ds47.wire.model import ParameterAddress
 
     request = plcgen.encode_read([ParameterAddress(50303)], drive_object=2, reference=3)
     assert request.hex(" ").upper() == "03 01 02 01 10 01 C4 7F 00 00"

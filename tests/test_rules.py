@@ -10,12 +10,12 @@ from work import calls_of
 
 from plcgen import api
 from plcgen.diagnostics import Diagnostic, Report
-from plcgen.emit.status_words import STATES, STATUS_WORDS
-from plcgen.plan.model import Project
-from plcgen.plan.resolve import resolve
+from plcgen.project.loading import parse_spec
+from plcgen.project.model import Project
+from plcgen.project.resolve import resolve
+from plcgen.project.rules import RULES
+from plcgen.protocols.ds47.words import STATES, STATUS_WORDS
 from plcgen.resources import templates_dir
-from plcgen.rules import RULES
-from plcgen.spec.load import parse_spec
 
 PLC = "plc: {name: a, family: s7-300, toolchain: tia-v16}\n"
 DRIVE = "drives: {d: {device: sinamics-dcm, address: 256}}\n"

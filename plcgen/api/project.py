@@ -13,9 +13,9 @@ from plcgen.resources import collector_paused
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from plcgen.plan.model import Project
+    from plcgen.project.model import Project
+    from plcgen.proof.checks import Verification
     from plcgen.trace.model import Trace
-    from plcgen.verify.model import Verification
 
 Progress = Callable[[str, int, int], None]
 """Called as ``progress(what, done, total)`` during long work."""
@@ -78,9 +78,9 @@ class EncodeResult:
 
 def check(spec: Path | str) -> CheckResult:
     """Read, validate and plan a spec and apply every rule to it."""
-    from plcgen.plan.resolve import resolve
-    from plcgen.rules import apply_rules
-    from plcgen.spec.load import load_spec
+    from plcgen.project.loading import load_spec
+    from plcgen.project.resolve import resolve
+    from plcgen.project.rules import apply_rules
 
     path = Path(spec)
     report = Report()
@@ -118,8 +118,8 @@ def generate(
 
     ``check_only`` writes nothing and compares; ``force`` overwrites files that were changed by hand.
     """
-    from plcgen.render.project import render_project
-    from plcgen.render.write import compare_folder, write_folder
+    from plcgen.documents.rendering import render_project
+    from plcgen.documents.writing import compare_folder, write_folder
 
     target = _folder(spec, folder)
     with collector_paused():
@@ -163,7 +163,7 @@ def verify(
 
     The generated SCL is executed; ``faults`` is how much of the fault matrix runs.
     """
-    from plcgen.verify import verify as run
+    from plcgen.proof import verify as run
 
     return run(Path(spec), _folder(spec, folder), Path(drive) if drive is not None else None, progress, faults)
 
@@ -226,6 +226,6 @@ def _block_text(ref: Any) -> str:
 
 def schema() -> dict[str, Any]:
     """JSON schema of a spec, for editors."""
-    from plcgen.spec.schema import json_schema
+    from plcgen.project.schema import json_schema
 
     return json_schema()

@@ -12,10 +12,10 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.resources import collector_paused
 
 if TYPE_CHECKING:
-    from plcgen.compare.lock import LockResult
-    from plcgen.compare.model import Comparison
-    from plcgen.report.layout import BlockTable
-    from plcgen.verify.model import Verification
+    from plcgen.proof.checks import Verification
+    from plcgen.review.compare.lock import LockResult
+    from plcgen.review.compare.model import Comparison
+    from plcgen.review.layout.tables import BlockTable
 
 SPEC_SUFFIXES = frozenset({".yaml", ".yml"})
 
@@ -64,7 +64,7 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
 
 
 def _layout(paths: Sequence[Path], family: Family | None, block: str, *, expand: bool) -> LayoutResult:
-    from plcgen.report.planned import project_tables
+    from plcgen.review.layout.planned import project_tables
 
     tables: list[BlockTable] = []
     report = Report()
@@ -88,9 +88,9 @@ def _layout(paths: Sequence[Path], family: Family | None, block: str, *, expand:
 def _source_tables(
     paths: Sequence[Path], report: Report, family: Family | None, block: str, *, expand: bool
 ) -> list[BlockTable]:
-    from plcgen.read.files import read_files
-    from plcgen.report.declared import block_tables
+    from plcgen.review.layout.declared import block_tables
     from plcgen.s7.system import family_types
+    from plcgen.sources.files import read_files
 
     classic = family in {"s7-300", "s7-400"}
     files = read_files(paths, classic=classic)
@@ -129,8 +129,8 @@ def convert(
     of their comments, ``encoding`` the code page of ANSI sources. Nothing is written if something is wrong, or if a
     file exists and ``force`` is not given.
     """
-    from plcgen.render.convert import convert as run
-    from plcgen.render.write import add_files
+    from plcgen.documents.writing import add_files
+    from plcgen.sources.convert import convert as run
 
     found = run(
         [Path(path) for path in paths], to, version=version, classic=classic, culture=culture, encoding=encoding
@@ -160,7 +160,7 @@ def diff(
     ``policy`` holds ``id=class`` settings and policy files, later ones win; ``classic``: SimaticML documents are
     for S7-300/400.
     """
-    from plcgen.compare.run import compare
+    from plcgen.review.compare.run import compare
 
     return compare(_paths(old), _paths(new), policy, classic=classic)
 
@@ -169,7 +169,7 @@ def lock(
     *paths: Path | str, out: Path | str = "plcgen.lock.yaml", classic: bool = False, force: bool = False
 ) -> LockResult:
     """Write the layout lock of sources (files or folders) or one spec; without paths, of those the lock names."""
-    from plcgen.compare.lock import write_lock
+    from plcgen.review.compare.lock import write_lock
 
     return write_lock([Path(path) for path in paths], Path(out), classic=classic, force=force)
 
@@ -181,14 +181,14 @@ def check_lock(
     classic: bool = False,
 ) -> Comparison:
     """Compare a layout lock with sources or a spec; without paths, with those the lock names."""
-    from plcgen.compare.lock import check_lock as run
+    from plcgen.review.compare.lock import check_lock as run
 
     return run([Path(path) for path in paths], Path(lock), policy, classic=classic)
 
 
 def audit(*paths: Path | str, spec: Path | str) -> Verification:
     """Audit hand-written request and response DBs, and the record calls, in sources against a spec and DS47."""
-    from plcgen.audit.run import audit as run
+    from plcgen.review.audit.run import audit as run
 
     return run([Path(path) for path in paths], Path(spec))
 

@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING
 from plcgen.cli.arguments import ARGUMENTS, Argument
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.ds47 import formats
-from plcgen.ds47.formats import Format, FormatValueError, Kind, Value
-from plcgen.ds47.model import ParameterAddress, ValueBlock
-from plcgen.plan.references import Reference, parse_bico, parse_reference
+from plcgen.protocols.ds47.plan.references import Reference, parse_bico, parse_reference
+from plcgen.protocols.ds47.wire import formats
+from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind, Value
+from plcgen.protocols.ds47.wire.model import ParameterAddress, ValueBlock
 
 if TYPE_CHECKING:
-    from plcgen.spec.catalog import Device
+    from plcgen.protocols.ds47.devices import Device
 
 
 def find_device(key: str | None) -> Device | None:
     """Return the profile of ``--device``. Raises DiagnosticError if there is none of that name."""
-    from plcgen.spec import catalog
+    from plcgen.protocols.ds47 import devices as catalog
 
     if key is None:
         return None
@@ -110,7 +110,7 @@ def _block(argument: Argument, text: str, fmt: Format) -> ValueBlock:
 
 def _value(text: str, fmt: Format) -> Value:
     """Read one value: S7 and YAML numbers, ``true``, BICO sources for Unsigned32, hex for octets."""
-    from plcgen.spec.source import resolve_plain
+    from plcgen.input.yaml import resolve_plain
 
     if fmt.kind is Kind.TEXT:
         return text

@@ -38,7 +38,7 @@ def command(ctx: click.Context, paths: tuple[Path, ...], spec: Path, format_: st
     out = console(ctx)
     result = api.audit(*paths, spec=spec)
     if format_ == "text":
-        from plcgen.report.verification import troubles, verification_text
+        from plcgen.output.verification import troubles, verification_text
 
         color = out.out_color and output is None
         shown = troubles(result) if out.quiet else result

@@ -156,7 +156,7 @@ def _show(
 ) -> None:
     """Write the diagnostics, then one line of summary."""
     from plcgen.cli.sources import SourceCache
-    from plcgen.report.text import diagnostics_text, summary_text
+    from plcgen.output.text import diagnostics_text, summary_text
 
     cache = SourceCache()
     text = diagnostics_text(found, cache.line, color=out.out_color and output is None, width=out.out_width)

@@ -72,7 +72,7 @@ def command(
         *paths, to=to, out=folder, version=version, classic=classic, culture=culture, encoding=encoding, force=force
     )
     if as_json:
-        from plcgen.report.json import diagnostics_json
+        from plcgen.output.json import diagnostics_json
 
         lists = {"written": list(result.written), "unchanged": list(result.unchanged)}
         out.result(diagnostics_json("convert", result.diagnostics, folder=result.folder.as_posix(), **lists))

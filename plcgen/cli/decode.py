@@ -13,7 +13,7 @@ from plcgen.cli.output import OK, PROBLEMS, Console, is_terminal
 from plcgen.diagnostics import Diagnostic, Span
 
 if TYPE_CHECKING:
-    from plcgen.report.telegram import DecodedTelegram
+    from plcgen.protocols.ds47.texts import DecodedTelegram
 
 ARGUMENTS, STDIN, REQUEST = "<arguments>", "<stdin>", "<request>"
 _MAX_INPUT = 16 * 1024 * 1024
@@ -122,10 +122,10 @@ def _show(
     *,
     as_json: bool,
 ) -> None:
-    from plcgen.report import telegram as report
+    from plcgen.protocols.ds47 import texts as report
 
     if as_json:
-        from plcgen.report.json import diagnostic_data
+        from plcgen.output.json import diagnostic_data
 
         out.result(report.telegrams_json(telegrams, [diagnostic_data(d) for d in found]))
         return
@@ -137,7 +137,7 @@ def _show(
 
 def _status(ctx: click.Context, hex_: tuple[str, ...], *, as_json: bool) -> int:
     from plcgen import api
-    from plcgen.report.telegram import status_json, status_text
+    from plcgen.protocols.ds47.texts import status_json, status_text
 
     out = console(ctx)
     text = " ".join(hex_)

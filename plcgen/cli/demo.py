@@ -58,7 +58,7 @@ def _copy(out: Console, folder: Path) -> list[Path]:
 def _one(out: Console, spec: Path) -> bool:
     """Generate and verify one spec; True if all is well."""
     from plcgen import api
-    from plcgen.report.verification import verification_text
+    from plcgen.output.verification import verification_text
 
     with out.progress() as progress:
         made = api.generate(spec, default_folder(spec), progress=progress)

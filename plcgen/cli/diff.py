@@ -56,11 +56,11 @@ def command(
     OLD and NEW are files (.scl .udt .db .awl, SimaticML), folders or specs. Every change is breaking, compatible
     or documentation; layout, comments, blanks and the order of files are no changes.
     """
-    from plcgen.report import comparison as report
+    from plcgen.review.compare import texts as report
 
     out = console(ctx)
     if list_changes:
-        from plcgen.report.table import text_table
+        from plcgen.output.table import text_table
 
         lines = text_table(("id", "class", "change", "because"), report.changes_table(), indent=0)
         out.result("\n".join(lines) + "\n", output)

@@ -86,7 +86,7 @@ def _adhoc(
     from plcgen.cli import adhoc
     from plcgen.cli.arguments import ARGUMENTS, arguments
     from plcgen.diagnostics import Span
-    from plcgen.ds47.codec import TelegramError
+    from plcgen.protocols.ds47.wire.codec import TelegramError
 
     drive_object, reference, key = how
     try:
@@ -118,7 +118,7 @@ def _adhoc(
 
 
 def _json(out: Console, rows: list[dict[str, object]], found: tuple[Diagnostic, ...]) -> None:
-    from plcgen.report.json import diagnostics_data, dump
+    from plcgen.output.json import diagnostics_data, dump
 
     data = diagnostics_data("requests", found)
     out.result(dump({**data, "telegrams": rows}))

@@ -42,7 +42,7 @@ def command(
     if not codes:
         raise click.UsageError("give a code, for example PG209, or --list", ctx)
     from plcgen import api
-    from plcgen.report.page import page_json, page_text
+    from plcgen.output.page import page_json, page_text
 
     pages = [api.explain(key) for key in codes]
     known = [page for page in pages if page is not None]
@@ -60,17 +60,17 @@ def command(
 
 def _unknown(key: str) -> None:
     from plcgen.diagnostics.suggest import did_you_mean
-    from plcgen.report.cells import clean
-    from plcgen.report.explain import known_keys
+    from plcgen.output.cells import clean
+    from plcgen.output.explain import known_keys
 
     error_line(f'"{clean(key)[:60]}" is no code of plcgen, error number or status word', "PG703")
     help_line(did_you_mean(key, known_keys()) or "plcgen explain --list")
 
 
 def _list(ctx: click.Context, *, as_json: bool) -> None:
-    from plcgen.report.explain import list_codes
-    from plcgen.report.json import dump, head
-    from plcgen.report.table import text_table
+    from plcgen.output.explain import list_codes
+    from plcgen.output.json import dump, head
+    from plcgen.output.table import text_table
 
     rows = list_codes()
     if as_json:

@@ -73,8 +73,8 @@ STALE = "PG504"
 
 
 def _show(out: Console, result: GenerateResult, *, looking: bool) -> None:
-    from plcgen.report.paint import paint_diff
-    from plcgen.report.text import count_text
+    from plcgen.output.paint import paint_diff
+    from plcgen.output.text import count_text
 
     out.complain([d for d in result.diagnostics if d.code != STALE])
     stale = [d for d in result.diagnostics if d.code == STALE]

@@ -85,19 +85,19 @@ def _spelled(
 ) -> str:
     """The result in one of the formats."""
     if format_ == "json":
-        from plcgen.report.json import diagnostic_data
-        from plcgen.report.layout_data import layout_json
+        from plcgen.output.json import diagnostic_data
+        from plcgen.review.layout.data import layout_json
 
         return layout_json(result.blocks, [diagnostic_data(d) for d in result.diagnostics], ok=result.ok)
     if format_ == "csv":
-        from plcgen.report.layout_data import layout_csv
+        from plcgen.review.layout.data import layout_csv
 
         return (_BOM if output is not None else "") + layout_csv(result.blocks, separator)
     if format_ in {"svg", "html"}:
-        from plcgen.report import layout_page
+        from plcgen.review.layout import page as layout_page
 
         return layout_page.html(result.blocks) if format_ == "html" else layout_page.svg(result.blocks)
-    from plcgen.report.layout import layout_markdown, layout_text
+    from plcgen.review.layout.tables import layout_markdown, layout_text
 
     if format_ == "markdown":
         return layout_markdown(result.blocks)

@@ -13,7 +13,7 @@ from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
     from plcgen.cli.output import Console
-    from plcgen.compare.model import Comparison
+    from plcgen.review.compare.model import Comparison
 
 
 @click.command(
@@ -82,7 +82,7 @@ def command(
 
 
 def _show(out: Console, result: Comparison, fail_on: str, format_: str, output: Path | None, *, verbose: bool) -> int:
-    from plcgen.report import comparison as report
+    from plcgen.review.compare import texts as report
 
     failed = not result.readable or bool(result.failing(fail_on))
     if format_ in {"json", "sarif"}:

@@ -11,7 +11,7 @@ from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console
 from plcgen.cli.output import OK, PROBLEMS, OutputError, error_line, help_line
 
 if TYPE_CHECKING:
-    from plcgen.spec.catalog import Device, Parameter
+    from plcgen.protocols.ds47.devices import Device, Parameter
 
 FAMILIES = ("s7-300", "s7-400", "s7-1200", "s7-1500")
 
@@ -101,8 +101,8 @@ def _toolchain(ctx: click.Context, family: str, given: str | None) -> str:
     from typing import get_args
 
     from plcgen.diagnostics.suggest import did_you_mean
-    from plcgen.plan.target import combination_problem
-    from plcgen.spec.schema import Toolchain
+    from plcgen.project.schema import Toolchain
+    from plcgen.project.target import combination_problem
 
     known = get_args(Toolchain)
     tool = given or "tia-v17"
@@ -118,7 +118,7 @@ def _toolchain(ctx: click.Context, family: str, given: str | None) -> str:
 
 def _device(ctx: click.Context, key: str) -> Device:
     from plcgen.diagnostics.suggest import did_you_mean
-    from plcgen.spec import catalog
+    from plcgen.protocols.ds47 import devices as catalog
 
     device = catalog.device(key)
     if device is None:

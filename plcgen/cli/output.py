@@ -123,7 +123,7 @@ class Console:
         """
         if diagnostics:
             from plcgen.cli.sources import SourceCache
-            from plcgen.report.text import diagnostics_text
+            from plcgen.output.text import diagnostics_text
 
             color, width = wants_color(self.color, sys.stderr), terminal_width(sys.stderr)
             _to_stderr(diagnostics_text(diagnostics, SourceCache(known).line, color=color, width=width))
@@ -153,7 +153,7 @@ class _Bar:
         now = time.monotonic()
         if now - self.last < _PROGRESS_PAUSE:
             return
-        from plcgen.report.cells import clean, cut, pad
+        from plcgen.output.cells import clean, cut, pad
 
         self.last, self.drawn = now, True
         filled = _BAR * min(done, total) // total if total > 0 else 0

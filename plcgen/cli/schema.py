@@ -34,13 +34,13 @@ def command(
     out = console(ctx)
     if not devices:
         from plcgen import api
-        from plcgen.report.json import dump
+        from plcgen.output.json import dump
 
         out.result(dump(api.schema()), output)
         return OK
-    from plcgen.report.json import dump, head
-    from plcgen.report.table import text_table
-    from plcgen.spec import catalog
+    from plcgen.output.json import dump, head
+    from plcgen.output.table import text_table
+    from plcgen.protocols.ds47 import devices as catalog
 
     found = [profile for key in catalog.device_names() if (profile := catalog.device(key)) is not None]
     if as_json:

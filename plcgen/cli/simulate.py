@@ -73,7 +73,7 @@ def command(
 def _show(out: Console, trace: Trace, format_: str, output: Path | None) -> None:
     """Deliver the result; what is wrong with it goes to stderr unless the format holds it."""
     if format_ == "json":
-        from plcgen.report.trace_json import trace_json
+        from plcgen.trace.output.json import trace_json
 
         out.result(trace_json(trace), output)
         return
@@ -81,14 +81,14 @@ def _show(out: Console, trace: Trace, format_: str, output: Path | None) -> None
         out.complain(trace.diagnostics)
         return
     if format_ == "vcd":
-        from plcgen.report.trace import summary
-        from plcgen.report.trace_vcd import trace_vcd
+        from plcgen.trace.output.text import summary
+        from plcgen.trace.output.vcd import trace_vcd
 
         out.result(trace_vcd(trace), output)
         out.complain(trace.diagnostics)
         out.say(summary(trace))
         return
-    from plcgen.report.trace import trace_text
+    from plcgen.trace.output.text import trace_text
 
     color = out.out_color and output is None
     out.result(trace_text(trace, SourceCache().line, color=color, width=out.out_width), output)

@@ -60,7 +60,7 @@ def command(
     with out.progress() as progress:
         result = api.verify(spec, folder or default_folder(spec), drive=drive, faults=faults, progress=progress)
     if format_ == "text":
-        from plcgen.report.verification import troubles, verification_text
+        from plcgen.output.verification import troubles, verification_text
 
         color = out.out_color and output is None
         shown = troubles(result) if out.quiet else result

@@ -11,7 +11,6 @@ from plcgen.cpu.compile_model import Compiled, Probe, ProgramBlock
 from plcgen.cpu.linkage import Linkage
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.read.text import decode
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block
@@ -20,6 +19,7 @@ from plcgen.scl.declarations import blocks as declared_blocks
 from plcgen.scl.declarations import recursive_types
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import parse
+from plcgen.sources.text import decode
 
 Source = Path | str | tuple[str, str]
 """A file, a text with line breaks, or (file name, text)."""

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
-from plcgen.read.text import read_source
 from plcgen.scl.dialect import Dialect
+from plcgen.sources.text import read_source
 
 SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".st"})
 """What counts as a PLC source when a folder is searched."""

@@ -14,8 +14,8 @@ from plcgen.cpu.folder import load_folder
 from plcgen.cpu.program import Program, Source
 from plcgen.cpu.system.bus import Bus
 from plcgen.diagnostics import DiagnosticError
+from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.scl.dialect import BY_NAME, Dialect
-from plcgen.sim.drive import Drive
 
 
 class Bench:

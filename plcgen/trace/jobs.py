@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from plcgen.cpu.cpu import Cpu
-from plcgen.ds47.formats import unpack_values
-from plcgen.emit.status_words import STATES, STATUS_WORDS
-from plcgen.plan.model import PlannedJob, Project, Use
+from plcgen.project.model import PlannedJob, Project, Use
+from plcgen.protocols.ds47.wire.formats import unpack_values
+from plcgen.protocols.ds47.words import STATES, STATUS_WORDS
 from plcgen.trace.model import Contact, Ending, JobResult, JobValue, Signal, Value
 from plcgen.trace.recorder import Watched, plain, signal, watch
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from plcgen.diagnostics import Diagnostic
-from plcgen.ds47.status import Direction
+from plcgen.protocols.ds47.wire.status import Direction
 
 Scalar: TypeAlias = bool | int | float | str
 Value: TypeAlias = "Scalar | list[Value] | dict[str, Value]"

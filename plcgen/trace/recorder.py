@@ -13,10 +13,10 @@ from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Bus
 from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.cpu.system.record import RecordBlock
+from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.s7.layout import layout_block, locate
 from plcgen.s7.types import ArrayType, DataType, Elementary
 from plcgen.s7.values import SIGNED, UNSIGNED
-from plcgen.sim.drive import Drive
 from plcgen.trace.model import Contact, Kind, RecordCall, Signal, Value
 
 

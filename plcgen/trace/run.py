@@ -11,15 +11,15 @@ from plcgen.cpu.cpu import Family, Misuse
 from plcgen.cpu.system.bus import Bus
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.emit.status_words import DRAIN_MS
-from plcgen.plan.model import PlannedJob, Project
+from plcgen.project.model import PlannedJob, Project
+from plcgen.proof.folder import DIALECTS
+from plcgen.protocols.ds47.words import DRAIN_MS
 from plcgen.trace.jobs import JobWatch, job_signals, token_signals
 from plcgen.trace.model import RecordCall, Signal, Step, Trace, Value
 from plcgen.trace.program import connect, load_program
 from plcgen.trace.recorder import RecordingCpu, Watched, name_drives, signal
 from plcgen.trace.settings import Assignment, parse_assignment, parse_time, plan_faults, usage
 from plcgen.trace.values import assign, full_path
-from plcgen.verify.folder import DIALECTS
 
 Progress = Callable[[str, int, int], None]
 
@@ -50,9 +50,9 @@ def simulate(spec: Path, folder: Path, settings: Settings, progress: Progress | 
 
 
 def _simulate(spec: Path, folder: Path, settings: Settings, progress: Progress | None, report: Report) -> Trace:
-    from plcgen.plan.resolve import resolve
-    from plcgen.rules import apply_rules
-    from plcgen.spec.load import load_spec
+    from plcgen.project.loading import load_spec
+    from plcgen.project.resolve import resolve
+    from plcgen.project.rules import apply_rules
 
     loaded = load_spec(spec, report)
     report.raise_on_errors()

@@ -11,10 +11,10 @@ from typing import Any
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.sim.faults import Fault, FaultKind
-from plcgen.sim.load import faults_from
-from plcgen.spec.file import read_text
-from plcgen.spec.source import Node, load_yaml, resolve_plain
+from plcgen.input.text import read_text
+from plcgen.input.yaml import Node, load_yaml, resolve_plain
+from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
+from plcgen.protocols.ds47.sim.load import faults_from
 
 USAGE = "PG901"
 _TIME = re.compile(r"([0-9]+(?:\.[0-9]+)?)\s*(ms|s)?", re.ASCII)

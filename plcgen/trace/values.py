@@ -5,7 +5,7 @@ from __future__ import annotations
 from plcgen.cpu.cpu import Cpu
 from plcgen.diagnostics import DiagnosticError
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.plan.model import Project
+from plcgen.project.model import Project
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.layout import layout_block
 from plcgen.s7.literals import LiteralError, parse_literal

@@ -137,7 +137,7 @@ def imported(*args):
     return set(done.stderr.split())
 
 
-HEAVY = {"pydantic", "yaml", "jinja2", "lxml", "plcgen.spec.schema"}
+HEAVY = {"pydantic", "yaml", "jinja2", "lxml", "plcgen.project.schema"}
 
 
 def test_version_imports_no_click():

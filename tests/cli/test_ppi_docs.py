@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from plcgen.line.tcp import TcpServer
-from plcgen.sim.s7_200 import Bus, Station
-from plcgen.sim.s7_200.serve import Serving
+from plcgen.protocols.ppi.sim import Bus, Station
+from plcgen.protocols.ppi.sim.serve import Serving
 
 PAGE = (Path(__file__).parents[2] / "docs" / "ppi.md").read_text("utf-8")
 COMMANDS = re.findall(

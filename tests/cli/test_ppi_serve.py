@@ -179,7 +179,7 @@ def test_mistakes_end_without_a_traceback(plcgen, args, code, words) -> None:
 
 def test_signals_are_given_back(plcgen, monkeypatch) -> None:
     """A program that calls the verb in its own process keeps its Ctrl-C."""
-    monkeypatch.setattr("plcgen.sim.s7_200.serve.serve_line", lambda *_: None)
+    monkeypatch.setattr("plcgen.protocols.ppi.sim.serve.serve_line", lambda *_: None)
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
     assert plcgen("ppi", "serve").code == 0
     assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before

@@ -9,9 +9,9 @@ import pytest
 
 from plcgen import api as plcgen_api
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.proof.checks import Check, CheckGroup, Outcome, Verification
+from plcgen.protocols.ds47.devices import device_names
 from plcgen.resources import specs_dir
-from plcgen.spec.catalog import device_names
-from plcgen.verify.model import Check, CheckGroup, Outcome, Verification
 
 
 def test_check_good(plcgen, good):

@@ -6,9 +6,9 @@ from plcgen import api
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.folder import load_folder
 from plcgen.cpu.system.bus import Bus
+from plcgen.protocols.ds47.proof.bench import build_drive
+from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.scl.dialect import Dialect
-from plcgen.sim.faults import Fault, FaultKind
-from plcgen.verify.bench import build_drive
 
 TARGETS = {
     "V5": ("s7-300", "step7-v5", Dialect.STEP7_V5, "address: 256"),

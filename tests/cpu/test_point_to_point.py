@@ -6,8 +6,8 @@ import pytest
 
 from plcgen.cpu.system.port import Port
 from plcgen.cpu.testing import Bench, load_scl
-from plcgen.sim.s7_200 import Bus as Line
-from plcgen.sim.s7_200 import Station
+from plcgen.protocols.ppi.sim import Bus as Line
+from plcgen.protocols.ppi.sim import Station
 
 REQUEST = bytes.fromhex("681B1B6802006C32010000000000 0E00000401120A10020001000184000320 8B16")
 """Read VB100 of station 2 (seed document 004, table 1)."""

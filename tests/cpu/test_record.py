@@ -5,10 +5,10 @@ from cpu.support import load
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.system.bus import Bus
-from plcgen.ds47 import formats
-from plcgen.sim.drive import Drive
-from plcgen.sim.habits import Habits
-from plcgen.sim.parameters import DriveObject, Parameter
+from plcgen.protocols.ds47.sim.drive import Drive
+from plcgen.protocols.ds47.sim.habits import Habits
+from plcgen.protocols.ds47.sim.parameters import DriveObject, Parameter
+from plcgen.protocols.ds47.wire import formats
 
 REQUEST = bytes.fromhex("01 01 01 01 10 01 00 01 00 00")
 ANSWER = bytes.fromhex("01 01 01 01 06 01 00 05")

@@ -5,10 +5,10 @@ import sys
 
 import pytest
 
-from plcgen.ds47.description import ARRAY, ELEMENTS, READ_ONLY, Description
-from plcgen.ds47.errors import error_text, known_numbers
-from plcgen.ds47.formats import FormatValueError
-from plcgen.ds47.status import Retry, explain, explain_word, status_of
+from plcgen.protocols.ds47.wire.description import ARRAY, ELEMENTS, READ_ONLY, Description
+from plcgen.protocols.ds47.wire.errors import error_text, known_numbers
+from plcgen.protocols.ds47.wire.formats import FormatValueError
+from plcgen.protocols.ds47.wire.status import Retry, explain, explain_word, status_of
 
 
 def test_error_numbers_are_complete():
@@ -153,8 +153,8 @@ def test_description_elements():
 def test_import_is_lazy():
     """Importing every module reads no table and does not import tomllib's parser results."""
     code = (
-        "import plcgen.ds47.codec, plcgen.ds47.dissect, plcgen.ds47.status, plcgen.ds47.errors as e, sys;"
-        "import plcgen.ds47.status as s;"
+        "import plcgen.protocols.ds47.wire.codec, plcgen.protocols.ds47.wire.dissect, plcgen.protocols.ds47.wire.status, plcgen.protocols.ds47.wire.errors as e, sys;"
+        "import plcgen.protocols.ds47.wire.status as s;"
         "assert e._sinamics.cache_info().currsize == 0 == s._tables.cache_info().currsize;"
         "assert not {'yaml', 'pydantic', 'jinja2', 'lxml', 'click'} & set(sys.modules)"
     )

@@ -6,11 +6,17 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.ds47 import formats
-from plcgen.ds47.codec import TelegramError, decode_request, decode_response, encode_request, encode_response
-from plcgen.ds47.dissect import dissect_request, dissect_response, looks_like
-from plcgen.ds47.formats import Kind
-from plcgen.ds47.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock, ZeroBlock
+from plcgen.protocols.ds47.wire import formats
+from plcgen.protocols.ds47.wire.codec import (
+    TelegramError,
+    decode_request,
+    decode_response,
+    encode_request,
+    encode_response,
+)
+from plcgen.protocols.ds47.wire.dissect import dissect_request, dissect_response, looks_like
+from plcgen.protocols.ds47.wire.formats import Kind
+from plcgen.protocols.ds47.wire.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock, ZeroBlock
 
 WRITABLE = [item for item in formats.FORMATS if item.writable]
 byte = st.integers(0, 255)

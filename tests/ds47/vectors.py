@@ -6,7 +6,7 @@ from typing import Any
 
 import yaml
 
-from plcgen.ds47.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock, ZeroBlock
+from plcgen.protocols.ds47.wire.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock, ZeroBlock
 
 PATH = Path(__file__).parents[1] / "vectors" / "ds47.yaml"
 

@@ -2,9 +2,9 @@
 
 from hypothesis import strategies as st
 
-from plcgen.ppi import model
-from plcgen.ppi.areas import ELEMENT_SIZES, Area, SizeCode, TransportSize
-from plcgen.ppi.model import Item
+from plcgen.protocols.ppi.wire import model
+from plcgen.protocols.ppi.wire.areas import ELEMENT_SIZES, Area, SizeCode, TransportSize
+from plcgen.protocols.ppi.wire.model import Item
 
 byte = st.integers(0, 255)
 reference = st.integers(0, 0xFFFF)
@@ -106,7 +106,7 @@ def frames(draw):
         return model.FixedFrame(destination, source, function)
     if kind == "data":
         return model.DataFrame(destination, source, function, draw(st.binary(min_size=8, max_size=8)))
-    from plcgen.ppi.pdu import encode_pdu
+    from plcgen.protocols.ppi.wire.pdu import encode_pdu
 
     return model.VariableFrame(destination, source, function, encode_pdu(draw(pdus), experimental=True))
 

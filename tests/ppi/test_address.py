@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from ppi.strategies import bits, elements, memory
 
-from plcgen.ppi.address import AddressError, address_text, parse_address
-from plcgen.ppi.areas import Area, TransportSize
-from plcgen.ppi.model import Item
+from plcgen.protocols.ppi.wire.address import AddressError, address_text, parse_address
+from plcgen.protocols.ppi.wire.areas import Area, TransportSize
+from plcgen.protocols.ppi.wire.model import Item
 
 BYTE, WORD, DWORD = TransportSize.BYTE, TransportSize.WORD, TransportSize.DWORD
 

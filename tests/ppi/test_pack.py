@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plcgen.ppi.address import address_text, parse_address
-from plcgen.ppi.areas import Area, ReturnCode, TransportSize
-from plcgen.ppi.errors import PpiError
-from plcgen.ppi.load import READING, WRITING, Rules
-from plcgen.ppi.model import Item, ItemResult, ReadReply, WriteItem, WriteReply
-from plcgen.ppi.pack import pack_read, pack_write
-from plcgen.ppi.pdu import decode_pdu, encode_pdu
+from plcgen.protocols.ppi.wire.address import address_text, parse_address
+from plcgen.protocols.ppi.wire.areas import Area, ReturnCode, TransportSize
+from plcgen.protocols.ppi.wire.errors import PpiError
+from plcgen.protocols.ppi.wire.load import READING, WRITING, Rules
+from plcgen.protocols.ppi.wire.model import Item, ItemResult, ReadReply, WriteItem, WriteReply
+from plcgen.protocols.ppi.wire.pack import pack_read, pack_write
+from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu
 
 
 def items(text):

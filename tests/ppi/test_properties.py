@@ -8,14 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from ppi.strategies import frames, pdus, spoiled
 
-from plcgen.ppi.description import frame_text
-from plcgen.ppi.dissect import dissect, title
-from plcgen.ppi.errors import PpiError
-from plcgen.ppi.fdl import checksum, decode_frame, encode_frame
-from plcgen.ppi.model import VariableFrame
-from plcgen.ppi.pdu import decode_pdu, encode_pdu
-from plcgen.ppi.stream import Splitter, split
-from plcgen.ppi.telegram import decode, examine
+from plcgen.protocols.ppi.wire.description import frame_text
+from plcgen.protocols.ppi.wire.dissect import dissect, title
+from plcgen.protocols.ppi.wire.errors import PpiError
+from plcgen.protocols.ppi.wire.fdl import checksum, decode_frame, encode_frame
+from plcgen.protocols.ppi.wire.model import VariableFrame
+from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu
+from plcgen.protocols.ppi.wire.stream import Splitter, split
+from plcgen.protocols.ppi.wire.telegram import decode, examine
 
 
 @given(pdus)

@@ -3,10 +3,10 @@
 import pytest
 from ppi.vectors import FRAMES, octets
 
-from plcgen.ppi.areas import Area
-from plcgen.ppi.errors import Kind, PpiError
-from plcgen.ppi.fdl import checksum, encode_frame
-from plcgen.ppi.model import (
+from plcgen.protocols.ppi.wire.areas import Area
+from plcgen.protocols.ppi.wire.errors import Kind, PpiError
+from plcgen.protocols.ppi.wire.fdl import checksum, encode_frame
+from plcgen.protocols.ppi.wire.model import (
     Acknowledgement,
     AckReply,
     DataFrame,
@@ -25,9 +25,9 @@ from plcgen.ppi.model import (
     WriteItem,
     WriteRequest,
 )
-from plcgen.ppi.pdu import decode_pdu, encode_pdu, examine_pdu
-from plcgen.ppi.sequence import FrameCountCheck
-from plcgen.ppi.telegram import decode, examine
+from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu, examine_pdu
+from plcgen.protocols.ppi.wire.sequence import FrameCountCheck
+from plcgen.protocols.ppi.wire.telegram import decode, examine
 
 READ = octets(FRAMES["t1-read-vb100"])
 WRITE = octets(FRAMES["vb-write-vb100=0c-7c"])

@@ -6,7 +6,7 @@ from typing import Any
 
 import yaml
 
-from plcgen.ppi import model
+from plcgen.protocols.ppi.wire import model
 
 PATH = Path(__file__).parents[1] / "vectors" / "ppi.yaml"
 

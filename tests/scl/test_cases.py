@@ -7,10 +7,10 @@ from scl import sexpr
 from scl.support import assert_begins, load, short
 
 from plcgen.diagnostics import Severity
-from plcgen.read.text import read_text
 from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import parse
+from plcgen.sources.text import read_text
 
 DIALECTS = {"V5": Dialect.STEP7_V5, "T3": Dialect.TIA_300_400, "T15": Dialect.TIA_1200_1500}
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from scl.support import source
 
-from plcgen.read.text import read_text
 from plcgen.s7.blocks import Assignment, Block, BlockKind, SectionKind
 from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, NamedType, StringType, StructType
 from plcgen.scl.constants import integer
 from plcgen.scl.parser import parse
+from plcgen.sources.text import read_text
 
 
 def _blocks(text: str) -> list[Block]:

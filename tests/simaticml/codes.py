@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from plcgen.diagnostics import Diagnostic
-from plcgen.read.simaticml import read_simaticml
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.scl.cursor import unquote
 from plcgen.scl.lexer import ADDRESS, KEYWORDS, LOCAL, NAME, QUOTED, tokenize
 from plcgen.simaticml.addresses import address
-from plcgen.simaticml.documents import Setting, document
-from plcgen.simaticml.scope import Scope
-from plcgen.simaticml.structured_text import elements, numbered
+from plcgen.simaticml.reading.documents import read_simaticml
 from plcgen.simaticml.versions import VERSIONS
+from plcgen.simaticml.writing.documents import Setting, document
+from plcgen.simaticml.writing.scope import Scope
+from plcgen.simaticml.writing.structured_text import elements, numbered
 
 SETTING = Setting(VERSIONS["V18"], classic=False)
 

@@ -15,15 +15,15 @@ from simaticml.test_structured_text import CASES
 
 from plcgen import api
 from plcgen.diagnostics import Severity
-from plcgen.read.simaticml import read_simaticml
 from plcgen.scl.declarations import blocks
 from plcgen.scl.lexer import ERROR, tokenize
 from plcgen.scl.parser import parse
-from plcgen.simaticml.documents import Setting, document
-from plcgen.simaticml.scope import Scope
-from plcgen.simaticml.source import source
-from plcgen.simaticml.structured_text import elements, numbered
+from plcgen.simaticml.reading.documents import read_simaticml
+from plcgen.simaticml.reading.source import source
 from plcgen.simaticml.versions import VERSIONS
+from plcgen.simaticml.writing.documents import Setting, document
+from plcgen.simaticml.writing.scope import Scope
+from plcgen.simaticml.writing.structured_text import elements, numbered
 
 
 def cases(name: str) -> list:

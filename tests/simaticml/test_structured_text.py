@@ -8,8 +8,8 @@ import pytest
 
 from plcgen.scl.declarations import blocks
 from plcgen.scl.parser import parse
-from plcgen.simaticml.scope import Scope
-from plcgen.simaticml.structured_text import elements, numbered
+from plcgen.simaticml.writing.scope import Scope
+from plcgen.simaticml.writing.structured_text import elements, numbered
 
 DECLARATIONS = """
 VAR_INPUT start : Bool; "my input" : Int; END_VAR

@@ -13,11 +13,11 @@ from plcgen import api
 from plcgen.scl.declarations import blocks
 from plcgen.scl.lexer import tokenize
 from plcgen.scl.parser import parse
-from plcgen.simaticml import twin
-from plcgen.simaticml.documents import Setting, document
-from plcgen.simaticml.scope import Scope
-from plcgen.simaticml.structured_text import elements, numbered
 from plcgen.simaticml.versions import VERSIONS
+from plcgen.simaticml.writing import twin
+from plcgen.simaticml.writing.documents import Setting, document
+from plcgen.simaticml.writing.scope import Scope
+from plcgen.simaticml.writing.structured_text import elements, numbered
 
 SETTING = Setting(VERSIONS["V19"], classic=False)
 

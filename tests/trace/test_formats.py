@@ -11,11 +11,11 @@ from dataclasses import replace
 
 import pytest
 
-from plcgen.report.text import no_source
-from plcgen.report.trace import trace_text
-from plcgen.report.trace_json import trace_json
-from plcgen.report.trace_vcd import trace_vcd
+from plcgen.output.text import no_source
 from plcgen.trace.model import Signal, Step, Trace
+from plcgen.trace.output.json import trace_json
+from plcgen.trace.output.text import trace_text
+from plcgen.trace.output.vcd import trace_vcd
 
 Run = Callable[..., Trace]
 

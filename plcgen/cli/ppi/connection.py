@@ -12,8 +12,8 @@ from plcgen.cli.output import PROBLEMS, Console
 from plcgen.diagnostics import Diagnostic
 
 if TYPE_CHECKING:
-    from plcgen.client import Client
-    from plcgen.spec.symbols import SymbolTable
+    from plcgen.protocols.ppi.client import Client
+    from plcgen.protocols.ppi.symbols import SymbolTable
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 
@@ -52,7 +52,7 @@ def line_options(verb: Callback) -> Callback:
 
 def open_client(ctx: click.Context, given: dict[str, Any], symbols: SymbolTable | None = None) -> Client:
     """Open the line of ``line_options``. Raises LineError; UsageError if both stations are the same."""
-    from plcgen.client import Client, Settings
+    from plcgen.protocols.ppi.client import Client, Settings
 
     station, source = given["station"], given["source"]
     if station == source:
@@ -64,7 +64,7 @@ def open_client(ctx: click.Context, given: dict[str, Any], symbols: SymbolTable 
 def failed(out: Console, kind: str, found: Sequence[Diagnostic], words: Sequence[str] = (), *, as_json: bool) -> int:
     """Show what kept a verb from its result, in the form asked for, and return its exit code."""
     if as_json:
-        from plcgen.report.json import diagnostics_data, dump
+        from plcgen.output.json import diagnostics_data, dump
 
         out.result(dump(diagnostics_data(kind, found)))
     else:

@@ -16,7 +16,7 @@ from plcgen.diagnostics import Diagnostic, Severity, Span
 
 if TYPE_CHECKING:
     from plcgen.cli.ppi.capture import Capture
-    from plcgen.report.ppi import PpiTelegram
+    from plcgen.protocols.ppi.texts import PpiTelegram
 
 STDIN = "<stdin>"
 _MAX_INPUT = 16 * 1024 * 1024
@@ -56,7 +56,7 @@ def command(
     the addresses of the request before it. Exit code 1 if anything is malformed.
     """
     from plcgen.cli.ppi.capture import SPELLINGS
-    from plcgen.report.ppi import decode_pieces
+    from plcgen.protocols.ppi.texts import decode_pieces
 
     out = console(ctx)
     if hex_ and file is not None:
@@ -125,7 +125,7 @@ def _show(
     short: bool,
     as_json: bool,
 ) -> None:
-    from plcgen.report import ppi as report
+    from plcgen.protocols.ppi import texts as report
 
     if as_json:
         out.result(report.telegrams_json(telegrams, found))

@@ -15,9 +15,9 @@ from plcgen.cli.ppi.places import cpu_option, symbols_option
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 
 if TYPE_CHECKING:
-    from plcgen.ppi.model import Request
-    from plcgen.sim.s7_200.profiles import Profile
-    from plcgen.spec.symbols import SymbolTable
+    from plcgen.protocols.ppi.sim.profiles import Profile
+    from plcgen.protocols.ppi.symbols import SymbolTable
+    from plcgen.protocols.ppi.wire.model import Request
 
 _BARE = ("run", "stop", "setup", "poll")
 _WITH_ITEMS = ("read", "write", "force", "unforce")
@@ -80,7 +80,7 @@ def command(
     VD100:REAL, VW100:INT, VB0[21]:STRING. German mnemonics (EB0, A0.0, Z5) work as well.
     """
     from plcgen.cli.ppi.places import find_profile, find_symbols, telegram_problems
-    from plcgen.ppi.errors import PpiError
+    from plcgen.protocols.ppi.wire.errors import PpiError
 
     out = console(ctx)
     verb, rest = words[0].lower(), words[1:]
@@ -124,7 +124,7 @@ def _function(verb: str, *, first: bool, fcb: int | None) -> int:
 
 
 def _encode(verb: str, rest: Sequence[str], how: _How, cpu: Profile | None, symbols: SymbolTable | None) -> list[bytes]:
-    from plcgen.ppi.telegram import encode_poll, encode_request
+    from plcgen.protocols.ppi.wire.telegram import encode_poll, encode_request
 
     stations = {"destination": how.station, "source": how.source}
     if verb == "poll":
@@ -141,9 +141,9 @@ def _requests(
     verb: str, rest: Sequence[str], how: _How, cpu: Profile | None, symbols: SymbolTable | None
 ) -> Sequence[Request]:
     from plcgen.cli.ppi.places import assignments, places
-    from plcgen.ppi import model
-    from plcgen.ppi.areas import READ_LIMIT, WRITE_LIMIT
-    from plcgen.ppi.pack import pack_read, pack_write
+    from plcgen.protocols.ppi.wire import model
+    from plcgen.protocols.ppi.wire.areas import READ_LIMIT, WRITE_LIMIT
+    from plcgen.protocols.ppi.wire.pack import pack_read, pack_write
 
     reference = how.reference
     bare: dict[str, Request] = {
@@ -174,7 +174,7 @@ def _show(
     as_json: bool,
 ) -> None:
     if as_json:
-        from plcgen.report.json import diagnostics_data, dump
+        from plcgen.output.json import diagnostics_data, dump
 
         rows = [
             {"request": verb, "telegram": number, "length": len(data), "hex": data.hex().upper()}

@@ -34,7 +34,7 @@ def command(ctx: click.Context, /, *, as_json: bool, **given: Any) -> int:
     except DiagnosticError as problem:
         return failed(out, "ppi info", problem.diagnostics, as_json=as_json)
     if as_json:
-        from plcgen.report.json import diagnostics_data, dump
+        from plcgen.output.json import diagnostics_data, dump
 
         data = {"station": given["station"], "type": info.type, "firmware": info.firmware, "text": info.text}
         out.result(dump({**diagnostics_data("ppi info", ()), **data}))

@@ -26,7 +26,7 @@ def change_mode(ctx: click.Context, verb: str, given: dict[str, Any], *, confirm
     except DiagnosticError as problem:
         return failed(out, "ppi mode", problem.diagnostics, as_json=as_json)
     if as_json:
-        from plcgen.report.json import diagnostics_data, dump
+        from plcgen.output.json import diagnostics_data, dump
 
         out.result(dump({**diagnostics_data("ppi mode", ()), "station": given["station"], "mode": verb.upper()}))
     else:

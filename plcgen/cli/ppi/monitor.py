@@ -17,8 +17,8 @@ from plcgen.cli.ppi.places import cpu_option, symbols_option
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 
 if TYPE_CHECKING:
-    from plcgen.client import Client, Reading
-    from plcgen.client.places import Place
+    from plcgen.protocols.ppi.client import Client, Reading
+    from plcgen.protocols.ppi.client.places import Place
 
 
 @click.command(
@@ -77,7 +77,7 @@ def command(
 def _watch(
     out: Console, client: Client, asked: Sequence[Place], how: tuple[float, int | None], *, as_json: bool
 ) -> int:
-    from plcgen.client import ClientError
+    from plcgen.protocols.ppi.client import ClientError
 
     interval, count = how
     screen = _Screen(out, as_json=as_json)
@@ -113,7 +113,7 @@ class _Screen:
 
     def show(self, readings: tuple[Reading, ...]) -> None:
         """Show one read."""
-        from plcgen.report.ppi_values import reading_line, readings_row, readings_table
+        from plcgen.protocols.ppi.client.texts import reading_line, readings_row, readings_table
 
         clock = _clock()
         if self.as_json:
@@ -127,14 +127,14 @@ class _Screen:
 
     def missed(self, found: Sequence[Diagnostic]) -> None:
         """Show that a read failed; the values before stay on the screen."""
-        from plcgen.report.ppi_values import missed_row
+        from plcgen.protocols.ppi.client.texts import missed_row
 
         if self.as_json:
             self.out.result(missed_row(_clock(), found))
             return
         text = "; ".join(f"{diagnostic.code} {diagnostic.message}" for diagnostic in found)
         if self.live:
-            from plcgen.report.ppi_values import readings_table
+            from plcgen.protocols.ppi.client.texts import readings_table
 
             lines = readings_table(self._before, (), color=self.out.out_color, width=self.out.out_width)
             self._draw([*lines, f"{_clock()}  {text}"])

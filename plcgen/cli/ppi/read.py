@@ -40,7 +40,7 @@ def command(
     bytes, words and double words are unsigned numbers. Exit code 1 if the station refuses an item.
     """
     from plcgen.cli.ppi.places import find_profile, find_symbols, places
-    from plcgen.report.ppi_values import reading_problems, readings_json, readings_text
+    from plcgen.protocols.ppi.client.texts import reading_problems, readings_json, readings_text
 
     out = console(ctx)
     try:

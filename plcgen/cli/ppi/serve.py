@@ -18,7 +18,7 @@ from plcgen.cli.ppi.places import find_symbols, symbols_option
 if TYPE_CHECKING:
     from plcgen.line.model import Line
     from plcgen.line.tcp import TcpServer
-    from plcgen.sim.s7_200 import Bus, Traffic
+    from plcgen.protocols.ppi.sim import Bus, Traffic
 
 
 @click.command(
@@ -78,11 +78,11 @@ def _bus(
 ) -> Bus:
     """Everything that was told about the stations, with all mistakes at once."""
     from plcgen.diagnostics import Diagnostic, DiagnosticError
-    from plcgen.ppi.address import address_text
-    from plcgen.sim.s7_200.bus import Bus
-    from plcgen.sim.s7_200.fault_text import parse_fault
-    from plcgen.sim.s7_200.load import assign, load_bus
-    from plcgen.spec.file import read_text
+    from plcgen.input.text import read_text
+    from plcgen.protocols.ppi.sim.bus import Bus
+    from plcgen.protocols.ppi.sim.fault_text import parse_fault
+    from plcgen.protocols.ppi.sim.load import assign, load_bus
+    from plcgen.protocols.ppi.wire.address import address_text
 
     problems: list[Diagnostic] = []
     bus = Bus()
@@ -125,7 +125,7 @@ def _line(tcp: str | None, port: str | None, baud: int) -> Line | TcpServer:
 def _serve(bus: Bus, line: Line | TcpServer, show: _Show) -> None:
     """Serve until SIGINT or SIGTERM; a second signal ends at once."""
     from plcgen.line.tcp import TcpServer
-    from plcgen.sim.s7_200.serve import serve_line, serve_tcp
+    from plcgen.protocols.ppi.sim.serve import serve_line, serve_tcp
 
     ended = False
 
@@ -151,7 +151,7 @@ class _Show:
     """What the verb says: the name of the line, frames if wanted, and chatter."""
 
     def __init__(self, out: Console, *, as_json: bool, log: bool) -> None:
-        from plcgen.report.traffic import TrafficText
+        from plcgen.protocols.ppi.traffic import TrafficText
 
         self.out, self.as_json, self.log = out, as_json, log
         self.text = TrafficText()

@@ -51,7 +51,7 @@ def command(
     --yes-write.
     """
     from plcgen.cli.ppi.places import assignments, find_profile, find_symbols
-    from plcgen.report.ppi_values import entries_text, written_json, written_problems, written_text
+    from plcgen.protocols.ppi.client.texts import entries_text, written_json, written_problems, written_text
 
     out = console(ctx)
     try:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from plcgen.cpu.system.port import Port
-from plcgen.sim.drive import Drive
+from plcgen.protocols.ds47.sim.drive import Drive
 
 Busy = int | Callable[[], int]
 

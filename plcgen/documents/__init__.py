@@ -1,0 +1,49 @@
+"""From the project to documents: one module per kind of file. Views only; the templates write the text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from plcgen.documents.document import Document
+from plcgen.project.model import Project
+
+
+def emit(project: Project) -> Iterator[Document]:
+    """Every document of a project, one job after the other; the files know their import order, not this one."""
+    from plcgen.documents.code import job_twins, main_twin
+    from plcgen.documents.openness import openness_documents
+    from plcgen.documents.simaticml import closing_xml, job_xml, shared_xml
+    from plcgen.protocols.ds47.views.blocks import control_document, job_documents, main_document, shared_documents
+    from plcgen.protocols.ds47.views.jobs import job_document
+    from plcgen.protocols.ds47.views.tables import sheet, table_documents, watch_document, watch_rows
+
+    xml = project.target.xml_version is not None
+    if project.jobs:
+        yield from shared_documents(project)
+    if xml and project.jobs:
+        yield from shared_xml(project)
+    sheets = []
+    for job in project.jobs:
+        yield from job_documents(project, job)
+        yield replace(job_document(project, job), twins=job_twins(project, job))
+        watch = watch_rows(project, job)
+        yield watch_document(job, watch)
+        if xml:
+            yield from job_xml(project, job, watch)
+        sheets.append(sheet(project, job))
+    if project.jobs:
+        yield control_document(project)
+    if project.ppi is not None:
+        from plcgen.protocols.ppi.views.blocks import ppi_documents
+        from plcgen.protocols.ppi.views.tables import ppi_xml
+
+        yield from ppi_documents(project)
+        if xml:
+            yield from ppi_xml(project)
+    yield replace(main_document(project), twins=main_twin(project))
+    if xml:
+        if project.jobs:
+            yield from closing_xml(project)
+        yield from openness_documents(project)
+    yield from table_documents(project, sheets)

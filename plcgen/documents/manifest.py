@@ -1,0 +1,77 @@
+"""The manifest: which files belong to plcgen, with their hashes, and what they were made from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from plcgen._version import __version__
+from plcgen.documents.environment import RenderedFile
+from plcgen.documents.folder import MANIFEST
+from plcgen.project.model import Project
+
+
+def digest(data: bytes) -> str:
+    """SHA-256 as lower-case hexadecimal digits."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def manifest(project: Project, files: Sequence[RenderedFile]) -> RenderedFile:
+    """Manifest of rendered files: reproducible, without date, user or path of the machine."""
+    content: dict[str, Any] = {
+        "format": 1,
+        "generator": f"plcgen {__version__}",
+        "project": project.name,
+        "family": project.target.family,
+        "toolchain": project.target.toolchain,
+        "spec_sha256": digest(project.loaded.text.encode()),
+        "jobs": [
+            {
+                "job": job.key,
+                "block": job.block.name,
+                "telegrams": [
+                    {
+                        "request": telegram.request.hex(" ").upper(),
+                        "request_db": f"DB{telegram.request_db.number}",
+                        "response_db": f"DB{telegram.response_db.number}",
+                        "positive_bytes": telegram.positive_length,
+                        "longest_bytes": telegram.response_size,
+                    }
+                    for telegram in job.telegrams
+                ],
+            }
+            for job in project.jobs
+        ],
+        **_masters(project),
+        "files": [
+            {"path": file.path, "sha256": digest(data), "bytes": len(data)}
+            | ({"experimental": file.experimental} if file.experimental else {})
+            for file in sorted(files, key=lambda file: file.path)
+            for data in (file.data,)
+        ],
+    }
+    return RenderedFile(MANIFEST, (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode())
+
+
+def _masters(project: Project) -> dict[str, Any]:
+    """PPI masters with the telegrams of their tables; nothing for a spec without any."""
+    if project.ppi is None:
+        return {}
+    masters = [
+        {
+            "master": master.key,
+            "block": master.block.name,
+            "telegrams": [
+                {
+                    "request": telegram.request.hex(" ").upper(),
+                    "request_db": f"DB{telegram.request_db.number}",
+                    **({"response_db": f"DB{telegram.response_db.number}"} if telegram.response_db else {}),
+                }
+                for telegram in master.telegrams
+            ],
+        }
+        for master in project.ppi.masters
+    ]
+    return {"ppi": masters}

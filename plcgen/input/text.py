@@ -1,0 +1,56 @@
+"""A YAML file as text: bounded, UTF-8, every failure a diagnostic."""
+
+from __future__ import annotations
+
+import codecs
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.input.yaml import MAX_BYTES
+
+
+def read_text(path: Path, file: str | None = None) -> str:
+    """Text of a YAML file (UTF-8, with or without BOM, at most ``MAX_BYTES``).
+
+    Raises:
+        DiagnosticError: PG110 if it cannot be read, PG102 if it is not UTF-8, PG109 if it is too large.
+    """
+    name = file or str(path)
+    try:
+        if not path.is_file():
+            raise FileNotFoundError(2, "no such file" if not path.exists() else "not a file")
+        if path.stat().st_size > MAX_BYTES:
+            raise DiagnosticError(
+                [
+                    Diagnostic(
+                        "PG109",
+                        f"larger than {MAX_BYTES // 1024 // 1024} MiB",
+                        Span(name),
+                        help="split the file",
+                    )
+                ]
+            )
+        data = path.read_bytes()
+    except (OSError, ValueError) as problem:  # ValueError: a NUL in the path
+        why = getattr(problem, "strerror", None) or str(problem)
+        raise DiagnosticError(
+            [Diagnostic("PG110", f"cannot read the file: {why}", Span(name), help="check the path")]
+        ) from problem
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        message = "the file is UTF-16, a spec is UTF-8"
+        raise DiagnosticError([Diagnostic("PG102", message, Span(name, 1, 1, 1, 2), help="save the file as UTF-8")])
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        line = data.count(b"\n", 0, problem.start) + 1
+        column = problem.start - (data.rfind(b"\n", 0, problem.start) + 1) + 1
+        raise DiagnosticError(
+            [
+                Diagnostic(
+                    "PG102",
+                    f"not UTF-8: byte {data[problem.start]:02X}h cannot be read",
+                    Span(name, line, column, line, column + 1),
+                    help="save the file as UTF-8",
+                )
+            ]
+        ) from problem

@@ -1,0 +1,60 @@
+"""Results as GitHub workflow commands: annotations on the lines of a pull request."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.output.verification import problems
+
+if TYPE_CHECKING:
+    from plcgen.proof.checks import Verification
+
+_COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
+
+
+def _message(text: str) -> str:
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    return _message(text).replace(":", "%3A").replace(",", "%2C")
+
+
+def annotation(diagnostic: Diagnostic) -> str:
+    """One workflow command, with its line end."""
+    span = diagnostic.span
+    fields = [("file", span.file.replace("\\", "/"))] if span.file else []
+    if span.line:
+        fields.append(("line", str(span.line)))
+        if span.end_line > span.line:
+            fields.append(("endLine", str(span.end_line)))
+        fields.append(("col", str(span.column)))
+        if span.end_line == span.line and span.end_column > span.column:
+            fields.append(("endColumn", str(span.end_column)))
+    fields.append(("title", diagnostic.code))
+    text = diagnostic.message
+    if diagnostic.help:
+        text += f"\nhelp: {diagnostic.help}"
+    for note in diagnostic.notes:
+        text += f"\n{note.span}: {note.message}"
+    properties = ",".join(f"{name}={_property(value)}" for name, value in fields)
+    return f"::{_COMMAND[diagnostic.severity]} {properties}::{_message(text)}\n"
+
+
+def diagnostics_github(diagnostics: Sequence[Diagnostic]) -> str:
+    """Annotations of ``check`` and ``generate``."""
+    return "".join(annotation(d) for d in diagnostics)
+
+
+def verification_github(verification: Verification) -> str:
+    """Annotations of ``verify``; a failed check without a diagnostic is annotated at the spec."""
+    text = diagnostics_github(problems(verification))
+    for check in verification.checks():
+        command = check.outcome.value
+        if check.diagnostic is None and command in {"error", "warning"}:
+            place = _property(verification.spec.replace("\\", "/"))
+            message = _message(f"{check.subject}: {check.verdict}")
+            text += f"::{command} file={place},title={_property(check.id)}::{message}\n"
+    return text

@@ -1,0 +1,111 @@
+"""Results as JUnit XML: one test case per check, with a name that stays the same from run to run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from plcgen.diagnostics import Diagnostic, Severity
+
+if TYPE_CHECKING:
+    from plcgen.proof.checks import Check, CheckGroup, Verification
+
+_ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_ESCAPES = {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"}
+_LINES = {"\t": "&#9;", "\n": "&#10;", "\r": "&#13;"}
+
+
+def _text(text: str) -> str:
+    """Escape text; characters that XML 1.0 cannot hold become U+FFFD."""
+    return re.sub(r'[&<>"]', lambda m: _ESCAPES[m[0]], _ILLEGAL.sub("\ufffd", text))
+
+
+def _attribute(text: str) -> str:
+    return re.sub(r"[\t\n\r]", lambda m: _LINES[m[0]], _text(text))
+
+
+def _details(diagnostics: Sequence[Diagnostic]) -> str:
+    out = []
+    for d in diagnostics:
+        out.append(f"{d.span}: {d.severity.label}[{d.code}]: {d.message}")
+        out += [f"{note.span}: {note.message}" for note in d.notes]
+        if d.help:
+            out.append(f"help: {d.help}")
+    return "\n".join(out)
+
+
+def _case(classname: str, name: str, body: str = "") -> str:
+    start = f'    <testcase classname="{_attribute(classname)}" name="{_attribute(name)}"'
+    return f"{start}>{body}</testcase>\n" if body else f"{start}/>\n"
+
+
+def _failure(kind: str, message: str, details: str) -> str:
+    return f'<failure type="{_attribute(kind)}" message="{_attribute(message)}">{_text(details)}</failure>'
+
+
+def _suite(name: str, cases: Sequence[str]) -> str:
+    failures = sum("<failure " in case for case in cases)
+    skipped = sum("<skipped " in case for case in cases)
+    counts = f'tests="{len(cases)}" failures="{failures}" errors="0" skipped="{skipped}"'
+    return f'  <testsuite name="{_attribute(name)}" {counts}>\n{"".join(cases)}  </testsuite>\n'
+
+
+def _document(name: str, suites: Sequence[str]) -> str:
+    body = "".join(suites)
+    tests, failures = body.count("<testcase "), body.count("<failure ")
+    head = f'<testsuites name="{_attribute(name)}" tests="{tests}" failures="{failures}" errors="0">'
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{head}\n{body}</testsuites>\n'
+
+
+def _errors(diagnostics: Sequence[Diagnostic]) -> list[Diagnostic]:
+    return [d for d in diagnostics if d.severity is Severity.ERROR]
+
+
+def diagnostics_junit(name: str, subjects: Sequence[tuple[str, Sequence[Diagnostic]]]) -> str:
+    """JUnit of ``check``: one test case per spec; warnings alone do not fail it."""
+    cases = []
+    for subject, diagnostics in subjects:
+        errors = _errors(diagnostics)
+        body = ""
+        if errors:
+            body = _failure(errors[0].code, errors[0].message, _details(diagnostics))
+        elif diagnostics:
+            body = f"<system-out>{_text(_details(diagnostics))}</system-out>"
+        cases.append(_case(f"plcgen.{name}", subject, body))
+    return _document(f"plcgen {name}", [_suite(name, cases)])
+
+
+def verification_junit(verification: Verification, verb: str = "verify") -> str:
+    """JUnit of ``verify`` or ``audit``: one suite per group; a last suite holds errors that belong to no check."""
+    suites = [_group(group, verb) for group in verification.groups]
+    own = {check.diagnostic for check in verification.checks()}
+    rest = [d for d in _errors(verification.diagnostics) if d not in own]
+    if rest:
+        case = _case(f"plcgen.{verb}", "problems", _failure(rest[0].code, rest[0].message, _details(rest)))
+        suites.append(_suite("problems", [case]))
+    return _document(f"plcgen {verb} {verification.spec}", suites)
+
+
+def _group(group: CheckGroup, verb: str) -> str:
+    seen: dict[str, int] = {}
+    cases = []
+    for check in group.checks:
+        seen[check.id] = seen.get(check.id, 0) + 1
+        name = check.id if seen[check.id] == 1 else f"{check.id} ({seen[check.id]})"
+        cases.append(_case(f"plcgen.{verb}.{group.name}", name, _body(check)))
+    return _suite(group.name, cases)
+
+
+def _body(check: Check) -> str:
+    line = f"{check.subject}: {check.text}" if check.text else check.subject
+    if check.outcome.value == "not run":
+        return f'<skipped message="{_attribute(check.verdict)}"/>'
+    if check.outcome.value == "error":
+        found = check.diagnostic
+        kind = found.code if found else check.id
+        details = f"{line}\n{_details([found])}" if found else line
+        return _failure(kind, check.verdict, details)
+    if check.outcome.value == "warning":
+        return f"<system-out>{_text(f'{line}: {check.verdict}')}</system-out>"
+    return ""

@@ -1,0 +1,116 @@
+"""Results as SARIF 2.1.0 (OASIS standard): rules from the code table, places in characters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from plcgen._version import __version__
+from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.diagnostics.codes import code as code_info
+from plcgen.output.json import dump
+from plcgen.output.verification import problems
+
+if TYPE_CHECKING:
+    from plcgen.proof.checks import Check, Verification
+
+SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
+_LEVEL = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
+_UNRESERVED = frozenset(b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~/")
+
+
+def uri(path: str) -> str:
+    """Turn a file path of any system into a URI reference (RFC 3986)."""
+    path = path.replace("\\", "/")
+    drive = len(path) > 1 and path[1] == ":" and path[0].isalpha()
+    data = path.encode("utf-8", "surrogateescape")
+    quoted = "".join(chr(byte) if byte in _UNRESERVED else f"%{byte:02X}" for byte in data)
+    if drive:
+        return f"file:///{path[0]}:{quoted[4:]}"
+    return f"file://{quoted}" if path.startswith("/") else quoted
+
+
+def location(span: Span, message: str = "") -> dict[str, Any]:
+    """A SARIF location object; ``message`` says what the place has to do with the result."""
+    place: dict[str, Any] = {"artifactLocation": {"uri": uri(span.file)}}
+    if span.line:
+        region = {"startLine": span.line, "startColumn": max(span.column, 1)}
+        if span.end_line:
+            region |= {"endLine": span.end_line, "endColumn": max(span.end_column, 1)}
+        place["region"] = region
+    found: dict[str, Any] = {"physicalLocation": place}
+    if message:
+        found["message"] = {"text": message}
+    return found
+
+
+def _rule(code: str) -> dict[str, Any]:
+    try:
+        info = code_info(code)
+    except KeyError:
+        return {"id": code}
+    return {
+        "id": code,
+        "shortDescription": {"text": info.title},
+        "fullDescription": {"text": info.why},
+        "help": {"text": f"{info.why}\n\n{info.fix}"},
+        "defaultConfiguration": {"level": _LEVEL[Severity[info.severity.label.upper()]]},
+    }
+
+
+def _result(diagnostic: Diagnostic, index: dict[str, int]) -> dict[str, Any]:
+    text = f"{diagnostic.message}\nhelp: {diagnostic.help}" if diagnostic.help else diagnostic.message
+    result: dict[str, Any] = {
+        "ruleId": diagnostic.code,
+        "ruleIndex": index[diagnostic.code],
+        "level": _LEVEL[diagnostic.severity],
+        "message": {"text": text},
+    }
+    if diagnostic.span.file:
+        result["locations"] = [location(diagnostic.span)]
+    if diagnostic.notes:
+        notes = enumerate(diagnostic.notes, 1)
+        result["relatedLocations"] = [{"id": n, **location(note.span, note.message)} for n, note in notes]
+    return result
+
+
+def _check(check: Check, spec: str) -> dict[str, Any]:
+    return {
+        "ruleId": check.id,
+        "level": check.outcome.value,
+        "message": {"text": f"{check.subject}: {check.verdict}"},
+        "locations": [location(Span(spec))],
+    }
+
+
+def problem_results(diagnostics: Sequence[Diagnostic], first: int) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Rules and results of diagnostics for a run that has ``first`` rules of its own."""
+    codes = sorted({d.code for d in diagnostics})
+    index = {code: first + position for position, code in enumerate(codes)}
+    return [_rule(code) for code in codes], [_result(d, index) for d in diagnostics]
+
+
+def _log(diagnostics: Sequence[Diagnostic], more: Sequence[dict[str, Any]] = ()) -> str:
+    rules, results = problem_results(diagnostics, 0)
+    driver = {"name": "plcgen", "version": __version__, "semanticVersion": __version__, "rules": rules}
+    run = {
+        "tool": {"driver": driver},
+        "columnKind": "unicodeCodePoints",
+        "results": [*results, *more],
+    }
+    return dump({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]})
+
+
+def diagnostics_sarif(diagnostics: Sequence[Diagnostic]) -> str:
+    """SARIF of ``check`` and ``generate``."""
+    return _log(list(dict.fromkeys(diagnostics)))
+
+
+def verification_sarif(verification: Verification) -> str:
+    """SARIF of ``verify``: the diagnostics, and failed checks that have none."""
+    bare = [
+        _check(check, verification.spec)
+        for check in verification.checks()
+        if check.diagnostic is None and check.outcome.value in {"error", "warning"}
+    ]
+    return _log(problems(verification), bare)

@@ -1,0 +1,121 @@
+"""Verification as text: one line per check, three aligned columns: subject, figures, verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from plcgen.diagnostics import Diagnostic
+from plcgen.output.cells import clean, pad, wrap
+from plcgen.output.cells import width as cells
+from plcgen.output.paint import paint
+from plcgen.output.text import DEFAULT_WIDTH, MIN_WIDTH, SourceLine, diagnostics_text
+
+if TYPE_CHECKING:
+    from plcgen.proof.checks import Check, CheckGroup, Verification
+
+_GAP = 2
+_INDENT = 6
+
+
+def problems(verification: Verification) -> list[Diagnostic]:
+    """Every diagnostic of a verification once, those of the checks first."""
+    found = [check.diagnostic for check in verification.checks() if check.diagnostic is not None]
+    return list(dict.fromkeys([*found, *verification.diagnostics]))
+
+
+def verification_text(
+    verification: Verification, lines: SourceLine, *, color: bool = False, width: int = DEFAULT_WIDTH
+) -> str:
+    """The whole report: checks by group, what is wrong in detail, the summary."""
+    width = max(width, MIN_WIDTH)
+    what = ", ".join(clean(text) for text in (verification.project, verification.target) if text)
+    out = [f"{what or clean(verification.spec)}: {clean(verification.folder)}"]
+    for group in verification.groups:
+        out += ["", *_group(group, color=color, width=width)]
+    text = "\n".join(out) + "\n\n"
+    found = problems(verification)
+    if found:
+        text += diagnostics_text(found, lines, color=color, width=width) + "\n"
+    return text + summary(verification, color=color) + "\n"
+
+
+def _group(group: CheckGroup, *, color: bool, width: int) -> list[str]:
+    """Lines of a group: one line a check, or subject and verdict above the figures if these are long."""
+    out = [paint(clean(group.title), "bold", color=color)]
+    subject = max((cells(clean(check.subject)) for check in group.checks), default=0)
+    figures = max((cells(clean(check.text)) for check in group.checks), default=0)
+    verdict = max((cells(_verdict(check)) for check in group.checks), default=0)
+    fits = 3 * _GAP + subject + figures + verdict <= width
+    for check in group.checks:
+        if fits:
+            left = f"{pad(clean(check.subject), subject)}{' ' * _GAP}{pad(clean(check.text), figures)}"
+            out += _row(left if figures else left[: -_GAP or None], check, color=color, width=width)
+        else:
+            out += _row(pad(clean(check.subject), subject), check, color=color, width=width)
+            lines = wrap(clean(check.text), width - _INDENT)
+            out += [f"{' ' * _INDENT}{line}" for line in lines if line]
+    return out
+
+
+def _verdict(check: Check) -> str:
+    word, verdict = check.outcome.value, clean(check.verdict)
+    if not verdict or verdict.lower() == word:
+        return word
+    return verdict if verdict.lower().startswith(word) else f"{word}: {verdict}"
+
+
+def _row(left: str, check: Check, *, color: bool, width: int) -> list[str]:
+    """What was looked at and the verdict behind it, or below it where it does not fit."""
+    verdict, style = _verdict(check), check.outcome.value
+    room = width - 2 * _GAP - cells(left)
+    head = f"{' ' * _GAP}{left}"
+    if cells(verdict) <= room:
+        return [f"{head}{' ' * _GAP}{paint(verdict, style, color=color)}"]
+    if room > width // 3:
+        first, *more = wrap(verdict, room)
+        margin = " " * (cells(head) + _GAP)
+        return [
+            f"{head}{' ' * _GAP}{paint(first, style, color=color)}",
+            *(f"{margin}{paint(line, style, color=color)}" for line in more),
+        ]
+    below = wrap(verdict, width - _INDENT)
+    return [head.rstrip(), *(f"{' ' * _INDENT}{paint(line, style, color=color)}" for line in below)]
+
+
+def summary(verification: Verification, *, color: bool = False) -> str:
+    """``34 checks: 31 ok, 2 errors, 1 not run``."""
+    from plcgen.proof.checks import Outcome
+
+    checks = list(verification.checks())
+    parts: list[str] = []
+    for outcome in Outcome:
+        count = sum(check.outcome is outcome for check in checks)
+        if count:
+            plural = "s" if count > 1 and outcome in {Outcome.ERROR, Outcome.WARNING} else ""
+            parts.append(paint(f"{count} {outcome.value}{plural}", outcome.value, color=color))
+    total = f"{len(checks)} check{'' if len(checks) == 1 else 's'}"
+    result = f"{total}: {', '.join(parts)}" if parts else total
+    extra = _outside(verification, checks)
+    return f"{result}; {extra} outside the checks" if extra else result
+
+
+def _outside(verification: Verification, checks: Sequence[Check]) -> str:
+    from plcgen.output.text import count_text
+
+    own = {check.diagnostic for check in checks}
+    rest = [d for d in verification.diagnostics if d not in own and d.severity.label != "note"]
+    return count_text(rest) if rest else ""
+
+
+def troubles(verification: Verification) -> Verification:
+    """The same result with nothing but the checks that found something."""
+    from plcgen.proof.checks import Outcome
+
+    groups = []
+    for group in verification.groups:
+        checks = tuple(c for c in group.checks if c.outcome in {Outcome.ERROR, Outcome.WARNING})
+        if checks:
+            groups.append(replace(group, checks=checks))
+    return replace(verification, groups=tuple(groups))

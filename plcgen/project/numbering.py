@@ -1,0 +1,46 @@
+"""Names and numbers of blocks: what the spec pins is kept, the rest is automatic and stable."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from plcgen.project.loading import SpecPath
+from plcgen.project.model import BlockRef
+from plcgen.project.target import Target
+from plcgen.s7.names import shorten
+
+V5_SYMBOL_LENGTH = 24
+_ROLE = re.compile(r"(?:_Request[0-9]*|_Response[0-9]*|_DB|_WrRec|_RdRec|_Send|_Receive|_Buffer|Token)\Z")
+
+
+class Numbering:
+    """Hands out block references; automatic numbers avoid pinned ones."""
+
+    def __init__(self, where: Target, first: dict[str, int], pinned: Iterable[tuple[str, int]]) -> None:
+        self.where = where
+        self.next = dict(first)
+        self.pinned = set(pinned)
+
+    def block(
+        self, kind: str, name: str, path: SpecPath, number: int | None = None, *, given: bool = False
+    ) -> BlockRef:
+        """A block; ``given`` says that the name comes from the spec and is not shortened."""
+        if not given and self.where.v5:
+            name = _shortened(name)
+        if number is not None:
+            return BlockRef(kind, name, number, pinned=True, path=path)
+        candidate = self.next[kind]
+        while (kind, candidate) in self.pinned:
+            candidate += 1
+        self.next[kind] = candidate + 1
+        return BlockRef(kind, name, candidate, pinned=False, path=path)
+
+
+def _shortened(name: str) -> str:
+    """A symbol of at most 24 characters that keeps what it is for: prefix ``type``, suffix ``_Request``, ``_DB``, .."""
+    prefix = "type" if name.startswith("type") else ""
+    match = _ROLE.search(name)
+    suffix = match[0] if match else ""
+    stem = name[len(prefix) : len(name) - len(suffix)]
+    return prefix + shorten(stem, V5_SYMBOL_LENGTH - len(prefix) - len(suffix)) + suffix

@@ -1,0 +1,75 @@
+"""Rules about the absolute flags (bit memory) of the calls."""
+
+from __future__ import annotations
+
+from operator import itemgetter
+from typing import TYPE_CHECKING
+
+from plcgen.diagnostics import Diagnostic, Note, Span
+from plcgen.project.loading import SpecPath
+from plcgen.project.rules.places import node_at
+from plcgen.s7.address import Address
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from plcgen.project.model import Project
+
+_Flag = tuple[int, int, str, SpecPath, Address]
+
+
+def overlap(project: Project) -> Iterator[Diagnostic]:
+    """PG403: two signals share bits of the flag memory."""
+    flags = sorted(_flags(project), key=itemgetter(0, 1))
+    furthest: _Flag | None = None
+    for flag in flags:
+        if furthest is not None and flag[4].overlaps(furthest[4]):
+            earlier, later = sorted((furthest, flag), key=itemgetter(1))
+            yield Diagnostic(
+                "PG403",
+                f"{later[4]} ({later[2]}) overlaps {earlier[4]} ({earlier[2]})",
+                _span(project, later[3]),
+                help="one signal would overwrite the other: use another address",
+                notes=(Note(f"{earlier[4]} is used here", _span(project, earlier[3])),),
+            )
+        if furthest is None or flag[4].offset + flag[4].width_bits > furthest[4].offset + furthest[4].width_bits:
+            furthest = flag
+
+
+def out_of_range(project: Project) -> Iterator[Diagnostic]:
+    """PG404: a flag lies behind the end of the CPU's flag memory."""
+    size = project.target.flag_bytes
+    for _, _, signal, path, address in _flags(project):
+        if address.offset + address.width_bits > size * 8:
+            yield Diagnostic(
+                "PG404",
+                f"{address} ({signal}) does not exist: "
+                f"the flags of an {project.target.family.upper()} end with MB{size - 1}",
+                _span(project, path),
+                help="use a lower address; small CPUs have fewer flags than the largest one of the family",
+            )
+
+
+def _flags(project: Project) -> Iterator[_Flag]:
+    """Every flag: first bit, position in the spec, signal, path, address."""
+    position = 0
+    for job in project.jobs:
+        for signal, address in job.trigger.items():
+            position += 1
+            yield (
+                address.offset,
+                position,
+                f"{signal} of {job.key}",
+                (*job.path, "trigger", signal),
+                address,
+            )
+    if project.ppi is not None:
+        from plcgen.protocols.ppi.rules.line import flags
+
+        for number, (what, path, address) in enumerate(flags(project), position + 1):
+            yield address.offset, number, what, path, address
+
+
+def _span(project: Project, path: SpecPath) -> Span:
+    node = node_at(project, path) or node_at(project, path[:-1])
+    return node.span if node is not None else project.loaded.span(path)

@@ -1,0 +1,100 @@
+"""What a CPU family and an engineering tool allow: dialect, encoding, number ranges, value types."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from functools import cache
+
+from plcgen.protocols.ds47.wire.formats import Format
+from plcgen.s7.types import ELEMENTARY, Elementary
+
+
+class Dialect(enum.StrEnum):
+    """The three SCL dialects."""
+
+    V5 = "v5"
+    T3 = "t3"
+    T15 = "t15"
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A CPU family together with the tool that compiles for it.
+
+    ``max_numbers`` holds the highest block number per kind (CPU data sheets: the largest CPU of the family);
+    ``flag_bytes`` the size of the bit memory M in bytes.
+    """
+
+    family: str
+    toolchain: str
+    dialect: Dialect
+    encoding: str
+    xml_version: str | None
+    max_numbers: dict[str, int]
+    flag_bytes: int
+
+    @property
+    def v5(self) -> bool:
+        """Whether STEP 7 V5 compiles the sources."""
+        return self.dialect is Dialect.V5
+
+    @property
+    def t15(self) -> bool:
+        """Whether the CPU is an S7-1200 or S7-1500."""
+        return self.dialect is Dialect.T15
+
+    @property
+    def classic(self) -> bool:
+        """Whether the CPU is an S7-300 or S7-400."""
+        return not self.t15
+
+
+_XML_VERSIONS = {
+    "tia-v14sp1": "V14 SP1", "tia-v15": "V15", "tia-v15.1": "V15.1", "tia-v16": "V16", "tia-v17": "V17",
+    "tia-v18": "V18", "tia-v19": "V19", "tia-v20": "V20", "tia-v21": "V21",
+}  # fmt: skip
+"""``Engineering@version`` by toolchain; STEP 7 V5, V13 SP1 and V14 get text sources only: they know no SCL as XML."""
+
+_NUMBERS = {
+    "s7-300": {"FB": 7999, "DB": 16000, "UDT": 65535},
+    "s7-400": {"FB": 7999, "DB": 16000, "UDT": 65535},
+    "s7-1200": {"FB": 65535, "DB": 59999, "UDT": 65535},
+    "s7-1500": {"FB": 65535, "DB": 59999, "UDT": 65535},
+}
+_FLAGS = {"s7-300": 8192, "s7-400": 16384, "s7-1200": 8192, "s7-1500": 16384}
+
+
+@cache
+def target(family: str, toolchain: str) -> Target:
+    """Describe a target; the combination has been checked by :func:`combination_problem`."""
+    new = family in {"s7-1200", "s7-1500"}
+    v5 = toolchain == "step7-v5"
+    dialect = Dialect.T15 if new else Dialect.V5 if v5 else Dialect.T3
+    xml = _XML_VERSIONS.get(toolchain)
+    return Target(family, toolchain, dialect, "cp1252" if v5 else "utf-8-sig", xml, _NUMBERS[family], _FLAGS[family])
+
+
+def combination_problem(family: str, toolchain: str) -> str | None:
+    """Why a family cannot be programmed with a tool, or None."""
+    if toolchain == "step7-v5" and family in {"s7-1200", "s7-1500"}:
+        return f"STEP 7 V5 does not know the {family.upper()}"
+    return None
+
+
+_SAME = {"FloatingPoint": "REAL", "Integer16": "INT", "Integer32": "DINT", "Boolean": "BYTE", "VisibleString": "CHAR",
+         "OctetString": "BYTE", "V2": "WORD", "L2": "WORD", "N2": "INT", "E2": "INT", "X2": "INT", "N4": "DINT",
+         "C4": "DINT", "X4": "DINT"}  # fmt: skip
+_CLASSIC = {"Integer8": "BYTE", "Unsigned8": "BYTE", "Unsigned16": "WORD", "Unsigned32": "DWORD", "R2": "WORD",
+            "T2": "WORD", "D2": "WORD", "T4": "DWORD", "TimeDifference": "DWORD"}  # fmt: skip
+_NEW = {"Integer8": "SINT", "Unsigned8": "USINT", "Unsigned16": "UINT", "Unsigned32": "UDINT", "R2": "UINT",
+        "T2": "UINT", "D2": "UINT", "T4": "UDINT", "TimeDifference": "UDINT", "Float64": "LREAL"}  # fmt: skip
+_LONG = {"Integer64": "LINT", "Unsigned64": "ULINT"}
+
+
+def element_type(fmt: Format, where: Target) -> Elementary | None:
+    """S7 type that holds one value of a DS47 format; None if only bytes can hold it on this CPU."""
+    name = _SAME.get(fmt.name) or (_NEW if where.t15 else _CLASSIC).get(fmt.name)
+    if name is None and where.family == "s7-1500":
+        name = _LONG.get(fmt.name)
+    return ELEMENTARY[name] if name else None

@@ -1,0 +1,67 @@
+"""What lies in an output folder: manifest, blocks from the text sources, blocks from SimaticML."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, Span
+from plcgen.documents.folder import generated_documents, generated_sources
+from plcgen.project.target import Dialect as TargetDialect
+from plcgen.project.target import Target
+from plcgen.s7.shapes import TypeTable
+from plcgen.scl.dialect import Dialect
+from plcgen.simaticml.reading.documents import read_simaticml
+from plcgen.sources.text import read_source
+
+DIALECTS = {
+    TargetDialect.V5: Dialect.STEP7_V5,
+    TargetDialect.T3: Dialect.TIA_300_400,
+    TargetDialect.T15: Dialect.TIA_1200_1500,
+}
+
+
+@dataclass(slots=True)
+class Folder:
+    """Blocks by upper-case name, with the file each came from; ``problems`` is what could not be read."""
+
+    path: Path
+    text: TypeTable = field(default_factory=TypeTable)
+    xml: TypeTable = field(default_factory=TypeTable)
+    files: dict[str, Path] = field(default_factory=dict)
+    problems: list[Diagnostic] = field(default_factory=list)
+
+    def place(self, name: str) -> Span:
+        """Where a block of the text sources stands."""
+        block = self.text.get(name.upper())
+        if block is not None and block.span is not None:
+            return block.span
+        return Span(str(self.files.get(name.upper(), self.path)))
+
+
+def read_folder(path: Path, where: Target, progress: Callable[[str, int, int], None] | None = None) -> Folder:
+    """Read every generated source and every generated SimaticML block document of a folder."""
+    folder = Folder(path)
+    sources, documents = generated_sources(path), generated_documents(path)
+    total = len(sources) + len(documents)
+    for number, source in enumerate(sources):
+        blocks, found = read_source(source, DIALECTS[where.dialect], encoding="cp1252" if where.v5 else None)
+        folder.problems += found
+        for block in blocks:
+            earlier = folder.files.get(block.name.upper())
+            if earlier is not None:
+                message = f'block "{block.name}" is declared a second time, first in {earlier.name}'
+                folder.problems.append(Diagnostic("PG610", message, block.span or Span(str(source))))
+                continue
+            folder.text[block.name.upper()] = block
+            folder.files[block.name.upper()] = source
+        if progress is not None and number % 50 == 0:
+            progress("read", number, total)
+    for number, document in enumerate(documents, len(sources)):
+        blocks, found = read_simaticml(document, classic=where.classic)
+        folder.problems += found
+        folder.xml.update((block.name.upper(), block) for block in blocks)
+        if progress is not None and number % 50 == 0:
+            progress("read", number, total)
+    return folder

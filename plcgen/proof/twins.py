@@ -1,0 +1,113 @@
+"""Text source and SimaticML document of one block: the same interface, the same tokens of code."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcgen.diagnostics import Diagnostic
+from plcgen.project.model import Project
+from plcgen.proof.checks import Check, Outcome
+from plcgen.proof.folder import Folder
+from plcgen.s7.blocks import Block, BlockKind, SectionKind
+from plcgen.s7.types import ArrayType, DataType, Member, StructType
+from plcgen.scl.lexer import KEYWORDS, Tokens, tokenize
+
+_CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
+_SHOWN = 30
+
+
+def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
+    """One check over every code block and instance DB, for targets that get documents."""
+    if project.target.xml_version is None:
+        return
+    problems: list[Diagnostic] = []
+    tokens = blocks = 0
+    for name, block in folder.text.items():
+        if block.kind not in _CODE and not block.instance_of:
+            continue
+        blocks += 1
+        other = folder.xml.get(name)
+        if other is None:
+            message = f'{block.kind} "{block.name}" is missing in the SimaticML documents'
+            problems.append(Diagnostic("PG608", message, folder.place(name), help="run plcgen generate"))
+            continue
+        found, count = difference(block, other, folder.text)
+        tokens += count
+        if found:
+            message = f'{block.kind} "{block.name}": {found}'
+            problems.append(Diagnostic("PG612", message, other.span or folder.place(name), help="run plcgen generate"))
+    text = f"{blocks} blocks, {tokens:,} tokens of code"
+    if problems:
+        more = f" (+{len(problems) - 1} more)" if len(problems) > 1 else ""
+        verdict = f"{problems[0].message}{more}"
+        yield Check("files.twins", "text and SimaticML", text, Outcome.ERROR, verdict, problems[0])
+    else:
+        yield Check("files.twins", "text and SimaticML", text, Outcome.OK, "say the same")
+
+
+def difference(text: Block, document: Block, known: dict[str, Block]) -> tuple[str, int]:
+    """What differs between the two spellings of a block (empty if nothing), and the tokens compared."""
+    if (text.kind, text.instance_of) != (document.kind, document.instance_of):
+        return "the document is another kind of block", 0
+    if text.title.strip() != document.title.strip() or text.comment.strip() != document.comment.strip():
+        return "title or comment differ", 0
+    declared = known.get((text.instance_of or "").upper(), text)
+    for kind in SectionKind:
+        if text.instance_of and kind in {SectionKind.TEMP, SectionKind.CONSTANT, SectionKind.RETURN}:
+            continue
+        problem = _members(declared.section(kind), document.section(kind), kind.value)
+        if problem:
+            return problem, 0
+    if text.code is None:
+        return "", 0
+    if document.code is None:
+        return "the document has no SCL", 0
+    return _tokens(tokenize(text.code, "text"), tokenize(document.code, "document"))
+
+
+def _members(first: tuple[Member, ...], second: tuple[Member, ...], where: str) -> str:
+    names = [m.name for m in first], [m.name for m in second]
+    if names[0] != names[1]:
+        return f"{where} has other members in the document"
+    for one, two in zip(first, second, strict=True):
+        if _facts(one) != _facts(two):
+            return f"{where} {one.name} is declared otherwise in the document"
+        inner = _members(_inside(one.type), _inside(two.type), one.name)
+        if inner:
+            return inner
+    return ""
+
+
+def _facts(member: Member) -> tuple[object, ...]:
+    """What a declaration says, without the members of a structure."""
+    type_ = member.type if not _inside(member.type) else str(getattr(member.type, "bounds", ""))
+    start = "".join(member.start.split()) if member.start is not None else None
+    return type_, start, member.comment, member.at, member.attributes
+
+
+def _inside(type_: DataType) -> tuple[Member, ...]:
+    while isinstance(type_, ArrayType):
+        type_ = type_.element
+    return type_.members if isinstance(type_, StructType) else ()
+
+
+def _tokens(text: Tokens, document: Tokens) -> tuple[str, int]:
+    """First token in which two codes differ; keywords count in any case."""
+    count = len(text.kinds) - 1
+    first, second = _spelling(text), _spelling(document)
+    if first == second:
+        return "", count
+    for number, (one, two) in enumerate(zip(first, second, strict=False)):
+        if one != two:
+            line, _ = text.position(text.starts[number])
+            return f"line {line} of the code has {_short(one)}, the document {_short(two)}", count
+    return f"the document has {len(second) - 1} tokens of code, the text {len(first) - 1}", count
+
+
+def _spelling(tokens: Tokens) -> list[str]:
+    pairs = zip(tokens.kinds, tokens.texts, strict=True)
+    return [kind if kind in KEYWORDS else text for kind, text in pairs]
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 2]}.."

@@ -1,0 +1,1 @@
+"""PROFIdrive, data set 47: parameter jobs on drives."""

@@ -1,0 +1,239 @@
+"""One job of the spec -> a planned job: uses, telegrams, buffers, blocks."""
+
+from __future__ import annotations
+
+from plcgen.diagnostics import Diagnostic, Report
+from plcgen.project.loading import LoadedSpec, SpecPath
+from plcgen.project.model import BlockRef, Part, PlannedDrive, PlannedJob, PlannedTrigger, Telegram, Use
+from plcgen.project.numbering import Numbering
+from plcgen.project.schema import Buffer, Job, ReadItem, Trigger, WriteItem
+from plcgen.protocols.ds47.plan import pack
+from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
+from plcgen.protocols.ds47.plan.uses import UseResolver
+from plcgen.protocols.ds47.wire.codec import encode_request
+from plcgen.protocols.ds47.wire.model import ParameterAddress, Request, RequestId, ValueBlock
+from plcgen.s7.address import Address, AddressError, parse_address
+from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorten
+
+
+def plan_job(
+    key: str,
+    loaded: LoadedSpec,
+    drive: PlannedDrive,
+    owner: int,
+    resolver: UseResolver,
+    numbering: Numbering,
+    report: Report,
+) -> PlannedJob | None:
+    """Plan one job; None if it has no usable parameter."""
+    job = loaded.spec.jobs[key]
+    path = ("jobs", key)
+    uses = _uses(job, key, loaded, resolver, report)
+    if not uses:
+        return None
+    write = job.write is not None
+    packed = _packed(uses, drive, loaded, report, write=write)
+    if packed is None:
+        return None
+    reference = job.reference if job.reference is not None else (owner - 1) % 255 + 1
+    name = pascal_case(key)
+    faq = (job.names or loaded.spec.plc.names) == "faq"
+    if len(packed) > 1 and job.split == "never":
+        _report_unsplittable(job, key, uses, drive, loaded, report)
+    context = _Context(key, drive, reference, numbering, write=write, faq=faq, many=len(packed) > 1)
+    telegrams = tuple(_telegram(index, parts, job, name, context) for index, parts in enumerate(packed, 1))
+    block, instance, records = _blocks(job, name, path, numbering)
+    return PlannedJob(
+        key=key,
+        member=_member(key, job, numbering),
+        write=write,
+        drive=drive,
+        owner=owner,
+        uses=uses,
+        telegrams=telegrams,
+        block=block,
+        instance=instance,
+        record_instances=records,
+        trigger=plan_trigger(job.trigger, path, loaded, report),
+        reference=reference,
+        timeout=job.timeout,
+        retry_pause=job.retry_pause,
+        retries=_retries(job),
+        faq_names=faq,
+        comment=job.comment or {},
+        path=path,
+    )
+
+
+def _retries(job: Job) -> int:
+    """Bound on retries of one telegram; by default their pauses take 80 % of the time-out, so that it is reached."""
+    return max(1, job.timeout * 4 // (5 * job.retry_pause)) if job.retries is None else job.retries
+
+
+def _member(key: str, job: Job, numbering: Numbering) -> str:
+    """Name of the job in the control DB; with flags, their tags (``..Execute``) have to fit the limit too."""
+    limit = V5_LIMIT if numbering.where.v5 else TIA_LIMIT
+    return shorten(camel_case(key), limit if job.trigger is None else limit - len("Execute"))
+
+
+def _blocks(
+    job: Job, name: str, path: SpecPath, numbering: Numbering
+) -> tuple[BlockRef, BlockRef, tuple[BlockRef, BlockRef] | None]:
+    """The function block, its instance DB and, for STEP 7 V5, the instance DBs of WRREC and RDREC."""
+    own = job.block.name
+    block = numbering.block("FB", own or name, (*path, "block"), job.block.number, given=bool(own))
+    own = job.instance.name
+    instance = numbering.block("DB", own or f"{name}_DB", (*path, "instance"), job.instance.number, given=bool(own))
+    if not numbering.where.v5:
+        return block, instance, None
+    records = (numbering.block("DB", f"{name}_WrRec", path), numbering.block("DB", f"{name}_RdRec", path))
+    return block, instance, records
+
+
+def _packed(
+    uses: tuple[Use, ...], drive: PlannedDrive, loaded: LoadedSpec, report: Report, *, write: bool
+) -> list[tuple[Part, ...]] | None:
+    """Telegrams of a job; None after a diagnostic if a single value does not fit a record."""
+    device = drive.device
+    packed = pack.pack(uses, device.record_limit, device.max_parameters, write=write)
+    if packed is not None:
+        return packed
+    long = max(uses, key=lambda use: use.count * use.format.size)
+    message = f"{long.label} does not fit one record of {device.record_limit} bytes"
+    report.add(Diagnostic("PG301", message, loaded.span(long.path), help="shorten the string"))
+    return None
+
+
+def _uses(job: Job, key: str, loaded: LoadedSpec, resolver: UseResolver, report: Report) -> tuple[Use, ...]:
+    if (job.read is None) == (job.write is None):
+        both = job.read is not None
+        what = "either read or write, not both" if both else "what to read or what to write"
+        help_ = "make two jobs of it" if both else "add read: [P50303] or write: {P50303: 10.0}"
+        report.add(Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help=help_))
+        return ()
+    verb = "read" if job.read is not None else "write"
+    items: tuple[ReadItem | WriteItem, ...] = job.read if job.read is not None else job.write or ()
+    if not items:
+        report.add(Diagnostic("PG218", f'job "{key}" names no parameter', loaded.span(("jobs", key, verb))))
+    found = [
+        resolver.resolve(item, position, ("jobs", key, verb, position - 1), write=verb == "write")
+        for position, item in enumerate(items, 1)
+    ]
+    return tuple(use for use in found if use is not None)
+
+
+def _report_unsplittable(
+    job: Job, key: str, uses: tuple[Use, ...], drive: PlannedDrive, loaded: LoadedSpec, report: Report
+) -> None:
+    """Why a job that must not be split does not fit one telegram."""
+    device = drive.device
+    parts = [Part(use, 0, use.count) for use in uses]
+    write = job.write is not None
+    place = loaded.span(("jobs", key, "write" if write else "read"))
+    help_ = "allow several telegrams (split: auto) or make two jobs of it"
+    if len(parts) > device.max_parameters:
+        message = f"{len(parts)} parameters in one telegram; {device.key} takes {device.max_parameters}"
+        report.add(Diagnostic("PG302", message, place, help=help_))
+    else:
+        request, response = pack.request_length(parts, write=write), pack.longest_response(parts, write=write)
+        message = f"request {request} bytes, response up to {response}: the record holds {device.record_limit}"
+        report.add(Diagnostic("PG301", message, place, help=help_))
+
+
+class _Context:
+    """What all telegrams of a job share."""
+
+    def __init__(
+        self,
+        key: str,
+        drive: PlannedDrive,
+        reference: int,
+        numbering: Numbering,
+        *,
+        write: bool,
+        faq: bool,
+        many: bool,
+    ) -> None:
+        self.key, self.drive, self.reference, self.numbering = key, drive, reference, numbering
+        self.write, self.faq, self.many = write, faq, many
+
+    def reference_of(self, index: int) -> int:
+        return (self.reference - 1 + index - 1) % 255 + 1
+
+    def name(self, base: str, index: int) -> str:
+        return f"{base}{index}" if self.many else base
+
+
+def _telegram(index: int, parts: tuple[Part, ...], job: Job, name: str, context: _Context) -> Telegram:
+    numbering, where, write = context.numbering, context.numbering.where, context.write
+    request_id = RequestId.CHANGE if write else RequestId.READ
+    header = (context.reference_of(index) & 0xFF, int(request_id), context.drive.drive_object)
+    longest = pack.longest_response(parts, write=write)
+    pinned = job.response.size
+    request_db = _buffer(job.request, "request", f"{name}_Request", index, context)
+    response_db = _buffer(job.response, "response", f"{name}_Response", index, context)
+    return Telegram(
+        index=index,
+        parts=parts,
+        request=_request_bytes(parts, header, write=write),
+        request_db=request_db,
+        request_type=numbering.block("UDT", f"type{_upper(request_db.name)}", request_db.path),
+        request_fields=request_fields(parts, header, where, job.request.members, write=write, faq=context.faq),
+        positive_length=pack.positive_length(parts, write=write),
+        negative_length=pack.negative_length(parts),
+        response_size=longest if pinned is None else pinned,
+        response_db=response_db,
+        response_type=numbering.block("UDT", f"type{_upper(response_db.name)}", response_db.path),
+        response_fields=response_fields(
+            parts,
+            longest if pinned is None else pinned,
+            where,
+            job.response.members,
+            write=write,
+            faq=context.faq,
+        ),
+        pinned_response=pinned,
+    )
+
+
+def _upper(name: str) -> str:
+    return name[:1].upper() + name[1:]
+
+
+def _buffer(given: Buffer, which: str, default: str, index: int, context: _Context) -> BlockRef:
+    path = ("jobs", context.key, which)
+    name = context.name(given.name or default, index)
+    number = given.db if index == 1 else None
+    return context.numbering.block("DB", name, path, number, given=bool(given.name))
+
+
+def _request_bytes(parts: tuple[Part, ...], header: tuple[int, int, int], *, write: bool) -> bytes:
+    addresses = tuple(ParameterAddress(part.use.parameter.pnu, part.subindex, part.elements) for part in parts)
+    values = tuple(ValueBlock(part.use.format.code, part.count, part.data) for part in parts) if write else ()
+    return encode_request(Request(*header, addresses, values))
+
+
+def plan_trigger(trigger: Trigger | None, path: SpecPath, loaded: LoadedSpec, report: Report) -> PlannedTrigger:
+    """Flags of a job whose place in the spec is ``path``; a flag that cannot be used is a diagnostic."""
+    if trigger is None:
+        return PlannedTrigger()
+    found: dict[str, Address] = {}
+    for signal in ("execute", "busy", "done", "error", "status"):
+        text = getattr(trigger, signal)
+        if text is None:
+            continue
+        place = loaded.span((*path, "trigger", signal))
+        width = 16 if signal == "status" else 1
+        wanted = "a word such as MW52" if width > 1 else "a bit such as M50.0"
+        try:
+            address = parse_address(text)
+        except AddressError as problem:
+            report.add(Diagnostic("PG404", f'"{text}": {problem.reason}', place, help=f"{signal} is {wanted}"))
+            continue
+        if address.area != "M" or address.width_bits != width:
+            report.add(
+                Diagnostic("PG404", f'"{text}" cannot be the {signal} flag', place, help=f"{signal} is {wanted}")
+            )
+            continue
+        found[signal] = address
+    return PlannedTrigger(**found)

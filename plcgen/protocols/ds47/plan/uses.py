@@ -1,0 +1,278 @@
+"""One parameter of a job: find it in the catalogue, settle its type, index and value, or say what is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from plcgen.diagnostics import Diagnostic, Report
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.project.loading import LoadedSpec, SpecPath
+from plcgen.project.model import Use
+from plcgen.project.schema import ReadItem, WriteItem
+from plcgen.protocols.ds47.devices import Device, Parameter
+from plcgen.protocols.ds47.plan.references import Reference, parse_bico, parse_reference, parse_type
+from plcgen.protocols.ds47.wire import formats
+from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind
+from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, shorten
+
+DEFAULT_STRING = 16
+
+_PLC_TYPES = {
+    "BOOL": "Boolean", "BYTE": "Unsigned8", "USINT": "Unsigned8", "SINT": "Integer8", "WORD": "Unsigned16",
+    "UINT": "Unsigned16", "INT": "Integer16", "DWORD": "Unsigned32", "UDINT": "Unsigned32", "DINT": "Integer32",
+    "REAL": "FloatingPoint", "FLOAT": "FloatingPoint", "LREAL": "Float64", "STRING": "VisibleString",
+}  # fmt: skip
+"""What people write who think of the PLC's types, and what the drive calls it."""
+
+
+class UseResolver:
+    """Resolves the parameters of one drive's jobs; problems go to the report, the use is then left out."""
+
+    def __init__(self, loaded: LoadedSpec, device: Device, own: dict[int, Parameter], report: Report) -> None:
+        self.loaded = loaded
+        self.device = device
+        self.own = own
+        self.report = report
+        self.known = {**device.parameters, **own}
+        self.unusable: set[int] = set()
+        self.longest_name = V5_LIMIT if loaded.spec.plc.toolchain == "step7-v5" else TIA_LIMIT
+
+    def check_definition(self, parameter: Parameter, path: SpecPath) -> None:
+        """Report a data type that does not exist where the spec defines a parameter, not at every use."""
+        if self._format(parameter, path) is None:
+            self.unusable.add(parameter.pnu)
+
+    def problem(self, code: str, message: str, path: SpecPath, help_: str = "") -> None:
+        """Report an error at a place of the spec."""
+        self.report.add(Diagnostic(code, message, self.loaded.span(path), help=help_))
+
+    def resolve(self, item: ReadItem | WriteItem, position: int, path: SpecPath, *, write: bool) -> Use | None:
+        """Turn one item of a job into a use; None if something about it is wrong."""
+        place: SpecPath = (*path, "parameter")
+        reference = parse_reference(item.parameter)
+        if reference is None:
+            self.problem(
+                "PG203",
+                f'"{item.parameter}" is not a parameter',
+                place,
+                "write P50303, P2155[1..2] or a name",
+            )
+            return None
+        parameter = self._parameter(reference, item.type, path)
+        if parameter is None or parameter.pnu in self.unusable:
+            return None
+        settled = self._format(parameter, path)
+        if settled is None or not self._index_fits(reference, parameter, place):
+            return None
+        fmt, octets = settled
+        values = 1 if reference.first is None or reference.last is None else reference.last - reference.first + 1
+        if octets and values > 1:
+            self.problem("PG206", f"{item.parameter}: several indexes of a string are several reads", place)
+            return None
+        count = octets if fmt.is_string else values
+        start = item.value if isinstance(item, WriteItem) and item.value is not None else None
+        constant = start is not None
+        if isinstance(item, WriteItem) and not constant:
+            start = item.start if item.start is not None else _safe_default(parameter, fmt)
+        data = b"\0" * (count * fmt.size)
+        if write:
+            data = self._pack(start, parameter, fmt, count, (*path, "value" if constant else "start")) or data
+        return Use(
+            position=position,
+            parameter=parameter,
+            format=fmt,
+            first=reference.first,
+            elements=count if write and fmt.is_string else self._elements(reference, values, write=write),
+            count=count,
+            data=data,
+            constant=constant,
+            member=item.as_ or shorten(_member(parameter, reference), self.longest_name),
+            comment=item.comment or {},
+            path=path,
+        )
+
+    def _elements(self, reference: Reference, values: int, *, write: bool) -> int:
+        return self.device.scalar_elements[1 if write else 0] if reference.first is None else values
+
+    def _parameter(self, reference: Reference, given: str | None, path: SpecPath) -> Parameter | None:
+        place: SpecPath = (*path, "parameter")
+        if reference.pnu is None:
+            found = next((p for p in self.known.values() if p.name == reference.name), None)
+            if found is None:
+                names = [p.name for p in self.known.values() if p.name]
+                hint = did_you_mean(reference.name, names) or "use its number, for example P50303"
+                self.problem("PG203", f'{self.device.title} has no parameter called "{reference.name}"', place, hint)
+            return found
+        if not 1 <= reference.pnu <= 0xFFFF:
+            self.problem("PG203", f"parameter number {reference.pnu} is outside 1..65535", place)
+            return None
+        known = self.known.get(reference.pnu)
+        if known is None and given is None:
+            near = did_you_mean(f"P{reference.pnu}", [f"P{pnu}" for pnu in self.known])
+            self.problem(
+                "PG204",
+                f"P{reference.pnu} is not in the catalogue of {self.device.key}: its data type is missing",
+                place,
+                f"{near} or give its type: {{type: FloatingPoint}}".strip(),
+            )
+            return None
+        if known is None:
+            return Parameter(reference.pnu, given or "")
+        if given is not None and given.lower() != known.type.lower():
+            self.problem(
+                "PG212",
+                f"P{reference.pnu} is {known.type} in the catalogue, not {given}",
+                (*path, "type"),
+                f"remove the type, or define the parameter under drives.*.parameters if {self.device.key} differs",
+            )
+            return None
+        return known
+
+    def _format(self, parameter: Parameter, path: SpecPath) -> tuple[Format, int] | None:
+        """Format and, for strings, the number of octets."""
+        place: SpecPath = (*path, "type")
+        split = parse_type(parameter.type)
+        try:
+            fmt = formats.by_name(split[0]) if split else None
+        except KeyError:
+            fmt = None
+        if fmt is None or split is None or not fmt.writable or fmt.generic:
+            names = [f.name for f in formats.FORMATS if f.writable and not f.generic]
+            word = split[0] if split else parameter.type
+            hint = (
+                f'did you mean "{_PLC_TYPES[word.upper()]}"?'
+                if word.upper() in _PLC_TYPES
+                else did_you_mean(word, names)
+            )
+            help_ = f"{hint} DS47 types: {', '.join(names)}".strip()
+            self.problem("PG205", f'"{parameter.type}" is not a DS47 data type', place, help_)
+            return None
+        if split[1] is not None and (not fmt.is_string or not 1 <= split[1] <= 234):
+            self.problem("PG205", f"{parameter.type}: only strings have a length, 1..234", place)
+            return None
+        return fmt, (split[1] or DEFAULT_STRING) if fmt.is_string else 0
+
+    def _index_fits(self, reference: Reference, parameter: Parameter, place: SpecPath) -> bool:
+        if reference.first is None or reference.last is None:
+            return True
+        label = f"P{parameter.pnu}"
+        if reference.last < reference.first:
+            self.problem("PG206", f"{label}[{reference.first}..{reference.last}]: the range runs backwards", place)
+        elif reference.last > 0xFFFE:
+            self.problem("PG206", f"{label}: subindex {reference.last} is outside 0..65534", place)
+        elif parameter.array is not None and reference.last >= parameter.array:
+            self.problem(
+                "PG206",
+                f"{label} has the indexes 0..{parameter.array - 1}, not {reference.last}",
+                place,
+                "the drive would answer error 03h",
+            )
+        elif parameter.array is None and parameter.source and reference.last > 0:
+            self.problem("PG206", f"{label} has no index", place, "the drive would answer error 04h")
+        else:
+            return True
+        return False
+
+    def _pack(self, given: Any, parameter: Parameter, fmt: Format, count: int, path: SpecPath) -> bytes | None:
+        """Wire bytes of a constant or start value; None after a diagnostic."""
+        values: Sequence[Any] = given if isinstance(given, tuple) else (given,)
+        if fmt.is_string:
+            return self._pack_octets(values, fmt, count, path)
+        if len(values) == 1 and count > 1 and not isinstance(given, tuple):
+            values = tuple(values) * count
+        if len(values) != count:
+            help_ = f"give {count} values, or one for all of them"
+            self.problem("PG210", f"P{parameter.pnu}: {len(values)} values for {count} elements", path, help_)
+            return None
+        packed = b""
+        ok = True
+        for value in values:
+            one = self._pack_one(value, parameter, fmt, path)
+            ok = ok and one is not None
+            packed += one or b""
+        return packed if ok else None
+
+    def _pack_one(self, value: Any, parameter: Parameter, fmt: Format, path: SpecPath) -> bytes | None:
+        if isinstance(value, str):
+            bico = parse_bico(value) if fmt.name == "Unsigned32" else None
+            if bico is None and fmt.kind is not Kind.OPAQUE:
+                self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, _value_help(fmt))
+                return None
+            value = value if bico is None else bico
+        try:
+            if fmt.kind is Kind.OPAQUE:
+                value = _octets(value, fmt.size)
+            packed = formats.pack_values(fmt, [value])
+        except FormatValueError as problem:
+            self.problem("PG208", f"P{parameter.pnu}: {problem}", path)
+            return None
+        low, high = parameter.minimum, parameter.maximum
+        if isinstance(value, bool | int | float) and (
+            (low is not None and value < low) or (high is not None and value > high)
+        ):
+            unit = f" {parameter.unit}" if parameter.unit else ""
+            bounds = f"{'' if low is None else f'{low:g}'}..{'' if high is None else f'{high:g}'}{unit}"
+            self.problem(
+                "PG209",
+                f"P{parameter.pnu} = {value:g} is outside its limits {bounds}",
+                path,
+                "the drive would answer error 02h",
+            )
+            return None
+        return packed
+
+    def _pack_octets(self, values: Sequence[Any], fmt: Format, count: int, path: SpecPath) -> bytes | None:
+        value = values[0] if len(values) == 1 else None
+        if not isinstance(value, str):
+            self.problem("PG211", f"{fmt.name} takes text", path, _value_help(fmt))
+            return None
+        try:
+            data = value.encode("latin-1") if fmt.kind is Kind.TEXT else bytes.fromhex(value)
+        except ValueError:
+            self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, _value_help(fmt))
+            return None
+        if len(data) > count:
+            self.problem("PG208", f"{len(data)} octets do not fit {fmt.name}[{count}]", path)
+            return None
+        return data.ljust(count, b" " if fmt.kind is Kind.TEXT else b"\0")
+
+
+def _octets(value: Any, size: int) -> bytes:
+    """Octets of an uninterpreted date or time, written as hexadecimal digits."""
+    try:
+        data = bytes.fromhex(value) if isinstance(value, str) else bytes(size) if value == 0 else b""
+    except ValueError:
+        data = b""
+    if len(data) != size:
+        raise FormatValueError(f"write {size} octets as {2 * size} hexadecimal digits")
+    return data
+
+
+def _value_help(fmt: Format) -> str:
+    if fmt.kind is Kind.OCTETS:
+        return 'write the octets as hexadecimal digits, for example "0329"'
+    if fmt.kind is Kind.TEXT:
+        return "write the text in quotes"
+    if fmt.name == "Unsigned32":
+        return "write a number or a BICO source such as r0722.0"
+    return "write a number"
+
+
+def _safe_default(parameter: Parameter, fmt: Format) -> Any:
+    """Start value of an input: the factory setting, else zero or the nearest limit."""
+    if fmt.is_string:
+        return parameter.default if isinstance(parameter.default, str) else ""
+    if parameter.default is not None:
+        return parameter.default
+    low, high = parameter.minimum, parameter.maximum
+    number = low if low is not None and low > 0 else high if high is not None and high < 0 else 0
+    return int(number) if fmt.kind is not Kind.FLOAT else float(number)
+
+
+def _member(parameter: Parameter, reference: Reference) -> str:
+    """Default member name: the catalogue's name, else the number; a single element of an array adds its index."""
+    base = camel_case(parameter.name) if parameter.name else f"p{parameter.pnu}"
+    if reference.first is None or reference.last != reference.first:
+        return base
+    return f"{base}Index{reference.first}"

@@ -1,0 +1,1 @@
+"""Drive jobs under test: rig, runner and scenarios."""

@@ -1,0 +1,90 @@
+"""The test bench: a simulated drive that has exactly the parameters the jobs of a project use."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Literal
+
+from plcgen.project.model import PlannedDrive, Project, Use
+from plcgen.protocols.ds47 import devices as catalog
+from plcgen.protocols.ds47.sim.drive import Drive
+from plcgen.protocols.ds47.sim.faults import Fault
+from plcgen.protocols.ds47.sim.habits import Habits
+from plcgen.protocols.ds47.sim.parameters import DriveObject, Limits, Parameter
+from plcgen.protocols.ds47.wire.errors import Table
+from plcgen.protocols.ds47.wire.formats import Format, Kind, Value, unpack_values
+
+
+def build_drive(
+    project: Project, drive: PlannedDrive, faults: Iterable[Fault] = (), *, distinct: bool = False
+) -> Drive:
+    """A drive with the profile's habits. ``distinct`` gives every value another content."""
+    uses = [use for job in project.jobs if job.drive is drive for use in job.uses]
+    by_pnu: dict[int, list[Use]] = {}
+    for use in uses:
+        by_pnu.setdefault(use.parameter.pnu, []).append(use)
+    parameters = {
+        pnu: _parameter(group, seed, distinct=distinct) for seed, (pnu, group) in enumerate(by_pnu.items(), 1)
+    }
+    device = drive.device
+    words: Literal[1, 2] = 1 if device.error_words == 1 else 2
+    answer: Literal["exact", "size"] = "size" if device.answer_format == "size" else "exact"
+    table: Table = "sinamics" if device.error_table == "sinamics" else "profidrive"
+    habits = Habits(
+        error_words=words,
+        answer_format=answer,
+        record_indexes=tuple(device.record_index.values()),
+        local_object=drive.drive_object,
+        max_parameters=device.max_parameters,
+        record_limit=device.record_limit,
+        strict_length=device.strict_length,
+        error_table=table,
+    )
+    return Drive(habits, [DriveObject(drive.drive_object, parameters)], faults)
+
+
+def _parameter(group: list[Use], seed: int, *, distinct: bool) -> Parameter:
+    use = group[0]
+    fmt, definition = use.format, use.parameter
+    highest = max(u.subindex + (1 if fmt.is_string else u.count) for u in group)
+    array = definition.array is not None or highest > 1
+    count = max(definition.array or 1, highest)
+    values = [_value(use, definition, seed * 16 + index, distinct=distinct) for index in range(count)]
+    limits = Limits(definition.minimum, definition.maximum) if fmt.kind in _NUMERIC else Limits()
+    return Parameter(
+        pnu=definition.pnu,
+        format=fmt,
+        values=values,
+        name=definition.name[:16],
+        array=array,
+        limits=limits,
+        read_only=definition.access == "r",
+    )
+
+
+_NUMERIC = {Kind.SIGNED, Kind.UNSIGNED, Kind.FLOAT}
+
+
+def _value(use: Use, definition: catalog.Parameter, number: int, *, distinct: bool) -> Value:
+    """Content of one element: the factory setting, or a number of its own within the limits."""
+    fmt = use.format
+    if fmt.is_string or fmt.kind is Kind.OPAQUE:
+        octets = use.count if fmt.is_string else fmt.size
+        return _octets(fmt, definition, number, octets, distinct=distinct)
+    if fmt.kind is Kind.BOOLEAN:
+        return bool(number % 2) if distinct else bool(definition.default)
+    if not distinct and isinstance(definition.default, int | float) and not isinstance(definition.default, bool):
+        return definition.default
+    low = definition.minimum if definition.minimum is not None else 0.0
+    high = definition.maximum if definition.maximum is not None else low + 100.0
+    if fmt.kind is Kind.FLOAT:
+        return low + (high - low) * (number % 97) / 128.0
+    return int(low) + number % (int(min(high - low, 100.0)) + 1)
+
+
+def _octets(fmt: Format, definition: catalog.Parameter, number: int, count: int, *, distinct: bool) -> Value:
+    text = definition.default if isinstance(definition.default, str) and not distinct else ""
+    if fmt.kind is Kind.TEXT:
+        return (text or "".join(chr(65 + (number + i) % 26) for i in range(count))).ljust(count)[:count]
+    data = bytes.fromhex(text) if text else bytes((number + i) % 256 for i in range(count))
+    return unpack_values(fmt, count if fmt.is_string else 1, data.ljust(count, b"\0")[:count])[0]

@@ -1,0 +1,283 @@
+"""Telegrams on the wire: the DB image goes to the simulated drive, the answer comes back through the members.
+
+What is sent is the image of the request DB as its start values on disk define it; nothing of the generator is used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError
+from plcgen.project.model import Field, Part, PlannedJob, Project, Telegram
+from plcgen.proof.checks import Check, Outcome
+from plcgen.proof.folder import Folder
+from plcgen.protocols.ds47.proof.bench import build_drive
+from plcgen.protocols.ds47.sim.drive import Drive
+from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
+from plcgen.protocols.ds47.wire import errors, formats, status
+from plcgen.protocols.ds47.wire.codec import TelegramError, decode_request, decode_response
+from plcgen.protocols.ds47.wire.model import ErrorBlock, Request, RequestId
+from plcgen.s7.blocks import Block
+from plcgen.s7.image import image, read_member
+from plcgen.s7.layout import layout_block, locate
+from plcgen.s7.literals import LiteralError
+
+ATTEMPTS = 40
+RETRY_PAUSE = 200
+
+
+class _FindingError(Exception):
+    """A finding that ends the check of one telegram."""
+
+    def __init__(self, code: str, message: str) -> None:
+        self.code = code
+        super().__init__(message)
+
+
+def check_telegrams(project: Project, folder: Folder) -> Iterator[Check]:
+    """Checks of the group ``telegrams``: start values of each request DB against the spec and DS47."""
+    for job in project.jobs:
+        for telegram in job.telegrams:
+            shown = telegram.request.hex(" ").upper()
+            text = f"{_short(shown)}  LEN {len(telegram.request)}"
+
+            def run(job: PlannedJob = job, telegram: Telegram = telegram) -> str:
+                data = request_image(project, folder, telegram)
+                _check_request(job, telegram, data)
+                return "start values form exactly this telegram"
+
+            yield _guard(f"telegram.{telegram.request_db.name}", _name(job, telegram), text, folder, telegram, run)
+
+
+def check_drive(
+    project: Project, folder: Folder, own: Drive | None, progress: Callable[[str, int, int], None] | None
+) -> Iterator[Check]:
+    """Checks of the group ``drive``: a good exchange and every negative answer."""
+    total = len(project.jobs)
+    for number, job in enumerate(project.jobs):
+        if progress is not None:
+            progress("exchange", number, total)
+        for telegram in job.telegrams:
+            name = _name(job, telegram)
+
+            def good(job: PlannedJob = job, telegram: Telegram = telegram) -> str:
+                _exchange(project, folder, job, telegram, build_drive(project, job.drive, distinct=True))
+                return _exchange(project, folder, job, telegram, own or build_drive(project, job.drive))
+
+            yield _guard(f"drive.{telegram.request_db.name}", f"answer {name}", "", folder, telegram, good)
+            count = len(errors.known_numbers()) * len(telegram.parts) * 2
+            text = f"{len(errors.known_numbers())} error numbers x {len(telegram.parts)} positions x 1 and 2 words"
+
+            def bad(job: PlannedJob = job, telegram: Telegram = telegram, count: int = count) -> str:
+                longest = _negative(project, folder, job, telegram)
+                return f"{count} negative answers fit, longest {longest} of {telegram.response_size} B"
+
+            yield _guard(f"negative.{telegram.response_db.name}", f"errors {name}", text, folder, telegram, bad)
+
+
+def _guard(id_: str, subject: str, text: str, folder: Folder, telegram: Telegram, run: Callable[[], str]) -> Check:
+    """Run one check; a finding becomes its outcome."""
+    try:
+        return Check(id_, subject, text, Outcome.OK, run())
+    except _FindingError as finding:
+        code, message = finding.code, str(finding)
+    except DiagnosticError as problem:
+        code, message = problem.diagnostics[0].code, problem.diagnostics[0].message
+    except LiteralError as problem:
+        code, message = "PG604", str(problem)
+    except TelegramError as problem:
+        code, message = "PG604", str(problem)
+    found = Diagnostic(code, message, folder.place(telegram.request_db.name))
+    return Check(id_, subject, text, Outcome.ERROR, message, found)
+
+
+def _name(job: PlannedJob, telegram: Telegram) -> str:
+    return job.key if len(job.telegrams) == 1 else f"{job.key} {telegram.index}/{len(job.telegrams)}"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 96 else f"{text[:92]} .."
+
+
+def _block(folder: Folder, blocks: dict[str, Block], name: str) -> Block:
+    block = blocks.get(name.upper())
+    if block is None:
+        raise _FindingError("PG608", f'DB "{name}" is missing in {folder.path.name}')
+    return block
+
+
+def request_image(project: Project, folder: Folder, telegram: Telegram) -> bytes:
+    """Bytes of the request DB at start, from the text source; the SimaticML must give the same ones."""
+    name = telegram.request_db.name
+    data = bytes(image(_block(folder, folder.text, name), folder.text))
+    if project.target.xml_version:
+        twin = bytes(image(_block(folder, folder.xml, name), folder.xml))
+        if twin != data:
+            raise _FindingError(
+                "PG604", f"text source and SimaticML differ: {data.hex(' ').upper()} and {twin.hex(' ').upper()}"
+            )
+    return data
+
+
+def _check_request(job: PlannedJob, telegram: Telegram, data: bytes) -> None:
+    """The image is the planned telegram, and decodes to what the spec asks for."""
+    if data != telegram.request:
+        at = next(
+            (i for i, (a, b) in enumerate(zip(data, telegram.request, strict=False)) if a != b),
+            min(len(data), len(telegram.request)),
+        )
+        raise _FindingError(
+            "PG604", f"byte {at} differs: DB {data.hex(' ').upper()}, telegram {telegram.request.hex(' ').upper()}"
+        )
+    request = decode_request(data)
+    if request.request_id != (RequestId.CHANGE if job.write else RequestId.READ) or request.reference == 0:
+        raise _FindingError("PG604", "request id or reference is wrong")
+    if request.drive_object != job.drive.drive_object:
+        raise _FindingError("PG604", f"drive object {request.drive_object} instead of {job.drive.drive_object}")
+    if len(request.addresses) != len(telegram.parts):
+        raise _FindingError("PG604", f"{len(request.addresses)} parameters instead of {len(telegram.parts)}")
+    for position, part in enumerate(telegram.parts):
+        _check_part(request, position, part, job)
+
+
+def _check_part(request: Request, position: int, part: Part, job: PlannedJob) -> None:
+    address = request.addresses[position]
+    use = part.use
+    if (address.pnu, address.subindex) != (use.parameter.pnu, part.subindex):
+        raise _FindingError(
+            "PG604", f"parameter {position + 1} is P{address.pnu}[{address.subindex}] instead of {use.label}"
+        )
+    if job.write and request.values[position].data != part.data:
+        raise _FindingError(
+            "PG604", f"value of {use.label} is {request.values[position].data.hex(' ')}, not {part.data.hex(' ')}"
+        )
+
+
+def _exchange(project: Project, folder: Folder, job: PlannedJob, telegram: Telegram, drive: Drive) -> str:
+    """Send the image, fetch the answer, read it back through the declared members."""
+    answer = _talk(job, request_image(project, folder, telegram), drive)
+    if answer[1] & 0x80:
+        raise _FindingError("PG606", f"the drive answered {_refusals(telegram, answer)}")
+    if len(answer) != telegram.positive_length:
+        raise _FindingError("PG606", f"the answer has {len(answer)} bytes, {telegram.positive_length} were planned")
+    memory = _store(folder, telegram, answer)
+    shown = [
+        _read_back(folder, telegram, job, field, field.part, memory, drive)
+        for field in telegram.response_fields
+        if field.role == "value" and field.part is not None
+    ]
+    if job.write:
+        for part in telegram.parts:
+            _written(job, part, drive)
+            shown.append(f"{part.use.label} accepted")
+    values = ", ".join(shown[:6]) + (f", .. ({len(shown)})" if len(shown) > 6 else "")
+    return f"{_short(answer.hex(' ').upper())}  {values}"
+
+
+def _refusals(telegram: Telegram, answer: bytes) -> str:
+    """Which parameters the drive refused and why."""
+    found = []
+    for number, block in enumerate(decode_response(answer).blocks):
+        if isinstance(block, ErrorBlock):
+            label = telegram.parts[number].use.label if number < len(telegram.parts) else "the request"
+            found.append(f"{label}: error {block.number:02X}h, {errors.error_text(block.number).meaning}")
+    return "; ".join(found) or f"response id {answer[1]:02X}h"
+
+
+def _talk(job: PlannedJob, request: bytes, drive: Drive) -> bytes:
+    """WRREC and RDREC of one request; a temporary error is repeated as the job block would, at most 40 times."""
+    index = job.drive.record_index
+    for _ in range(ATTEMPTS):
+        code = drive.write_record(index, request)
+        if status.explain(code, "write").retry is not status.Retry.TEMPORARY:
+            break
+        drive.advance(RETRY_PAUSE)
+    if code:
+        raise _FindingError("PG606", f"WRREC ends with {code:08X}: {status.explain(code).text}")
+    drive.advance(drive.habits.processing)
+    for _ in range(ATTEMPTS):
+        code, answer = drive.read_record(index, 240)
+        if status.explain(code, "read").retry is not status.Retry.TEMPORARY:
+            break
+        drive.advance(RETRY_PAUSE)
+    if code:
+        raise _FindingError("PG606", f"RDREC ends with {code:08X}: {status.explain(code).text}")
+    return answer
+
+
+def _store(folder: Folder, telegram: Telegram, answer: bytes) -> bytearray:
+    """The response DB after RDREC."""
+    block = _block(folder, folder.text, telegram.response_db.name)
+    memory = image(block, folder.text)
+    if len(answer) > len(memory):
+        short = len(answer) - len(memory)
+        raise _FindingError("PG605", f"response buffer {short} bytes too small: the answer has {len(answer)}")
+    memory[: len(answer)] = answer
+    return memory
+
+
+def _read_back(
+    folder: Folder, telegram: Telegram, job: PlannedJob, field: Field, part: Part, memory: bytearray, drive: Drive
+) -> str:
+    block = _block(folder, folder.text, telegram.response_db.name)
+    layout = layout_block(block, folder.text)
+    entry = locate(layout, field.name)
+    parameter = drive.objects[job.drive.drive_object].parameters[part.use.parameter.pnu]
+    values = [parameter.values[0]] if part.use.format.is_string else parameter.values[part.subindex :][: part.count]
+    expected = formats.pack_values(part.use.format, values)
+    found = bytes(memory[entry.byte : entry.byte + len(expected)])
+    if found != expected:
+        raise _FindingError(
+            "PG607",
+            f'"{block.name}".{field.name} holds {found.hex(" ").upper()}, the drive has {expected.hex(" ").upper()}',
+        )
+    value = read_member(memory, layout, field.name)
+    unit = f" {part.use.parameter.unit}" if part.use.parameter.unit else ""
+    address = f" at DB{telegram.response_db.number}.DBD{entry.byte}" if entry.size == 32 else ""
+    return f"{part.use.label} = {_value(value)}{unit}{address}"
+
+
+def _value(value: object) -> str:
+    if isinstance(value, list | tuple):
+        inner = ", ".join(_value(item) for item in value[:4])
+        return f"[{inner}{', ..' if len(value) > 4 else ''}]"
+    if isinstance(value, float):
+        return f"{value:.7g}.0" if value.is_integer() and abs(value) < 1e7 else f"{value:.7g}"
+    return str(value)
+
+
+def _written(job: PlannedJob, part: Part, drive: Drive) -> None:
+    parameter = drive.objects[job.drive.drive_object].parameters[part.use.parameter.pnu]
+    values = [parameter.values[0]] if part.use.format.is_string else parameter.values[part.subindex :][: part.count]
+    if formats.pack_values(part.use.format, values) != part.data:
+        raise _FindingError("PG607", f"{part.use.label}: the drive has {values} after the write")
+
+
+def _negative(project: Project, folder: Folder, job: PlannedJob, telegram: Telegram) -> int:
+    """Every error number at every position with one and two words; the longest answer in bytes."""
+    longest = 0
+    drive = build_drive(project, job.drive)
+    request = request_image(project, folder, telegram)
+    size = len(image(_block(folder, folder.text, telegram.response_db.name), folder.text))
+    cases = [
+        (number, position, words)
+        for number in errors.known_numbers()
+        for position in range(1, len(telegram.parts) + 1)
+        for words in (1, 2)
+    ]
+    for number, position, words in cases:
+        fault = Fault(FaultKind.ERROR, number=number, position=position, words=2 if words == 2 else 1, info=position)
+        drive.faults = [fault]
+        answer = _talk(job, request, drive)
+        longest = max(longest, len(answer))
+        if len(answer) > size:
+            raise _FindingError(
+                "PG605", f"response buffer {len(answer) - size} bytes too small: DB has {size}, an answer {len(answer)}"
+            )
+        if not answer[1] & 0x80:
+            raise _FindingError("PG606", f"error {number:02X}h at parameter {position} was not answered")
+    drive.faults = [Fault(FaultKind.ERROR, number=2, position=p, words=2) for p in range(1, len(telegram.parts) + 1)]
+    answer = _talk(job, request, drive)
+    if len(answer) > size:
+        raise _FindingError("PG605", f"response buffer {len(answer) - size} bytes too small: every parameter may fail")
+    return max(longest, len(answer))

@@ -1,0 +1,301 @@
+"""Scenarios of the whole program: OB1 with all jobs, several jobs on one drive, CPU limits, wrong DB numbers."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+from plcgen.cpu.cpu import Cpu
+from plcgen.cpu.program import Program
+from plcgen.cpu.system.bus import Bus
+from plcgen.project.model import PlannedJob, Project
+from plcgen.protocols.ds47.proof.bench import build_drive
+from plcgen.protocols.ds47.proof.rig import JobRig, ScenarioError, ScriptedDrive
+from plcgen.protocols.ds47.proof.runner import Failure, Runner
+from plcgen.protocols.ds47.proof.scenario import DONE, WORDS, Scenario
+from plcgen.protocols.ds47.sim.drive import Drive
+from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
+from plcgen.protocols.ds47.words import LEASE_MS
+from plcgen.s7.blocks import BlockKind
+
+ROUNDS = 500
+UNUSED_NUMBER = 59_999
+ROW = 600
+TAKE_OVER = 1500
+"""Time in ms beside LEASE that a job takes to end well behind an owner that is not called any more."""
+
+
+class Plant:
+    """All drives and the CPU with its OB1."""
+
+    def __init__(self, project: Project, program: Program, job_limit: int | None = None) -> None:
+        self.project, self.program = project, program
+        self.bus = Bus(write_busy=1, read_busy=1)
+        self.drives: dict[int, ScriptedDrive] = {}
+        for planned in project.drives:
+            built = build_drive(project, planned)
+            known = self.drives.get(planned.id_value)
+            if known is not None:
+                objects = (*known.objects.values(), *built.objects.values())
+                built = Drive(replace(built.habits, local_object=None), objects)
+            self.drives[planned.id_value] = ScriptedDrive(built)
+            self.bus.attach(planned.id_value, self.drives[planned.id_value])
+        self.cpu = Cpu(program, self.bus, job_limit=job_limit)
+        self.cpu.restart("cold")
+        self.scan = 0
+
+    def path(self, job: PlannedJob, signal: str) -> str:
+        """Where OB1 takes or leaves a signal of a job."""
+        address = getattr(job.trigger, signal, None)
+        return f'"{self.project.control_db.name}".{job.member}.{signal}' if address is None else str(address)
+
+    def start(self, job: PlannedJob, *, value: bool = True) -> None:
+        """Set the command of a job."""
+        self.cpu[self.path(job, "execute")] = value
+
+    def step(self) -> None:
+        """One scan of OB1."""
+        self.scan += 1
+        self.cpu.scan(10)
+        if self.cpu.misuses or self.cpu.faulted:
+            raise ScenarioError("misuse")
+
+    def result(self, job: PlannedJob) -> tuple[bool, bool, int]:
+        """Flags done and error and the status word as OB1 passes them on."""
+        flags = (bool(self.cpu[self.path(job, name)]) for name in ("done", "error"))
+        status = self.cpu[self.path(job, "status")]
+        return next(flags), next(flags), int(status) if isinstance(status, int) else -1
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramScenario:
+    """A named procedure with the whole program."""
+
+    name: str
+    run: Callable[[Plant], None]
+    job_limit: int | None = None
+
+
+def program_scenarios(project: Project) -> Iterator[ProgramScenario]:
+    """What the jobs do to each other."""
+    yield ProgramScenario("every job through OB1", _one_by_one)
+    jobs = project.jobs
+    least = min(job.timeout for job in jobs)
+    round_ = 100 + sum(100 + 60 * len(job.telegrams) for job in jobs)
+    if round_ < least:
+        yield ProgramScenario("all jobs again and again", _again_and_again)
+    waits = sum(len(job.telegrams) for job in jobs)
+    if all(job.retries > waits and waits * (job.retry_pause + 100) + round_ < job.timeout for job in jobs):
+        yield ProgramScenario("all jobs at once, one record call at a time in the CPU", _at_once, 1)
+    for token, drives in project.tokens:
+        sharing = [job for job in jobs if job.drive in drives]
+        for first, second in itertools.pairwise(sharing):
+            if min(first.timeout, second.timeout) < LEASE_MS + TAKE_OVER:
+                continue
+            for calls in (3, 4, 5, 6):
+                name = f"{first.key} is not called after scan {calls}, {second.key} takes {token.name} over"
+                yield ProgramScenario(name, _take_over(first, second, calls))
+
+
+def try_program(project: Project, program: Program, scenario: ProgramScenario) -> tuple[Failure | None, list[int]]:
+    """Run one of them on a CPU of its own; what failed, and the counters of coverage."""
+    plant = Plant(project, program, scenario.job_limit)
+    try:
+        scenario.run(plant)
+    except ScenarioError as problem:
+        message = str(problem)
+    except Exception as problem:  # noqa: BLE001 - changed sources may make the simulated CPU itself fail
+        message = f"the simulated CPU stopped: {type(problem).__name__} {problem}"
+    else:
+        return None, plant.cpu.coverage
+    main = program.main()
+    place = (main.result.tokens.file, main.result.tokens.position(main.unit.start)[0]) if main is not None else ("", 1)
+    if plant.cpu.misuses:
+        misuse = plant.cpu.misuses[0]
+        message, place = str(misuse), (misuse.file, misuse.line)
+    return Failure(scenario.name, plant.scan, message, *place), plant.cpu.coverage
+
+
+def _one_by_one(plant: Plant) -> None:
+    """Commands, inputs and results of every job travel through OB1."""
+    control = plant.project.control_db.name
+    for job in plant.project.jobs:
+        rig = JobRig(plant.project, plant.program, job)
+        layout, memory = rig.layout(control), plant.cpu.db(control)
+        drive = plant.drives[job.drive.id_value]
+        drive.begin(Scenario(name="OB1"))
+        values, inputs, requests = rig.sets[0]
+        parameters = drive.objects[job.drive.drive_object].parameters
+        for pnu, content in values.items():
+            parameters[pnu].values = list(content)
+        spots = {
+            use.member: type(rig.spots["done"]).of(layout, f"{job.member}.{use.member}")
+            for use in (*job.inputs, *job.outputs)
+        }
+        for member, data in inputs:
+            rig.put(memory, spots[member], data)
+        plant.start(job)
+        busy = plant.path(job, "busy")
+        for _ in range(200 * len(job.telegrams)):
+            plant.step()
+            done, error, _status = plant.result(job)
+            if bool(plant.cpu[busy]) == (done or error):
+                raise ScenarioError(f"busy of {job.key} is wrong behind OB1")
+            if done or error:
+                break
+        if plant.result(job) != (True, False, DONE):
+            raise ScenarioError(f"{job.key} gives {plant.result(job)}, not done")
+        sent = [e.data[1:] for e in drive.journal if e.direction == "write"]
+        if sent != [request[1:] for request in requests]:
+            raise ScenarioError(f"{job.key} sends other telegrams than planned")
+        rig.drive.objects = drive.objects
+        for use in job.outputs:
+            expected = rig.expected(use)
+            if rig.shown(memory, spots[use.member], len(expected)) != expected:
+                raise ScenarioError(f"{control}.{job.member}.{use.member} does not hold the drive's value")
+        _fall(plant, job)
+        drive.begin(Scenario(name="OB1", faults=(Fault(FaultKind.ERROR, number=0x11, position=1, words=1),)))
+        plant.start(job)
+        for _ in range(200):
+            plant.step()
+            if any(plant.result(job)[:2]):
+                break
+        if plant.result(job) != (False, True, WORDS["PARAMETER_ERROR"]):
+            raise ScenarioError(f"{job.key} gives {plant.result(job)} after an error of the drive")
+        _fall(plant, job)
+
+
+def _fall(plant: Plant, job: PlannedJob) -> None:
+    """The command of a job falls."""
+    plant.start(job, value=False)
+    plant.step()
+    if plant.result(job) != (False, False, WORDS["IDLE"]):
+        raise ScenarioError(f"{job.key} is not idle after its command has fallen")
+
+
+def _again_and_again(plant: Plant) -> None:
+    """Every job is started again as soon as it has ended: none starves, one request at a time."""
+    jobs = plant.project.jobs
+    ended = dict.fromkeys((job.key for job in jobs), 0)
+    for job in jobs:
+        plant.start(job)
+    owners = [(plant.cpu.db(token.name), plant.drives[drives[0].id_value]) for token, drives in plant.project.tokens]
+    for _ in range(ROUNDS * max(1, len(jobs) // 4)):
+        plant.step()
+        for job in jobs:
+            done, error, status = plant.result(job)
+            if error:
+                raise ScenarioError(f"{job.key} ends with 16#{status:04X}")
+            ended[job.key] += done
+            plant.start(job, value=not done)
+    for _, drive in owners:
+        order = [exchange.direction for exchange in drive.journal if not exchange.status]
+        if any(one == other for one, other in itertools.pairwise(order)):
+            raise ScenarioError("two requests at once on one drive")
+    for _, drives in plant.project.tokens:
+        counts = [ended[job.key] for job in jobs if job.drive in drives]
+        if counts and (min(counts) < max(counts) - 1 or not min(counts)):
+            raise ScenarioError(f"a job starves: {counts} jobs ended")
+
+
+def _at_once(plant: Plant) -> None:
+    """The CPU runs one record call of a kind at a time: refused ones are repeated."""
+    jobs = plant.project.jobs
+    for job in jobs:
+        plant.start(job)
+    for _ in range(400 + 400 * len(jobs)):
+        plant.step()
+        if all(plant.result(job)[0] for job in jobs):
+            return
+        for job in jobs:
+            _done, error, status = plant.result(job)
+            if error:
+                raise ScenarioError(f"{job.key} ends with 16#{status:04X}")
+    raise ScenarioError("not every job came to its end")
+
+
+def _take_over(first: PlannedJob, second: PlannedJob, calls: int) -> Callable[[Plant], None]:
+    """A job that is not called any more loses the drive after LEASE, and reports it when it is called again."""
+
+    def call(plant: Plant, job: PlannedJob, *, execute: bool = True) -> tuple[bool, int]:
+        plant.scan += 1
+        plant.cpu.call(job.instance.name, 50, execute=execute)
+        busy, status = plant.cpu[f"{job.instance.name}.busy"], plant.cpu[f"{job.instance.name}.status"]
+        if plant.cpu.misuses:
+            raise ScenarioError("misuse")
+        return bool(busy), int(status) if isinstance(status, int) else -1
+
+    def until_end(plant: Plant, job: PlannedJob, status: int) -> int:
+        started = plant.cpu.clock
+        for _ in range(400):
+            busy, found = call(plant, job)
+            if not busy:
+                break
+        if found != status:
+            raise ScenarioError(f"{job.key} ends with 16#{found:04X} instead of 16#{status:04X}")
+        call(plant, job, execute=False)
+        return plant.cpu.clock - started
+
+    def run(plant: Plant) -> None:
+        for _ in range(calls):
+            call(plant, first)
+        passed = until_end(plant, second, DONE)
+        if passed < 3000:
+            raise ScenarioError(f"{second.key} took the drive over within {passed} ms")
+        until_end(plant, first, WORDS["DRIVE_LOST"])
+        until_end(plant, first, DONE)
+        until_end(plant, second, DONE)
+
+    return run
+
+
+# --- wrong numbers ----------------------------------------------------------------------------------------
+
+
+def wrong_numbers(project: Project, program: Program, job: PlannedJob) -> Iterator[tuple[Failure | None, Runner]]:
+    """Buffer DBs that have other numbers than the block expects: nothing is sent."""
+    blocks = {entry.name: entry for entry in program.link.blocks.values() if entry.block.kind is BlockKind.DB}
+    for index, telegram in enumerate(job.telegrams, 1):
+        request, response = telegram.request_db.name, telegram.response_db.name
+        control = project.control_db.name
+        first, second = blocks[request].number, blocks[response].number
+        cases: list[tuple[str, dict[str, int | None], bytes | None]] = [
+            ("request and response DB are exchanged", {request: second, response: first}, None),
+            ("another DB has the number of the request DB", {request: UNUSED_NUMBER, control: first}, None),
+            ("another DB has the number of the response DB", {response: UNUSED_NUMBER, control: second}, None),
+        ]
+        for which, name in (("request", request), ("response", response)):
+            for byte in (0, index, 0xFF - index):
+                title = f"the {which} DB is missing, byte {byte:02X}h is left behind"
+                cases.append((title, {name: UNUSED_NUMBER}, bytes((byte,))))
+        for title, numbers, soil in cases:
+            before = {name: blocks[name].number for name in numbers}
+            for name, number in numbers.items():
+                blocks[name].number = number
+            scenario = Scenario(
+                name=f"telegram {index}: {title}",
+                status=(WORDS["WRONG_DB"],),
+                telegram=index,
+                calls=(-1, -1),
+                soil=soil,
+                tolerate=True,
+                follow=False,
+            )
+            rig = JobRig(project, program, job)
+            size = len(rig.cpu.db(control))
+            for other, number in before.items():
+                blocks[other].number = number
+            if control in numbers and size < max(len(telegram.request), telegram.response_size):
+                continue
+            runner = Runner(rig)
+            yield runner.try_run(scenario), runner
+
+
+def row(runner: Runner) -> Failure | None:
+    """600 jobs in a row: the reference wraps twice."""
+    for number in range(1, ROW + 1):
+        failure = runner.try_run(Scenario(name=f"job {number} of {ROW} in a row", busy=(0, 0), follow=False))
+        if failure is not None:
+            return failure
+    return None

@@ -1,0 +1,175 @@
+"""Rules about telegrams: pinned buffer sizes, request references, times."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from plcgen.diagnostics import Diagnostic, Note, Severity
+from plcgen.project.rules.places import key_or_value, owner_span, value_span
+from plcgen.protocols.ds47.plan.pack import longest_response
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from plcgen.project.model import BlockRef, PlannedJob, Project, Telegram
+
+
+def response_buffer(project: Project) -> Iterator[Diagnostic]:
+    """PG303: the pinned response buffer is not fit for every answer the drive may give."""
+    for job in project.jobs:
+        for telegram in job.telegrams:
+            size = telegram.pinned_response
+            if size is None or len(job.telegrams) > 1:
+                continue
+            span = key_or_value(project, (*job.path, "response", "size"))
+            block = _label(project, telegram.response_db)
+            needed, answer = _longest_answer(telegram, write=job.write)
+            limit = job.drive.device.record_limit
+            if size < needed:
+                yield Diagnostic(
+                    "PG303",
+                    f"response buffer {_bytes(needed - size)} too small: "
+                    f"{block} has {_bytes(size)}, {answer} needs {needed}",
+                    span,
+                    help=f"set size: {needed}, or leave size out",
+                    notes=_why(project, job, telegram),
+                )
+            elif size > limit:
+                yield Diagnostic(
+                    "PG303",
+                    f"response buffer too large: {block} has {size} bytes, a record of this drive at most {limit}",
+                    span,
+                    help=f"set size to {needed}..{limit}, or leave size out",
+                )
+            elif size % 2:
+                yield Diagnostic(
+                    "PG303",
+                    f"response buffer has an odd size: {block} has {size} bytes, a data block ends with a whole word",
+                    span,
+                    help=f"set size: {size + 1}, or leave size out",
+                )
+
+
+def _longest_answer(telegram: Telegram, *, write: bool) -> tuple[int, str]:
+    longest = longest_response(telegram.parts, write=write)
+    if longest <= telegram.negative_length:
+        return telegram.negative_length, "a negative answer"
+    if longest <= telegram.positive_length:
+        return telegram.positive_length, "a positive answer"
+    return longest, "an answer that is negative in part"
+
+
+def _why(project: Project, job: PlannedJob, telegram: Telegram) -> tuple[Note, ...]:
+    use = max(telegram.parts, key=lambda part: part.size).use
+    figures = f"positive answer {telegram.positive_length} bytes, negative answer {telegram.negative_length}"
+    count = len(telegram.parts)
+    return (
+        Note(
+            f"{count} parameter{'s' if count > 1 else ''} in this {'write' if job.write else 'read'}: {figures}",
+            value_span(project, use),
+        ),
+    )
+
+
+def request_buffer(project: Project) -> Iterator[Diagnostic]:
+    """PG304: a pinned size does not go with the telegrams of the job."""
+    for job in project.jobs:
+        spec = project.loaded.spec.jobs[job.key]
+        for which, size in (("request", spec.request.size), ("response", spec.response.size)):
+            if size is None:
+                continue
+            span = key_or_value(project, (*job.path, which, "size"))
+            if len(job.telegrams) > 1:
+                yield Diagnostic(
+                    "PG304",
+                    f"one {which} size for {len(job.telegrams)} telegrams: this job is split",
+                    span,
+                    help="leave size out, or make several jobs of it",
+                )
+            elif which == "request":
+                yield from _request_size(project, job.telegrams[0], size, job)
+
+
+def _request_size(project: Project, telegram: Telegram, size: int, job: PlannedJob) -> Iterator[Diagnostic]:
+    needed = len(telegram.request)
+    span = key_or_value(project, (*job.path, "request", "size"))
+    block = _label(project, telegram.request_db)
+    if size < needed:
+        yield Diagnostic(
+            "PG304",
+            f"request buffer {_bytes(needed - size)} too small: "
+            f"{block} has {_bytes(size)}, the telegram needs {needed}",
+            span,
+            help=f"set size: {needed}, or leave size out",
+        )
+    elif size > needed:
+        yield Diagnostic(
+            "PG304",
+            f"request size {size} has no effect: the telegram and {block} have {needed} bytes",
+            span,
+            Severity.WARNING,
+            help="leave size out: a drive refuses bytes behind the telegram",
+        )
+
+
+def reference(project: Project) -> Iterator[Diagnostic]:
+    """PG305: the request reference does not fit its byte, or is the reserved 0."""
+    for job in project.jobs:
+        if not 1 <= job.reference <= 255:
+            why = "0 is reserved" if job.reference == 0 else "it is one byte"
+            yield Diagnostic(
+                "PG305",
+                f"request reference {job.reference} is outside 1..255: {why}",
+                key_or_value(project, (*job.path, "reference")),
+                help="write a number from 1 to 255, or leave reference out",
+            )
+
+
+def timing(project: Project) -> Iterator[Diagnostic]:
+    """PG306: the job's time is over before its pauses are."""
+    for job in project.jobs:
+        if job.retries == 0:
+            continue
+        span = key_or_value(project, (*job.path, "timeout"))
+        least = len(job.telegrams) * job.retry_pause
+        if job.timeout <= job.retry_pause:
+            yield Diagnostic(
+                "PG306",
+                f"the timeout of {spelled(job.timeout)} ends before the first retry, "
+                f"which comes after {spelled(job.retry_pause)}",
+                span,
+                help="make timeout longer or retry_pause shorter",
+                notes=_pause(project, job),
+            )
+        elif job.timeout <= least:
+            yield Diagnostic(
+                "PG306",
+                f"the timeout of {spelled(job.timeout)} is too short "
+                f"for one retry of each of the {len(job.telegrams)} telegrams",
+                span,
+                Severity.WARNING,
+                help=f"make timeout longer than {spelled(least)}",
+                notes=_pause(project, job),
+            )
+
+
+def _pause(project: Project, job: PlannedJob) -> tuple[Note, ...]:
+    span = key_or_value(project, (*job.path, "retry_pause"))
+    if span == owner_span(project, job.path):
+        return ()
+    return (Note("the pause before a retry", span),)
+
+
+def _label(project: Project, block: BlockRef) -> str:
+    numbered = block.pinned or project.target.v5
+    return f"{block.kind}{block.number}" if numbered else f'"{block.name}"'
+
+
+def _bytes(count: int) -> str:
+    return "1 byte" if count == 1 else f"{count} bytes"
+
+
+def spelled(milliseconds: int) -> str:
+    """A duration as messages write it."""
+    seconds, rest = divmod(milliseconds, 1000)
+    return f"{milliseconds} ms" if rest else f"{seconds} s"

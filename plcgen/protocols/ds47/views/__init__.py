@@ -1,0 +1,1 @@
+"""Views of drive jobs for the templates."""

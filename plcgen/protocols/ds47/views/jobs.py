@@ -1,0 +1,282 @@
+"""View of a job's function block: every name, number and table row the template writes."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+from plcgen.documents.document import Document
+from plcgen.documents.spelling import comment_text, elements, encodable, literal, one_line, type_text, type_words
+from plcgen.project.model import Field, Part, PlannedJob, Project, Telegram, Use
+from plcgen.project.target import element_type
+from plcgen.protocols.ds47.plan.fields import interface_type
+from plcgen.protocols.ds47.wire.formats import generic_of, padded
+from plcgen.protocols.ds47.wire.model import RequestId
+from plcgen.protocols.ds47.words import DRAIN_MS, HEARTBEATS, LEASE_MS, STATES, STATUS_WORDS
+from plcgen.s7.types import ArrayType, DataType, Elementary
+
+_MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
+"""What would begin or end something else in a TITLE line."""
+
+
+def job_document(project: Project, job: PlannedJob) -> Document:
+    """The function block of a job as a document."""
+    where = project.target
+    view = {
+        **common(project),
+        "job": _job(project, job),
+        "token": job.drive.token.name,
+        "input_id": "hardwareId" if where.t15 else "driveAddress",
+        "stat_id": "statHardwareId" if where.t15 else "statDriveAddress",
+        "diagnostics_type": project.diagnostics_type.name,
+        "states": STATES,
+        "statuses": [(n, f"W#16#{v:04X}", text) for n, v, text in STATUS_WORDS if n not in _unused(project, job)],
+    }
+    return Document(f"scl/{job.block.name}.scl", "scl/job.scl.j2", view, where.encoding, newline(project))
+
+
+@lru_cache(maxsize=4)
+def common(project: Project) -> dict[str, Any]:
+    """What every source template needs: dialect switches and type spelling."""
+    where = project.target
+    words = type_words(tia=not where.v5)
+    return {
+        "v5": where.v5,
+        "t15": where.t15,
+        "regions": where.t15 and not where.toolchain.startswith("tia-v13"),
+        "h": "" if where.v5 else "#",
+        "t": {**words, "RECORD_INDEX": words["DINT"] if where.t15 else words["INT"]},
+        "project": project.name,
+    }
+
+
+def newline(project: Project) -> str:
+    """Line ending of source texts: STEP 7 V5 reads Windows files, everything else is LF."""
+    return "\r\n" if project.target.v5 else "\n"
+
+
+@lru_cache(maxsize=16)
+def title(project: Project, job: PlannedJob) -> str:
+    """One-line title; a quote would end a STEP 7 V5 title."""
+    verb = "Write" if job.write else "Read"
+    labels = ", ".join(use.label for use in job.uses[:4]) + (", .." if len(job.uses) > 4 else "")
+    return clean_title(comment_text(job.comment, project.languages, project.target, f"{verb} {labels}"))
+
+
+def clean_title(text: str) -> str:
+    """A text without what would begin or end something else in a TITLE line."""
+    for mark in _MARKS:
+        text = text.replace(mark, " ".join(mark) if len(mark) > 1 else " ")
+    return text
+
+
+def _job(project: Project, job: PlannedJob) -> dict[str, Any]:
+    where = project.target
+    parts = [part for telegram in job.telegrams for part in telegram.parts]
+    comments = [job.comment[lang] for lang in project.languages if job.comment.get(lang)]
+    records = job.record_instances
+    copies = _copies(project, job, response=False), _copies(project, job, response=True)
+    return {
+        "block": job.block,
+        "write": job.write,
+        "many": len(job.telegrams) > 1,
+        "single": len(parts) == 1,
+        "aligned": len(parts) == len(job.uses),
+        "refusable": _refusable(job),
+        "gaps": _gaps(job),
+        "mixed": _refusable(job) and any(len(telegram.parts) == 1 for telegram in job.telegrams),
+        "owner": job.owner,
+        "title": title(project, job),
+        "comment_lines": [one_line(text) for text in comments[1:] if encodable(text, where)],
+        "labels": [_label(job, use) for use in job.uses],
+        "drive": _drive(job),
+        "timeout_ms": job.timeout,
+        "drain_ms": DRAIN_MS,
+        "pause_ms": job.retry_pause,
+        "lease_ms": LEASE_MS,
+        "heartbeats": HEARTBEATS,
+        "retries": job.retries,
+        "use_count": len(job.uses),
+        "inputs": [interface_row(project, use, start=True) for use in job.inputs],
+        "outputs": [interface_row(project, use, start=False) for use in job.outputs],
+        "request_last": max(len(t.request) for t in job.telegrams) - 1,
+        "response_last": max(t.response_size for t in job.telegrams) - 1,
+        "positive_id": f"B#16#{RequestId.CHANGE if job.write else RequestId.READ:02X}",
+        "negative_id": f"B#16#{0x80 | (RequestId.CHANGE if job.write else RequestId.READ):02X}",
+        "telegrams": _telegrams(project, job),
+        "blocks": [_block(index, part) for index, part in enumerate(parts, 1)],
+        "input_copies": copies[0],
+        "output_copies": copies[1],
+        "uses_index": len(job.uses) > 1 or any(copy["loop"] for side in copies for copy in side),
+        "write_instance": records[0].name if records else "",
+        "read_instance": records[1].name if records else "",
+    }
+
+
+def _refusable(job: PlannedJob) -> bool:
+    """Whether one error block may stand for several parameters."""
+    return any(len(telegram.parts) > 1 for telegram in job.telegrams)
+
+
+def _gaps(job: PlannedJob) -> bool:
+    """Whether an answer that lacks a block can have the right length.
+
+    With two parameters written it cannot: one error block alone is the refusal of the whole request.
+    """
+    return not job.write or any(len(telegram.parts) > 2 for telegram in job.telegrams)
+
+
+def _unused(project: Project, job: PlannedJob) -> set[str]:
+    """Status words a block cannot report."""
+    unused = set() if _refusable(job) else {"STATUS_REFUSED"}
+    return unused | {"STATUS_WRONG_DB"} if project.target.t15 else unused
+
+
+def _label(job: PlannedJob, use: Use) -> str:
+    """Line of the header: which index of ``errors`` belongs to which parameter."""
+    text = f"{use.position}: {'writes' if job.write else 'reads'} {use.label} {use.parameter.title}"
+    return one_line(text)
+
+
+def _drive(job: PlannedJob) -> dict[str, Any]:
+    drive = job.drive
+    signed = drive.record_index - 0x10000 if drive.record_index > 0x7FFF else drive.record_index
+    return {
+        "key": drive.key,
+        "title": drive.device.title,
+        "drive_object": drive.drive_object,
+        "object_literal": f"B#16#{drive.drive_object:02X}",
+        "id_value": drive.id_value,
+        "id_literal": f"DW#16#{drive.id_value:08X}",
+        "record_index_hex": f"16#{drive.record_index:04X}",
+        "record_index_literal": drive.record_index if drive.record_index <= 0x7FFF else signed,
+    }
+
+
+def interface_row(project: Project, use: Use, *, start: bool) -> dict[str, str]:
+    """Declaration of a value at the interface or in the control DB: name, type, initialiser, comment."""
+    where = project.target
+    type_ = interface_type(use.format, use.count, use.subindex, where)
+    initial = _initial(type_, use.data, v5=where.v5) if start and any(use.data) else ""
+    unit = f" [{use.parameter.unit}]" if use.parameter.unit else ""
+    own = comment_text(use.comment, project.languages, where, use.parameter.title)
+    text = type_text(type_, tia=not where.v5)
+    return {"name": use.member, "type": text, "start": initial, "text": one_line(f"{use.label} {own}{unit}")}
+
+
+def _initial(type_: DataType, data: bytes, *, v5: bool) -> str:
+    if isinstance(type_, ArrayType):
+        return _array_start(type_, data, v5=v5)
+    return f" := {literal(type_, data, v5=v5)}" if isinstance(type_, Elementary) else ""
+
+
+def _array_start(type_: ArrayType, data: bytes, *, v5: bool) -> str:
+    """Initialiser of an input array; only a uniform one is written: ``[3(10.0)]`` or ``3(10.0)``."""
+    found = elements(type_, data, v5=v5)
+    low, high = type_.bounds[0]
+    if len({text for _, text in found}) != 1 or len(found) != high - low + 1:
+        return ""
+    count = high - low + 1
+    return f" := {count}({found[0][1]})" if v5 else f" := [{count}({found[0][1]})]"
+
+
+def _single_bool(use: Use) -> bool:
+    return use.format.name == "Boolean" and use.count == 1
+
+
+def _block(index: int, part: Part) -> dict[str, Any]:
+    generic = generic_of(part.use.format.size) if not part.use.format.is_string else None
+    return {
+        "index": index,
+        "label": part.use.label if part.whole else f"{part.use.label} from index {part.subindex}",
+        "use": part.use.position,
+        "format": f"B#16#{part.use.format.code:02X}",
+        "generic": f"B#16#{(generic or part.use.format).code:02X}",
+        "count": part.count,
+        "size": padded(part.size),
+    }
+
+
+def _telegrams(project: Project, job: PlannedJob) -> list[dict[str, Any]]:
+    views = []
+    first = 1
+    for telegram in job.telegrams:
+        views.append(_telegram(project, telegram, first, many=len(job.telegrams) > 1))
+        first += len(telegram.parts)
+    return views
+
+
+def _telegram(project: Project, telegram: Telegram, first: int, *, many: bool) -> dict[str, Any]:
+    request_db, response_db = telegram.request_db, telegram.response_db
+    suffix = str(telegram.index) if many else ""
+    reference = next(f.name for f in telegram.request_fields if f.role == "reference")
+    mirror = next(f.name for f in telegram.response_fields if f.role == "reference")
+    build = [
+        {
+            "target": f'"{request_db.name}".{reference}',
+            "source": f"{'' if project.target.v5 else '#'}statReference",
+        }
+    ]
+    store: list[dict[str, str]] = []
+    if project.target.t15:
+        view = f"#statRequestView{suffix}"
+        build += [_move(f"{view}.{f.name}", f'"{request_db.name}".{f.name}') for f in telegram.request_fields]
+        view = f"#statResponseView{suffix}"
+        store = [_move(f'"{response_db.name}".{f.name}', f"{view}.{f.name}") for f in telegram.response_fields]
+    return {
+        "index": telegram.index,
+        "suffix": suffix,
+        "request_type": telegram.request_type.name,
+        "response_type": telegram.response_type.name,
+        "request_length": len(telegram.request),
+        "response_size": telegram.response_size,
+        "request_pointer": f"P#DB{request_db.number}.DBX0.0 BYTE {len(telegram.request)}",
+        "response_pointer": f"P#DB{response_db.number}.DBX0.0 BYTE {telegram.response_size}",
+        "reference": f'"{request_db.name}".{reference}',
+        "mirror": f'"{response_db.name}".{mirror}',
+        "count": len(telegram.parts),
+        "count_literal": f"B#16#{len(telegram.parts):02X}",
+        "first_block": first,
+        "last_block": first + len(telegram.parts) - 1,
+        "first_use": telegram.parts[0].use.position,
+        "last_use": telegram.parts[-1].use.position,
+        "build": build,
+        "store": store,
+    }
+
+
+def _move(target: str, source: str) -> dict[str, str]:
+    return {"target": target, "source": source}
+
+
+def _copies(project: Project, job: PlannedJob, *, response: bool) -> list[dict[str, Any]]:
+    """Moves between the block's interface and the value members of its buffer DBs."""
+    if response == job.write:
+        return []
+    copies = []
+    for telegram in job.telegrams:
+        db = telegram.response_db if response else telegram.request_db
+        for field in telegram.response_fields if response else telegram.request_fields:
+            if field.role != "value" or field.part is None or (not response and field.part.use.constant):
+                continue
+            copies.append(_copy(project, field, field.part, f'"{db.name}".{field.name}', response=response))
+    return copies
+
+
+def _copy(project: Project, field: Field, part: Part, member: str, *, response: bool) -> dict[str, Any]:
+    """One move; ``shift`` is what the interface's index is ahead of the buffer's index in a split array."""
+    own = ("" if project.target.v5 else "#") + part.use.member
+    view: dict[str, Any] = {"bool": _single_bool(part.use), "loop": False, "shift": ""}
+    if isinstance(field.type, Elementary) and part.use.count > 1:
+        own = f"{own}[{part.subindex}]"
+    if view["bool"] and isinstance(field.type, Elementary):
+        view["one"] = literal(field.type, b"\x01", v5=project.target.v5)
+        view["zero"] = literal(field.type, b"\x00", v5=project.target.v5)
+    if isinstance(field.type, ArrayType):
+        low = field.type.bounds[0][0]
+        bytewise = not part.use.format.is_string and element_type(part.use.format, project.target) is None
+        view["loop"] = True
+        view["first"], view["last"] = low, low + (part.size if bytewise else part.count) - 1
+        if bytewise and part.start:
+            view["shift"] = f" + {part.start * part.use.format.size}"
+    return {**view, "interface": own, "member": member, "response": response}

@@ -1,0 +1,279 @@
+"""One request and its answer over a line: request, E5, poll, answer; bounded sends, polls and waiting.
+
+A repetition keeps the frame count bit, so a station that has already executed the request only answers again. What
+does not belong to the exchange is passed over: echoes of our own bytes, tokens, frames of other stations, garbage. An
+answer with another reference is one to an older request: it is refused, and the poll goes on.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.line import Line
+from plcgen.protocols.ppi.wire.codes import function_text, header_error
+from plcgen.protocols.ppi.wire.errors import TOLERABLE
+from plcgen.protocols.ppi.wire.fdl import encode_frame, found_frame, sd2
+from plcgen.protocols.ppi.wire.model import (
+    REQUEST,
+    Acknowledgement,
+    ErrorReply,
+    FixedFrame,
+    Frame,
+    FrameCount,
+    Pdu,
+    Request,
+    VariableFrame,
+)
+from plcgen.protocols.ppi.wire.pdu import encode_pdu, examine_pdu
+from plcgen.protocols.ppi.wire.stream import Chunk, Splitter
+
+NO_ANSWER, REFUSED = "PG718", "PG719"
+_NO_DATA, _NO_RESOURCE = 0x09, 0x02
+_FRESH = 0.005
+"""Seconds behind a smooth exchange in which nothing can have arrived that is worth looking for."""
+
+_LEFTOVERS = 64 * 1024
+"""Most bytes of older traffic that are thrown away before a request; a line that never stops is not drained."""
+
+
+class ClientError(DiagnosticError):
+    """An exchange that failed: one diagnostic whose place is the line."""
+
+    def __init__(self, code: str, line: str, message: str, help_: str = "") -> None:
+        super().__init__([Diagnostic(code, message, Span(line), help=help_)])
+
+
+class NoAnswerError(ClientError):
+    """Silence, E5 without end, or nothing but garbage and answers to other requests."""
+
+    def __init__(self, line: str, message: str, help_: str = "") -> None:
+        super().__init__(NO_ANSWER, line, message, help_)
+
+
+class RefusedError(ClientError):
+    """The station refused the job as a whole; ``error`` is error class and code of its header, 0 without one."""
+
+    def __init__(self, line: str, message: str, help_: str = "", error: int = 0) -> None:
+        self.error = error
+        super().__init__(REFUSED, line, message, help_)
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Stations and bounds of an exchange; times in seconds.
+
+    ``answer`` is the wait for the beginning of an answer, ``frame`` for the rest of a frame that has begun (255 bytes
+    take 0.3 s at 9600 bit/s), ``pause`` lies between E5 and the next poll.
+    """
+
+    station: int = 2
+    own: int = 0
+    sends: int = 3
+    polls: int = 10
+    answer: float = 0.4
+    frame: float = 0.5
+    pause: float = 0.02
+
+
+@dataclass(slots=True)
+class Count:
+    """What happened on the line, for people who look for its quality."""
+
+    exchanges: int = 0
+    sends: int = 0
+    polls: int = 0
+    repeats: int = 0
+    skipped: int = 0
+
+
+class Exchange:
+    """Exchanges with one station over one line; ``now`` tells the time in seconds."""
+
+    def __init__(self, line: Line, settings: Settings | None = None, now: Callable[[], float] = time.monotonic) -> None:
+        self.line = line
+        self.settings = settings or Settings()
+        self.count = Count()
+        self._now = now
+        self._frame_count = FrameCount()
+        self._polls: dict[int, bytes] = {}
+        self._clean_until = -math.inf
+        self._frames: list[Frame] = []
+        self._splitter = Splitter(tolerant=True)
+
+    def run(self, request: Request, *, experimental: bool = False) -> Pdu:
+        """Return the answer to a request, see ``run_encoded``. Raises PpiError if the request makes no PDU."""
+        return self.run_encoded(encode_pdu(request, experimental=experimental), request.reference)
+
+    def run_encoded(self, pdu: bytes, reference: int) -> Pdu:
+        """Return the answer to a request whose PDU has this reference.
+
+        Raises NoAnswerError, RefusedError (an error in the header, or a negative answer of the line) and LineError.
+        """
+        count = self.count
+        count.exchanges += 1
+        if self._now() > self._clean_until:
+            self._drain()
+        odd = count.repeats + count.skipped
+        try:
+            reply = self._poll(reference, self._send(pdu))
+        except ClientError:
+            self._frame_count.restart()
+            self._clean_until = -math.inf
+            raise
+        clean = odd == count.repeats + count.skipped and not self._frames and not self._splitter.pending
+        self._clean_until = self._now() + _FRESH if clean else -math.inf
+        if isinstance(reply, ErrorReply):
+            meaning = header_error(reply.code)
+            text = f"station {self.settings.station} refuses the job: {reply.code:04X}h, {meaning.text}"
+            raise RefusedError(self.line.name, text, meaning.help, reply.code)
+        return reply
+
+    def _send(self, pdu: bytes) -> Frame:
+        """Send the request until something comes back: E5 or already the answer."""
+        settings = self.settings
+        function = self._frame_count.following()
+        data = sd2(bytes((settings.station, settings.own, function)) + pdu)
+        for attempt in range(settings.sends):
+            self.count.sends += 1
+            self.count.repeats += attempt > 0
+            self.line.write(data)
+            frame = self._receive()
+            if frame is not None and not self._try_again(frame):
+                return frame
+        text = f"station {settings.station} does not answer ({settings.sends} times sent)"
+        help_ = "check station address, baud rate, cable and adapter, and that the CPU is on"
+        raise NoAnswerError(self.line.name, text, help_)
+
+    def _try_again(self, frame: Frame) -> bool:
+        """Whether a short answer asks for a repetition; one that refuses for good raises RefusedError."""
+        if not isinstance(frame, FixedFrame):
+            return False
+        status = frame.function & 0x0F
+        if status in {0x00, _NO_RESOURCE, _NO_DATA}:
+            return status == _NO_RESOURCE
+        text = f"station {self.settings.station} refuses the telegram: {function_text(frame.function)}"
+        raise RefusedError(self.line.name, text)
+
+    def _poll(self, reference: int, frame: Frame | None) -> Pdu:
+        """Poll until the answer to the request comes, a bounded number of times.
+
+        E5 (not ready) is followed by a new poll with the other frame count bit, silence by the same poll again. After
+        an answer to something else the right one may be on its way, so the line is listened to before that.
+        """
+        settings = self.settings
+        refused = quiet = ""
+        listened = False
+        for number in range(settings.polls + 1):
+            again = frame is None
+            if isinstance(frame, VariableFrame):
+                reply, refused = self._reply(reference, frame)
+                if reply is not None:
+                    return reply
+                listened = not listened
+                frame = self._receive() if listened else frame
+                if listened and frame is not None:
+                    continue
+                again = listened
+            elif frame is None:
+                quiet = "silence"
+            elif number > 0:
+                quiet = "E5 without end, the CPU is not ready"
+                self._wait(settings.pause)
+            if number < settings.polls:
+                frame = self._ask(again=again)
+        text = f"no answer from station {settings.station} after {settings.polls} polls: {refused or quiet}"
+        raise NoAnswerError(self.line.name, text, "try again; plcgen ppi decode explains a capture of the line")
+
+    def _ask(self, *, again: bool) -> Frame | None:
+        """Send a poll, or the last one once more, and return what comes back."""
+        function = self._frame_count.last if again else None
+        function = self._frame_count.following() if function is None else function
+        self.count.polls += 1
+        self.count.repeats += again
+        self.line.write(self._poll_frame(function))
+        frame = self._receive()
+        if frame is not None:
+            self._try_again(frame)
+        return frame
+
+    def _poll_frame(self, function: int) -> bytes:
+        found = self._polls.get(function)
+        if found is None:
+            frame = FixedFrame(self.settings.station, self.settings.own, function)
+            found = self._polls.setdefault(function, encode_frame(frame))
+        return found
+
+    def _reply(self, reference: int, frame: VariableFrame) -> tuple[Pdu | None, str]:
+        """Return the PDU if it is the answer to the request, otherwise why not."""
+        pdu, found = examine_pdu(frame.pdu)
+        wrong = [violation for violation in found if violation.kind not in TOLERABLE]
+        if pdu is None or wrong:
+            self.count.skipped += 1
+            return None, f"an answer that is no valid PDU ({wrong[0].message if wrong else 'unknown'})"
+        if pdu.reference != reference:
+            self.count.skipped += 1
+            return None, f"an answer to request {pdu.reference:04X}h instead of {reference:04X}h"
+        return pdu, ""
+
+    # ---- Frames -----------------------------------------------------------------------------------------------
+
+    def _receive(self) -> Frame | None:
+        """Return the next frame of the station; None if none comes in time."""
+        settings = self.settings
+        deadline = self._now() + settings.answer
+        extended = False
+        while True:
+            while self._frames:
+                frame = self._frames.pop(0)
+                if self._is_ours(frame):
+                    return frame
+                self.count.skipped += 1
+            if self._splitter.pending and not extended:
+                deadline += settings.frame
+                extended = True
+            left = deadline - self._now()
+            if left <= 0:
+                self._take(self._splitter.finish())
+                if not self._frames:
+                    return None
+                continue
+            data = self.line.read(timeout=left)
+            if data:
+                self._take(self._splitter.feed(data))
+
+    def _take(self, chunks: list[Chunk]) -> None:
+        for chunk in chunks:
+            if chunk.frame:
+                self._frames.append(found_frame(chunk.data))
+            else:
+                self.count.skipped += 1
+
+    def _is_ours(self, frame: Frame) -> bool:
+        """Whether a frame can answer us: E5, or a frame from the station to us that is no request."""
+        if isinstance(frame, VariableFrame | FixedFrame):
+            answers = frame.source == self.settings.station and frame.destination == self.settings.own
+            return answers and not frame.function & REQUEST
+        return isinstance(frame, Acknowledgement)
+
+    def _wait(self, seconds: float) -> None:
+        """Let time pass; what arrives meanwhile is kept."""
+        end = self._now() + seconds
+        while (left := end - self._now()) > 0:
+            data = self.line.read(timeout=left)
+            self._take(self._splitter.feed(data))
+
+    def _drain(self) -> None:
+        """Forget what arrived before the request: late answers and older traffic."""
+        self._splitter.clear()
+        self._frames.clear()
+        taken = 0
+        while taken < _LEFTOVERS:
+            data = self.line.read(timeout=0)
+            if not data:
+                return
+            taken += len(data)
+            self.count.skipped += 1

@@ -1,0 +1,1 @@
+"""Spec to the frozen plan of PPI masters."""

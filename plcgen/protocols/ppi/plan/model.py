@@ -1,0 +1,230 @@
+"""The frozen plan of PPI masters: stations, jobs, telegrams with their tables, and where every value lies.
+
+Offsets here come from the telegram (FDL and S7 PDU), never from S7 layout rules: verification compares the two.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+from plcgen.project.loading import SpecPath
+from plcgen.project.model import BlockRef, PlannedTrigger
+from plcgen.protocols.ppi.wire.model import Item
+from plcgen.protocols.ppi.wire.profiles import Profile
+from plcgen.s7.names import shorten
+from plcgen.s7.types import DataType, Elementary
+
+Kind = Literal["read", "write", "run", "stop", "sync"]
+"""``sync`` is a harmless read that tells a station the frame count bit before anything is executed."""
+
+LEAD = 1
+"""A table begins with the length of its telegram: with it, every word of a telegram has an even offset."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedStation:
+    """An S7-200 on the line; ``index`` counts the stations of a master from 1."""
+
+    key: str
+    index: int
+    address: int
+    profile: Profile
+    comment: dict[str, str]
+    path: SpecPath
+
+
+@dataclass(frozen=True, slots=True)
+class PpiValue:
+    """One address of a job: ``count`` elements of ``element``, ``stride`` bytes apart on the wire, ``skip`` bytes in.
+
+    ``type`` is its type at the block, ``position`` counts inside the job, ``number`` inside the master; ``data`` is the
+    constant or start value as wire bytes.
+    """
+
+    position: int
+    number: int
+    label: str
+    item: Item
+    type: DataType
+    element: Elementary
+    count: int
+    stride: int
+    skip: int
+    member: str
+    data: bytes
+    constant: bool
+    title: str
+    comment: dict[str, str]
+    path: SpecPath
+
+    @property
+    def bit(self) -> bool:
+        """Whether it is a single bit."""
+        return self.element.name == "BOOL"
+
+    @property
+    def size(self) -> int:
+        """Bytes of one element."""
+        return 1 if self.bit else self.element.bits // 8
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A value inside an item of the wire: ``length`` bytes at ``offset`` are bytes ``start`` on of the value.
+
+    ``bit`` is the bit if a byte carries a bit.
+    """
+
+    value: PpiValue
+    offset: int
+    start: int
+    length: int
+    bit: int | None = None
+
+    @property
+    def whole(self) -> bool:
+        """Whether this is the complete value."""
+        return self.length == self.value.item.octets
+
+
+@dataclass(frozen=True, slots=True)
+class WireItem:
+    """One item of a telegram; ``number`` counts the items of a master from 1, ``data`` is what is written."""
+
+    number: int
+    item: Item
+    values: tuple[Placed, ...]
+    data: bytes = b""
+
+    @property
+    def single(self) -> PpiValue | None:
+        """The value, if the item holds just this one, whole and at its start."""
+        only = self.values[0] if len(self.values) == 1 else None
+        exact = only is not None and only.bit is None and only.whole and only.value.item.octets == self.item.octets
+        return only.value if only is not None and exact and not only.value.skip else None
+
+
+@dataclass(frozen=True, slots=True)
+class PpiField:
+    """One member of a table or response DB; ``data`` is its start value as wire bytes, ``item`` counts from 1."""
+
+    name: str
+    role: str
+    type: DataType
+    offset: int
+    size: int
+    data: bytes = b""
+    item: int = 0
+    placed: tuple[Placed, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PpiTelegram:
+    """One request and its reply. ``request`` is the whole frame with function code 6Ch and reference 0.
+
+    ``number`` counts the telegrams of a master from 1; ``reply_length`` is the data part of the good reply in bytes.
+    """
+
+    number: int
+    kind: Kind
+    station: PlannedStation
+    items: tuple[WireItem, ...]
+    request: bytes
+    request_db: BlockRef
+    request_type: BlockRef
+    request_fields: tuple[PpiField, ...]
+    response_db: BlockRef | None = None
+    response_type: BlockRef | None = None
+    response_fields: tuple[PpiField, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlannedPpiJob:
+    """One job; ``number`` counts the jobs of a master from 1, times are in ms, ``cycle`` 0 means on demand."""
+
+    key: str
+    number: int
+    member: str
+    kind: Kind
+    station: PlannedStation
+    values: tuple[PpiValue, ...]
+    telegrams: tuple[PpiTelegram, ...]
+    trigger: PlannedTrigger
+    cycle: int
+    timeout: int
+    longest_name: int
+    comment: dict[str, str]
+    path: SpecPath
+
+    def pin(self, name: str) -> str:
+        """Name of a signal or value at the master's block: ``levels`` and ``busy`` become ``levelsBusy``."""
+        return shorten(f"{self.member}{name[:1].upper()}{name[1:]}", self.longest_name)
+
+    @property
+    def inputs(self) -> tuple[PpiValue, ...]:
+        """The values the caller supplies."""
+        return tuple(value for value in self.values if self.kind == "write" and not value.constant)
+
+    @property
+    def outputs(self) -> tuple[PpiValue, ...]:
+        """The values the block returns."""
+        return self.values if self.kind == "read" else ()
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedMaster:
+    """One serial port as PPI master: one function block for all its jobs; times are in ms."""
+
+    key: str
+    member: str
+    module: str
+    port: int
+    own_address: int
+    baud: int
+    ack_timeout: int
+    reply_timeout: int
+    retry_pause: int
+    poll_pause: int
+    retries: int
+    polls: int
+    stations: tuple[PlannedStation, ...]
+    jobs: tuple[PlannedPpiJob, ...]
+    syncs: tuple[PpiTelegram, ...]
+    block: BlockRef
+    instance: BlockRef
+    module_instances: tuple[BlockRef, BlockRef] | None
+    buffer: BlockRef | None
+    comment: dict[str, str]
+    path: SpecPath
+
+    @cached_property
+    def telegrams(self) -> tuple[PpiTelegram, ...]:
+        """Every telegram of the master by number: those of the jobs, then those that only count frames."""
+        return (*(telegram for job in self.jobs for telegram in job.telegrams), *self.syncs)
+
+    @cached_property
+    def blocks(self) -> tuple[BlockRef, ...]:
+        """Every block of the master, in a stable order."""
+        found: list[BlockRef] = []
+        for telegram in self.telegrams:
+            found += [telegram.request_type, telegram.request_db]
+            found += [ref for ref in (telegram.response_type, telegram.response_db) if ref is not None]
+        own = (self.block, self.instance, *(self.module_instances or ()), *((self.buffer,) if self.buffer else ()))
+        return (*found, *own)
+
+
+@dataclass(frozen=True, eq=False)
+class PpiPlan:
+    """All masters of a spec, the type of their diagnostics and the DB with the commands and results of their jobs."""
+
+    masters: tuple[PlannedMaster, ...]
+    diagnostics_type: BlockRef
+    control_db: BlockRef
+
+    @cached_property
+    def blocks(self) -> tuple[BlockRef, ...]:
+        """Every block of every master."""
+        own = tuple(block for master in self.masters for block in master.blocks)
+        return (self.diagnostics_type, *own, self.control_db)

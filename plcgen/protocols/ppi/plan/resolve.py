@@ -1,0 +1,173 @@
+"""The ``ppi`` part of a spec -> planned masters. What cannot be resolved is a diagnostic; the rest is planned."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.project.loading import LoadedSpec
+from plcgen.project.numbering import Numbering
+from plcgen.protocols.ppi.plan.jobs import JobPlanner
+from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedStation, PpiPlan
+from plcgen.protocols.ppi.schema import PpiMaster, PpiStation, SpecWithPpi
+from plcgen.protocols.ppi.symbols import Symbol, SymbolTable, load_symbols
+from plcgen.protocols.ppi.wire.address import AddressError, parse_address
+from plcgen.protocols.ppi.wire.profiles import Profile, profiles
+from plcgen.s7.names import camel_case, pascal_case
+
+BAUD_RATES = (9600, 19200)
+CLASSIC_MODULES = frozenset({"cp341"})
+
+
+def pinned(spec: SpecWithPpi) -> Iterator[tuple[str, int]]:
+    """Block numbers that the masters of a spec pin."""
+    for master in spec.ppi.values():
+        numbers = [("FB", master.block.number), ("DB", master.instance.number)]
+        for job in master.jobs.values():
+            numbers += [("DB", job.request.db), ("DB", job.response.db)]
+        yield from ((kind, number) for kind, number in numbers if number is not None)
+
+
+def resolve_masters(loaded: LoadedSpec, numbering: Numbering, report: Report) -> PpiPlan:
+    """Plan every master of a spec."""
+    spec = loaded.spec
+    assert isinstance(spec, SpecWithPpi)  # noqa: S101 - the caller looked
+    diagnostics_type = numbering.block("UDT", "typePpiDiag", ("plc",), given=True)
+    control_db = numbering.block("DB", "PpiJobs", ("plc",), given=True)
+    planned = tuple(_master(key, master, loaded, numbering, report) for key, master in spec.ppi.items())
+    return PpiPlan(planned, diagnostics_type, control_db)
+
+
+def _master(key: str, master: PpiMaster, loaded: LoadedSpec, numbering: Numbering, report: Report) -> PlannedMaster:
+    path = ("ppi", key)
+    stations = _stations(key, master, loaded, report)
+    symbols = {name: _symbols(key, name, station, loaded, report) for name, station in master.stations.items()}
+    name = pascal_case(key)
+    planner = JobPlanner(loaded, numbering, report, key, name, master, stations, symbols)
+    jobs = planner.jobs()
+    syncs = planner.syncs(jobs)
+    own = master.block.name
+    block = numbering.block("FB", own or f"{name}PpiMaster", (*path, "block"), master.block.number, given=bool(own))
+    own = master.instance.name
+    number = master.instance.number
+    instance = numbering.block("DB", own or f"{block.name}_DB", (*path, "instance"), number, given=bool(own))
+    classic = numbering.where.classic
+    extra = None
+    if numbering.where.v5:
+        extra = (numbering.block("DB", f"{name}Ppi_Send", path), numbering.block("DB", f"{name}Ppi_Receive", path))
+    return PlannedMaster(
+        key=key,
+        member=camel_case(key),
+        module=_module(key, master, loaded, report, classic=classic),
+        port=_port(key, master, loaded, report, classic=classic),
+        own_address=master.own_address,
+        baud=_baud(key, master, loaded, report),
+        ack_timeout=master.ack_timeout,
+        reply_timeout=master.reply_timeout,
+        retry_pause=master.retry_pause,
+        poll_pause=master.poll_pause,
+        retries=master.retries,
+        polls=master.polls,
+        stations=tuple(stations.values()),
+        jobs=jobs,
+        syncs=syncs,
+        block=block,
+        instance=instance,
+        module_instances=extra,
+        buffer=numbering.block("DB", f"{name}Ppi_Buffer", path) if classic else None,
+        comment=master.comment or {},
+        path=path,
+    )
+
+
+def _module(key: str, master: PpiMaster, loaded: LoadedSpec, report: Report, *, classic: bool) -> str:
+    if (master.module in CLASSIC_MODULES) != classic:
+        family = loaded.spec.plc.family.upper()
+        fitting = "cp341" if classic else "cm1241 or cm-ptp"
+        message = f"an {family} cannot use {master.module}"
+        report.add(
+            Diagnostic("PG233", message, loaded.span(("ppi", key, "module")), help=f"module: {fitting} for an {family}")
+        )
+    elif loaded.spec.plc.family == "s7-1500" and master.module == "cm1241":
+        message = "the CM 1241 belongs to an S7-1200"
+        report.add(Diagnostic("PG233", message, loaded.span(("ppi", key, "module")), help="module: cm-ptp"))
+    elif loaded.spec.plc.family == "s7-400":
+        message = "the CP 341 belongs to an S7-300"
+        help_ = "an S7-400 reaches it through an ET 200M only, which this generator does not know"
+        report.add(Diagnostic("PG233", message, loaded.span(("ppi", key, "module")), help=help_))
+    return master.module
+
+
+def _port(key: str, master: PpiMaster, loaded: LoadedSpec, report: Report, *, classic: bool) -> int:
+    value = master.address if classic else master.port
+    if value is None and (master.module in CLASSIC_MODULES) == classic:
+        wanted, why = ("address", "logical address") if classic else ("port", "hardware identifier")
+        message = f"an {loaded.spec.plc.family.upper()} needs the {why} of the module"
+        report.add(Diagnostic("PG215", message, loaded.key_span(("ppi", key)), help=f"add {wanted}: to this master"))
+    return value or 0
+
+
+def _baud(key: str, master: PpiMaster, loaded: LoadedSpec, report: Report) -> int:
+    if master.baud in BAUD_RATES:
+        return master.baud
+    message = f"{master.baud} bit/s is not possible"
+    help_ = "an S7-200 speaks PPI with 9600 or 19200 bit/s at its serial neighbours"
+    if master.baud in {187500, 187}:
+        message = "187.5 kbit/s is not possible: CM 1241, CM PtP and CP 341 have no such baud rate"
+        help_ = "set the port of the S7-200 to 9600 or 19200 bit/s in its system block"
+    report.add(Diagnostic("PG234", message, loaded.span(("ppi", key, "baud")), help=help_))
+    return BAUD_RATES[0]
+
+
+def _stations(key: str, master: PpiMaster, loaded: LoadedSpec, report: Report) -> dict[str, PlannedStation]:
+    found: dict[str, PlannedStation] = {}
+    for index, (name, station) in enumerate(master.stations.items(), 1):
+        path = ("ppi", key, "stations", name)
+        profile = _profile(station, loaded, (*path, "cpu"), report)
+        found[name] = PlannedStation(name, index, station.address, profile, station.comment or {}, path)
+    return found
+
+
+def _profile(station: PpiStation, loaded: LoadedSpec, path: tuple[str, ...], report: Report) -> Profile:
+    known = profiles()
+    name = station.cpu.upper().removeprefix("CPU").strip()
+    if name not in known:
+        hint = did_you_mean(name, list(known))
+        message = f'"{station.cpu}" is no S7-200 CPU'
+        help_ = f"{hint} known CPUs: {', '.join(known)}".strip()
+        report.add(Diagnostic("PG241", message, loaded.span(path), help=help_))
+        return max(known.values(), key=lambda profile: sum(profile.sizes.values()))
+    return known[name]
+
+
+def _symbols(key: str, name: str, station: PpiStation, loaded: LoadedSpec, report: Report) -> SymbolTable:
+    """The station's symbol table; its own problems stand at their lines of the table."""
+    if station.symbols is None:
+        return SymbolTable(())
+    if not isinstance(station.symbols, str):
+        return _own_symbols(station.symbols, ("ppi", key, "stations", name, "symbols"), loaded, report)
+    try:
+        return load_symbols(Path(loaded.file).parent / station.symbols)
+    except DiagnosticError as problem:
+        report.extend(problem.diagnostics)
+    except (OSError, ValueError) as problem:  # ValueError: a NUL in the path
+        why = getattr(problem, "strerror", None) or str(problem)
+        message = f"the symbol table {station.symbols} cannot be read: {why}"
+        place = loaded.span(("ppi", key, "stations", name, "symbols"))
+        help_ = "export it from STEP 7-Micro/WIN; the path begins at the spec"
+        report.add(Diagnostic("PG236", message, place, help=help_))
+    return SymbolTable(())
+
+
+def _own_symbols(symbols: Mapping[str, str], path: tuple[str, ...], loaded: LoadedSpec, report: Report) -> SymbolTable:
+    """Symbols that the spec itself defines."""
+    found = []
+    for name, address in symbols.items():
+        span = loaded.span((*path, name))
+        try:
+            found.append(Symbol(name, parse_address(address), "", span.line))
+        except AddressError as problem:
+            report.add(Diagnostic("PG230", problem.message, span, help=problem.help))
+    return SymbolTable(tuple(found))

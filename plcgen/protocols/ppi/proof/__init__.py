@@ -1,0 +1,1 @@
+"""PPI masters under test: rig, runner and scenarios."""

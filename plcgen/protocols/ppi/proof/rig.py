@@ -1,0 +1,215 @@
+"""The bench a generated PPI master runs on: files on disk in a soft CPU, a port, S7-200 stations in memory."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping
+from dataclasses import replace
+
+from plcgen.cpu.cpu import Cpu
+from plcgen.cpu.program import Program
+from plcgen.cpu.system.bus import Bus
+from plcgen.cpu.system.port import Port
+from plcgen.project.model import Project
+from plcgen.protocols.ds47.proof.rig import ScenarioError, Spot
+from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedPpiJob, PpiTelegram, PpiValue
+from plcgen.protocols.ppi.proof.scenario import Edit
+from plcgen.protocols.ppi.sim import Bus as Line
+from plcgen.protocols.ppi.sim import Station
+from plcgen.protocols.ppi.sim.cpu import Cpu as StationCpu
+from plcgen.protocols.ppi.sim.cpu import Session
+from plcgen.protocols.ppi.wire.areas import Area
+from plcgen.protocols.ppi.wire.fdl import encode_frame, examine_frame
+from plcgen.protocols.ppi.wire.model import Item, VariableFrame
+from plcgen.s7.layout import Layout
+
+SIGNALS = ("execute", "busy", "done", "error", "status")
+DETAILS = (
+    "moduleStatus", "headerError", "pduReference", "state", "job", "telegram", "retries", "polls", "failedItem",
+    "ignoredFrames", "damagedFrames", "functionCode",
+)  # fmt: skip
+
+
+class RecordingCpu(StationCpu):
+    """The CPU of a station that keeps what it executed."""
+
+    def __init__(self, plain: StationCpu, executed: list[bytes]) -> None:
+        super().__init__(plain.memory, plain.mode, plain.switch, plain.pdu_limit, plain.protected)
+        self.executed = executed
+
+    def answer(
+        self, data: bytes, session: Session, *, refuse: int | None = None, items: Mapping[int, int] | None = None
+    ) -> bytes | None:
+        """Execute a request and note it."""
+        self.executed.append(data)
+        return super().answer(data, session, refuse=refuse, items=items)
+
+
+class EditedLine:
+    """A line on which the PDUs of replies are changed; their frames are made anew around them."""
+
+    def __init__(self, line: Line) -> None:
+        self.line = line
+        self.edit: Edit | None = None
+
+    def receive(self, data: bytes, now: int) -> None:
+        """Hand bytes on to the stations."""
+        self.line.receive(data, now)
+
+    def due(self) -> int | None:
+        """When the next bytes come."""
+        return self.line.due()
+
+    def transmit(self, now: int) -> bytes:
+        """Bytes of the stations, edited if they are one reply."""
+        data = self.line.transmit(now)
+        frame = examine_frame(data)[0] if self.edit is not None and data else None
+        if self.edit is None or not isinstance(frame, VariableFrame):
+            return data
+        return encode_frame(replace(frame, pdu=self.edit(frame.pdu)))
+
+
+class MasterRig:
+    """One master of a program on a CPU of its own, with every station it talks to."""
+
+    def __init__(self, project: Project, program: Program, master: PlannedMaster) -> None:
+        self.project, self.program, self.master = project, program, master
+        self.stations = {s.address: Station(s.profile.key, s.address, frame_count="strict") for s in master.stations}
+        self.executed: list[bytes] = []
+        for station in self.stations.values():
+            station.cpu = RecordingCpu(station.cpu, self.executed)
+        self.line = Line(self.stations.values())
+        self.bus = Bus()
+        self.edited = EditedLine(self.line)
+        self.port = Port(peer=self.edited, line_baud=master.baud)
+        if project.target.classic:
+            self.port.baud = master.baud  # a CP 341 is configured in the hardware
+        self.bus.ports[master.port] = self.port
+        self.cpu = Cpu(program, self.bus)
+        self.cpu.restart("cold")
+        self.instance = self.cpu.db(master.instance.name)
+        layout = self.layout(master.instance.name)
+        self.spots = {name: Spot.of(layout, f"diagnostics.{name}") for name in DETAILS}
+        for job in master.jobs:
+            names = [*SIGNALS, *(value.member for value in (*job.inputs, *job.outputs))]
+            names += ["errors"] if job.values else []
+            self.spots |= {job.pin(name): Spot.of(layout, job.pin(name)) for name in names}
+        block = program.link.find(master.block.name)
+        self.file = block.result.tokens.file if block is not None else ""
+        self.probes = [i for i, probe in enumerate(program.probes) if probe.file == self.file]
+        self.draw = random.Random(master.key)  # noqa: S311 - test values
+        self.inputs: dict[str, bytes] = {}
+
+    def layout(self, name: str) -> Layout:
+        """Layout of a block as the soft CPU has it."""
+        entry = self.program.link.find(name)
+        if entry is None or entry.shape is None:
+            raise ScenarioError(f'"{name}" is missing')
+        return Layout(entry.shape.bits // 8, entry.shape)
+
+    # --- members of the instance ----------------------------------------------------------------------
+
+    def get(self, name: str) -> int:
+        """Unsigned value of a member."""
+        spot = self.spots[name]
+        return int.from_bytes(self.instance[spot.byte : spot.byte + spot.size])
+
+    def flag(self, job: PlannedPpiJob, name: str) -> bool:
+        """BOOL signal of a job."""
+        spot = self.spots[job.pin(name)]
+        return bool(self.instance[spot.byte] >> spot.bit & 1)
+
+    def set_flag(self, job: PlannedPpiJob, name: str, *, value: bool) -> None:
+        """Set a BOOL signal of a job."""
+        self.put(self.spots[job.pin(name)], b"\x01" if value else b"\x00")
+
+    def status(self, job: PlannedPpiJob) -> int:
+        """Status word of a job."""
+        return self.get(job.pin("status"))
+
+    def errors(self, job: PlannedPpiJob) -> list[int]:
+        """Errors per address of a job."""
+        if not job.values:
+            return []
+        at = self.spots[job.pin("errors")].byte
+        return [int.from_bytes(self.instance[at + 2 * n : at + 2 * n + 2]) for n in range(len(job.values))]
+
+    def put(self, spot: Spot, data: bytes) -> None:
+        """Store bytes in a member."""
+        if spot.flag:
+            mask = 1 << spot.bit
+            self.instance[spot.byte] = self.instance[spot.byte] & 255 - mask | (mask if data[0] else 0)
+        else:
+            self.instance[spot.byte : spot.byte + len(data)] = data
+
+    def shown(self, job: PlannedPpiJob, value: PpiValue) -> bytes:
+        """Bytes of an output."""
+        spot = self.spots[job.pin(value.member)]
+        if spot.flag:
+            return bytes((self.instance[spot.byte] >> spot.bit & 1,))
+        return bytes(self.instance[spot.byte : spot.byte + value.count * value.size])
+
+    def outputs(self) -> list[bytes]:
+        """Bytes of every value output of the master."""
+        return [self.shown(job, value) for job in self.master.jobs for value in job.outputs]
+
+    # --- stations -------------------------------------------------------------------------------------
+
+    def station(self, job: PlannedPpiJob) -> Station:
+        """The station of a job."""
+        return self.stations[job.station.address]
+
+    def memory(self, job: PlannedPpiJob, item: Item) -> bytes:
+        """What a station holds at an address."""
+        return self.station(job).cpu.memory.read(item).data
+
+    def new_values(self, job: PlannedPpiJob) -> None:
+        """Give the station and the inputs of a job other values than before."""
+        for value in job.outputs:
+            self.station(job).cpu.memory.put(value.item, self.random_bytes(value))
+        for value in job.inputs:
+            data = self.random_bytes(value)
+            self.inputs[job.pin(value.member)] = data
+            self.put(self.spots[job.pin(value.member)], data)
+
+    def put_inputs(self, job: PlannedPpiJob) -> None:
+        """Supply the inputs again, as a main program does in every scan."""
+        for value in job.inputs:
+            name = job.pin(value.member)
+            self.put(self.spots[name], self.inputs.get(name, value.data))
+
+    def random_bytes(self, value: PpiValue) -> bytes:
+        """Wire bytes of a value that its type takes."""
+        if value.bit:
+            return bytes((self.draw.getrandbits(1),))
+        octets = bytearray(self.draw.randbytes(value.item.octets))
+        if value.element.name == "REAL":
+            for n in range(0, len(octets), 4):
+                octets[n] = octets[n] & 0x80 | 0x41  # no NaN, no infinity
+        if value.item.area == Area.SYS:
+            return bytes(65 + octet % 26 for octet in octets)
+        return bytes(octets)
+
+    def expected(self, job: PlannedPpiJob, value: PpiValue) -> bytes:
+        """What an output must show of what the station holds."""
+        data = self.memory(job, value.item)
+        if value.bit:
+            return data[:1]
+        step, first = value.stride, value.skip
+        pieces = [data[n * step + first : (n + 1) * step] for n in range(value.count)]
+        return b"".join(piece[-value.size :] for piece in pieces)
+
+    def planned(self, job: PlannedPpiJob, telegram: PpiTelegram) -> bytes:
+        """The request with the inputs of this run; function code 6Ch, reference 0."""
+        image = bytearray(telegram.request)
+        at = len(image) - 2
+        for field in telegram.request_fields:
+            if field.role != "value":
+                continue
+            for placed in field.placed:
+                value = placed.value
+                data = self.inputs.get(job.pin(value.member), value.data) if not value.constant else value.data
+                start = field.offset - 1 + placed.offset
+                image[start : start + placed.length] = data[placed.start : placed.start + placed.length]
+        image[at] = sum(image[4:at]) & 0xFF
+        return bytes(image)

@@ -1,0 +1,382 @@
+"""Scenarios: what line, station and CPU do to a job of a PPI master, and what it must report.
+
+Expectations come from docs/ppi-master.md, EN 50170 and the manuals of the modules, never from a run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedPpiJob
+from plcgen.protocols.ppi.sim import Fault, FaultKind
+from plcgen.protocols.ppi.sim.faults import At
+from plcgen.protocols.ppi.words import CLOCK_END, STATUS_WORDS
+
+WORDS = {name.removeprefix("STATUS_"): word for name, word, _ in STATUS_WORDS}
+"""Status words by name: ``WORDS["TIMEOUT"]``."""
+DONE = WORDS["DONE"]
+RETURN_CODES = (0x01, 0x03, 0x05, 0x06, 0x07, 0x0A, 0x42)
+"""Return codes of items: those of the S7-200 and one that nobody knows."""
+HEADER_ERRORS = (0x8001, 0x8104, 0x8404, 0x8500, 0xD602)
+
+Edit = Callable[[bytes], bytes]
+"""What becomes of the PDU of a reply on its way; its frame is made anew around it."""
+
+Happening = Literal["drop", "cold", "warm"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PpiScenario:
+    """One run of a job: circumstances first, then what must come out.
+
+    ``faults`` are those of the simulated line. ``port`` maps the n-th transmission (0: every one) to a STATUS it fails
+    with, ``hang`` keeps transmissions busy, ``reset`` is what Receive_Reset fails with, ``gone`` takes the module away.
+    ``edit`` changes the PDU of every reply, whose frame stays right. ``status`` are the permitted results,
+    ``retries`` and ``polls`` what the diagnostics must say (None: not checked), ``errors`` those of the addresses by
+    position, ``header`` and ``module`` the error words. ``pace`` are the ms behind the first frame, behind every other
+    one but the last, and from the last to the end of the job.
+    """
+
+    name: str
+    status: tuple[int, ...] = (DONE,)
+    faults: tuple[Fault, ...] = ()
+    port: Mapping[int, int] = field(default_factory=dict)
+    hang: bool = False
+    reset: int = 0
+    edit: Edit | None = None
+    gone: bool = False
+    scan: int = 10
+    jitter: bool = False
+    happens: Mapping[int, Happening] = field(default_factory=dict)
+    clock: int | None = None
+    fresh: bool = False
+    retries: int | None = 0
+    polls: int | None = 1
+    errors: Mapping[int, int] = field(default_factory=dict)
+    header: int = 0
+    module: int = 0
+    took: tuple[int, int] | None = None
+    pace: tuple[int, int, int] | None = None
+
+
+def fault(kind: str, at: At = "any", times: int | None = 1, **more: int) -> Fault:
+    """One fault of the simulated line; ``times`` None is for ever."""
+    data = b"\xff\x00" if kind == "noise" else b""
+    return Fault(FaultKind(kind), times=times, at=at, data=data, **more)
+
+
+def _again(master: PlannedMaster) -> tuple[int, ...]:
+    """What comes of one frame that is lost: nothing, if it may be repeated."""
+    return (DONE,) if master.retries else (WORDS["NO_ANSWER"],)
+
+
+def _repeated(master: PlannedMaster, polls: int = 1) -> dict[str, Any]:
+    """Expectations of a run in which one frame is lost; ``polls`` is how many there were if that was the end."""
+    return {
+        "status": _again(master),
+        "retries": min(1, master.retries),
+        "polls": 1 if master.retries else polls,
+    }
+
+
+def line_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiScenario]:
+    """Everything a line and a station can do wrong."""
+    most, polls = master.retries, master.polls
+    silent = (WORDS["NO_ANSWER"],)
+    again = _again(master)
+    yield PpiScenario(name="first job after power-up", fresh=True, retries=None, polls=None)
+    yield from _spoilt(master)
+    for spot, byte in ((4, "high"), (5, "low")):
+        yield PpiScenario(
+            name=f"reference with another {byte} byte",
+            edit=lambda pdu, spot=spot: pdu[:spot] + bytes((pdu[spot] ^ 1,)) + pdu[spot + 1 :],  # type: ignore[misc]
+            status=silent,
+            retries=most,
+            polls=None,
+        )
+    repeats: tuple[tuple[int | None, str], ...] = ((1, "once"), (None, "for ever"))
+    for number, how in repeats:  # the second answer before is the right one
+        stale = (fault("stale", "poll", number),)
+        yield PpiScenario(name=f"an old answer {how}", faults=stale, retries=min(1, most), status=again)
+    yield from _ready(polls)
+    in_front: tuple[tuple[str, At], ...] = (("echo", "any"), ("token", "any"), ("foreign", "any"), ("noise", "poll"))
+    for kind, at in in_front:
+        yield PpiScenario(name=f"{kind} in front of every answer", faults=(fault(kind, at, None),))
+    yield PpiScenario(name="noise in front of E5", faults=(fault("noise", "request"),), **_repeated(master, polls=0))
+    for kind in ("count", "length"):
+        if job.kind == "read" or (kind == "count" and job.kind == "write"):
+            yield PpiScenario(
+                name=f"reply with a wrong {kind}", faults=(fault(kind, "poll"),), status=(WORDS["REPLY_FORMAT"],)
+            )
+    for value, word in ((1, "LINE_REFUSED"), (3, "LINE_REFUSED")):
+        yield PpiScenario(
+            name=f"refused with {value:02X}h",
+            faults=(fault("nack", "request", value=value),),
+            status=(WORDS[word],),
+            polls=0,
+        )
+    yield PpiScenario(
+        name="refused with 02h once", faults=(fault("nack", "request", value=2),), **_repeated(master, polls=0)
+    )
+    yield from _late(master)
+    yield from _refusals(job)
+    yield from _short(master, job)
+    yield from _first_read(job)
+    for name, edit in _edits(job):
+        yield PpiScenario(
+            name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None
+        )
+
+
+def pace_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiScenario]:
+    """Waits and pauses held to the constants in scans of 2 ms, also across the end of the block's clock."""
+    ack, reply, pause, most = master.ack_timeout, master.reply_timeout, master.retry_pause, master.retries
+    waits = (("request", ack, (ack + pause,) * 2), ("poll", reply, (0, reply + pause)))
+    none = WORDS["NO_ANSWER"]
+    for at, end, (first, later) in waits:
+        if (most + 1) * (end + pause) + ack < job.timeout:
+            for clock in (None, CLOCK_END - 100):
+                yield PpiScenario(
+                    name=f"pace of repetitions of the {at}{', the clock starts again' if clock else ''}",
+                    faults=(fault("silence" if at == "poll" else "deaf", "poll" if at == "poll" else "request", None),),
+                    status=(none,), retries=most, polls=None if at == "poll" else 0,
+                    pace=(first, later, end), scan=2, clock=clock,
+                )  # fmt: skip
+    if master.polls * (master.poll_pause + 100) + ack < job.timeout:
+        yield PpiScenario(
+            name="pace of the polls", faults=(fault("not_ready", times=None),), status=(WORDS["NOT_READY"],),
+            polls=master.polls, pace=(0, master.poll_pause if master.polls > 1 else 0, 0), scan=2,
+        )  # fmt: skip
+    yield PpiScenario(name="reply without its last byte", faults=(fault("cut", "poll", value=-1),), **_repeated(master))
+    frames = len(job.telegrams) + (job.kind != "read")
+    if most and frames > 1 and (most + 3) * (ack + pause) + reply < job.timeout:
+        lost = (fault("deaf", "request"), fault("deaf", "request", most, after=2))
+        yield PpiScenario(
+            name="a frame lost in the first telegram, as many as allowed in the next",
+            faults=lost, fresh=True, retries=most if frames == 2 else None, polls=None,
+        )  # fmt: skip
+
+
+def _spoilt(master: PlannedMaster) -> Iterator[PpiScenario]:
+    """Requests that are not heard and answers that are lost or damaged: as often as is repeated, and for ever."""
+    most = master.retries
+    spoilt: tuple[tuple[At, tuple[str, ...]], ...] = (
+        ("request", ("deaf", "silence", "garbage", "clipped")),
+        ("poll", ("deaf", "silence", "garbage", "fcs", "cut", "address", "function", "reference")),
+    )
+    for at, kinds in spoilt:
+        for kind in kinds:
+            for times in sorted({1, max(1, most)}):
+                if times <= most:
+                    name = f"{kind} at the {at}, {times} times"
+                    yield PpiScenario(name=name, faults=(fault(kind, at, times),), retries=times)
+            name = f"{kind} at the {at}, for ever"
+            yield PpiScenario(
+                name=name,
+                faults=(fault(kind, at, None),),
+                status=(WORDS["NO_ANSWER"],),
+                retries=most,
+                polls=None if at == "poll" else 0,
+            )
+
+
+def _late(master: PlannedMaster) -> Iterator[PpiScenario]:
+    """Answers behind their time."""
+    # a late E5 looks like "not ready" to the poll of a repeated request: the job may fail, but says so
+    ends = (DONE, WORDS["NOT_READY"], WORDS["NO_ANSWER"])
+    for late in (100, 200, 400, 900):
+        once = (fault("late", milliseconds=late),)
+        always = (fault("late", times=None, milliseconds=late),)
+        good = (DONE,) if late < master.ack_timeout else ends
+        yield PpiScenario(name=f"answer {late} ms late", faults=once, retries=None, polls=None, status=good)
+        yield PpiScenario(
+            name=f"every answer {late} ms late",
+            faults=always,
+            retries=None,
+            polls=None,
+            status=(*ends, WORDS["TIMEOUT"]),
+        )
+
+
+def _short(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiScenario]:
+    """Short answers that are none of the usual ones, and a frame without a PDU of an answer."""
+
+    def frame(body: bytes, *, variable: bool) -> bytes:
+        body = bytes((master.own_address, job.station.address)) + body
+        head = bytes((0x68, len(body), len(body), 0x68)) if variable else b"\x10"
+        return head + body + bytes((sum(body) & 0xFF, 0x16))
+
+    for function, what in ((0x09, "no data yet"), (0x00, "taken")):
+        answer = frame(bytes((function,)), variable=False)
+        asked = replace(fault("garbage", "request"), data=answer)
+        yield PpiScenario(name=f"{what} instead of E5", faults=(asked,))
+        polled = replace(fault("garbage", "poll"), data=answer)  # the reply itself is lost with it
+        lost = (WORDS["NOT_READY"],)
+        yield PpiScenario(name=f"{what} instead of the reply", faults=(polled,), polls=master.polls, status=lost)
+    short = replace(fault("garbage", "poll"), data=frame(b"\x08\x32\x03", variable=True))
+    yield PpiScenario(name="a frame without an answer", faults=(short,), **_repeated(master))
+
+
+def _edits(job: PlannedPpiJob) -> Iterator[tuple[str, Edit]]:
+    """Replies whose frame and reference are right and whose PDU is not."""
+    yield "a parameter length beyond its end", lambda pdu: pdu[:6] + b"\x01" + pdu[7:]
+    yield "a data length of 256 more", lambda pdu: pdu[:8] + b"\x01" + pdu[9:]
+    yield "a data length of one more", lambda pdu: pdu[:9] + bytes((pdu[9] + 1 & 0xFF,)) + pdu[10:]
+    yield "another function", lambda pdu: pdu[:12] + bytes((pdu[12] ^ 0x20,)) + pdu[13:]
+    yield "no parameters", lambda pdu: pdu[:6] + b"\0\0" + pdu[8:12] + pdu[14:] + b"\0\0\0"
+    if job.kind in {"run", "stop"}:
+        yield "a parameter too many", lambda pdu: pdu[:7] + b"\x02" + pdu[8:] + b"\0"
+        yield "data", lambda pdu: pdu[:9] + b"\x01" + pdu[10:] + b"\xff"
+        return
+    yield "a byte too many", lambda pdu: _data(pdu, pdu[14:] + b"\xff")
+    yield "a byte too few", lambda pdu: _data(pdu, pdu[14:-1])
+    yield "an item too many", lambda pdu: pdu[:13] + bytes((pdu[13] + 1,)) + pdu[14:]
+    if job.kind == "read":
+        yield "half an item", lambda pdu: _data(pdu, pdu[14:16])
+        yield "another size code", lambda pdu: pdu[:15] + bytes((pdu[15] ^ 0x0F,)) + pdu[16:]
+        yield "another value length", lambda pdu: pdu[:17] + bytes((pdu[17] ^ 0x08,)) + pdu[18:]
+
+
+def _first_read(job: PlannedPpiJob) -> Iterator[PpiScenario]:
+    """The read in front of the first write with an item that nobody asked for."""
+    if job.kind != "read":
+        yield PpiScenario(
+            name="first read with an item too many",
+            edit=lambda pdu: pdu[:13] + bytes((pdu[13] + 1,)) + pdu[14:],
+            status=(WORDS["REPLY_FORMAT"],),
+            fresh=True,
+            retries=None,
+            polls=None,
+        )
+
+
+def _data(pdu: bytes, data: bytes) -> bytes:
+    """A reply with other data, whose length is right."""
+    return pdu[:8] + len(data).to_bytes(2) + pdu[10:14] + data
+
+
+def _ready(polls: int) -> Iterator[PpiScenario]:
+    """E5 to polls, a bounded number of times and for ever."""
+    for times in sorted({1, 2, polls - 1}):
+        if 0 < times < polls:
+            yield PpiScenario(
+                name=f"not ready {times} times", faults=(fault("not_ready", times=times),), polls=times + 1
+            )
+    yield PpiScenario(
+        name="never ready", faults=(fault("not_ready", times=None),), status=(WORDS["NOT_READY"],), polls=polls
+    )
+
+
+def _refusals(job: PlannedPpiJob) -> Iterator[PpiScenario]:
+    """Return codes at every position, and refusals of the whole job."""
+    for code in HEADER_ERRORS:
+        yield PpiScenario(
+            name=f"job refused with {code:04X}h",
+            faults=(fault("header", code=code),),
+            status=(WORDS["REFUSED"],),
+            header=code,
+        )
+    for after, telegram in enumerate(job.telegrams):
+        for number, wire in enumerate(telegram.items if telegram.response_db is not None else (), 1):
+            positions = sorted({placed.value.position for placed in wire.values})
+            for code in RETURN_CODES:
+                yield PpiScenario(
+                    name=f"item {number} of telegram {telegram.number} refused with {code:02X}h",
+                    faults=(fault("item", item=number, code=code, after=after),),
+                    status=(WORDS["ITEM_ERROR"],),
+                    errors=dict.fromkeys(positions, 0x8000 | code),
+                    retries=None,
+                    polls=None,
+                )
+        if len(telegram.items) > 1 and telegram.response_db is not None:
+            wrong = (telegram.items[0], telegram.items[-1])
+            places = sorted({placed.value.position for wire in wrong for placed in wire.values})
+            yield PpiScenario(
+                name=f"first and last item of telegram {telegram.number} refused",
+                faults=tuple(fault("item", item=n, code=5, after=after) for n in (1, len(telegram.items))),
+                status=(WORDS["ITEM_ERROR"],),
+                errors=dict.fromkeys(places, 0x8005),
+                retries=None,
+                polls=None,
+            )
+
+
+def module_scenarios(master: PlannedMaster, job: PlannedPpiJob, *, classic: bool) -> Iterator[PpiScenario]:
+    """Everything a module can do wrong."""
+    most = master.retries
+    for transmission, at in ((1, "request"), (2, "poll")):
+        yield PpiScenario(
+            name=f"sending of the {at} fails once",
+            port={transmission: 0x80D1},
+            module=0x80D1,
+            status=(DONE,) if most else (WORDS["SEND_ERROR"],),
+            retries=min(1, most),
+            polls=1 if most or at == "poll" else 0,
+        )
+    yield PpiScenario(
+        name="sending fails for ever",
+        port={0: 0x80D1},
+        status=(WORDS["SEND_ERROR"],),
+        retries=most,
+        polls=0,
+        module=0x80D1,
+    )
+    word = "SEND_ERROR" if classic else "CONFIG_ERROR"
+    yield PpiScenario(
+        name="module missing", gone=True, status=(WORDS[word],), retries=None, polls=0, fresh=True,
+        module=0x1E0E if classic else 0x8080,
+    )  # fmt: skip
+    if not classic:
+        yield PpiScenario(
+            name="Receive_Reset fails", reset=0x8085, status=(WORDS["CONFIG_ERROR"],), polls=0, module=0x8085
+        )
+    drain = 0 if classic else 5000
+    yield PpiScenario(
+        name="module hangs",
+        hang=True,
+        status=(WORDS["TIMEOUT"] if classic else WORDS["DRAIN_TIMEOUT"],),
+        polls=0,
+        took=(job.timeout + drain, job.timeout + drain + 50),
+    )
+
+
+def core_scenarios(master: PlannedMaster, job: PlannedPpiJob, scans: int) -> Iterator[PpiScenario]:
+    """What depends on the job itself, and one fault of each kind of the rest."""
+    yield PpiScenario(name="first job after power-up", fresh=True, retries=None, polls=None)
+    for at, kind in (("request", "silence"), ("poll", "fcs"), ("poll", "silence")):
+        once = fault(kind, "request" if at == "request" else "poll")
+        yield PpiScenario(name=f"{kind} at the {at}", faults=(once,), **_repeated(master, polls=at == "poll"))
+    dead = (fault("deaf", times=None),)
+    yield PpiScenario(
+        name="silence for ever", faults=dead, status=(WORDS["NO_ANSWER"],), retries=master.retries, polls=0
+    )
+    yield from _ready(master.polls)
+    yield from _refusals(job)
+    yield from _first_read(job)
+    for name, edit in _edits(job):
+        yield PpiScenario(
+            name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None
+        )
+    yield PpiScenario(name="execute dropped", happens={scans // 2: "drop"})
+    yield PpiScenario(name="cold restart", happens={scans // 2: "cold"}, retries=None, polls=None)
+    yield PpiScenario(name="scans of random length", jitter=True, retries=None, polls=None)
+
+
+def cpu_scenarios(scans: int, clock_end: int, *, retentive: bool) -> Iterator[PpiScenario]:
+    """Everything the CPU can do: execute dropped, restarts, scan times, the clock starting again."""
+    for scan in range(2, scans + 1):
+        yield PpiScenario(name=f"execute dropped in scan {scan}", happens={scan: "drop"})
+    for scan in range(2, scans + 2, 3):
+        yield PpiScenario(name=f"cold restart in scan {scan}", happens={scan: "cold"}, retries=None, polls=None)
+        status = (DONE, WORDS["TIMEOUT"], WORDS["NO_ANSWER"]) if retentive else (DONE,)
+        yield PpiScenario(
+            name=f"warm restart in scan {scan}", happens={scan: "warm"}, retries=None, polls=None, status=status
+        )
+    for length in (1, 3, 20, 50):
+        yield PpiScenario(name=f"scans of {length} ms", scan=length, retries=None, polls=None)
+    for number in range(5):
+        yield PpiScenario(name=f"scans of random length {number}", jitter=True, retries=None, polls=None)
+    for before in (5, 60, 150):
+        yield PpiScenario(name=f"the clock starts again after {before} ms", clock=clock_end - before)

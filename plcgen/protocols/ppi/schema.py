@@ -1,0 +1,171 @@
+"""The shape of the ``ppi`` part of a spec: masters, their stations and jobs. Imported only if a spec has one."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, Field
+
+from plcgen.project.schema import (
+    BlockName,
+    Drive,
+    Duration,
+    Job,
+    Spec,
+    StrictModel,
+    Text,
+    Trigger,
+    Value,
+    trigger_short,
+)
+
+Module = Literal["cm1241", "cm-ptp", "cp341"]
+VERBS = ("read", "write", "run", "stop")
+
+
+def _read_item(value: object) -> object:
+    return {"item": value} if isinstance(value, str) else value
+
+
+def _write_items(value: object) -> object:
+    if not isinstance(value, dict):
+        return value
+    items: list[dict[str, Any]] = []
+    for key, entry in value.items():
+        if isinstance(entry, dict):
+            items.append({**entry, "item": str(key)})
+        else:
+            items.append({"item": str(key), "value": entry})
+    return tuple(items)
+
+
+class PpiBuffer(StrictModel):
+    """A telegram table or response data block; further telegrams of a job get numbers and names of their own."""
+
+    db: int | None = Field(None, ge=1, le=65535, description="DB number; absent: automatic")
+    name: str | None = Field(None, min_length=1, max_length=125, description="DB name; absent: from the job's name")
+
+
+class PpiReadItem(StrictModel):
+    """One address to read."""
+
+    item: str = Field(description="VB100, VW100, VD100, V100.3, M0.0, SMB34, AIW0, T32, C5, VB100[20] or a symbol")
+    as_: str | None = Field(None, alias="as", description="name of the block's output")
+    type: str | None = Field(None, description="type of the output, e.g. Int or Real; default Byte, Word, DWord, Bool")
+    comment: Text | None = None
+
+
+class PpiWriteItem(StrictModel):
+    """One address to write; without a value it becomes an input of the block."""
+
+    item: str = Field(description="VB100, VW100, VD100, V100.3, M0.0, Q0.0 or a symbol")
+    value: Value | None = Field(None, description="constant; absent: block input")
+    as_: str | None = Field(None, alias="as", description="name of the block's input")
+    type: str | None = Field(None, description="type of the input, e.g. Int or Real; default Byte, Word, DWord, Bool")
+    start: Value | None = Field(None, description="start value of the input")
+    comment: Text | None = None
+
+
+class PpiStation(StrictModel):
+    """One S7-200 on the line."""
+
+    address: int = Field(ge=0, le=126, description="PPI address of the CPU; 2 is the factory setting")
+    cpu: str = Field("226", description="221, 222, 224, 224XP, 226, ST20 or ST40: how much memory it has")
+    symbols: str | dict[str, str] | None = Field(
+        None, description="CSV export of the Micro/WIN symbol table beside the spec, or symbols with their addresses"
+    )
+    comment: Text | None = None
+
+
+class PpiJob(StrictModel):
+    """One job: read or write some addresses of one station, or switch it to RUN or STOP."""
+
+    station: str = Field(description="key of a station of this master")
+    read: tuple[Annotated[PpiReadItem, BeforeValidator(_read_item)], ...] | None = Field(
+        None, description="addresses or symbols to read"
+    )
+    write: Annotated[tuple[PpiWriteItem, ...], BeforeValidator(_write_items)] | None = Field(
+        None, description="address: value, address: {value, as, type, start}, or a list of such"
+    )
+    run: Literal[True] | None = Field(None, description="true: switch the CPU to RUN")
+    stop: Literal[True] | None = Field(None, description="true: switch the CPU to STOP")
+    cycle: Duration | None = Field(None, description="repeat while execute is TRUE; absent: once per rising edge")
+    request: PpiBuffer = Field(PpiBuffer(), description="request DB, the telegram table")
+    response: PpiBuffer = Field(PpiBuffer(), description="response DB")
+    trigger: Annotated[Trigger, BeforeValidator(trigger_short)] | None = Field(
+        None, description="flag that starts the job, or a flag per signal"
+    )
+    timeout: Duration = Field(10_000, description="whole job, waiting for the port and all retries included")
+    split: Literal["auto", "never"] = Field("auto", description="may the job be split into several telegrams")
+    merge: bool = Field(default=True, description="may neighbouring addresses share an item and its return code")
+    comment: Text | None = None
+
+
+class PpiMaster(StrictModel):
+    """One serial port as PPI master."""
+
+    module: Module = Field(description="cm1241 or cm-ptp (S7-1200/1500), cp341 (S7-300/400)")
+    port: int | None = Field(None, ge=1, le=65535, description="hardware identifier of the port (S7-1200/1500)")
+    address: int | None = Field(None, ge=0, le=32767, description="logical address of the CP 341 (S7-300/400)")
+    own_address: int = Field(0, ge=0, le=126, description="PPI address of this master; 0 is that of a PC")
+    baud: int = Field(9600, description="9600 or 19200")
+    stations: dict[str, PpiStation] = Field(min_length=1)
+    jobs: dict[str, PpiJob] = Field(min_length=1)
+    block: BlockName = Field(BlockName(), description="the master's function block")
+    instance: BlockName = Field(BlockName(), description="the function block's instance DB")
+    ack_timeout: Duration = Field(250, description="waiting for E5 behind a request")
+    reply_timeout: Duration = Field(600, description="waiting for the reply behind a poll")
+    retry_pause: Duration = Field(50, description="pause before a telegram is repeated")
+    poll_pause: Duration = Field(20, description="pause before the next poll of a station that is not ready")
+    retries: int = Field(3, ge=0, le=20, description="repetitions of one telegram that is not answered")
+    polls: int = Field(10, ge=1, le=100, description="polls of one request that is answered with E5")
+    comment: Text | None = None
+
+
+class SpecWithPpi(Spec):
+    """A spec with PPI masters: drives and their jobs may be missing."""
+
+    drives: dict[str, Drive] = Field(default_factory=dict)
+    jobs: dict[str, Job] = Field(default_factory=dict)
+    ppi: dict[str, PpiMaster] = Field(min_length=1, description="PPI masters, one a serial port")
+
+    @property
+    def masters(self) -> dict[str, PpiMaster]:
+        """The PPI masters by key."""
+        return self.ppi
+
+
+MODELS: dict[tuple[str, ...], type[BaseModel]] = {
+    (): SpecWithPpi,
+    ("ppi", "*"): PpiMaster,
+    ("ppi", "*", "block"): BlockName,
+    ("ppi", "*", "instance"): BlockName,
+    ("ppi", "*", "stations", "*"): PpiStation,
+    ("ppi", "*", "jobs", "*"): PpiJob,
+    ("ppi", "*", "jobs", "*", "read", "*"): PpiReadItem,
+    ("ppi", "*", "jobs", "*", "write", "*"): PpiWriteItem,
+    ("ppi", "*", "jobs", "*", "request"): PpiBuffer,
+    ("ppi", "*", "jobs", "*", "response"): PpiBuffer,
+    ("ppi", "*", "jobs", "*", "trigger"): Trigger,
+}
+
+
+def complete(schema: dict[str, Any], definitions: dict[str, Any]) -> None:
+    """Put the short forms into the JSON schema of a spec with masters."""
+    items, text = {"$ref": "#/$defs/PpiReadItem"}, {"type": "string"}
+    value = {"type": ["boolean", "integer", "number", "string", "null"]}
+    entry = {**definitions["PpiWriteItem"], "required": [], "title": "PpiWriteEntry"}
+    entry["properties"] = {name: what for name, what in entry["properties"].items() if name != "item"}
+    definitions["PpiWriteEntry"] = entry
+    job = definitions["PpiJob"]["properties"]
+    job["read"] = {"type": "array", "items": {"anyOf": [text, items]}, "description": job["read"]["description"]}
+    job["write"] = {
+        "anyOf": [
+            {"type": "object", "additionalProperties": {"anyOf": [value, {"$ref": "#/$defs/PpiWriteEntry"}]}},
+            {"type": "array", "items": {"$ref": "#/$defs/PpiWriteItem"}},
+        ],
+        "description": job["write"]["description"],
+    }
+    job["trigger"] = {"anyOf": [text, {"$ref": "#/$defs/Trigger"}], "description": job["trigger"]["description"]}
+    schema["required"] = ["plc"]
+    schema["anyOf"] = [{"required": ["drives", "jobs"]}, {"required": ["ppi"]}]

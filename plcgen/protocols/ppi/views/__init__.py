@@ -1,0 +1,1 @@
+"""Views of PPI masters for the templates."""

@@ -1,0 +1,268 @@
+"""View of a PPI master's function block: every name, number and table row the templates write."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from plcgen.documents.document import Document
+from plcgen.documents.spelling import comment_text, elements, encodable, literal, one_line, type_text
+from plcgen.project.model import Project
+from plcgen.protocols.ds47.views.jobs import clean_title, common, newline
+from plcgen.protocols.ppi.plan.fields import value_length
+from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedPpiJob, PpiTelegram, PpiValue, WireItem
+from plcgen.protocols.ppi.views.values import into_response, into_table, output_moves, stat_name
+from plcgen.protocols.ppi.words import CLOCK_END, DRAIN_MS, ONLY_CLASSIC, ONLY_NEW, STATES, STATUS_WORDS
+from plcgen.s7.types import ArrayType
+
+MAX_MESSAGE = 512
+"""Bytes of one message that are looked at, and the length at which the module ends one."""
+RECEIVE_LAST = MAX_MESSAGE + 23
+SEND_BYTES = 256
+MODULES = {"cm1241": "CM 1241", "cm-ptp": "CM PtP", "cp341": "CP 341"}
+BAUD_CODES = {9600: 6, 19200: 7}
+VERBS = {"read": "Read", "write": "Write", "run": "Switch to RUN", "stop": "Switch to STOP"}
+
+
+def master_document(project: Project, master: PlannedMaster) -> Document:
+    """The function block of a master as a document."""
+    assert project.ppi is not None  # noqa: S101 - there is a master
+    view = {**common(project), "m": _Views(project, master).view()}
+    where = project.target
+    return Document(f"scl/{master.block.name}.scl", "scl/ppi_master.scl.j2", view, where.encoding, newline(project))
+
+
+def master_title(project: Project, master: PlannedMaster) -> str:
+    """One-line title of a master."""
+    names = ", ".join(station.key for station in master.stations[:4]) + (", .." if len(master.stations) > 4 else "")
+    return clean_title(comment_text(master.comment, project.languages, project.target, f"PPI master of {names}"))
+
+
+def job_title(project: Project, job: PlannedPpiJob) -> str:
+    """One-line title of a job."""
+    labels = ", ".join(value.label for value in job.values[:4]) + (", .." if len(job.values) > 4 else "")
+    text = " ".join(part for part in (VERBS[job.kind], labels, f"of {job.station.key}") if part)
+    return clean_title(comment_text(job.comment, project.languages, project.target, text))
+
+
+def value_text(project: Project, value: PpiValue) -> str:
+    """Comment of a value: address or symbol, and what the spec or the symbol table says about it."""
+    title = value.title if encodable(value.title, project.target) else ""
+    return one_line(f"{value.label} {comment_text(value.comment, project.languages, project.target, title)}".strip())
+
+
+def interface_row(project: Project, job: PlannedPpiJob, value: PpiValue) -> dict[str, Any]:
+    """A value at the block or in the control DB: name, type, initialiser, comment."""
+    where = project.target
+    type_ = value.type
+    start = ""
+    if job.kind == "write" and any(value.data):
+        if not isinstance(type_, ArrayType):
+            start = f" := {literal(value.element, value.data, v5=where.v5)}"
+        else:
+            texts = [text for _, text in elements(type_, value.data, v5=where.v5)]
+            start = f" := {value.count}({texts[0]})" if where.v5 else f" := [{value.count}({texts[0]})]"
+    text = type_text(type_, tia=not where.v5)
+    return {"name": value.member, "pin": job.pin(value.member), "type": text, "start": start,
+            "text": value_text(project, value)}  # fmt: skip
+
+
+class _Views:
+    """Views of one master."""
+
+    def __init__(self, project: Project, master: PlannedMaster) -> None:
+        self.project, self.master = project, master
+        self.where = project.target
+        self.h = "" if project.target.v5 else "#"
+        self.t = common(project)["t"]
+        self.syncs = {telegram.station.key: telegram.number for telegram in master.syncs}
+
+    def names(self) -> dict[str, Any]:
+        """Names and sizes."""
+        master, project = self.master, self.project
+        extra = master.module_instances
+        return {
+            "key": master.key,
+            "title": master_title(project, master),
+            "block": master.block.name,
+            "module_title": MODULES[master.module],
+            "baud": master.baud,
+            "own": master.own_address,
+            "port": master.port,
+            "drain_ms": DRAIN_MS,
+            "diagnostics_type": project.ppi.diagnostics_type.name if project.ppi else "",
+            "buffer": master.buffer.name if master.buffer else "",
+            "buffer_number": master.buffer.number if master.buffer else 0,
+            "send_instance": extra[0].name if extra else "",
+            "receive_instance": extra[1].name if extra else "",
+            "receive_last": RECEIVE_LAST,
+            "job_count": len(master.jobs),
+            "station_count": len(master.stations),
+        }
+
+    def view(self) -> dict[str, Any]:
+        """The whole view."""
+        master = self.master
+        jobs = [self.job(job) for job in master.jobs]
+        telegrams = [self.telegram(telegram) for telegram in master.telegrams]
+        items = [item for telegram in telegrams for item in telegram["wire_items"] if telegram["walked"]]
+        return {
+            **self.names(),
+            "stations": [{"address": s.address, "key": s.key, "title": s.profile.title} for s in master.stations],
+            "jobs": jobs,
+            "inputs": [value for job in jobs for value in job["inputs"]],
+            "outputs": any(job["outputs"] for job in jobs),
+            "starts": [job for job in jobs if job["count"]],
+            "cyclic": any(job.cycle for job in master.jobs),
+            "many": any(len(job.telegrams) > 1 for job in master.jobs),
+            "reads": any(job.kind == "read" for job in master.jobs),
+            "writes": any(job.kind == "write" for job in master.jobs),
+            "services": any(job.kind in {"run", "stop"} for job in master.jobs),
+            "syncs": bool(master.syncs),
+            "telegrams": telegrams,
+            "wire_items": items,
+            "most_values": max(1, *(len(job.values) for job in master.jobs)) if master.jobs else 1,
+            "most_items": max(1, *(len(t.items) for t in master.telegrams)) if master.telegrams else 1,
+            "temps": self.temps(),
+            "constants": self.constants(),
+        }
+
+    def job(self, job: PlannedPpiJob) -> dict[str, Any]:
+        """One job of the queue."""
+        pins = {name: job.pin(name) for name in ("execute", "busy", "done", "error", "status", "errors")}
+        cycle = f", then every {job.cycle} ms while it is TRUE" if job.cycle else ""
+        return {
+            "number": job.number,
+            "key": job.key,
+            "title": job_title(self.project, job) + (f", every {job.cycle} ms" if job.cycle else ""),
+            "pins": pins,
+            "execute_text": f"a rising edge starts the job{cycle}",
+            "timeout": job.timeout,
+            "cycle": job.cycle,
+            "count": len(job.values),
+            "station": {"index": job.station.index, "address": job.station.address},
+            "first": job.telegrams[0].number,
+            "last": job.telegrams[-1].number,
+            "sync": self.syncs.get(job.station.key, 0) if job.kind != "read" else 0,
+            "inputs": [self.input(job, value) for value in job.inputs],
+            "outputs": [self.output(job, value) for value in job.outputs],
+        }
+
+    def input(self, job: PlannedPpiJob, value: PpiValue) -> dict[str, Any]:
+        """A value that the caller supplies, with the copy taken when the job starts."""
+        row = interface_row(self.project, job, value)
+        return {**row, "stat": stat_name(job, value), "loop": value.count > 1, "last": value.count - 1}
+
+    def output(self, job: PlannedPpiJob, value: PpiValue) -> dict[str, Any]:
+        """A value that the job returns, with the expression over the response DB."""
+        row = interface_row(self.project, job, value)
+        return {**row, "moves": output_moves(self.project, job, value)}
+
+    def telegram(self, telegram: PpiTelegram) -> dict[str, Any]:
+        """One telegram with its table and its items."""
+        walked = telegram.response_db is not None
+        job = next((job for job in self.master.jobs if telegram in job.telegrams), None)
+        return {
+            "number": telegram.number,
+            "label": f"{job.key} of {telegram.station.key}" if job else f"first frame to {telegram.station.key}",
+            "db": telegram.request_db.name,
+            "type": telegram.request_type.name,
+            "response": telegram.response_db.name if telegram.response_db else "",
+            "walked": walked,
+            "first_item": telegram.items[0].number if walked else 0,
+            "last_item": telegram.items[-1].number if walked else 0,
+            "wire_items": [self.item(telegram, n, wire) for n, wire in enumerate(telegram.items, 1)],
+            "build": into_table(self.project, job, telegram) if job and telegram.kind == "write" else [],
+        }
+
+    def item(self, telegram: PpiTelegram, position: int, wire: WireItem) -> dict[str, Any]:
+        """One item: what its answer must look like, where it goes."""
+        fields = {field.role: field for field in telegram.response_fields if field.item == position}
+        read = telegram.kind == "read"
+        view: dict[str, Any] = {
+            "number": wire.number,
+            "label": ", ".join(placed.value.label for placed in wire.values),
+            "read": read,
+            "positions": sorted({placed.value.position for placed in wire.values}),
+            "code": int(wire.item.size_code),
+            "length": value_length(wire),
+            "octets": wire.item.octets,
+            "code_member": fields["return_code"].name if fields else "",
+        }
+        if read:
+            view |= {"size_member": fields["size_code"].name, "length_member": fields["value_length"].name}
+            view |= into_response(self.project, self.rx, fields["value"], wire)
+        return view
+
+    def rx(self, index: str) -> str:
+        """A byte of what was received."""
+        buffer = self.master.buffer
+        return f"#statReceive[{index}]" if buffer is None else f'"{buffer.name}".receive[{index}]'
+
+    def temps(self) -> list[tuple[str, str]]:
+        """Local data: name, type."""
+        t = self.t
+        kinds = {
+            t["BOOL"]: "Done Fault New Execute Trigger Retry Finished Clean Mine",
+            t["BYTE"]: "Byte Check Code",
+            t["WORD"]: "Status Word Result Error",
+            t["INT"]: "Job Next Index Length First Count Size Sum Position Event At End Item LastItem Failed",
+            t["DINT"]: "Now Elapsed Timeout",
+        }
+        unused = set()
+        if not any(job.kind == "read" for job in self.master.jobs):
+            unused |= {"Code"}
+        if not any(job.values for job in self.master.jobs):
+            unused |= {"Error", "Item", "LastItem", "Failed"}
+        rows = [(f"temp{name}", kind) for kind, names in kinds.items() for name in names.split() if name not in unused]
+        if any(job.cycle for job in self.master.jobs):
+            rows.append(("tempCycle", t["DINT"]))
+        rows.append(("tempReceived", "UInt") if self.where.t15 else ("tempMove", t["INT"]))
+        return rows
+
+    def constants(self) -> list[tuple[str, str, Any, str]]:
+        """Name, type, literal, text."""
+        t, master, new = self.t, self.master, self.where.t15
+        own = f"B#16#{master.own_address:02X}"
+        rows: list[tuple[str, str, Any, str]] = [("OWN_ADDRESS", t["BYTE"], own, "PPI address of this master")]
+        if new:
+            rows += [
+                ("BAUD_CODE", "UInt", BAUD_CODES[master.baud], f"{master.baud} bit/s"),
+                ("DRAIN_LIMIT", t["DINT"], f"L#{DRAIN_MS}", "ms, waiting for the module after a failure"),
+                ("CLOCK_PERIOD", "Time", "T#10D", "the clock starts again after this time"),
+            ]
+        else:
+            number = master.buffer.number if master.buffer else 0
+            rows.append(("BUFFER_NUMBER", t["INT"], number, "DB with the frames for the CP"))
+            rows.append(("RECEIVE_START", t["INT"], SEND_BYTES, "byte of this DB where received frames begin"))
+        for name, value, text in (
+            ("ACK_TIMEOUT", master.ack_timeout, "ms, waiting for E5 behind a request"),
+            ("REPLY_TIMEOUT", master.reply_timeout, "ms, waiting for the reply behind a poll"),
+            ("RETRY_PAUSE", master.retry_pause, "ms, pause before a telegram is repeated"),
+            ("POLL_PAUSE", master.poll_pause, "ms, pause before the next poll"),
+            ("CLOCK_END", CLOCK_END if new else 2147483647, "ms, the clock starts again at 0 after this value"),
+        ):
+            rows.append((name, t["DINT"], f"L#{value}", text))
+        rows += [
+            ("MAX_RETRIES", t["INT"], master.retries, "repetitions of one telegram"),
+            ("MAX_POLLS", t["INT"], master.polls, "polls of one request"),
+            ("MAX_MESSAGE", t["INT"], MAX_MESSAGE, "bytes of one message that are looked at"),
+        ]
+        calls = ("NONE", "SEND", "CONFIG", "RESET") if new else ("NONE", "SEND")
+        rows += [(f"CALL_{name}", t["INT"], n, "block of the module that is working") for n, name in enumerate(calls)]
+        rows += [
+            (f"PHASE_{name}", t["INT"], n, text)
+            for n, (name, text) in enumerate(
+                (("IDLE", "no job"), ("WAITING", "the job waits for the port"), ("ACTIVE", "the job uses the port"))
+            )
+        ]
+        events = (
+            ("NONE", "nothing for us"), ("ACK", "taken, ask again"), ("REPLY", "the reply"), ("REFUSED", "refused"),
+            ("BUSY", "refused for the moment"),
+        )  # fmt: skip
+        rows += [(f"EVENT_{name}", t["INT"], n, text) for n, (name, text) in enumerate(events)]
+        left_out = ONLY_CLASSIC if new else ONLY_NEW
+        rows += [(name, t["INT"], value, text) for name, value, text in STATES if name not in left_out]
+        rows += [
+            (name, t["WORD"], f"W#16#{value:04X}", text) for name, value, text in STATUS_WORDS if name not in left_out
+        ]
+        return rows

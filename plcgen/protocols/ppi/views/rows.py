@@ -1,0 +1,100 @@
+"""What every document says about a member of a telegram table or response DB, worked out once."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from plcgen.documents.spelling import culture, elements, literal, one_line, type_text
+from plcgen.project.model import BlockRef, Project
+from plcgen.protocols.ds47.views.rows import Row
+from plcgen.protocols.ppi.plan.model import PpiField, PpiTelegram
+from plcgen.protocols.ppi.views.masters import value_text
+from plcgen.protocols.ppi.views.texts import FIELD_TEXTS
+from plcgen.protocols.ppi.wire.areas import Area, TransportSize
+from plcgen.s7.types import ArrayType, Elementary
+from plcgen.s7.values import SIGNED, UNSIGNED
+
+_COLUMN = {"en": 0, "de": 1, "zh": 2}
+_LETTER = {8: "DBB", 16: "DBW", 32: "DBD"}
+_INTEGERS = SIGNED | UNSIGNED
+WATCHED = 8
+
+
+@lru_cache(maxsize=64)
+def table_rows(project: Project, telegram: PpiTelegram) -> list[Row]:
+    """Rows of the telegram table."""
+    return [_row(project, telegram, telegram.request_db, f, "telegram.") for f in telegram.request_fields]
+
+
+@lru_cache(maxsize=64)
+def answer_rows(project: Project, telegram: PpiTelegram) -> list[Row]:
+    """Rows of the response DB; none if the reply has no data."""
+    if telegram.response_db is None:
+        return []
+    return [_row(project, telegram, telegram.response_db, f, "") for f in telegram.response_fields]
+
+
+def _row(project: Project, telegram: PpiTelegram, db: BlockRef, field: PpiField, prefix: str) -> Row:
+    where = project.target
+    type_, start = field.type, ""
+    subs: tuple[tuple[int, str], ...] = ()
+    if isinstance(type_, Elementary) and any(field.data):
+        start = literal(type_, field.data, v5=where.v5)
+    elif isinstance(type_, ArrayType) and any(field.data):
+        subs = tuple(elements(type_, field.data, v5=where.v5))
+    texts = {language: _text(project, telegram, field, language) for language in project.languages}
+    main = _text(project, telegram, field, "en") if where.v5 else texts[project.languages[0]]
+    return Row(
+        name=field.name,
+        type=type_text(type_, tia=not where.v5),
+        start=start,
+        subs=subs,
+        text=main,
+        comments=tuple((culture(language), text) for language, text in texts.items()),
+        offset=field.offset,
+        size=field.size,
+        address=f"DB{db.number}.{_LETTER.get(_bits(field), 'DBB')}{field.offset}",
+        watch=_watch(db, field, prefix),
+    )
+
+
+def _bits(field: PpiField) -> int:
+    return field.type.bits if isinstance(field.type, Elementary) else 8
+
+
+def _text(project: Project, telegram: PpiTelegram, field: PpiField, language: str) -> str:
+    """Comment of a member in a language, with the addresses where it belongs to an item."""
+    text = FIELD_TEXTS[field.role][_COLUMN.get(language[:2].lower(), 0)]
+    if not field.item:
+        return text
+    if field.role == "value" and len(field.placed) == 1:
+        return value_text(project, field.placed[0].value)
+    wire = telegram.items[field.item - 1]
+    labels = ", ".join(placed.value.label for placed in wire.values) or Area(wire.item.area).title
+    if field.role == "transport_size":
+        text = f"{wire.item.size:02X}h = {TransportSize(wire.item.size).name.lower().replace('_', ' ')}"
+    if field.role == "area":
+        text = f"{wire.item.area:02X}h = {Area(wire.item.area).name}"
+    return one_line(f"{labels}: {text}")
+
+
+def _watch(db: BlockRef, field: PpiField, prefix: str) -> tuple[tuple[str, str, str, str], ...]:
+    """Watch lines of a member: one, or one per array element up to ``WATCHED``; nothing is to be modified."""
+    if field.role == "pad":
+        return ()
+    type_ = field.type
+    element = type_.element if isinstance(type_, ArrayType) else type_
+    if not isinstance(element, Elementary):
+        return ()
+    shown = "FloatingPoint" if element.name == "REAL" else "DEC" if element.name in _INTEGERS else "Hex"
+    shown = "Character" if element.name == "CHAR" else shown
+    letter = _LETTER.get(element.bits, "DBB")
+    name = f'"{db.name}".{prefix}{field.name}'
+    if not isinstance(type_, ArrayType):
+        return ((name, f"DB{db.number}.{letter}{field.offset}", shown, ""),)
+    low, high = type_.bounds[0]
+    step = element.bits // 8
+    count = min(high - low + 1, WATCHED)
+    return tuple(
+        (f"{name}[{low + n}]", f"DB{db.number}.{letter}{field.offset + n * step}", shown, "") for n in range(count)
+    )

@@ -1,1 +1,0 @@
-"""The one Jinja environment, and writing, comparing and recovering an output folder."""

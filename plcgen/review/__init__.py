@@ -1,0 +1,1 @@
+"""What reviewers ask: layouts, differences, locks, audits."""

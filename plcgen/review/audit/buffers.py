@@ -1,0 +1,194 @@
+"""Data blocks to buffers, telegrams to expected fields, and which buffer belongs to which telegram."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
+from plcgen.project.model import Field, Project, Telegram
+from plcgen.protocols.ds47.wire.codec import TelegramError, decode_request
+from plcgen.protocols.ds47.wire.model import Request
+from plcgen.review.audit.model import Buffer, Expected, Match, Slot
+from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.image import image
+from plcgen.s7.layout import Layout, layout_block, leaves
+from plcgen.s7.literals import LiteralError
+from plcgen.s7.types import ArrayType, Elementary
+from plcgen.sources.blocks import SourceBlock, Sources
+
+LARGEST = 4096
+"""A data block with more bytes is no buffer: a record has 240."""
+
+_LABELS = {
+    "reference": "request reference", "request_id": "request ID", "drive_object": "axis (drive object)",
+    "count": "number of parameters", "attribute": "attribute", "elements": "number of elements",
+    "pnu": "parameter number", "subindex": "subindex", "format": "format", "value_count": "number of values",
+    "value": "value", "pad": "pad byte",
+}  # fmt: skip
+
+
+def buffers(sources: Sources, diagnostics: list[Diagnostic]) -> list[Buffer]:
+    """Every data block that is small enough to be a buffer, and has a layout."""
+    found: list[Buffer] = []
+    for source in sources.blocks:
+        if source.block.kind is not BlockKind.DB or _is_instance(source.block, sources.types):
+            continue
+        try:
+            layout = layout_block(source.block, sources.types)
+        except DiagnosticError as problem:
+            diagnostics += problem.diagnostics
+            continue
+        if layout.size <= LARGEST:
+            found.append(_buffer(source, layout, sources.types, diagnostics))
+    return found
+
+
+def _is_instance(block: Block, types: Mapping[str, Block]) -> bool:
+    owner = types.get((block.instance_of or "").upper())
+    return block.instance_of is not None and (owner is None or owner.kind is not BlockKind.UDT)
+
+
+def _buffer(source: SourceBlock, layout: Layout, types: Mapping[str, Block], diagnostics: list[Diagnostic]) -> Buffer:
+    memory: bytes | None = None
+    try:
+        memory = bytes(image(source.block, types))
+    except (LiteralError, DiagnosticError) as error:
+        place = getattr(error, "span", None) or source.block.span or Span(source.file)
+        message = f'DB "{source.block.name}": {error}'
+        diagnostics.append(Diagnostic("PG656", message, place, help="correct the start value"))
+    assigned = {"".join(a.path.split()).replace('"', "").upper() for a in source.block.assignments}
+    slots = []
+    for leaf in leaves(layout):
+        path = leaf.path.replace('"', "")
+        given = leaf.member.start is not None or any(path.upper().startswith(name) for name in assigned)
+        place = leaf.member.span or source.block.span or Span(source.file)
+        size = max(leaf.size // 8, 1)
+        slots.append(Slot(path, leaf.byte, size, leaf.size, leaf.type, place, given))
+    return Buffer(source.block, source.file, layout.size, tuple(slots), memory)
+
+
+def expected_fields(match: Match) -> list[Expected]:
+    """Fields of the request, or those of the answer that its reader needs: arrays element by element."""
+    fields = match.telegram.request_fields if match.role == "request" else match.telegram.response_fields
+    return [expected for field in fields for expected in _expected(field, match.role == "request")]
+
+
+def _expected(field: Field, request: bool) -> Iterator[Expected]:  # noqa: FBT001 - private
+    if field.role not in _LABELS:
+        return  # reserves and the room of an error: no member has to stand there
+    label = _LABELS[field.role] if request or field.role != "request_id" else "response ID"
+    if field.part is not None:
+        label = f"{label} of {field.part.use.label}"
+    part = field.part
+    if field.role != "value" or part is None:
+        yield Expected(field.role, label, field.offset, field.size, field.data if request else None, part)
+        return
+    constant = request and part.use.constant
+    size = part.use.format.size
+    if part.use.format.is_string or not isinstance(field.type, ArrayType):
+        data = field.data if constant else None
+        yield Expected("value", label, field.offset, field.size, data, part, part.use.format)
+        return
+    for number in range(part.count):
+        at = number * size
+        which = f"value {number + 1} of {part.use.label}" if part.count > 1 else label
+        data = field.data[at : at + size] if constant else None
+        yield Expected("value", which, field.offset + at, size, data, part, part.use.format)
+    rest = field.size - part.count * size
+    if rest:
+        yield Expected("pad", f"pad byte of {part.use.label}", field.offset + field.size - rest, rest, None, part)
+
+
+def match_buffers(project: Project, found: Sequence[Buffer]) -> list[Match]:
+    """A match for every buffer of every job: by number, then by name, then by the start values of the request."""
+    matches = [
+        Match(job, telegram, role)
+        for job in project.jobs
+        for telegram in job.telegrams
+        for role in ("request", "response")
+    ]  # type: list[Match]
+    free = list(found)
+    for how in (_by_number, _by_name, _by_content, _by_shape):
+        for match in matches:
+            if match.buffer is None:
+                candidates = [buffer for buffer in free if how(match, buffer)]
+                if len(candidates) == 1:
+                    match.buffer, match.how = candidates[0], _HOW[how.__name__]
+                    free.remove(candidates[0])
+    for match in matches:
+        _missing(project, match, matches)
+    return matches
+
+
+_HOW = {"_by_number": "number", "_by_name": "name", "_by_content": "start values", "_by_shape": "members"}
+
+
+def _by_number(match: Match, buffer: Buffer) -> bool:
+    return match.ref.pinned and buffer.block.number == match.ref.number
+
+
+def _by_name(match: Match, buffer: Buffer) -> bool:
+    return buffer.block.name.upper() == match.ref.name.upper()
+
+
+def _by_content(match: Match, buffer: Buffer) -> bool:
+    """Whether the start values are a request for the same parameters, in the same order."""
+    if match.role != "request" or buffer.memory is None:
+        return False
+    request = decoded(buffer.memory)
+    if request is None:
+        return False
+    wanted = [(part.use.parameter.pnu, part.subindex) for part in match.telegram.parts]
+    return [(a.pnu, a.subindex) for a in request.addresses] == wanted and match.job.write == bool(request.values)
+
+
+def _by_shape(match: Match, buffer: Buffer) -> bool:
+    """Whether a response has exactly the members of the answer, as names and offsets tell."""
+    from plcgen.review.audit.names import CLASSES, class_of
+
+    if match.role != "response" or buffer.block.number is not None:
+        return False
+    wanted = [(f.offset, f.size, CLASSES[f.role]) for f in expected_fields(match) if f.role != "pad"]
+    have = [(s.offset, s.size, class_of(s.path)) for s in buffer.slots]
+    return have[: len(wanted)] == wanted
+
+
+def decoded(memory: bytes) -> Request | None:
+    """The request that start values form; None if they form none."""
+    try:
+        return decode_request(memory)
+    except TelegramError:
+        return None
+
+
+def _missing(project: Project, match: Match, matches: Sequence[Match]) -> None:
+    """A DB that is not there is worth a word if the other one of its job is."""
+    if match.buffer is not None or not any(m.buffer for m in matches if m.job is match.job):
+        return
+    ref = match.ref
+    message = f'no DB for the {match.role} of {match.name}: neither DB{ref.number} nor "{ref.name}" is in the sources'
+    help_ = "name its file too, or say in the spec which DB it is (request/response: {db, name})"
+    span = project.loaded.key_span(match.job.path)
+    match.report("PG650", message, span, help_, severity=Severity.WARNING)
+
+
+def stray_requests(project: Project, found: Sequence[Buffer], matches: Sequence[Match]) -> list[Diagnostic]:
+    """Data blocks whose start values are a good request that no job of the spec sends."""
+    taken = {id(match.buffer) for match in matches}
+    known: list[Telegram] = [telegram for job in project.jobs for telegram in job.telegrams]
+    strays = []
+    for buffer in found:
+        request = None if id(buffer) in taken or buffer.memory is None else decoded(buffer.memory)
+        if request is None or any(t.request == buffer.memory for t in known):
+            continue
+        what = ", ".join(f"P{a.pnu}[{a.subindex}]" for a in request.addresses[:4])
+        verb = "writes" if request.values else "reads"
+        message = f"{buffer.title} is a request that {verb} {what}; no job of the spec does"
+        help_ = "add the job to the spec, or the parameter to the job"
+        strays.append(Diagnostic("PG650", message, buffer.span, Severity.WARNING, help=help_))
+    return strays
+
+
+def is_elementary(slot: Slot, names: frozenset[str]) -> bool:
+    """Whether a slot has one of these elementary types."""
+    return isinstance(slot.type, Elementary) and slot.type.name in names

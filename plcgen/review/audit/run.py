@@ -1,0 +1,154 @@
+"""``audit``: sources and a spec in, checks out, in the shape of a verification so that every report can show them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity
+from plcgen.project.model import Project
+from plcgen.proof.checks import Check, CheckGroup, Outcome, Verification
+from plcgen.review.audit.buffers import buffers, expected_fields, match_buffers, stray_requests
+from plcgen.review.audit.calls import record_calls
+from plcgen.review.audit.members import check_members
+from plcgen.review.audit.model import Match
+from plcgen.review.audit.records import CallAudit, check_calls
+from plcgen.review.audit.values import check_values
+from plcgen.sources.blocks import Sources, read_sources
+
+
+def audit(paths: Sequence[Path], spec: Path) -> Verification:
+    """Audit hand-written buffers and calls; every finding is a diagnostic, the checks say what was looked at."""
+    label = ", ".join(path.as_posix() for path in paths[:3]) + (f" (+{len(paths) - 3})" if len(paths) > 3 else "")
+    report = Report()
+    try:
+        return _audit(paths, spec, label, report)
+    except DiagnosticError as problem:
+        report.extend(problem.diagnostics)
+    return Verification(str(spec), label, "", "", (), tuple(report))
+
+
+def _audit(paths: Sequence[Path], spec: Path, label: str, report: Report) -> Verification:
+    from plcgen.project.loading import load_spec
+    from plcgen.project.resolve import resolve
+    from plcgen.project.rules import apply_rules
+
+    loaded = load_spec(spec, report)
+    report.raise_on_errors()
+    assert loaded is not None  # noqa: S101 - without errors there is a spec
+    project = resolve(loaded, report)
+    apply_rules(project, report)
+    report.raise_on_errors()
+    sources = read_sources(paths, classic=project.target.classic)
+    report.extend(sources.diagnostics)
+    problems: list[Diagnostic] = []
+    found = buffers(sources, problems)
+    matches = match_buffers(project, found)
+    for match in matches:
+        _buffer(match, project)
+    calls = check_calls(project, list(record_calls(sources)), matches)
+    report.extend(problems)
+    report.extend(stray_requests(project, found, matches))
+    for match in matches:
+        report.extend(match.findings)
+    for call in calls:
+        report.extend(call.findings)
+    groups = [CheckGroup("buffers", "Buffers", tuple(_buffer_check(match) for match in matches))]
+    if calls or _has_code(sources):
+        groups.append(CheckGroup("calls", "Calls", tuple(_call_checks(calls, matches))))
+    target = f"{project.target.family} / {project.target.toolchain}"
+    return Verification(str(spec), label, project.name, target, tuple(groups), tuple(report))
+
+
+def _has_code(sources: Sources) -> bool:
+    return any(source.code.tokens for source in sources.blocks)
+
+
+def _buffer(match: Match, project: Project) -> None:
+    """Everything about one DB."""
+    buffer = match.buffer
+    if buffer is None:
+        return
+    optimized = buffer.block.optimized
+    if optimized or (optimized is None and project.target.t15):
+        message = f"{buffer.title} has optimized access: its members have no fixed places"
+        match.report("PG654", message, buffer.span, "{ S7_Optimized_Access := 'FALSE' }")
+    pairs = check_members(match, expected_fields(match), buffer.slots)
+    if match.role == "request":
+        need = len(match.telegram.request)
+        if buffer.size < need:
+            message = f"request buffer {need - buffer.size} bytes too small: {_size(match)}, the telegram {need}"
+            match.report("PG651", message, buffer.span, f"declare all fields of the request: {need} bytes")
+        check_values(match, pairs)
+        return
+    positive, negative = match.telegram.positive_length, match.telegram.negative_length
+    need = max(positive, negative)
+    if buffer.size < need:
+        which = "the positive answer" if buffer.size < positive >= negative else "a negative answer"
+        message = f"response buffer {need - buffer.size} bytes too small: {_size(match)}, {which} needs {need}"
+        formula = f"4 + 6 x {len(match.telegram.parts)}" if which == "a negative answer" and match.job.write else need
+        example = f"Reserve : Array[0..{need - buffer.size - 1}] of Byte;"
+        help_ = f"add members up to {need} bytes ({formula}), for example {example}"
+        match.report("PG651", message, buffer.span, help_)
+
+
+def _size(match: Match) -> str:
+    number = (
+        match.ref.number if match.buffer is None or match.buffer.block.number is None else match.buffer.block.number
+    )
+    return f"DB{number} has {match.buffer.size if match.buffer is not None else 0} bytes"
+
+
+def _buffer_check(match: Match) -> Check:
+    id_ = f"buffers.{match.ref.name}"
+    text = _figures(match)
+    if match.buffer is None:
+        first = match.findings[0] if match.findings else None
+        subject = f'DB{match.ref.number} "{match.ref.name}"'
+        outcome = Outcome.WARNING if first is not None else Outcome.NOT_RUN
+        return Check(id_, subject, text, outcome, "not in the sources", first)
+    return _check(id_, match.buffer.title, text, match.findings, match.notes, f"fits the {match.role} of {match.name}")
+
+
+def _figures(match: Match) -> str:
+    telegram = match.telegram
+    if match.role == "request":
+        text = f"{telegram.request.hex(' ').upper()}  LEN {len(telegram.request)}"
+        text = text if len(text) < 90 else f"LEN {len(telegram.request)}"
+    else:
+        text = f"positive {telegram.positive_length} / negative {telegram.negative_length}"
+    have = "" if match.buffer is None else f"{match.buffer.size} B, found by {match.how}"
+    return f"{have}  {match.role} of {match.name}  {text}".strip()
+
+
+def _call_checks(calls: Sequence[CallAudit], matches: Sequence[Match]) -> Iterator[Check]:
+    for number, audit in enumerate(calls, 1):
+        call = audit.call
+        shown = [
+            f"{name} {call.arguments[name].text}"
+            for name in ("ID", "INDEX", "LEN", "MLEN", "RECORD")
+            if name in call.arguments
+        ]
+        job = "" if audit.match is None else f"{audit.match.role} of {audit.match.name}"
+        good = f"fits the {job}" if job else "not checked"
+        id_ = f"calls.{number}.{call.block}"
+        if audit.match is None and not audit.findings:
+            yield Check(id_, call.title, "  ".join(shown), Outcome.NOT_RUN, "; ".join(audit.notes))
+        else:
+            yield _check(id_, call.title, "  ".join(shown), audit.findings, audit.notes, good)
+    used = {id(audit.match) for audit in calls}
+    for match in matches:
+        if calls and match.buffer is not None and id(match) not in used:
+            verb = "WRREC" if match.role == "request" else "RDREC"
+            verdict = f"no {verb} call names it"
+            yield Check(f"calls.{match.ref.name}", match.buffer.title, "", Outcome.NOT_RUN, verdict)
+
+
+def _check(id_: str, subject: str, text: str, findings: Sequence[Diagnostic], notes: Sequence[str], good: str) -> Check:
+    errors = [d for d in findings if d.severity is Severity.ERROR]
+    if findings:
+        first = (errors or list(findings))[0]
+        more = f" (+{len(findings) - 1} more)" if len(findings) > 1 else ""
+        outcome = Outcome.ERROR if errors else Outcome.WARNING
+        return Check(id_, subject, text, outcome, f"{first.message}{more}", first)
+    return Check(id_, subject, text, Outcome.OK, "; ".join([good, *notes]))

@@ -1,0 +1,143 @@
+"""What every kind of change means to others: the one table of change ids, and how a user overrides it."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
+from plcgen.diagnostics.suggest import did_you_mean
+
+
+class Level(enum.StrEnum):
+    """Who notices: other programs and the HMI, nobody but the block itself, readers of comments only."""
+
+    BREAKING = "breaking"
+    COMPATIBLE = "compatible"
+    DOCUMENTATION = "documentation"
+
+    @property
+    def rank(self) -> int:
+        """0 for the worst."""
+        return list(Level).index(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """One kind of change: stable id, default level, what it is, why it is so classified."""
+
+    id: str
+    level: Level
+    title: str
+    why: str
+
+
+_B, _C, _D = Level.BREAKING, Level.COMPATIBLE, Level.DOCUMENTATION
+_TABLE = (
+    Kind("block-added", _C, "block added", "nothing refers to it yet"),
+    Kind("block-removed", _B, "block removed", "calls, the HMI and other PLCs still refer to it"),
+    Kind("block-renamed", _B, "block renamed", "symbolic references break"),
+    Kind("block-renumbered", _B, "block number changed", "absolute references (DB3.DBW6, PUT/GET) reach another block"),
+    Kind("block-grown", _C, "block became longer", "what was there stays where it was, unless members moved"),
+    Kind("block-shrunk", _B, "block became shorter", "reads of the old length reach beyond the end of the block"),
+    Kind("access-changed", _B, "optimized and standard access exchanged", "offsets appear or vanish"),
+    Kind("instance-type", _B, "instance or type-based DB made from another type", "its whole contents change"),
+    Kind("block-attribute", _C, "attribute of the block changed", "start-up or protection may differ, the layout not"),
+    Kind("block-text", _D, "title, author, version or comment of the block", "nobody but readers notices"),
+    Kind("member-added", _C, "member added", "its followers may move: that is reported by itself"),
+    Kind("parameter-required", _B, "parameter that every call must supply was added", "existing calls do not compile"),
+    Kind("member-removed", _B, "member removed", "who reads it finds nothing or something else"),
+    Kind("member-renamed", _B, "member renamed, at the same place", "symbolic references break, absolute ones do not"),
+    Kind("member-spelling", _D, "letter case of a name", "S7 names do not tell cases apart"),
+    Kind("member-moved", _B, "member lies at another offset", "absolute readers and the drive read other bytes"),
+    Kind("section-changed", _B, "parameter changed its section", "calls pass it in another direction"),
+    Kind("type-changed", _B, "data type changed", "the same bytes mean something else"),
+    Kind("length-changed", _B, "length of a string or array changed", "readers expect the old number of elements"),
+    Kind("start-value", _C, "start value changed", "takes effect when the block is loaded or initialised"),
+    Kind("constant-changed", _C, "constant changed", "the block behaves differently, its interface not"),
+    Kind("retain-changed", _C, "retentivity changed", "the value survives a restart, or no longer does"),
+    Kind("hmi-access-removed", _B, "no longer visible, readable or writable from outside", "HMI and OPC UA lose it"),
+    Kind("hmi-access-added", _C, "now visible, readable or writable from outside", "nobody loses anything"),
+    Kind("member-attribute", _C, "other attribute of a member", "the layout stays"),
+    Kind("member-comment", _D, "comment of a member", "nobody but readers notices"),
+    Kind("internal-changed", _C, "static variables of an FB changed", "nobody outside should use them: style guide"),
+    Kind("internal-moved", _C, "static variables of an FB moved", "instance data are initialised again when loaded"),
+    Kind("local-changed", _C, "temporary variables or constants declared differently", "nobody outside sees them"),
+    Kind("code-changed", _C, "code changed", "the block behaves differently, its interface not"),
+    Kind("job-added", _C, "job added", "nothing refers to it yet"),
+    Kind("job-removed", _B, "job removed", "its block and its data go away"),
+    Kind("telegram-count", _B, "job is sent in another number of telegrams", "buffers and timing differ"),
+    Kind("telegram-field", _B, "request asks for something else", "another parameter, index, axis or service"),
+    Kind("telegram-value", _C, "request writes another value", "intended, but worth a look: the drive gets it"),
+    Kind("telegram-reference", _C, "other request reference at start", "the block changes it with every request"),
+    Kind("request-length", _B, "request has another length", "LEN of WRREC and the buffer change"),
+    Kind("response-length", _B, "answer or its buffer has another length", "MLEN of RDREC and the buffer change"),
+    Kind("drive-added", _C, "drive added", "nothing refers to it yet"),
+    Kind("drive-removed", _B, "drive removed", "its jobs and its token go away"),
+    Kind("drive-address", _B, "hardware identifier or address changed", "requests go to another device"),
+    Kind("drive-device", _B, "device, drive object or record index changed", "the drive is addressed differently"),
+    Kind("job-drive", _B, "job works on another drive", "requests go to another device"),
+    Kind("job-timing", _C, "time-out, pauses or retries changed", "jobs end earlier or later"),
+    Kind("job-trigger", _B, "absolute flags of a job changed", "who sets or reads the old flags is not heard"),
+)
+KINDS: Mapping[str, Kind] = MappingProxyType({kind.id: kind for kind in _TABLE})
+"""Every kind of change by id, in the order of the documentation."""
+
+FAIL_ON = ("breaking", "compatible", "any", "never")
+"""What ``--fail-on`` knows; ``any`` includes documentation."""
+
+
+def fails(level: Level, fail_on: str) -> bool:
+    """Whether a change of this level fails a run with this ``--fail-on``."""
+    if fail_on == "never":
+        return False
+    return fail_on == "any" or level.rank <= Level(fail_on).rank
+
+
+def load_policy(settings: Iterable[str]) -> dict[str, Level]:
+    """Levels by change id: the defaults, then every setting in order, ``id=level`` or the path of a YAML file.
+
+    Raises:
+        DiagnosticError: PG631 for an unknown id or level, and the codes of reading YAML.
+    """
+    policy = {kind.id: kind.level for kind in _TABLE}
+    report = Report()
+    for setting in settings:
+        key, separator, value = setting.partition("=")
+        if separator:
+            _set(policy, key.strip(), value.strip(), Span(f"--policy {setting}"), report)
+        else:
+            _file(policy, Path(setting), report)
+    report.raise_on_errors()
+    return policy
+
+
+def _set(policy: dict[str, Level], key: str, value: str, place: Span, report: Report) -> None:
+    if key not in KINDS:
+        hint = did_you_mean(key, KINDS) or "plcgen diff --list-changes shows all of them"
+        report.add(Diagnostic("PG631", f'there is no kind of change "{key}"', place, help=hint))
+    elif value.lower() not in {level.value for level in Level}:
+        help_ = "one of breaking, compatible, documentation"
+        report.add(Diagnostic("PG631", f'"{value}" is no class of change', place, help=help_))
+    else:
+        policy[key] = Level(value.lower())
+
+
+def _file(policy: dict[str, Level], path: Path, report: Report) -> None:
+    from plcgen.input.text import read_text
+    from plcgen.input.yaml import load_yaml
+
+    try:
+        root = load_yaml(read_text(path), path.as_posix())
+    except DiagnosticError as problem:
+        report.extend(problem.diagnostics)
+        return
+    if root.kind != "map":
+        help_ = "for example: member-renamed: compatible"
+        report.add(Diagnostic("PG631", "a policy is a mapping of change ids to classes", root.span, help=help_))
+        return
+    for key, (name, value) in root.pairs.items():
+        _set(policy, key, str(value.raw), value.span if key in KINDS else name.span, report)

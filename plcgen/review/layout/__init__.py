@@ -1,0 +1,1 @@
+"""Memory layouts of specs and sources as tables, pictures and pages."""

@@ -1,0 +1,1 @@
+"""SimaticML documents to blocks, tables and SCL text."""

@@ -1,0 +1,49 @@
+"""Attributes of members in SimaticML that the block model does not hold: retentivity and access from outside."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from plcgen.simaticml.reading.documents import KINDS
+from plcgen.simaticml.reading.xml import child, children, local, text
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+
+MAX_DEPTH = 64
+
+
+def document_attributes(root: Element) -> dict[str, dict[str, dict[str, str]]]:
+    """Block name to member path (upper case) to attribute and value (upper case)."""
+    return {
+        text(child(child(element, "AttributeList"), "Name")).strip(): _block(element)
+        for element in children(root)
+        if local(element) in KINDS
+    }
+
+
+def _block(element: Element) -> dict[str, dict[str, str]]:
+    found: dict[str, dict[str, str]] = {}
+    interface = child(child(child(element, "AttributeList"), "Interface"), "Sections")
+    pending = [("", member, 0) for section in children(interface) for member in children(section, "Member")]
+    while pending:
+        prefix, member, depth = pending.pop()
+        path = f"{prefix}{member.get('Name', '')}".upper()
+        own = _own(member)
+        if own:
+            found[path] = own
+        if depth < MAX_DEPTH:
+            pending += [(f"{path}.", inner, depth + 1) for inner in children(member, "Member")]
+    return found
+
+
+def _own(member: Element) -> dict[str, str]:
+    own: dict[str, str] = {}
+    remanence = member.get("Remanence")
+    if remanence:
+        own["RETAIN"] = remanence.upper()
+    for attribute in children(child(member, "AttributeList"), "BooleanAttribute"):
+        name, value = attribute.get("Name", ""), text(attribute).strip()
+        if name.startswith("External") or name == "SetPoint":
+            own[name.upper() if name != "SetPoint" else "S7_SETPOINT"] = value.upper()
+    return own

@@ -1,0 +1,204 @@
+"""SimaticML documents (TIA Portal Openness, V14 to V21) to blocks, tag tables and watch tables."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
+from plcgen.resources import collector_paused
+from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
+from plcgen.s7.types import ArrayType, Member
+from plcgen.simaticml.reading.interface import InterfaceReader, parse_datatype
+from plcgen.simaticml.reading.structured_text import CodeReader
+from plcgen.simaticml.reading.tables import Tag, TagTable, UserConstant, WatchEntry, WatchTable, tag_table, watch_table
+from plcgen.simaticml.reading.xml import child, children, load, local, parse_xml, span, text
+from plcgen.simaticml.writing.documents import HEADER
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from lxml.etree import _Element as Element
+
+__all__ = [
+    "Tag",
+    "TagTable",
+    "UserConstant",
+    "WatchEntry",
+    "WatchTable",
+    "read_simaticml",
+    "read_tag_table",
+    "read_watch_table",
+]
+
+KINDS = {
+    "SW.Types.PlcStruct": BlockKind.UDT,
+    "SW.Blocks.GlobalDB": BlockKind.DB,
+    "SW.Blocks.InstanceDB": BlockKind.DB,
+    "SW.Blocks.ArrayDB": BlockKind.DB,
+    "SW.Blocks.FB": BlockKind.FB,
+    "SW.Blocks.FC": BlockKind.FC,
+    "SW.Blocks.OB": BlockKind.OB,
+}
+"""Objects with an Interface, by tag."""
+
+_CODE_BLOCKS = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
+_LANGUAGES = {"FlgNet": "LAD or FBD", "StatementList": "STL", "Graph": "GRAPH"}
+
+_HEADER = {name: key for key, name in HEADER.items()}
+_OWN = frozenset(
+    {"Interface", "Name", "Number", "MemoryLayout", "InstanceOfName", "InstanceOfType", "AutoNumber", "Namespace"}
+    | {"ProgrammingLanguage", "SetENOAutomatically", "OfSystemLibElement", "OfSystemLibVersion"}
+    | {"ArrayDataType", "ArrayLimit"}
+)
+"""Attributes that the block model holds elsewhere, or that a source has no words for."""
+
+
+def read_simaticml(
+    source: Path | str | bytes, file: str | None = None, *, classic: bool = False
+) -> tuple[list[Block], list[Diagnostic]]:
+    """Blocks and types of one document and everything wrong with it; ``file`` is the name for messages.
+
+    A missing MemoryLayout means optimized access, as on S7-1200/1500; ``classic`` says the document is for
+    S7-300/400, where it means standard access. Types and instance DBs have no layout of their own (None).
+    Diagnostics: PG802 too large, PG804 unreadable, PG810 document type, PG811 not well formed, PG812 unknown
+    kind, missing attribute or unusable data type.
+    """
+    with collector_paused():
+        root, name, diagnostics = _open(source, file)
+        return ([] if root is None else _blocks(root, name, diagnostics, classic=classic)), diagnostics
+
+
+def _blocks(root: Element, name: str, diagnostics: list[Diagnostic], *, classic: bool) -> list[Block]:
+    blocks = []
+    for element in children(root):
+        tag = local(element)
+        if tag in KINDS:
+            block = _block(element, name, diagnostics, classic=classic)
+            if block is not None:
+                blocks.append(block)
+        elif tag.startswith(("SW.Blocks.", "SW.Types.")):
+            diagnostics.append(Diagnostic("PG812", f"unknown kind of object {tag}", span(element, name)))
+    return blocks
+
+
+def read_tag_table(source: Path | str | bytes, file: str | None = None) -> tuple[list[TagTable], list[Diagnostic]]:
+    """Tag tables of one document; diagnostics as for :func:`read_simaticml`."""
+    root, name, diagnostics = _open(source, file)
+    found = (tag_table(table, name, diagnostics) for table in children(root, "SW.Tags.PlcTagTable"))
+    return [table for table in found if table is not None], diagnostics
+
+
+def read_watch_table(source: Path | str | bytes, file: str | None = None) -> tuple[list[WatchTable], list[Diagnostic]]:
+    """Watch tables of one document; diagnostics as for :func:`read_simaticml`."""
+    root, name, diagnostics = _open(source, file)
+    found = (watch_table(table, name, diagnostics) for table in children(root, "SW.WatchAndForceTables.PlcWatchTable"))
+    return [table for table in found if table is not None], diagnostics
+
+
+def _open(source: Path | str | bytes, file: str | None) -> tuple[Element | None, str, list[Diagnostic]]:
+    try:
+        data, name = load(source, file)
+        root = parse_xml(data, name)
+    except DiagnosticError as error:
+        return None, "", list(error.diagnostics)
+    if local(root) != "Document":
+        wrong = Diagnostic("PG812", f"the root element is {root.tag}, not Document", span(root, name))
+        return None, name, [wrong]
+    return root, name, []
+
+
+def _block(element: Element, file: str, diagnostics: list[Diagnostic], *, classic: bool) -> Block | None:
+    tag, kind = local(element), KINDS[local(element)]
+    place = span(element, file)
+    found = child(element, "AttributeList")
+    attributes = {local(entry): text(entry).strip() for entry in children(found)}
+    required = ["Name"] if kind is BlockKind.UDT else ["Name", "Number"]
+    if tag == "SW.Blocks.InstanceDB":
+        required.append("InstanceOfName")
+    missing = [f"{tag} needs the attribute {name}" for name in required if not attributes.get(name)]
+    diagnostics.extend(Diagnostic("PG812", message, place) for message in missing)
+    if "Name" not in attributes:
+        return None
+    reader = InterfaceReader(file, diagnostics)
+    interface = child(found, "Interface")
+    sections = reader.sections(interface) if interface is not None else ()
+    if tag == "SW.Blocks.ArrayDB":
+        sections = _array(attributes, place, diagnostics)
+    elif interface is None:
+        diagnostics.append(Diagnostic("PG812", f"{tag} needs the attribute Interface", place))
+    return Block(
+        kind,
+        attributes["Name"],
+        sections,
+        number=_number(attributes.get("Number", ""), place, diagnostics),
+        instance_of=attributes.get("InstanceOfName", "").strip('"') or None,
+        optimized=_optimized(tag, attributes.get("MemoryLayout"), classic=classic),
+        title=_multilingual(element, "Title"),
+        comment=_multilingual(element, "Comment"),
+        attributes=_header(attributes),
+        assignments=tuple(reader.assignments),
+        span=place,
+        code=_code(element, file, diagnostics) if kind in _CODE_BLOCKS else None,
+        non_retain=kind is BlockKind.DB and not any(s.retain for s in sections),
+    )
+
+
+def _header(attributes: dict[str, str]) -> dict[str, str]:
+    """Attributes as a source has them: AUTHOR, FAMILY, NAME, VERSION; the usual event class goes without saying."""
+    kept = {_HEADER.get(name, name): value for name, value in attributes.items() if name not in _OWN}
+    if kept.get("SecondaryType") == "ProgramCycle":
+        del kept["SecondaryType"]
+    return {name: value for name, value in kept.items() if value}
+
+
+def _code(element: Element, file: str, diagnostics: list[Diagnostic]) -> str | None:
+    """SCL of all networks; None, with a note, if one of them is drawn or a statement list."""
+    networks: list[str] = []
+    for unit in children(child(element, "ObjectList"), "SW.Blocks.CompileUnit"):
+        for network in children(child(child(unit, "AttributeList"), "NetworkSource")):
+            if local(network) != "StructuredText":
+                name = _LANGUAGES.get(local(network), local(network))
+                message = f"a network in {name} is not read: of this block only the interface counts"
+                diagnostics.append(Diagnostic("PG814", message, span(network, file), Severity.NOTE))
+                return None
+            networks.append(CodeReader(file, diagnostics).read(network))
+    return "\n".join(networks)
+
+
+def _array(attributes: dict[str, str], place: Span, diagnostics: list[Diagnostic]) -> tuple[Section, ...]:
+    """The one array of an array DB, as a source declares it: ``ARRAY[0..limit] OF type``."""
+    limit, spelling = attributes.get("ArrayLimit", ""), attributes.get("ArrayDataType", "")
+    element = parse_datatype(spelling)
+    if not re.fullmatch(r"[0-9]{1,9}", limit) or element is None:
+        message = "an array DB needs the attributes ArrayDataType and ArrayLimit"
+        diagnostics.append(Diagnostic("PG812", message, place))
+        return ()
+    return (Section(SectionKind.STATIC, (Member("THIS", ArrayType(((0, int(limit)),), element)),)),)
+
+
+def _number(digits: str, place: Span, diagnostics: list[Diagnostic]) -> int | None:
+    if re.fullmatch(r"[0-9]{1,9}", digits):
+        return int(digits)
+    if digits:
+        diagnostics.append(Diagnostic("PG812", f"{digits} is no block number", place))
+    return None
+
+
+def _optimized(tag: str, memory_layout: str | None, *, classic: bool) -> bool | None:
+    if tag in ("SW.Types.PlcStruct", "SW.Blocks.InstanceDB") and memory_layout is None:
+        return None
+    if memory_layout is None:
+        return not classic
+    return memory_layout != "Standard"
+
+
+def _multilingual(element: Element, composition: str) -> str:
+    """First text that is not empty of the Comment or Title of an object."""
+    for group in children(child(element, "ObjectList"), "MultilingualText"):
+        if group.get("CompositionName") == composition:
+            for item in children(child(group, "ObjectList"), "MultilingualTextItem"):
+                found = text(child(child(item, "AttributeList"), "Text"))
+                if found.strip():
+                    return found
+    return ""

@@ -1,0 +1,319 @@
+"""The Interface part of a SimaticML document: Sections and Members to the block model."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from plcgen.diagnostics import Diagnostic, Note, Span
+from plcgen.s7.blocks import Assignment, Section, SectionKind
+from plcgen.s7.types import (
+    ArrayType,
+    DataType,
+    Elementary,
+    Member,
+    NamedType,
+    StringType,
+    StructType,
+    elementary,
+)
+from plcgen.simaticml.datatypes import default_literal, innermost
+from plcgen.simaticml.reading.values import is_plain_value, is_start_value
+from plcgen.simaticml.reading.xml import TAGS, child, children, local, namespace, parts, span, text
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from lxml.etree import _Element as Element
+
+NAMESPACE = "http://www.siemens.com/automation/Openness/SW/Interface/v"
+VERSIONS = frozenset({"2", "3", "4", "5"})
+"""Known versions of the Interface namespace: V14 SP1 to V21."""
+
+MAX_DEPTH = 64
+MAX_LISTED = 10_000
+MAX_SPELLING = 1000
+"""Characters of a Datatype: names have 128 at most, arrays six dimensions."""
+
+
+_SECTIONS = {kind.value: kind for kind in SectionKind} | {"None": SectionKind.STATIC}
+_ARRAY = re.compile(r"Array\s*\[(?P<bounds>[^\]]*)\]\s*of\s+(?P<element>.+)", re.IGNORECASE | re.DOTALL)
+_BOUNDS = re.compile(r"\s*(-?\d{1,10})\s*\.\.\s*(-?\d{1,10})\s*", re.ASCII)
+_STRING = re.compile(r"(W?String)(?:\[\s*(\d{1,10})\s*\])?", re.IGNORECASE | re.ASCII)
+_QUOTED = re.compile(r'"[^"\r\n]+"')
+_PLAIN = re.compile(r"[^\W\d]\w*")
+
+
+@lru_cache(maxsize=4096)
+def parse_datatype(spelling: str) -> DataType | None:
+    """Type of a Datatype attribute, without the members of a Struct; None if it has no fixed size.
+
+    ``"Udt"`` in quotes is a user type, ``Array[0..9] of Word``, ``String[16]``; a version as in ``dtl:v1.0``
+    is dropped.
+    """
+    spelling = spelling.strip()
+    if len(spelling) > MAX_SPELLING:
+        return None
+    array = _ARRAY.fullmatch(spelling)
+    if array:
+        bounds = [_BOUNDS.fullmatch(part) for part in array["bounds"].split(",")]
+        element = parse_datatype(array["element"])
+        if element is None or not all(bounds):
+            return None
+        return ArrayType(tuple((int(b[1]), int(b[2])) for b in bounds if b), element)
+    string = _STRING.fullmatch(spelling)
+    if string:
+        return StringType(string[1].upper(), int(string[2] or 254))
+    if _QUOTED.fullmatch(spelling):
+        return NamedType(spelling[1:-1], quoted=True)
+    name = spelling.partition(":")[0].strip()
+    if name.upper() == "STRUCT":
+        return StructType(())
+    if not _PLAIN.fullmatch(name):
+        return None
+    return elementary(name) or NamedType(name)
+
+
+@dataclass(slots=True)
+class InterfaceReader:
+    """Reads the sections of one block; start values inside arrays and user types become assignments."""
+
+    file: str
+    diagnostics: list[Diagnostic]
+    assignments: list[Assignment] = field(default_factory=list)
+
+    def sections(self, interface: Element) -> tuple[Section, ...]:
+        """All sections below an Interface element, in document order."""
+        root = child(interface, "Sections")
+        if root is None:
+            self.report("the Interface has no Sections", interface)
+            return ()
+        uri = namespace(root)
+        if not uri.startswith(NAMESPACE) or uri.removeprefix(NAMESPACE) not in VERSIONS:
+            self.report(f"unknown Interface namespace {uri or '(none)'}", root)
+        found = []
+        for section in children(root, "Section"):
+            name = section.get("Name", "")
+            kind = _SECTIONS.get(name)
+            if kind is None:
+                self.report(f"unknown section {name or '(no Name)'}", section)
+                continue
+            found += self.groups(section, kind)
+        self.duplicates([m for section in found for m in section.members])
+        return tuple(found)
+
+    def duplicates(self, members: Sequence[Member]) -> None:
+        """PG805: names are unique within a block and within a structure, whatever their case."""
+        if len({m.name.upper() for m in members}) != len(members):
+            first: dict[str, Member] = {}
+            for member in members:
+                known = first.setdefault(member.name.upper(), member)
+                if known is not member:
+                    notes = (Note("first declared here", known.span),) if known.span else ()
+                    message, place = f'"{member.name}" is declared twice', member.span or Span(self.file)
+                    self.diagnostics.append(Diagnostic("PG805", message, place, notes=notes))
+
+    def groups(self, section: Element, kind: SectionKind) -> list[Section]:
+        """Members of one section; a source declares retentive ones in a section of their own, with their views."""
+        groups: list[tuple[str, list[Member]]] = []
+        for element in section:
+            member = self.member(element, ()) if TAGS[element.tag] == "Member" else None
+            if member is None:
+                continue
+            retain = "RETAIN" if element.get("Remanence") == "Retain" else ""
+            if not groups or (groups[-1][0] != retain and member.at is None):
+                groups.append((retain, []))
+            groups[-1][1].append(member)
+        return [Section(kind, tuple(members), retain) for retain, members in groups or [("", [])]]
+
+    def member(self, element: Element, parents: tuple[tuple[str, bool], ...]) -> Member | None:
+        """One Member; ``parents`` are the (name, is an array) pairs above it."""
+        name, spelling = element.get("Name"), element.get("Datatype")
+        if not name or not spelling:
+            self.report(f"a Member needs the attribute {'Datatype' if name else 'Name'}", element)
+            return None
+        if len(parents) >= MAX_DEPTH:
+            self.report(f"{name}: nested more than {MAX_DEPTH} levels deep", element)
+            return None
+        type_ = parse_datatype(spelling)
+        if type_ is None:
+            self.report(f"{name}: the data type {spelling} has no fixed size", element)
+            return None
+        comment = ""
+        literal: str | None = None
+        listed: Element | None = None
+        rest: dict[str, list[Element]] = {}
+        for sub in element:
+            tag = TAGS[sub.tag]
+            if tag == "Comment":
+                comment = comment or _comment(sub)
+            elif tag == "StartValue":
+                literal = literal or self.value(sub)
+            elif tag == "AttributeList":
+                listed = sub
+            else:
+                rest.setdefault(tag, []).append(sub)
+        if rest or not isinstance(type_, Elementary):
+            type_, literal = self.inside(type_, literal, rest, (*parents, (name, isinstance(type_, ArrayType))))
+        version = element.get("Version")
+        at, attributes = _attributes(version, listed, type_) if version or listed is not None else (None, ())
+        line: Any = element.sourceline
+        return Member(name, type_, literal, comment, at, Span(self.file, line or 1, 1), attributes)
+
+    def inside(
+        self,
+        type_: DataType,
+        literal: str | None,
+        rest: dict[str, list[Element]],
+        path: tuple[tuple[str, bool], ...],
+    ) -> tuple[DataType, str | None]:
+        """Type with its members, and start value with those of single elements."""
+        found = [self.member(m, path) for m in rest.get("Member", ())]
+        members = [m for m in found if m is not None]
+        type_ = _with_members(type_, tuple(members))
+        self.duplicates(members)
+        if "Sections" in rest and _is_user_type(type_):
+            self._expanded(rest["Sections"], path)
+        if "Subelement" in rest:
+            if isinstance(type_, ArrayType) and literal is None and not any(is_array for _, is_array in path[:-1]):
+                literal = self._listed(rest["Subelement"], type_, path)
+            else:
+                self._subelements(rest["Subelement"], path)
+        return type_, literal
+
+    def value(self, element: Element) -> str | None:
+        """Text of a StartValue; None if it is empty, or no value at all."""
+        found = (element.text or "").strip()
+        if found and not (is_plain_value(found) or is_start_value(found)):
+            self.report(f"{found[:40]} is no start value", element)
+            return None
+        return found or None
+
+    def _expanded(self, groups: Sequence[Element], path: tuple[tuple[str, bool], ...]) -> None:
+        """Start values of a user type's members, written out below Sections."""
+        if len(path) >= MAX_DEPTH:
+            self.report("nested too deeply", groups[0])
+            return
+        for sections in groups:
+            for section in children(sections, "Section"):
+                for inner in children(section, "Member"):
+                    self._expanded_member(inner, path)
+
+    def _expanded_member(self, element: Element, parents: tuple[tuple[str, bool], ...]) -> None:
+        name, type_ = element.get("Name"), parse_datatype(element.get("Datatype", ""))
+        if not name or type_ is None or len(parents) >= MAX_DEPTH:
+            return
+        path = (*parents, (name, isinstance(type_, ArrayType)))
+        inside = parts(element)
+        start = inside.get("StartValue")
+        literal = self.value(start[0]) if start else None
+        if literal and not any(is_array for _, is_array in path):
+            self._assign(path, (), literal, element)
+        self._subelements(inside.get("Subelement", ()), path)
+        for inner in inside.get("Member", ()):
+            self._expanded_member(inner, path)
+        if "Sections" in inside and _is_user_type(type_):
+            self._expanded(inside["Sections"], path)
+
+    def _subelements(self, found: Sequence[Element], path: tuple[tuple[str, bool], ...]) -> None:
+        for sub in found:
+            start = child(sub, "StartValue")
+            literal = self.value(start) if start is not None else None
+            groups = tuple(sub.get("Path", "").split(";"))
+            if not literal:
+                continue
+            if len(groups) != sum(is_array for _, is_array in path):
+                self.report(f"Subelement Path {sub.get('Path')} does not fit the arrays of {path[-1][0]}", sub)
+                continue
+            self._assign(path, groups, literal, sub)
+
+    def _assign(self, path: Sequence[tuple[str, bool]], groups: Sequence[str], literal: str, at: Element) -> None:
+        indices = iter(groups)
+        steps = (_quote(name) + (f"[{next(indices)}]" if is_array else "") for name, is_array in path)
+        self.assignments.append(Assignment(".".join(steps), literal, span(at, self.file)))
+
+    def _listed(self, found: Sequence[Element], type_: ArrayType, path: tuple[tuple[str, bool], ...]) -> str | None:
+        """Start values of single elements as one list ``[1, 0, 3]``; too many gaps become assignments."""
+        values: dict[int, str] = {}
+        for sub in found:
+            start = child(sub, "StartValue")
+            literal = self.value(start) if start is not None else None
+            position = _position(sub.get("Path", ""), type_)
+            if not literal:
+                continue
+            if position is None:
+                self.report(f"Subelement Path {sub.get('Path')} is outside the array {path[-1][0]}", sub)
+                continue
+            values[position] = literal
+        if not values:
+            return None
+        if max(values) >= MAX_LISTED:
+            self._subelements(found, path)
+            return None
+        default = default_literal(type_.element)
+        return "[" + ", ".join(values.get(n, default) for n in range(max(values) + 1)) + "]"
+
+    def report(self, message: str, element: Element) -> None:
+        """Add one PG812."""
+        self.diagnostics.append(Diagnostic("PG812", message, span(element, self.file)))
+
+
+def _position(path: str, type_: ArrayType) -> int | None:
+    """Place of an element counted through the array, the last index fastest; None if it is outside."""
+    parts = path.split(",")
+    if len(parts) != len(type_.bounds) or not all(re.fullmatch(r"\s*-?[0-9]{1,10}\s*", part) for part in parts):
+        return None
+    position = 0
+    for part, (low, high) in zip(parts, type_.bounds, strict=True):
+        if not low <= int(part) <= high:
+            return None
+        position = position * (high - low + 1) + int(part) - low
+    return position
+
+
+def _with_members(type_: DataType, members: tuple[Member, ...]) -> DataType:
+    """Put the members into a Struct or an array of Struct."""
+    if isinstance(type_, StructType):
+        return StructType(members)
+    if isinstance(type_, ArrayType):
+        return ArrayType(type_.bounds, _with_members(type_.element, members))
+    return type_
+
+
+def _is_user_type(type_: DataType) -> bool:
+    if isinstance(type_, ArrayType):
+        return _is_user_type(type_.element)
+    return isinstance(type_, NamedType) and type_.quoted
+
+
+def _comment(element: Element) -> str:
+    """First text of a comment that is not empty."""
+    for item in element:
+        if TAGS[item.tag] == "MultiLanguageText" and (found := (item.text or "").strip()):
+            return found
+    return ""
+
+
+def _attributes(
+    version: str | None, listed: Element | None, type_: DataType
+) -> tuple[str | None, tuple[tuple[str, str], ...]]:
+    """What a view lies over, and attributes as a source has them in braces: the version of a library type first."""
+    found: list[tuple[str, str]] = []
+    at: str | None = None
+    inner = innermost(type_)
+    if version and isinstance(inner, NamedType) and not inner.quoted:
+        found += [("InstructionName", inner.name), ("LibVersion", version)]
+    for entry in children(listed):
+        name, value = entry.get("Name", ""), text(entry).strip()
+        if name == "At":
+            at = value.strip('"') or None
+        elif _PLAIN.fullmatch(name) and entry.get("Informative") != "true":
+            value = value.capitalize() if local(entry) == "BooleanAttribute" else value
+            found.append(("S7_SetPoint" if name == "SetPoint" else name, value))
+    return at, tuple(found)
+
+
+def _quote(name: str) -> str:
+    return name if _PLAIN.fullmatch(name) else '"' + name.replace('"', "_") + '"'

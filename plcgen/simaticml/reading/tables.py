@@ -1,0 +1,121 @@
+"""Tag tables and watch tables of SimaticML documents as frozen values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from plcgen.diagnostics import Diagnostic, Span
+from plcgen.simaticml.reading.xml import child, children, local, span, text
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+
+
+@dataclass(frozen=True, slots=True)
+class Tag:
+    """A PLC tag: ``type`` as written (``Word``), ``address`` as written (``%MW2``)."""
+
+    name: str
+    type: str
+    address: str
+    comment: str = ""
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class UserConstant:
+    """A user constant of a tag table; ``value`` is the literal as written."""
+
+    name: str
+    type: str
+    value: str
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class TagTable:
+    """A tag table, tags and constants in document order."""
+
+    name: str
+    tags: tuple[Tag, ...]
+    constants: tuple[UserConstant, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class WatchEntry:
+    """A row of a watch table; ``name`` is symbolic, ``address`` absolute where the document has it."""
+
+    name: str
+    address: str | None
+    display_format: str
+    modify_value: str | None
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class WatchTable:
+    """A watch table, rows in document order."""
+
+    name: str
+    entries: tuple[WatchEntry, ...]
+
+
+def tag_table(element: Element, file: str, diagnostics: list[Diagnostic]) -> TagTable | None:
+    """One SW.Tags.PlcTagTable; missing attributes are PG812."""
+    head = _attributes(element, ("Name",), file, diagnostics)
+    if head is None:
+        return None
+    tags, constants = [], []
+    for entry in children(child(element, "ObjectList")):
+        place = span(entry, file)
+        if local(entry) == "SW.Tags.PlcTag":
+            found = _attributes(entry, ("Name", "DataTypeName", "LogicalAddress"), file, diagnostics)
+            if found is not None:
+                tags.append(Tag(found["Name"], found["DataTypeName"], found["LogicalAddress"], _comment(entry), place))
+        elif local(entry) == "SW.Tags.PlcUserConstant":
+            found = _attributes(entry, ("Name", "DataTypeName", "Value"), file, diagnostics)
+            if found is not None:
+                constants.append(UserConstant(found["Name"], found["DataTypeName"], found["Value"], place))
+    return TagTable(head["Name"], tuple(tags), tuple(constants))
+
+
+def watch_table(element: Element, file: str, diagnostics: list[Diagnostic]) -> WatchTable | None:
+    """One SW.WatchAndForceTables.PlcWatchTable; missing attributes are PG812."""
+    head = _attributes(element, ("Name",), file, diagnostics)
+    if head is None:
+        return None
+    entries = []
+    for entry in children(child(element, "ObjectList"), "SW.WatchAndForceTables.PlcWatchTableEntry"):
+        found = _attributes(entry, ("Name",), file, diagnostics)
+        if found is not None:
+            entries.append(
+                WatchEntry(
+                    found["Name"],
+                    found.get("Address") or None,
+                    found.get("DisplayFormat", ""),
+                    found.get("ModifyValue") or None,
+                    span(entry, file),
+                )
+            )
+    return WatchTable(head["Name"], tuple(entries))
+
+
+def _attributes(
+    element: Element, required: tuple[str, ...], file: str, diagnostics: list[Diagnostic]
+) -> dict[str, str] | None:
+    found = {local(entry): text(entry).strip() for entry in children(child(element, "AttributeList"))}
+    missing = [name for name in required if not found.get(name)]
+    for name in missing:
+        message = f"{local(element)} needs the attribute {name}"
+        diagnostics.append(Diagnostic("PG812", message, span(element, file)))
+    return None if missing else found
+
+
+def _comment(element: Element) -> str:
+    for group in children(child(element, "ObjectList"), "MultilingualText"):
+        for item in children(child(group, "ObjectList"), "MultilingualTextItem"):
+            found = text(child(child(item, "AttributeList"), "Text"))
+            if found.strip():
+                return found
+    return ""

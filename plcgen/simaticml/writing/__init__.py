@@ -1,0 +1,1 @@
+"""Blocks and SCL text to SimaticML documents."""

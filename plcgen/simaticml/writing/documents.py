@@ -1,0 +1,159 @@
+"""Whole documents of types and blocks: the envelope around Interface and code, as genuine exports have it.
+
+IDs count up in hexadecimal in document order; the attributes of an object are in alphabetical order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from plcgen.s7.blocks import Block, BlockKind
+from plcgen.simaticml.escape import content
+from plcgen.simaticml.writing.interface import sections
+from plcgen.simaticml.writing.scope import is_system
+from plcgen.simaticml.writing.starts import Starts
+
+if TYPE_CHECKING:
+    from plcgen.simaticml.versions import Version
+
+HEADER = {"AUTHOR": "HeaderAuthor", "FAMILY": "HeaderFamily", "NAME": "HeaderName", "VERSION": "HeaderVersion"}
+"""Header lines of a source and the attributes of the same meaning."""
+
+_EVENTS = (
+    (range(1, 2), "ProgramCycle"), (range(10, 18), "TimeOfDay"), (range(20, 24), "TimeDelayInterrupt"),
+    (range(30, 39), "CyclicInterrupt"), (range(40, 48), "HardwareInterrupt"), (range(80, 81), "TimeErrorInterrupt"),
+    (range(82, 83), "DiagnosticErrorInterrupt"), (range(83, 84), "PullOrPlugOfModules"),
+    (range(86, 87), "RackOrStationFailure"), (range(100, 103), "Startup"), (range(121, 122), "ProgrammingError"),
+    (range(122, 123), "IOAccessError"),
+)  # fmt: skip
+"""Event class by OB number (STEP 7 manual, organization blocks)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What a document depends on besides its block: version, CPU family, language of the comments."""
+
+    version: Version
+    classic: bool
+    cultures: tuple[str, ...] = ("en-US",)
+
+
+class _Ids:
+    def __init__(self) -> None:
+        self.next = 0
+
+    def __call__(self) -> str:
+        self.next += 1
+        return f"{self.next - 1:X}"
+
+
+def kind_of(block: Block) -> str:
+    """Tag of the object that a block becomes."""
+    if block.kind is BlockKind.UDT:
+        return "SW.Types.PlcStruct"
+    if block.kind is BlockKind.DB:
+        return "SW.Blocks.InstanceDB" if block.instance_of else "SW.Blocks.GlobalDB"
+    return f"SW.Blocks.{block.kind.value}"
+
+
+def document(
+    block: Block, setting: Setting, code: str = "", types: Mapping[str, Block] | None = None
+) -> tuple[str, list[str]]:
+    """Text of the document and what of the block it cannot hold.
+
+    ``code`` are the numbered elements of StructuredText; ``types`` are the known types and FBs by upper-case
+    name, for start values inside user types.
+    """
+    kind = kind_of(block)
+    starts = Starts(types)
+    members = [m for s in block.sections for m in s.members]
+    for assignment in block.assignments:
+        starts.assign(assignment.path, assignment.literal, members)
+    namespace, culture = setting.version.interface_namespace, setting.cultures[0]
+    interface = sections(block, kind, namespace, culture, starts, classic=setting.classic)
+    attributes = _attributes(block, kind, setting, interface)
+    ids = _Ids()
+    head = ids()
+    body = _texts(block, kind, setting, code, ids)
+    lines = [f"      {line}\n" for line in attributes]
+    return (
+        '<?xml version="1.0" encoding="utf-8"?>\n<Document>\n'
+        f'  <Engineering version="{setting.version.name}" />\n'
+        f'  <{kind} ID="{head}">\n    <AttributeList>\n{"".join(lines)}    </AttributeList>\n'
+        f"{body}  </{kind}>\n</Document>\n"
+    ), starts.lost
+
+
+def _attributes(block: Block, kind: str, setting: Setting, interface: str) -> list[str]:
+    """Attributes in alphabetical order."""
+    code = kind in {"SW.Blocks.FB", "SW.Blocks.FC", "SW.Blocks.OB"}
+    texts = {"Name": block.name}
+    if kind == "SW.Types.PlcStruct":
+        if setting.version.has_type_namespace:
+            texts["Namespace"] = ""
+    else:
+        texts["AutoNumber"] = "false" if block.number is not None else "true"
+        texts["Number"] = str(1 if block.number is None else block.number)
+        texts["ProgrammingLanguage"] = "SCL" if code else "DB"
+        for key, name in HEADER.items():
+            if block.attributes.get(key):
+                texts[name] = block.attributes[key]
+    if not setting.classic and kind not in {"SW.Types.PlcStruct", "SW.Blocks.InstanceDB"}:
+        texts["MemoryLayout"] = "Standard" if block.optimized is False else "Optimized"
+    if code and not setting.classic:
+        texts["SetENOAutomatically"] = "false"
+    if kind == "SW.Blocks.OB":
+        texts["SecondaryType"] = block.attributes.get("SecondaryType") or event_class(block.number)
+    if block.instance_of is not None:
+        texts |= _instance(block.instance_of)
+    found = {name: f"<{name}>{content(text)}</{name}>" if text else f"<{name} />" for name, text in texts.items()}
+    found["Interface"] = interface
+    return [found[name] for name in sorted(found)]
+
+
+def _instance(of: str) -> dict[str, str]:
+    texts = {"InstanceOfName": of, "InstanceOfType": "FB"}
+    if is_system(of):
+        texts["OfSystemLibElement"] = of
+    return texts
+
+
+def event_class(number: int | None) -> str:
+    """Event class of an OB; without a known number the cyclic program."""
+    return next((name for numbers, name in _EVENTS if number in numbers), "ProgramCycle")
+
+
+def _texts(block: Block, kind: str, setting: Setting, code: str, ids: _Ids) -> str:
+    """ObjectList: Comment, the network, Title."""
+    title = block.title
+    parts = [_text("Comment", block.comment, setting.cultures, ids, "      ")]
+    if kind in {"SW.Blocks.FB", "SW.Blocks.FC", "SW.Blocks.OB"}:
+        unit = ids()
+        network = f'<StructuredText xmlns="{setting.version.text_namespace}">\n{code}</StructuredText>' if code else ""
+        source = f"<NetworkSource>{network}</NetworkSource>" if network else "<NetworkSource />"
+        inner = _text("Comment", "", setting.cultures, ids, " " * 10) + _text(
+            "Title", "", setting.cultures, ids, " " * 10
+        )
+        parts.append(
+            f'      <SW.Blocks.CompileUnit ID="{unit}" CompositionName="CompileUnits">\n        <AttributeList>\n'
+            f"          {source}\n          <ProgrammingLanguage>SCL</ProgrammingLanguage>\n        </AttributeList>\n"
+            f"        <ObjectList>\n{inner}        </ObjectList>\n      </SW.Blocks.CompileUnit>\n"
+        )
+    parts.append(_text("Title", title, setting.cultures, ids, "      "))
+    return f"    <ObjectList>\n{''.join(parts)}    </ObjectList>\n"
+
+
+def _text(name: str, text: str, cultures: Sequence[str], ids: _Ids, pad: str) -> str:
+    """A MultilingualText: ``text`` in the first culture, the others empty."""
+    head = f'{pad}<MultilingualText ID="{ids()}" CompositionName="{name}">\n{pad}  <ObjectList>\n'
+    items = []
+    for position, culture in enumerate(cultures):
+        shown = f"<Text>{content(text)}</Text>" if text and not position else "<Text />"
+        items.append(
+            f'{pad}    <MultilingualTextItem ID="{ids()}" CompositionName="Items">\n{pad}      <AttributeList>\n'
+            f"{pad}        <Culture>{culture}</Culture>\n{pad}        {shown}\n"
+            f"{pad}      </AttributeList>\n{pad}    </MultilingualTextItem>\n"
+        )
+    return f"{head}{''.join(items)}{pad}  </ObjectList>\n{pad}</MultilingualText>\n"

@@ -1,0 +1,380 @@
+"""SCL code to the elements of StructuredText, straight from the token stream; nothing of the text is lost.
+
+A statement needs no tree: keywords and operators are Tokens, blanks and comments stand between them, and only
+operands and calls have structure. ``UId`` is a slot until the network is complete, so that pieces can be kept.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left
+from typing import TYPE_CHECKING
+
+from plcgen.scl.cursor import unquote
+from plcgen.scl.lexer import (
+    ADDRESS,
+    INT,
+    KEYWORDS,
+    LOCAL,
+    NAME,
+    POINTER,
+    QUOTED,
+    REAL,
+    STRING,
+    TYPED,
+    WORDS,
+    Tokens,
+)
+from plcgen.simaticml.addresses import address
+from plcgen.simaticml.escape import attribute, content
+from plcgen.simaticml.writing.elements import SLOT, UID, constant, named_constant, simple_symbol, token, trivia
+from plcgen.simaticml.writing.scope import is_system
+
+if TYPE_CHECKING:
+    from plcgen.simaticml.writing.scope import Scope
+
+FIRST_UID = 21
+"""UIds of a network begin here in every genuine export."""
+
+_NUMBERS: list[str] = []
+_CONSTANTS = {
+    INT: "LiteralConstant", REAL: "LiteralConstant", STRING: "LiteralConstant", "TRUE": "LiteralConstant",
+    "FALSE": "LiteralConstant", TYPED: "TypedConstant", POINTER: "AddressConstant",
+}  # fmt: skip
+_PATH = frozenset({".", "[", "(", "^", ":"})
+_PLAIN = re.compile(r"[^\W\d]\w*")
+_INSTANCE_DB = re.compile(r"(.+?)_DB(?:_\d+)?", re.IGNORECASE)
+_OPERAND_ENDS = frozenset(
+    {INT, REAL, STRING, TYPED, POINTER, ADDRESS, LOCAL, NAME, QUOTED, "TRUE", "FALSE", ")", "]", "^"}
+)
+_ASSIGNS = frozenset({":=", "=>"})
+_NO_TITLE = frozenset({".", "[", "(", ":", ";", ",", ")", ":=", "+=", "-=", "*=", "/=", "&=", "**=", "?="})
+
+
+def elements(tokens: Tokens, begin: int, stop: int, scope: Scope) -> str:
+    """Elements for the source between two offsets, with ``SLOT`` for every UId."""
+    return _Writer(tokens, begin, stop, scope).write(stop)
+
+
+def numbered(elements: str) -> str:
+    """Put ascending UIds from 21 into the slots of one network."""
+    pieces = elements.split(SLOT)
+    count = len(pieces) - 1
+    if len(_NUMBERS) < count:
+        _NUMBERS.extend(str(FIRST_UID + n) for n in range(len(_NUMBERS), count + 1024))
+    parts = [""] * (2 * count + 1)
+    parts[::2] = pieces
+    parts[1::2] = _NUMBERS[:count]
+    return "".join(parts)
+
+
+class _Writer:
+    """A position in the token list; every method writes what begins there and goes behind it."""
+
+    def __init__(self, tokens: Tokens, begin: int, stop: int, scope: Scope) -> None:
+        self.source = tokens.source
+        self.kinds = tokens.kinds
+        self.texts = tokens.texts
+        self.starts = tokens.starts
+        self.pos = bisect_left(tokens.starts, begin)
+        self.last = bisect_left(tokens.starts, stop, self.pos)
+        self.scope = scope
+        self.end = begin
+        """Offset up to which the source is written."""
+        self.out: list[str] = []
+        jumps = (n + 1 for n, kind in enumerate(self.kinds) if kind == "GOTO")
+        self.labels = frozenset(self.texts[n].upper() for n in jumps)
+
+    def write(self, stop: int) -> str:
+        """Everything up to an offset."""
+        while self.pos < self.last:
+            self.gap()
+            self.item()
+        if self.end < stop:
+            self.out.append(trivia(self.source[self.end : stop]))
+        return "".join(self.out)
+
+    def gap(self) -> None:
+        """Write the trivia before the current token."""
+        start = self.starts[self.pos]
+        if self.end < start:
+            self.out.append(trivia(self.source[self.end : start]))
+            self.end = start
+
+    def step(self, count: int = 1) -> None:
+        """Go behind tokens that are written."""
+        self.pos += count
+        self.end = self.starts[self.pos - 1] + len(self.texts[self.pos - 1])
+
+    def token(self) -> None:
+        """Write the current token as a Token; the TIA Portal writes keywords in upper case."""
+        kind = self.kinds[self.pos]
+        self.out.append(token(kind if kind in KEYWORDS else self.texts[self.pos]))
+        self.step()
+
+    def item(self) -> None:
+        """Write one operand, call or other token."""
+        kind = self.kinds[self.pos]
+        if kind == LOCAL:
+            text = self.texts[self.pos]
+            quoted = text[1] == '"'
+            self.operand("Local", text[2:-1] if quoted else text[1:], quoted=quoted)
+        elif kind == QUOTED:
+            self.operand("Global", unquote(self.texts[self.pos]), quoted=False)
+        elif scope := _CONSTANTS.get(kind):
+            self.out.append(constant(scope, self.texts[self.pos]))
+            self.step()
+        elif kind == NAME:
+            self.name()
+        elif kind == ADDRESS:
+            self.absolute()
+        elif kind == "-" and self.is_sign():
+            self.out.append(constant("LiteralConstant", "-" + self.texts[self.pos + 1]))
+            self.step(2)
+        elif kind == "REGION" and self.kinds[self.pos + 1] not in _NO_TITLE:
+            self.token()
+            self.title(self.source.find("\n", self.end))
+        elif kind == "END_REGION":
+            self.token()
+            self.closing_title()
+        else:
+            self.token()
+
+    def is_sign(self) -> bool:
+        """Whether the minus belongs to the number right behind it: then both are one literal."""
+        pos = self.pos
+        return (
+            self.kinds[pos + 1] in {INT, REAL}
+            and self.starts[pos + 1] == self.starts[pos] + 1
+            and (pos == 0 or self.kinds[pos - 1] not in _OPERAND_ENDS)
+        )
+
+    # --- regions ----------------------------------------------------------------------------------------
+
+    def title(self, line_end: int) -> None:
+        """Write the title of a REGION: free text up to the end of the line."""
+        stop = line_end if line_end >= 0 else len(self.source)
+        line = self.source[self.end : stop]
+        text = line.strip()
+        if not text:
+            return
+        lead = len(line) - len(line.lstrip())
+        if lead:
+            self.out.append(trivia(line[:lead]))
+        self.out.append(f"<Text {UID}>{content(text)}</Text>")
+        self.end += lead + len(text)
+        while self.pos < self.last and self.starts[self.pos] < stop:
+            self.pos += 1
+
+    def closing_title(self) -> None:
+        """Write the title behind END_REGION; a comment or code there is none."""
+        line_end = self.source.find("\n", self.end)
+        stop = line_end if line_end >= 0 else len(self.source)
+        line = self.source[self.end : stop].partition("//")[0]
+        code = self.pos < self.last and self.kinds[self.pos] in KEYWORDS
+        if self.pos < self.last and self.starts[self.pos] < stop and not code and ";" not in line:
+            self.title(self.end + len(line))
+
+    # --- operands ---------------------------------------------------------------------------------------
+
+    def name(self) -> None:
+        """Write a name without # and quotes: a function, a label, ENO, or a variable."""
+        pos = self.pos
+        text = self.texts[pos]
+        upper = text.upper()
+        following = self.kinds[pos + 1]
+        if upper in self.labels and (following == ":" or (pos and self.kinds[pos - 1] == "GOTO")):
+            self.out.append(f'<Access Scope="Label" {UID}><Label Name="{attribute(text)}" {UID} /></Access>')
+            self.step()
+        elif self.scope.is_local(text):
+            self.operand("Local", text, quoted=False)
+        elif following == "(":
+            self.step()
+            self.call(f'<Instruction Name="{attribute(text)}" {UID}>', "</Instruction>")
+        elif upper == "ENO":
+            variable = f'<PredefinedVariable Name="ENO" {UID} />'
+            self.out.append(f'<Access Scope="PredefinedVariable" {UID}>{variable}</Access>')
+            self.step()
+        elif upper == "NULL":
+            self.out.append(constant("LiteralConstant", text))
+            self.step()
+        else:
+            self.operand("Global", text, quoted=False)
+
+    def absolute(self) -> None:
+        """Write an absolute operand; what is none, such as an indexed one, stays a Token."""
+        found = address(self.texts[self.pos])
+        if found is None:
+            self.token()
+            return
+        block = "" if found.block is None else f' BlockNumber="{found.block}"'
+        place = f'Area="{found.area}" Type="{found.type}"{block} BitOffset="{found.bits}"'
+        self.out.append(f'<Access Scope="Address" {UID}><Address {place} {UID} /></Access>')
+        self.step()
+
+    def operand(self, where: str, name: str, *, quoted: bool) -> None:
+        """Write a variable or constant with members, indices and slices, or the call of an instance."""
+        text = self.texts[self.pos]
+        following = self.kinds[self.pos + 1]
+        constants = self.scope.constants if where == "Local" else self.scope.global_constants
+        if name.upper() in constants:
+            self.out.append(named_constant(f"{where}Constant", name))
+            self.step()
+            return
+        quoted = quoted and _is_plain(name)
+        peripheral = text.endswith('":P')
+        if following not in _PATH and not quoted and not peripheral:
+            self.out.append(simple_symbol(f"{where}Variable", name))
+            self.step()
+            return
+        outer, self.out = self.out, []
+        names = self.path(name, quoted=quoted, peripheral=peripheral)
+        symbol, self.out = "".join(self.out), outer
+        if self.pos < self.last and self.kinds[self.pos] == "(":
+            self.instance(where, names, symbol)
+        else:
+            self.out.append(f'<Access Scope="{where}Variable" {UID}><Symbol {UID}>{symbol}</Symbol></Access>')
+
+    def path(self, name: str, *, quoted: bool, peripheral: bool = False) -> tuple[str, ...]:
+        """Write the components of a symbol and return their names."""
+        names = [name]
+        self.component(name, quoted=quoted, peripheral=peripheral)
+        while self.pos < self.last:
+            kind = self.kinds[self.pos]
+            if kind == "^":
+                self.gap()
+                self.token()
+            elif kind == ".":
+                self.gap()
+                self.token()
+                if self.pos >= self.last:
+                    break
+                self.gap()
+                names.append(self.member())
+            else:
+                break
+        return tuple(names)
+
+    def member(self) -> str:
+        """Write what stands behind a dot and return its name."""
+        kind, text = self.kinds[self.pos], self.texts[self.pos]
+        if (kind == INT and text.isdigit()) or (kind in WORDS and text[0] != "%"):
+            name = unquote(text)
+            self.component(name, quoted=kind == QUOTED and _is_plain(name), peripheral=text.endswith('":P'))
+            return name
+        self.token()
+        return ""
+
+    def component(self, name: str, *, quoted: bool, peripheral: bool) -> None:
+        """Write one component with its indices."""
+        self.step()
+        indexed = self.pos < self.last and self.kinds[self.pos] == "["
+        modifier = ' SimpleAccessModifier="Periphery"' if peripheral or self.is_peripheral() else ""
+        modifier += ' AccessModifier="Array"' if indexed else ""
+        head = f'<Component Name="{attribute(name)}"{modifier} {UID}'
+        if not indexed and not quoted:
+            self.out.append(f"{head} />")
+        else:
+            self.out.append(f"{head}>")
+            if quoted:
+                self.out.append(f'<BooleanAttribute Name="HasQuotes" {UID}>true</BooleanAttribute>')
+            while self.pos < self.last and self.kinds[self.pos] == "[":
+                self.gap()
+                self.token()
+                self.until("]")
+                if self.pos < self.last:
+                    self.gap()
+                    self.token()
+            self.out.append("</Component>")
+        if self.is_peripheral():
+            self.step(2)
+
+    def is_peripheral(self) -> bool:
+        """Whether ``:P`` stands right behind the last token."""
+        pos = self.pos
+        return (
+            pos + 1 < self.last
+            and self.kinds[pos] == ":"
+            and self.texts[pos + 1] in {"P", "p"}
+            and self.starts[pos] == self.end
+            and self.starts[pos + 1] == self.end + 1
+        )
+
+    def until(self, *closing: str) -> None:
+        """Write operands and operators up to a closing token, without the trivia before it."""
+        depth = 0
+        while self.pos < self.last:
+            kind = self.kinds[self.pos]
+            if not depth and kind in closing:
+                return
+            depth += (kind == "(") - (kind == ")")
+            self.gap()
+            self.item()
+
+    # --- calls ------------------------------------------------------------------------------------------
+
+    def instance(self, where: str, names: tuple[str, ...], symbol: str) -> None:
+        """Write the call of an instance or of a function with quotes; its operand is ``symbol``."""
+        if where == "Local":
+            made = self.scope.block_of(names)
+        elif len(names) == 1 and "<Token" not in symbol:
+            made = self.global_block(names[0])
+        else:
+            made = None
+        if made is not None and made[1]:
+            self.out.append(f'<Access Scope="{where}Variable" {UID}><Symbol {UID}>{symbol}</Symbol></Access>')
+            self.call(f"<Instruction {UID}>", "</Instruction>")
+        elif made is not None and made[0] == "":
+            self.call(f'<CallInfo Name="{attribute(names[0])}" BlockType="FC" {UID}>', "</CallInfo>")
+        else:
+            name = f' Name="{attribute(made[0])}"' if made is not None else ""
+            self.call(
+                f'<CallInfo{name} BlockType="FB" {UID}><Instance Scope="{where}Variable" {UID}>{symbol}</Instance>',
+                "</CallInfo>",
+            )
+
+    def global_block(self, name: str) -> tuple[str, bool]:
+        """Block behind a quoted name that is called, and whether it is a system block; an FC has no name.
+
+        Without a declaration the name must tell: the TIA Portal calls the instance DB of an FB ``X_DB``.
+        """
+        upper = name.upper()
+        made = self.scope.instances.get(upper)
+        if made is not None:
+            return made, is_system(made)
+        guess = _INSTANCE_DB.fullmatch(name) if upper not in self.scope.functions else None
+        return (guess[1] if guess else ""), False
+
+    def call(self, head: str, tail: str) -> None:
+        """Write the arguments of a call between ``head`` and ``tail``."""
+        self.out.append(f'<Access Scope="Call" {UID}>{head}')
+        self.gap()
+        self.token()
+        while self.pos < self.last and self.kinds[self.pos] != ")":
+            self.gap()
+            if self.kinds[self.pos] == ",":
+                self.token()
+            else:
+                self.argument()
+        if self.pos < self.last:
+            self.gap()
+            self.token()
+        self.out.append(f"{tail}</Access>")
+
+    def argument(self) -> None:
+        """Write ``name := value``, ``name => value`` or a value alone."""
+        pos = self.pos
+        if self.kinds[pos] in WORDS and self.kinds[pos + 1] in _ASSIGNS:
+            self.out.append(f'<Parameter Name="{attribute(unquote(self.texts[pos]))}" {UID}>')
+            self.step()
+            self.until(",", ")")
+            self.out.append("</Parameter>")
+        else:
+            self.out.append(f"<NamelessParameter {UID}>")
+            self.until(",", ")")
+            self.out.append("</NamelessParameter>")
+
+
+def _is_plain(name: str) -> bool:
+    """Whether a name needs no quotes."""
+    return _PLAIN.fullmatch(name) is not None and name.upper() not in KEYWORDS

@@ -1,0 +1,151 @@
+"""Any set of sources as blocks with what the block model leaves out: their code, and the attributes of members."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError
+from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.shapes import TypeTable
+from plcgen.scl import ast
+from plcgen.scl.parser import ParseResult, parse
+from plcgen.simaticml.reading.attributes import document_attributes
+from plcgen.simaticml.reading.source import source
+from plcgen.simaticml.reading.xml import load, parse_xml
+from plcgen.sources.code import Code, document_code, statement_list_code, unit_code
+from plcgen.sources.files import XML_SUFFIXES, Files, read_files
+from plcgen.sources.text import read_text
+
+STATEMENT_LISTS = frozenset({".awl", ".stl"})
+_KEYWORDS = {
+    BlockKind.DB: "DATA_BLOCK", BlockKind.UDT: "TYPE", BlockKind.FB: "FUNCTION_BLOCK", BlockKind.FC: "FUNCTION",
+    BlockKind.OB: "ORGANIZATION_BLOCK",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class SourceBlock:
+    """One block, the file it comes from, its code without comments, and what stands in braces at its members.
+
+    ``unit`` is its syntax tree, None if there is none; of SimaticML it is that of the SCL its networks say, whose
+    lines (``located`` False) are not those of the file. ``attributes`` has one entry per member with attributes:
+    upper-case path to name and value; the key ``RETAIN`` is the retentivity (``RETAIN``, ``NONRETAIN``,
+    ``SETINIDB``).
+    """
+
+    block: Block
+    file: str
+    code: Code = field(default_factory=Code)
+    attributes: dict[str, dict[str, str]] = field(default_factory=dict)
+    unit: ast.Unit | None = None
+    parsed: ParseResult | None = None
+    located: bool = True
+
+
+@dataclass(slots=True)
+class Sources:
+    """Blocks in the order of the files, every type known to them, and everything that could not be read."""
+
+    blocks: list[SourceBlock]
+    types: TypeTable
+    diagnostics: list[Diagnostic]
+
+
+def read_sources(paths: Iterable[Path], *, classic: bool = False) -> Sources:
+    """Read files and folders as :func:`plcgen.sources.files.read_files` does; the null device is an empty source."""
+    parsed: list[ParseResult] = []
+    files = read_files([path for path in paths if path != Path(os.devnull)], classic=classic, keep=parsed.append)
+    return _sources(files, parsed)
+
+
+def read_texts(texts: Iterable[tuple[str, str]]) -> Sources:
+    """Read text sources that are in memory, as (file name, text)."""
+    parsed: list[ParseResult] = []
+    files = Files()
+    for name, text in texts:
+        blocks, found = read_text(text, name, keep=parsed.append)
+        files.blocks += blocks
+        files.types.update((block.name.upper(), block) for block in blocks)
+        files.diagnostics += found
+    return _sources(files, parsed)
+
+
+def _sources(files: Files, parsed: Sequence[ParseResult]) -> Sources:
+    units = {
+        (result.tokens.file, unit.keyword, unit.name.upper()): (unit, result)
+        for result in reversed(parsed)
+        for unit in reversed(result.units)
+    }
+    documents: dict[str, tuple[dict[str, Code], dict[str, dict[str, dict[str, str]]]]] = {}
+    found: list[SourceBlock] = []
+    for block in files.blocks:
+        file = block.span.file if block.span is not None else ""
+        known = units.get((file, _KEYWORDS[block.kind], block.name.upper()))
+        if known is not None:
+            found.append(_from_text(block, file, *known))
+        elif Path(file).suffix.lower() in XML_SUFFIXES:
+            if file not in documents:
+                documents[file] = _details(Path(file))
+            code, attributes = documents[file]
+            own = attributes.get(block.name, {})
+            found.append(_from_document(block, file, code.get(block.name, Code()), own, files.types))
+        else:
+            found.append(SourceBlock(block, file))
+    return Sources(found, files.types, files.diagnostics)
+
+
+def _details(path: Path) -> tuple[dict[str, Code], dict[str, dict[str, dict[str, str]]]]:
+    """Networks and attributes of members of a document by block name; nothing if it cannot be read any more."""
+    try:
+        root = parse_xml(*load(path, None))
+    except DiagnosticError:
+        return {}, {}
+    return document_code(root), document_attributes(root)
+
+
+def _from_document(
+    block: Block, file: str, networks: Code, attributes: dict[str, dict[str, str]], types: TypeTable
+) -> SourceBlock:
+    """A block of SimaticML; where its networks are StructuredText, with the SCL that they say."""
+    if block.code is None:
+        return SourceBlock(block, file, networks, attributes)
+    result = parse(source(block, types), file)
+    if len(result.units) != 1:
+        return SourceBlock(block, file, networks, attributes)
+    code = replace(unit_code(result.units[0], result), located=False)
+    return SourceBlock(block, file, code, attributes, result.units[0], result, located=False)
+
+
+def _from_text(block: Block, file: str, unit: ast.Unit, result: ParseResult) -> SourceBlock:
+    code = Code()
+    if block.kind not in {BlockKind.DB, BlockKind.UDT}:
+        statement_list = Path(file).suffix.lower() in STATEMENT_LISTS
+        code = statement_list_code(unit, result) if statement_list else unit_code(unit, result)
+    return SourceBlock(block, file, code, _attributes(unit), unit, result)
+
+
+def _attributes(unit: ast.Unit) -> dict[str, dict[str, str]]:
+    found: dict[str, dict[str, str]] = {}
+    pending: list[tuple[str, Sequence[ast.Declaration], dict[str, str]]] = []
+    for section in unit.sections:
+        retain = {"RETAIN": "RETAIN"} if "RETAIN" in section.modifiers else {}
+        pending.append(("", section.declarations, retain))
+    if isinstance(unit.body_type, ast.StructSpec):
+        pending.append(("", unit.body_type.members, {}))
+    while pending:
+        prefix, declarations, common = pending.pop()
+        for declaration in declarations:
+            for name in declaration.names:
+                path = f"{prefix}{name.name}".upper()
+                own = common | {a.name.upper(): a.value.upper() for a in name.attributes}
+                if own:
+                    found[path] = own
+                spec = declaration.type
+                while isinstance(spec, ast.ArraySpec):
+                    spec = spec.element
+                if isinstance(spec, ast.StructSpec):
+                    pending.append((f"{path}.", spec.members, {}))
+    return found

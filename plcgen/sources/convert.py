@@ -1,0 +1,213 @@
+"""Blocks of anybody's sources in the other spelling: SCL text to SimaticML and back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.documents.environment import RenderedFile
+from plcgen.s7.blocks import Block, BlockKind, is_retentive
+from plcgen.scl.declarations import recursive_types
+from plcgen.scl.dialect import Dialect
+from plcgen.scl.lexer import tokenize
+from plcgen.scl.parser import parse
+from plcgen.simaticml.reading.documents import read_simaticml, read_tag_table
+from plcgen.simaticml.reading.source import KEYWORDS, SUFFIXES, source
+from plcgen.simaticml.versions import VERSIONS
+from plcgen.simaticml.writing.documents import Setting, document
+from plcgen.simaticml.writing.scope import Scope, is_system
+from plcgen.simaticml.writing.structured_text import elements, numbered
+from plcgen.sources.files import SourceFile, source_files
+from plcgen.sources.text import read_source
+
+Target = Literal["scl", "xml"]
+
+_CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
+_SYMBOLS = frozenset({".sdf", ".asc"})
+_FORBIDDEN = frozenset('<>:"/\\|?*%')
+_DEVICES = frozenset({"CON", "PRN", "AUX", "NUL", *(f"{d}{n}" for d in ("COM", "LPT") for n in "123456789")})
+"""Names that Windows keeps for devices."""
+
+MAX_NAME = 200
+"""Longest file name in characters, without the ending."""
+
+
+@dataclass(slots=True)
+class Converted:
+    """Finished files by name, and everything found; with an error there are no files."""
+
+    files: list[RenderedFile] = field(default_factory=list)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+
+    @property
+    def ok(self) -> bool:
+        """Whether no diagnostic is an error."""
+        return not any(d.severity is Severity.ERROR for d in self.diagnostics)
+
+
+@dataclass(frozen=True, slots=True)
+class _Read:
+    """A block, where it stands, and whether it comes from a document."""
+
+    block: Block
+    place: Span
+    is_xml: bool
+
+
+def convert(
+    paths: Sequence[Path],
+    to: Target,
+    *,
+    version: str = "V16",
+    classic: bool = False,
+    culture: str = "en-US",
+    encoding: str | None = None,
+) -> Converted:
+    """Convert every block of files and folders; one file per block, named after it.
+
+    ``version`` is the TIA Portal version of documents to be written, ``culture`` the language of their comments.
+    ``classic``: the blocks are for S7-300/400. ``encoding`` is the code page of ANSI sources.
+    """
+    found = Converted()
+    read, constants = _read(source_files(paths, found.diagnostics), found, classic=classic, encoding=encoding)
+    blocks = _unique(read, to, found)
+    found.diagnostics += recursive_types(block for block, _ in blocks)
+    types = {block.name.upper(): block for block, _ in blocks}
+    setting = Setting(VERSIONS[version], classic, (culture,))
+    names: dict[str, Block] = {}
+    files = []
+    for block, place in blocks:
+        if to == "scl":
+            file = _to_text(block, place, types, found)
+        else:
+            file = _to_document(block, place, types, constants, setting, found)
+        if file is None:
+            continue
+        first = names.setdefault(file.path.upper(), block)
+        if first is not block:
+            message = f'"{block.name}" and "{first.name}" would both become {file.path}'
+            found.diagnostics.append(Diagnostic("PG805", message, place, help="convert them one after the other"))
+        files.append(file)
+    if not blocks and found.ok:
+        found.diagnostics.append(Diagnostic("PG804", "there is no block in these files", Span(str(paths[0]))))
+    found.files = files if found.ok else []
+    return found
+
+
+def _read(
+    files: Iterable[SourceFile], found: Converted, *, classic: bool, encoding: str | None
+) -> tuple[list[_Read], set[str]]:
+    """Blocks with their places, and the names of the user constants in tag tables."""
+    dialect = Dialect.TIA_300_400 if classic else Dialect.TIA_1200_1500
+    read: list[_Read] = []
+    constants: set[str] = set()
+    for file in files:
+        if file.path.suffix.lower() in _SYMBOLS:
+            continue
+        if file.is_xml:
+            blocks, problems = read_simaticml(file.path, classic=classic)
+            if not blocks and not problems:
+                tables, problems = read_tag_table(file.path)
+                constants |= {constant.name for table in tables for constant in table.constants}
+        else:
+            blocks, problems = read_source(file.path, dialect, encoding=encoding)
+            problems = [problem for problem in problems if not _about_encoding(problem)]
+        found.diagnostics += problems
+        read += [_Read(block, block.span or Span(str(file.path)), file.is_xml) for block in blocks]
+    return read, constants
+
+
+def _about_encoding(problem: Diagnostic) -> bool:
+    """Whether it only says that the TIA Portal would misread the file: the encoding is what we know already."""
+    return problem.code == "PG803" and not problem.span.line
+
+
+def _unique(read: Iterable[_Read], to: Target, found: Converted) -> list[tuple[Block, Span]]:
+    """One block of each name: of text and document the one that is not the target, as in a generated folder.
+
+    Two in the same spelling are an error, because only one can be written.
+    """
+    kept: dict[str, _Read] = {}
+    for one in read:
+        first = kept.setdefault(one.block.name.upper(), one)
+        if first is one:
+            continue
+        if first.is_xml != one.is_xml:
+            kept[one.block.name.upper()] = one if one.is_xml == (to == "scl") else first
+            continue
+        message = f'{one.block.kind} "{one.block.name}" is declared a second time, first in {first.place}'
+        found.diagnostics.append(Diagnostic("PG805", message, one.place, help="name one version of each block"))
+    return [(one.block, one.place) for one in kept.values()]
+
+
+def file_name(name: str) -> str:
+    """A file name for a block that every system takes: other characters become ``%XX``, as in addresses."""
+    coded = "".join(c if c.isprintable() and c not in _FORBIDDEN else f"%{ord(c):02X}" for c in name)
+    if not coded.strip(". "):
+        coded = coded.replace(".", "%2E").replace(" ", "%20")
+    if coded.upper().partition(".")[0] in _DEVICES or coded[-1:] in {".", " "}:
+        coded = f"{coded[:-1]}%{ord(coded[-1]):02X}"
+    return coded[:MAX_NAME] or "%00"
+
+
+def _to_text(block: Block, place: Span, types: dict[str, Block], found: Converted) -> RenderedFile | None:
+    if block.kind in _CODE and block.code is None:
+        message = f'{block.kind} "{block.name}" has no SCL code: it is not converted'
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
+        return None
+    text = source(block, types)
+    problem = _wrong(text, block)
+    if problem:
+        message = f'{block.kind} "{block.name}" does not become SCL: {problem}'
+        found.diagnostics.append(Diagnostic("PG812", message, place))
+        return None
+    return RenderedFile(file_name(block.name) + SUFFIXES[block.kind], text.encode("utf-8-sig", "replace"))
+
+
+def _wrong(text: str, block: Block) -> str:
+    """What keeps a finished source from being exactly this block; empty if nothing does."""
+    result = parse(text, "")
+    errors = [d for d in result.diagnostics if d.severity is Severity.ERROR]
+    if errors:
+        return f"{errors[0].message} (line {errors[0].span.line} of the source)"
+    return (
+        "" if len(result.units) == 1 and result.units[0].keyword == KEYWORDS[block.kind] else "its code ends the block"
+    )
+
+
+def _to_document(
+    block: Block, place: Span, types: dict[str, Block], constants: set[str], setting: Setting, found: Converted
+) -> RenderedFile | None:
+    code = ""
+    if block.kind in _CODE:
+        if block.code is None:
+            message = f'{block.kind} "{block.name}" has no SCL code: it is not converted'
+            found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
+            return None
+        scope = Scope.of(block, types.values(), constants)
+        code = numbered(elements(tokenize(block.code, str(place.file)), 0, len(block.code), scope))
+    elif block.instance_of:
+        block = _instance(block, place, types, found)
+    text, lost = document(block, setting, code, types)
+    if is_retentive(block) and (block.instance_of or not any(s.members for s in block.sections)):
+        message = f'{block.kind} "{block.name}": that it is retentive is not converted'
+        help_ = "a document says it at members, and not in instance data blocks: set Retain in the TIA Portal"
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.NOTE, help=help_))
+    for what in lost:
+        message = f'{block.kind} "{block.name}": {what} is not converted'
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
+    return RenderedFile(file_name(block.name) + ".xml", text.encode("utf-8-sig", "replace"))
+
+
+def _instance(block: Block, place: Span, types: dict[str, Block], found: Converted) -> Block:
+    """An instance DB with the interface of what it is made from."""
+    of = types.get((block.instance_of or "").upper())
+    if of is None:
+        if not is_system(block.instance_of or ""):
+            message = f'"{block.instance_of}" is not among the files: "{block.name}" gets no members'
+            found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING, help="name its source too"))
+        return block
+    return block if any(s.members for s in block.sections) else replace(block, sections=of.sections)

@@ -1,0 +1,225 @@
+"""Files and folders of PLC sources - text, SimaticML, symbol tables - as blocks and the types they use."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from itertools import product
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.shapes import TypeTable
+from plcgen.s7.types import ELEMENTARY, HARDWARE, ArrayType, StructType
+from plcgen.scl.declarations import recursive_types
+from plcgen.scl.parser import ParseResult
+from plcgen.sources.symbols import SUFFIXES as SYMBOL_SUFFIXES
+from plcgen.sources.symbols import read_symbols
+from plcgen.sources.text import read_source
+
+TEXT_SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl"})
+XML_SUFFIXES = frozenset({".xml"})
+MAX_FILES = 20_000
+"""More files below one folder are refused with PG802."""
+
+_MODERN = HARDWARE | {
+    "LREAL", "LINT", "ULINT", "USINT", "UINT", "UDINT", "SINT", "LWORD", "LTIME", "LDT", "LTIME_OF_DAY", "DTL",
+    "WSTRING", "WCHAR", "VARIANT", "IEC_TIMER", "TON_TIME", "TOF_TIME", "TP_TIME", "TONR_TIME",
+}  # fmt: skip
+_TYPES = frozenset({BlockKind.UDT, BlockKind.FB})
+MAX_SEEN = 200_000
+"""So many entries of a folder tree are looked at."""
+
+
+@dataclass(frozen=True, slots=True)
+class SourceFile:
+    """One file to read; ``listed`` files come from a folder, where strangers are no mistake."""
+
+    path: Path
+    listed: bool = False
+
+    @property
+    def is_xml(self) -> bool:
+        """Whether it is a document rather than text."""
+        return self.path.suffix.lower() in XML_SUFFIXES
+
+
+@dataclass(slots=True)
+class Files:
+    """Blocks in the order of the files, every type known to them, and everything that could not be read.
+
+    ``types`` also has the blocks of files that stand beside the named ones; ``modern`` says that a type is used
+    which only the S7-1200/1500 have.
+    """
+
+    blocks: list[Block] = field(default_factory=list)
+    types: TypeTable = field(default_factory=TypeTable)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    modern: bool = False
+
+
+def read_files(
+    paths: Iterable[Path], *, classic: bool = False, keep: Callable[[ParseResult], object] | None = None
+) -> Files:
+    """Read files and folders; a folder means every source below it, hidden ones left out.
+
+    Of a block that is there as text and as SimaticML the text counts. Types that are missing are looked for in
+    UDT and SCL files beside the named files, or in ``../udt`` and ``../scl``. Symbol tables of STEP 7 V5
+    (``.sdf``, ``.asc``) give blocks their numbers. ``classic``: the documents are for S7-300/400.
+    ``keep`` gets the syntax tree of every text.
+    """
+    found = Files()
+    files = list(source_files(paths, found.diagnostics))
+    symbols: dict[str, str] = {}
+    read: list[tuple[Block, SourceFile]] = []
+    for file in files:
+        if file.path.suffix.lower() in SYMBOL_SUFFIXES:
+            table, problems = read_symbols(file.path)
+            symbols |= table
+        else:
+            blocks, problems = _read(file, classic=classic, keep=keep)
+            read += [(block, file) for block in blocks]
+        found.diagnostics += problems
+    read = _without_unknown_bounds(read, found.diagnostics)
+    found.blocks = [_numbered(block, symbols) for block in _unique(read, found.diagnostics)]
+    _add_types(found.blocks, found.types)
+    _add_aliases(symbols, found.types)
+    used = _used(found.blocks)
+    found.modern = not used.isdisjoint(_MODERN)
+    if any(name not in found.types and name not in ELEMENTARY for name in used):
+        _add_neighbours([file.path for file in files if not file.listed], found.types)
+    found.diagnostics = list(dict.fromkeys([*found.diagnostics, *recursive_types(found.types.values())]))
+    return found
+
+
+def source_files(paths: Iterable[Path], diagnostics: list[Diagnostic]) -> Iterator[SourceFile]:
+    """The files that ``paths`` mean, each once; folders sorted, links to folders not followed."""
+    seen: set[Path] = set()
+    for path in paths:
+        inside = _walk(path, diagnostics) if path.is_dir() else [SourceFile(path)]
+        for file in inside:
+            if file.path not in seen:
+                seen.add(file.path)
+                yield file
+
+
+def _walk(folder: Path, diagnostics: list[Diagnostic]) -> list[SourceFile]:
+    wanted = TEXT_SUFFIXES | XML_SUFFIXES | SYMBOL_SUFFIXES
+    found: list[SourceFile] = []
+    looked_at = 0
+    for where, folders, names in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        shown = sorted(name for name in names if not name.startswith("."))
+        found += [SourceFile(Path(where) / name, listed=True) for name in shown if Path(name).suffix.lower() in wanted]
+        looked_at += len(names) + len(folders)
+        if len(found) > MAX_FILES or looked_at > MAX_SEEN:
+            message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"
+            diagnostics.append(Diagnostic("PG802", message, Span(str(folder)), help="name a smaller folder"))
+            return []
+    if not found:
+        message = "no PLC source in this folder"
+        text = f"sources end in {', '.join(sorted(TEXT_SUFFIXES | XML_SUFFIXES))}"
+        diagnostics.append(Diagnostic("PG804", message, Span(str(folder)), help=text))
+    return found
+
+
+def _read(
+    file: SourceFile, *, classic: bool, keep: Callable[[ParseResult], object] | None
+) -> tuple[list[Block], list[Diagnostic]]:
+    if not file.is_xml:
+        return read_source(file.path, keep=keep)
+    from plcgen.simaticml.reading.documents import read_simaticml
+
+    blocks, problems = read_simaticml(file.path, classic=classic)
+    if file.listed and not blocks and all(problem.code == "PG812" for problem in problems):
+        return [], []  # another kind of document that lies in the folder
+    return blocks, problems
+
+
+def _without_unknown_bounds(
+    read: list[tuple[Block, SourceFile]], diagnostics: list[Diagnostic]
+) -> list[tuple[Block, SourceFile]]:
+    """Leave out blocks with an array bound or length from elsewhere: nobody knows where their members lie."""
+    unknown = [n for n, d in enumerate(diagnostics) if d.code == "PG806" and d.severity is Severity.WARNING]
+    if not unknown:
+        return read
+    left_out: set[int] = set()
+    for position in unknown:
+        place = diagnostics[position].span
+        diagnostics[position] = replace(diagnostics[position], severity=Severity.ERROR)
+        above = [b for b, _ in read if b.span and b.span.file == place.file and b.span.line <= place.line]
+        left_out.update(id(block) for block in above[-1:])
+    return [(block, file) for block, file in read if id(block) not in left_out]
+
+
+def _unique(read: Iterable[tuple[Block, SourceFile]], diagnostics: list[Diagnostic]) -> Iterable[Block]:
+    """Leave out documents that repeat a text source, but keep their number; say so if one text repeats another."""
+    kept: dict[tuple[BlockKind, str], tuple[Block, SourceFile]] = {}
+    for block, file in read:
+        key = (block.kind, block.name.upper())
+        first, where = kept.setdefault(key, (block, file))
+        if first is block:
+            continue
+        if where.is_xml != file.is_xml:
+            text, document = (block, first) if where.is_xml else (first, block)
+            number = document.number if text.number is None else text.number
+            kept[key] = (replace(text, number=number), file if where.is_xml else where)
+            continue
+        message = f'{block.kind} "{block.name}" is declared a second time; the one in {where.path} counts'
+        place = block.span or Span(str(file.path))
+        help_text = "name the files of one version only"
+        notes = (Note("first declared here", first.span),) if first.span else ()
+        diagnostics.append(Diagnostic("PG805", message, place, Severity.WARNING, help=help_text, notes=notes))
+    return [block for block, _ in kept.values()]
+
+
+def _numbered(block: Block, symbols: dict[str, str]) -> Block:
+    kind = symbols.get(block.name, "")
+    if block.number is not None or not kind.startswith(block.kind.value) or not kind[len(block.kind) :].isdigit():
+        return block
+    return replace(block, number=int(kind[len(block.kind) :]))
+
+
+def _add_types(blocks: Iterable[Block], types: TypeTable) -> None:
+    """Make blocks known by name: types first, the others so that a wrong use of them can be told."""
+    for block in sorted(blocks, key=lambda b: b.kind not in _TYPES):
+        types.setdefault(block.name.upper(), block)
+
+
+def _used(blocks: Iterable[Block]) -> set[str]:
+    """Upper-case names of all types that the blocks name, elementary ones too."""
+    names = {block.instance_of.upper() for block in blocks if block.instance_of}
+    pending = [member.type for block in blocks for section in block.sections for member in section.members]
+    while pending:
+        type_ = pending.pop()
+        if isinstance(type_, ArrayType):
+            pending.append(type_.element)
+        elif isinstance(type_, StructType):
+            pending += [member.type for member in type_.members]
+        else:
+            names.add(type_.name.upper())
+    return names
+
+
+def _add_neighbours(paths: Iterable[Path], types: TypeTable) -> None:
+    """Types from UDT and SCL files beside the sources, or one folder over, that the sources lack."""
+    named = set(paths)
+    near: set[Path] = set()
+    for path in named:
+        for folder, suffix in product((path.parent, path.parent.parent), (".udt", ".scl")):
+            where = folder if folder == path.parent else folder / suffix[1:]
+            near.update(where.glob(f"*{suffix}") if path.is_file() else ())
+    for path in sorted(near - named)[:MAX_FILES]:
+        _add_types(read_source(path)[0], types)
+
+
+def _add_aliases(symbols: dict[str, str], types: TypeTable) -> None:
+    """Make a type known by its symbol and by its number."""
+    for symbol, number in symbols.items():
+        for name, other in ((symbol.upper(), number), (number, symbol.upper())):
+            if name not in types and other in types:
+                types[name] = types[other]
+    for block in list(types.values()):
+        if block.number is not None:
+            types.setdefault(f"{block.kind}{block.number}", block)

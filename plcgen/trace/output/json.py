@@ -1,0 +1,131 @@
+"""A recorded run as one JSON document: every signal, every change, every telegram field by field."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from plcgen.output.json import diagnostic_data, dump, head
+from plcgen.protocols.ds47.texts import dissect, telegram_data
+from plcgen.protocols.ds47.wire.status import explain
+from plcgen.trace.output.exchange import contact_text
+
+if TYPE_CHECKING:
+    from plcgen.trace.model import Contact, JobResult, RecordCall, Signal, Step, Trace, Value
+
+
+def trace_json(trace: Trace) -> str:
+    """The whole run; values that JSON lacks (infinite, not a number) are texts."""
+    endings = [job.ending.replace(" ", "_") for job in trace.jobs]
+    return dump(
+        {
+            **head("trace", ok=trace.ok),
+            "spec": trace.spec,
+            "folder": trace.folder,
+            "project": trace.project,
+            "target": trace.target,
+            "main": trace.main,
+            "scan_time": trace.scan_time,
+            "scans": trace.scans,
+            "time": trace.time,
+            "ended": trace.ended,
+            "summary": {ending: endings.count(ending) for ending in sorted(set(endings))},
+            "signals": [_signal(n, trace) for n in range(len(trace.signals))],
+            "steps": [_step(step, trace) for step in trace.steps],
+            "jobs": [_job(job) for job in trace.jobs],
+            "diagnostics": [diagnostic_data(d) for d in trace.diagnostics],
+        }
+    )
+
+
+def plain(value: Value) -> Any:
+    """A value that JSON can hold."""
+    if isinstance(value, list):
+        return [plain(item) for item in value]
+    if isinstance(value, dict):
+        return {name: plain(item) for name, item in value.items()}
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _signal(position: int, trace: Trace) -> dict[str, Any]:
+    found: Signal = trace.signals[position]
+    return {
+        "id": found.id,
+        "group": found.group,
+        "name": found.name,
+        "kind": found.kind,
+        "bits": found.bits,
+        "unit": found.unit,
+        "path": found.path,
+        "names": {str(number): name for number, name in found.names.items()},
+        "start": plain(trace.start[position]),
+    }
+
+
+def _step(step: Step, trace: Trace) -> dict[str, Any]:
+    return {
+        "scan": step.scan,
+        "time": step.time,
+        "changes": {trace.signals[n].id: plain(value) for n, value in step.changes},
+        "calls": [_call(call) for call in step.calls],
+        "exchanges": [_contact(contact) for contact in step.contacts],
+    }
+
+
+def _call(call: RecordCall) -> dict[str, Any]:
+    return {
+        "group": call.group,
+        "block": call.block,
+        "instance": call.instance,
+        "req": call.request,
+        "busy": call.busy,
+        "done" if call.block == "WRREC" else "valid": call.finished,
+        "error": call.error,
+        "status": f"{call.status:08X}",
+    }
+
+
+def _contact(contact: Contact) -> dict[str, Any]:
+    data: dict[str, Any] = {
+        "group": contact.group,
+        "drive": contact.drive,
+        "direction": contact.direction,
+        "index": contact.index,
+        "status": f"{contact.status:08X}",
+        "text": contact_text(contact),
+        "telegram": None,
+    }
+    if contact.data:
+        write = contact.direction == "write"
+        found = dissect(contact.data, "request" if write else "response", None if write else contact.request or None)
+        data["telegram"] = telegram_data(found)
+    return data
+
+
+def _job(job: JobResult) -> dict[str, Any]:
+    record = explain(job.record_status)
+    return {
+        "job": job.key,
+        "drive": job.drive,
+        "ending": job.ending.replace(" ", "_"),
+        "status": f"{job.status:04X}",
+        "text": job.text,
+        "scan": job.scan,
+        "time": job.time,
+        "telegrams": job.telegrams,
+        "retries": job.retries,
+        "record_status": f"{job.record_status:08X}",
+        "record_text": record.text if record.error else "",
+        "values": [
+            {
+                "parameter": value.label,
+                "member": value.member,
+                "title": value.title,
+                "unit": value.unit,
+                "value": None if value.value is None else plain(value.value),
+                "error": None if value.error is None else f"{value.error:02X}",
+                "info": value.info,
+            }
+            for value in job.values
+        ],
+    }

@@ -1,0 +1,295 @@
+"""Writing an output folder: all or nothing, and the user's own files are safe."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from projects import FAQ
+
+from plcgen import api
+from plcgen.diagnostics import DiagnosticError
+from plcgen.documents import writing as write
+from plcgen.documents.environment import RenderedFile
+from plcgen.documents.folder_lock import exclusive
+from plcgen.documents.manifest import digest
+from plcgen.documents.writing import JOURNAL, STAGE, compare_folder, recover, write_folder
+
+
+def files(**content: str) -> list[RenderedFile]:
+    found = [RenderedFile(name.replace("__", "/"), text.encode()) for name, text in content.items()]
+    entries = [{"path": f.path, "sha256": digest(f.data)} for f in found]
+    return [*found, RenderedFile("manifest.json", json.dumps({"files": entries}).encode())]
+
+
+def tree(folder: Path) -> dict[str, str]:
+    return {p.relative_to(folder).as_posix(): p.read_text() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+def codes(error: pytest.ExceptionInfo[DiagnosticError]) -> list[str]:
+    return [d.code for d in error.value.diagnostics]
+
+
+def test_second_run_changes_nothing(tmp_path: Path) -> None:
+    """Unchanged files are not written again: their time stamps stay."""
+    first = write_folder(files(a="1", b__c="2"), tmp_path / "out")
+    assert set(first.written) == {"a", "b/c", "manifest.json"}
+    before = {p: p.stat().st_mtime_ns for p in (tmp_path / "out").rglob("*")}
+    second = write_folder(files(a="1", b__c="2"), tmp_path / "out")
+    assert second.written == ()
+    assert {p: p.stat().st_mtime_ns for p in (tmp_path / "out").rglob("*")} == before
+
+
+def test_files_no_longer_generated_are_removed_unless_changed(tmp_path: Path) -> None:
+    """A dropped job takes its own files with it, but not one that somebody edited."""
+    write_folder(files(a="1", sub__b="2", c="3"), tmp_path)
+    (tmp_path / "c").write_text("mine now")
+    result = write_folder(files(a="1"), tmp_path)
+    assert result.removed == ("sub/b",)
+    assert sorted(tree(tmp_path)) == ["a", "c", "manifest.json"]
+    assert not (tmp_path / "sub").exists()
+
+
+def test_a_file_of_the_user_is_never_overwritten(tmp_path: Path) -> None:
+    """A foreign file, an edited file and a folder in the way: all reported at once, nothing touched."""
+    write_folder(files(edited="1", plain="1"), tmp_path)
+    (tmp_path / "edited").write_text("by hand")
+    (tmp_path / "foreign").write_text("mine")
+    (tmp_path / "folder").mkdir()
+    before = tree(tmp_path)
+    with pytest.raises(DiagnosticError) as error:
+        write_folder(files(edited="2", foreign="2", folder="2", plain="2"), tmp_path)
+    assert sorted(codes(error)) == ["PG501", "PG501", "PG502"]
+    assert tree(tmp_path) == before
+    (tmp_path / "folder").rmdir()
+    write_folder(files(edited="2", foreign="2", plain="2"), tmp_path, force=True)
+    assert tree(tmp_path)["edited"] == tree(tmp_path)["foreign"] == "2"
+
+
+def test_a_foreign_manifest_is_not_overwritten(tmp_path: Path) -> None:
+    """manifest.json is a common name: one that is not ours stays."""
+    (tmp_path / "manifest.json").write_text('{"name": "web app"}')
+    with pytest.raises(DiagnosticError) as error:
+        write_folder(files(a="1"), tmp_path)
+    assert codes(error) == ["PG501"]
+    assert list(tree(tmp_path)) == ["manifest.json"]
+
+
+@pytest.mark.parametrize("path", ["../out.txt", "/etc/out", "a/../../b", "c:/x", "a\\b"])
+def test_no_path_leaves_the_folder(path: str, tmp_path: Path) -> None:
+    """A hostile block name cannot write elsewhere."""
+    with pytest.raises(DiagnosticError) as error:
+        write_folder([RenderedFile(path, b"x")], tmp_path / "out")
+    assert codes(error) == ["PG506"]
+    assert list(tmp_path.rglob("*.txt")) == []
+
+
+def test_no_symbolic_link_leaves_the_folder(tmp_path: Path) -> None:
+    """A link inside the output folder is not followed, neither as a folder nor as a file."""
+    outside = tmp_path / "outside"
+    outside.mkdir()
+    (outside / "x").write_text("keep")
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "db").symlink_to(outside)
+    (out / "file").symlink_to(outside / "x")
+    with pytest.raises(DiagnosticError) as error:
+        write_folder(files(db__x="1", file="1"), out, force=True)
+    assert codes(error) == ["PG506", "PG506"]
+    assert tree(outside) == {"x": "keep"}
+
+
+def test_a_full_disk_leaves_the_old_state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """ENOSPC while staging: the old files are all there, no temporary file is left."""
+    write_folder(files(a="1", b="1"), tmp_path)
+    before = tree(tmp_path)
+    real = Path.write_bytes
+
+    def full(self: Path, data: bytes) -> int:
+        if STAGE in str(self) and self.name == "1":
+            raise OSError(errno.ENOSPC, "No space left on device", str(self))
+        return real(self, data)
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(DiagnosticError) as error:
+        write_folder(files(a="2", b="2"), tmp_path)
+    assert codes(error) == ["PG503"]
+    assert tree(tmp_path) == before
+    with pytest.raises(DiagnosticError):
+        write_folder(files(a="2", b="2"), tmp_path / "new")
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("step", range(8))
+def test_a_killed_process_leaves_the_old_or_the_new_state(
+    step: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Killed before any file operation: after the next run's recovery the folder is exactly old or exactly new."""
+    folder = tmp_path / "out"
+    write_folder(files(a="1", b="1", old="1"), folder)
+    old = tree(folder)
+    new_files = files(a="2", b="2", c="2")
+    new = {f.path: f.data.decode() for f in new_files}
+    remaining = step
+    real_replace, real_unlink, real_write = Path.replace, Path.unlink, Path.write_bytes
+
+    class Killed(BaseException):
+        pass
+
+    def count() -> None:
+        nonlocal remaining
+        if remaining == 0:
+            raise Killed
+        remaining -= 1
+
+    def replace(self: Path, target: Path) -> Path:
+        count()
+        return real_replace(self, target)
+
+    def unlink(self: Path, missing_ok: bool = False) -> None:
+        count()
+        real_unlink(self, missing_ok)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", replace)
+        patch.setattr(Path, "unlink", unlink)
+        patch.setattr(shutil, "rmtree", lambda *_, **__: None)
+        with contextlib.suppress(Killed):
+            write_folder(new_files, folder)
+    assert real_write is Path.write_bytes
+    recover(folder)
+    assert tree(folder) in (old, new)
+    assert tree(folder) == (old if step == 0 else new)
+
+
+def test_a_damaged_journal_is_discarded(tmp_path: Path) -> None:
+    """A journal that is not ours, or that points elsewhere, never moves a file."""
+    write_folder(files(a="1"), tmp_path)
+    for text in ("{", "[]", '{"stage": "../x", "moves": {"../../a": "0"}, "removals": ["/etc/passwd"]}'):
+        (tmp_path / JOURNAL).write_text(text)
+        assert recover(tmp_path)
+        assert sorted(tree(tmp_path)) == ["a", "manifest.json"]
+
+
+def test_a_staged_file_with_other_bytes_is_left_out(tmp_path: Path) -> None:
+    """After a power cut a staged file may be empty: its hash decides."""
+    write_folder(files(a="1"), tmp_path)
+    stage = tmp_path / f"{STAGE}x"
+    stage.mkdir()
+    (stage / "0").write_text("")
+    (tmp_path / JOURNAL).write_text(json.dumps({"stage": stage.name, "moves": {"a": digest(b"2")}, "removals": []}))
+    recover(tmp_path)
+    assert tree(tmp_path)["a"] == "1"
+
+
+def test_check_notices_one_changed_byte(tmp_path: Path) -> None:
+    """Generate --check: clean after generation, a diff and PG504 after one changed, missing or extra byte."""
+    out = tmp_path / "out"
+    assert api.generate(FAQ, out).ok
+    clean = api.generate(FAQ, out, check_only=True)
+    assert clean.ok
+    assert clean.diff == ""
+    target = out / "db" / "WR_DataBuffer.db"
+    target.write_bytes(target.read_bytes().replace(b"16#C47F", b"16#C47E"))
+    stale = api.generate(FAQ, out, check_only=True)
+    assert [d.code for d in stale.diagnostics] == ["PG504"]
+    assert "-    Para_No : Word := 16#C47E;" in stale.diff
+    assert "+    Para_No : Word := 16#C47F;" in stale.diff
+    target.unlink()
+    assert [d.message for d in api.generate(FAQ, out, check_only=True).diagnostics] == ["file is missing"]
+
+
+def test_compare_writes_nothing(tmp_path: Path) -> None:
+    """--check on a folder that does not exist reports every file and creates none."""
+    diff, found = compare_folder(files(a="1"), tmp_path / "none")
+    assert [d.code for d in found] == ["PG504", "PG504"]
+    assert "+1" in diff
+    assert not (tmp_path / "none").exists()
+    assert write.JOURNAL.startswith(".")
+
+
+def test_a_recovered_folder_is_mentioned(tmp_path: Path) -> None:
+    """The run after an interrupted one says so: PG505 is a note."""
+    out = tmp_path / "out"
+    assert api.generate(FAQ, out).ok
+    (out / f"{STAGE}left").mkdir()
+    result = api.generate(FAQ, out)
+    assert [(d.code, d.severity.label) for d in result.diagnostics] == [("PG505", "note")]
+    assert not list(out.glob(f"{STAGE}*"))
+
+
+def test_a_file_in_the_way_of_a_folder_is_reported_before_anything_is_written(tmp_path: Path) -> None:
+    """A user's file called scl stays, and no other file is written."""
+    (tmp_path / "scl").write_text("mine")
+    with pytest.raises(DiagnosticError) as error:
+        write_folder(files(a="1", scl__b="1"), tmp_path, force=True)
+    assert codes(error) == ["PG501"]
+    assert tree(tmp_path) == {"scl": "mine"}
+
+
+def test_an_edited_file_that_is_no_longer_generated_is_kept_and_told(tmp_path: Path) -> None:
+    """It would be imported along with the new ones: the result names it."""
+    write_folder(files(a="1", b="1"), tmp_path)
+    (tmp_path / "b").write_text("by hand")
+    assert write_folder(files(a="1"), tmp_path).kept == ("b",)
+    assert tree(tmp_path)["b"] == "by hand"
+
+
+def test_a_failure_half_way_is_completed_by_the_next_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An error after the point of no return is told as such; the next run completes the folder."""
+    real = Path.replace
+
+    def broken(self: Path, target: Path) -> Path:
+        if str(target).endswith("b"):
+            raise OSError(errno.EIO, "Input/output error", str(target))
+        return real(self, target)
+
+    new = files(a="1", b="1")
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", broken)
+        with pytest.raises(DiagnosticError) as error:
+            write_folder(new, tmp_path)
+    assert "interrupted half-way" in error.value.diagnostics[0].message
+    assert write_folder(new, tmp_path).recovered
+    assert tree(tmp_path) == {f.path: f.data.decode() for f in new}
+
+
+def test_a_loop_of_links_is_a_diagnostic(tmp_path: Path) -> None:
+    """--out that points at itself ends in PG503, not in a traceback."""
+    (tmp_path / "loop").symlink_to("loop")
+    with pytest.raises(DiagnosticError) as error:
+        write_folder(files(a="1"), tmp_path / "loop")
+    assert codes(error) == ["PG503"]
+
+
+def test_two_writers_take_turns(tmp_path: Path) -> None:
+    """While one holds the folder the other one waits, and gives up with PG508."""
+    with exclusive(tmp_path), pytest.raises(DiagnosticError) as error, exclusive(tmp_path, patience=0):
+        raise AssertionError
+    assert codes(error) == ["PG508"]
+    with exclusive(tmp_path, patience=0):
+        pass
+
+
+def test_parallel_processes_leave_a_complete_folder(tmp_path: Path) -> None:
+    """Four generations into one folder at once: all succeed and nothing is missing."""
+    command = [sys.executable, "-m", "plcgen", "generate", str(FAQ), "--out", str(tmp_path / "out"), "--quiet"]
+    running = [subprocess.Popen(command, stderr=subprocess.PIPE) for _ in range(4)]
+    assert [(process.wait(), process.communicate()[1]) for process in running] == [(0, b"")] * 4
+    assert api.generate(FAQ, tmp_path / "out", check_only=True).ok
+
+
+def test_a_big_difference_is_named_not_compared(tmp_path: Path) -> None:
+    """The manifest and very long files are reported without a line-by-line diff, in no time."""
+    long = "\n".join(str(n) for n in range(100_000))
+    write_folder(files(a=long), tmp_path)
+    (tmp_path / "a").write_text(long[::-1])
+    diff, found = compare_folder(files(a=long), tmp_path)
+    assert [d.code for d in found] == ["PG504"]
+    assert diff.count("\n") == 3

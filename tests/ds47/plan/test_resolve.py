@@ -1,0 +1,96 @@
+"""Planning a whole spec: references, tokens, numbers, names and what is left when something is wrong."""
+
+from __future__ import annotations
+
+from projects import FAQ, MM4
+
+from plcgen.diagnostics import Report
+from plcgen.project.loading import parse_spec
+from plcgen.project.model import Project
+from plcgen.project.resolve import resolve
+
+HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v18}\n"
+
+
+def planned(text: str, *codes: str) -> Project:
+    report = Report()
+    loaded = parse_spec(text, "t.yaml", report)
+    assert loaded is not None, list(report)
+    project = resolve(loaded, report)
+    assert tuple(d.code for d in report) == codes
+    return project
+
+
+def test_the_seeds_telegrams() -> None:
+    """FAQ 109750712 figure 5-1 and figure 4-9 with 100.0; MM4 part 3 tables 3-1 and 3-3."""
+    found = {
+        job.key: job.telegrams[0].request.hex(" ").upper()
+        for path in (FAQ, MM4)
+        for job in planned(path.read_text(encoding="utf-8")).jobs
+    }
+    assert found == {
+        "read_ramp_up": "03 01 02 01 10 01 C4 7F 00 00",
+        "write_ramp_down": "04 02 02 01 10 01 C4 80 00 00 08 01 42 C8 00 00",
+        "read_params": "01 01 00 02 10 00 04 60 00 00 10 02 08 6B 00 01",
+        "write_params": "02 02 00 02 10 01 04 60 00 00 10 01 04 61 00 00 08 01 41 30 00 00 08 01 41 B0 00 00",
+    }
+
+
+def test_drive_objects_at_one_address_share_a_token() -> None:
+    """One parameter channel carries one request at a time: its jobs are numbered together."""
+    project = planned(
+        HEAD
+        + """drives:
+  x: {device: sinamics-s120, hardware_id: 270, drive_object: 3}
+  y: {device: sinamics-s120, hardware_id: 270, drive_object: 4}
+  z: {device: sinamics-s120, hardware_id: 271, drive_object: 3}
+jobs:
+  a: {drive: x, read: [r21]}
+  b: {drive: y, read: [r21]}
+  c: {drive: z, read: [r21]}
+"""
+    )
+    assert [(job.drive.token.name, job.owner) for job in project.jobs] == [("XToken", 1), ("XToken", 2), ("ZToken", 1)]
+    assert [token.name for token, _ in project.tokens] == ["XToken", "ZToken"]
+
+
+def test_automatic_numbers_avoid_pinned_ones() -> None:
+    """A DB number that the spec gives is never handed out a second time."""
+    project = planned(
+        HEAD
+        + """drives: {x: {device: sinamics-s120, hardware_id: 270}}
+jobs:
+  a: {drive: x, read: [r21]}
+  b: {drive: x, read: [r21], request: {db: 471}, response: {db: 473}, block: {number: 470}}
+"""
+    )
+    numbers = [(block.kind, block.number) for block in project.blocks]
+    assert len(numbers) == len(set(numbers))
+    assert {("DB", 471), ("DB", 473), ("FB", 470)} <= set(numbers)
+
+
+def test_an_output_address_sets_bit_15() -> None:
+    """ID of WRREC/RDREC on S7-300/400: an output-only module sets bit 15 of the logical address."""
+    text = HEAD.replace("s7-1500", "s7-300") + (
+        "drives: {x: {device: sinamics-s120, address: 256, output_address: true}}\njobs: {a: {drive: x, read: [r21]}}\n"
+    )
+    assert planned(text).drives[0].id_value == 0x8100
+
+
+def test_what_cannot_be_planned_is_left_out_and_reported() -> None:
+    """Unknown devices, drives and parameters: all reported, the good job is still planned."""
+    project = planned(
+        HEAD
+        + """drives:
+  x: {device: sinamics-s120, hardware_id: 270}
+  y: {device: sinamics-s12, hardware_id: 271}
+jobs:
+  a: {drive: x, read: [r21]}
+  b: {drive: w, read: [r21]}
+  c: {drive: x, read: [P12345]}
+""",
+        "PG201",
+        "PG202",
+        "PG204",
+    )
+    assert [job.key for job in project.jobs] == ["a"]

@@ -1,0 +1,172 @@
+"""Diagnostics and verifications as text: every expected screen is written by hand."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.output.cells import clean, cut, expand, width, window, wrap
+from plcgen.output.text import diagnostic_text, diagnostics_text, no_source, summary_text
+from plcgen.output.verification import verification_text
+
+_spec = importlib.util.spec_from_file_location("results", Path(__file__).with_name("results.py"))
+results = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(results)
+
+
+def test_excerpt_help_and_note():
+    """An error shows place, source line, caret, help and the other place."""
+    assert diagnostic_text(results.LIMIT, results.line) == (
+        "error[PG209]: P50303 = 700 is outside its limits 0..650 s\n"
+        " --> specs/x.yaml:3:9\n"
+        "  |\n"
+        "3 |   ramp: 700.0\n"
+        "  |         ^^^^^\n"
+        "  = help: the drive would answer error 02h\n"
+        "  = note: first use\n"
+        " --> specs/x.yaml:1:1\n"
+        "  |\n"
+        "1 | plc:\n"
+        "  | ---\n"
+    )
+
+
+def test_tab_and_wide_characters_keep_the_caret_in_place():
+    """A tab is four columns to the next stop, a Chinese character two."""
+    span = Span("x", 2, 11, 2, 12)
+    text = diagnostic_text(Diagnostic("PG101", "m", span), results.line)
+    assert text == "error[PG101]: m\n --> x:2:11\n  |\n2 |     name: 加工站 x\n  |                 ^\n"
+
+
+@pytest.mark.parametrize(
+    ("span", "caret"),
+    [
+        (Span("x", 1, 1, 3, 2), "  | ^^^^\n"),
+        (Span("x", 1, 5, 1, 5), "  |     ^\n"),
+        (Span("x", 1, 90, 1, 95), "  |     ^\n"),
+        (Span("x", 1, 0, 0, 0), "  | ^^^^\n"),
+    ],
+    ids=["several lines: first line to its end", "empty", "behind the end", "no columns"],
+)
+def test_unusual_spans(span, caret):
+    """Spans over lines, without width or behind the end still give one caret line."""
+    assert diagnostic_text(Diagnostic("PG101", "m", span), results.line).endswith(f"1 | plc:\n{caret}")
+
+
+def test_without_source_only_the_place():
+    """A file as a whole, or one that cannot be read, has no excerpt."""
+    assert diagnostic_text(results.WARNING, no_source) == ("warning[PG310]: a timeout of 1 ms\n --> specs/x.yaml\n")
+
+
+def test_long_line_is_cut_to_a_window_around_the_caret():
+    """The caret stays below what it marks, both ends are marked as cut, the width is kept."""
+    source = "a" * 300 + "BAD" + "z" * 300
+    text = diagnostic_text(Diagnostic("PG101", "m", Span("x", 1, 301, 1, 304)), lambda *_: source, width=60)
+    line, caret = text.split("\n")[3:5]
+    assert len(line) <= 60
+    assert line.startswith("1 | ...aaa")
+    assert line.endswith("zzz...")
+    assert line[caret.index("^") : caret.rindex("^") + 1] == "BAD"
+
+
+def test_terminal_escapes_in_files_and_messages_are_harmless():
+    """A file cannot move the cursor, colour the screen or turn the reading direction."""
+    hostile = "a\x1b[31mb\u202ec\x07"
+    text = diagnostic_text(Diagnostic("PG101", hostile, Span("x", 1, 1, 1, 2)), lambda *_: hostile)
+    assert "\x1b" not in text
+    assert "\u202e" not in text
+    assert "\x07" not in text
+    assert "a\ufffd[31mb\ufffdc\ufffd" in text
+
+
+def test_colours_only_when_asked():
+    """The flag adds codes around the same text."""
+    plain, coloured = (diagnostic_text(results.LIMIT, results.line, color=c) for c in (False, True))
+    assert "\x1b[1;31merror[PG209]\x1b[0m" in coloured
+    import re
+
+    assert re.sub(r"\x1b\[[0-9;]*m", "", coloured) == plain
+
+
+def test_help_is_wrapped_below_itself():
+    """Long help keeps the screen's width."""
+    text = diagnostic_text(Diagnostic("PG101", "m", Span("x"), help="word " * 20), no_source, width=50)
+    lines = text.splitlines()
+    assert all(len(line) <= 50 for line in lines)
+    assert lines[2].startswith("  = help: word")
+    assert lines[3].startswith("          word")
+
+
+def test_summary():
+    """Errors and warnings are counted, notes are no problems."""
+    note = Diagnostic("PG101", "m", Span("x"), Severity.NOTE)
+    found = [results.LIMIT, results.LIMIT, results.WARNING, note]
+    assert summary_text(found, "specs/x.yaml") == "2 errors, 1 warning in specs/x.yaml"
+    assert summary_text([note], "specs/x.yaml") == "no problems in specs/x.yaml"
+    assert diagnostics_text([], no_source) == ""
+
+
+def test_verification_in_columns():
+    """Subject, figures and verdict are aligned; the failing check is shown with its diagnostic below."""
+    assert verification_text(results.VERIFICATION, no_source, width=80) == (
+        "Demo, s7-300 / tia-v16: out\n"
+        "\n"
+        "Layout\n"
+        '  DB3 "WR"    10 B ref@0  ok: 3 calculators agree\n'
+        '  DB6 "RD_1"  4 B         error: 6 bytes too small\n'
+        "\n"
+        "Execution\n"
+        "  run  not run: no soft CPU\n"
+        "\n"
+        "error[PG209]: P50303 = 700 is outside its limits 0..650 s\n"
+        " --> specs/x.yaml:3:9\n"
+        "  = help: the drive would answer error 02h\n"
+        "  = note: first use\n"
+        " --> specs/x.yaml:1:1\n"
+        "\n"
+        "3 checks: 1 ok, 1 error, 1 not run\n"
+    )
+
+
+def test_a_diagnostic_that_only_a_check_carries_is_shown():
+    """What a check found is explained even if the verification does not list it again."""
+    import dataclasses
+
+    alone = dataclasses.replace(results.VERIFICATION, diagnostics=())
+    assert verification_text(alone, no_source) == verification_text(results.VERIFICATION, no_source)
+
+
+def test_verification_of_an_unusable_spec():
+    """Without a project the spec's name stands in the first line; the errors are counted."""
+    from plcgen.proof.checks import Verification
+
+    empty = Verification("x.yaml", "out", "", "", (), (results.LIMIT,))
+    text = verification_text(empty, no_source)
+    assert text.startswith("x.yaml: out\n\nerror[PG209]")
+    assert text.endswith("\n0 checks; 1 error outside the checks\n")
+
+
+def test_verification_with_long_figures_stacks_them():
+    """On a narrow screen the verdict stays beside its subject and the figures go below."""
+    text = verification_text(results.VERIFICATION, no_source, width=44)
+    assert (
+        "Layout\n"
+        '  DB3 "WR"    ok: 3 calculators agree\n'
+        "      10 B ref@0\n"
+        '  DB6 "RD_1"  error: 6 bytes too small\n'
+        "      4 B\n"
+    ) in text
+    assert all(width(line) <= 44 for line in text.splitlines() if "PG209" not in line)
+
+
+def test_cells():
+    """Columns, not characters, are what alignment counts."""
+    assert [width(t) for t in ("abc", "加工站", "e\u0301", "")] == [3, 6, 1, 0]
+    assert cut("加工站abc", 7) == "加工..."
+    assert wrap("aa bb cc", 5) == ["aa bb", "cc"]
+    assert wrap("", 5) == [""]
+    assert wrap("abcdefgh ij", 4) == ["abcdefgh", "ij"]
+    assert clean("a\r\nb\tc\x00") == "a  b c\ufffd"
+    assert expand("\ta", 1, 2) == ("    a", 4, 5)
+    assert window("abcdefghij", 0, 1, 20) == ("abcdefghij", 0, 1)

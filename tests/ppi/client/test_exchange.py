@@ -1,0 +1,245 @@
+"""One request, one answer: whatever the line does, it ends, and nothing is executed twice."""
+
+import math
+
+import pytest
+from ppi.client.support import connect, scripted
+
+from plcgen.line.endpoint import EndpointLine
+from plcgen.line.model import LineLostError
+from plcgen.protocols.ppi.client import Client, ClientError, NoAnswerError, RefusedError, Settings
+from plcgen.protocols.ppi.wire.fdl import encode_frame
+from plcgen.protocols.ppi.wire.model import VariableFrame
+
+READ = "68 1B 1B 68 02 00 {fc} 32 01 00 00 00 01 00 0E 00 00 04 01 12 0A 10 02 00 01 00 01 84 00 03 20 {fcs} 16"
+ANSWER = bytes.fromhex("68 16 16 68 00 02 08 32 03 00 00 00 01 00 02 00 05 00 00 04 01 FF 04 00 08 22 79 16")
+"""The answer of the seed document to VB100, with the reference 1: checksum 78 + 1."""
+
+ACK = b"\xe5"
+
+
+def test_the_bytes_on_the_line():
+    """The telegrams of the seed document (reference 1, so the checksum 8B becomes 8C), E5, poll; then 7C and 5C."""
+    client, script, _ = scripted(
+        [ACK, ANSWER, ACK, ANSWER.replace(b"\x32\x03\x00\x00\x00\x01", b"\x32\x03\x00\x00\x00\x02")]
+    )
+    assert client.read("VB100")[0].value == 0x22
+    assert script.heard == [bytes.fromhex(READ.format(fc="6C", fcs="8C")), bytes.fromhex("10 02 00 5C 5E 16")]
+    with pytest.raises(NoAnswerError):
+        client.read("VB100")
+    assert script.heard[2][6] == 0x7C
+    assert script.heard[3] == bytes.fromhex("10 02 00 5C 5E 16")
+
+
+def test_every_request_alternates_the_frame_count_bit():
+    """6C 5C 7C 5C 7C ...: request, poll, request, poll."""
+    client, _, bus, _ = connect()
+    for _ in range(3):
+        client.read("VB0")
+    codes = [entry.frame.function for entry in bus.journal if entry.direction == ">"]
+    assert codes == [0x6C, 0x5C, 0x7C, 0x5C, 0x7C, 0x5C]
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        "silence",
+        "silence:at=poll",
+        "silence:times=2",
+        "silence:at=poll,times=5",
+        "deaf",
+        "deaf:times=2",
+        "deaf:at=poll,times=4",
+        "fcs",
+        "fcs:times=4",
+        "cut",
+        "cut:value=4,times=2",
+        "garbage:data=112233",
+        "noise:data=0011223344",
+        "noise:data=681B1B68,times=2",
+        "clipped",
+        "echo:times=always",
+        "token:times=always",
+        "foreign:times=2",
+        "not_ready:times=9",
+        "late:milliseconds=200",
+        "late:milliseconds=600",
+        "late:milliseconds=600,at=poll",
+        "late:milliseconds=900,at=poll,times=2",
+        "stale",
+        "reference",
+        "address",
+        "nack",
+        "nack:times=2",
+    ],
+)
+def test_what_a_line_does_for_a_while(fault):
+    """The value comes all the same, and a write is executed once."""
+    client, plc, _, _ = connect(values={"VB100": 0x22})
+    client.read("VB0")
+    executed = plc.executed
+    client, plc, bus, _ = connect([], values={"VB100": 0x22})
+    client.read("VB0")
+    from plcgen.protocols.ppi.sim.fault_text import parse_fault
+
+    bus.faults.append(parse_fault(fault))
+    assert [reading.value for reading in client.read("VB100")] == [0x22]
+    (written,) = client.write({"VW200": 4711})
+    assert written.ok
+    assert plc["VW200"] == 4711
+    assert plc.executed == executed + 2
+
+
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        ("silence:times=always", "station 2 does not answer (3 times sent)"),
+        ("deaf:times=always", "station 2 does not answer (3 times sent)"),
+        ("garbage:data=11,times=always", "station 2 does not answer (3 times sent)"),
+        ("silence:at=poll,times=always", "no answer from station 2 after 10 polls: silence"),
+        ("not_ready:times=always", "no answer from station 2 after 10 polls: E5 without end, the CPU is not ready"),
+        ("fcs:times=always", "no answer from station 2 after 10 polls: silence"),
+        ("reference:times=always,value=9", "no answer from station 2 after 10 polls: an answer to request 0009h"),
+        ("nack:times=always", "station 2 does not answer"),
+    ],
+)
+def test_what_a_line_does_for_ever(fault, message):
+    """Everything ends after a bounded number of telegrams, with the reason; the next exchange starts with 6C."""
+    client, _, bus, line = connect([fault])
+    with pytest.raises(NoAnswerError) as caught:
+        client.read("VB100")
+    (diagnostic,) = caught.value.diagnostics
+    assert diagnostic.code == "PG718"
+    assert diagnostic.message.startswith(message)
+    assert len([entry for entry in bus.journal if entry.direction == ">"]) <= 13
+    assert line.clock.now < 20_000
+    bus.faults.clear()
+    assert client.read("VB100")[0].ok
+    requests = [entry.frame.function for entry in bus.journal if entry.direction == ">" and len(entry.data) > 6]
+    assert requests[-1] == 0x6C
+
+
+def test_foreign_traffic_without_end_does_not_hold_us():
+    """Another master that never stops talking: the wait is bounded all the same."""
+    client, _, line = scripted([], sends=2, answer=0.3)
+
+    class Chatter:
+        def receive(self, data, _now):
+            pass
+
+        def transmit(self, _now):
+            line.clock.now += 1
+            return bytes.fromhex("10 07 01 5C 64 16")
+
+        def due(self):
+            return None
+
+    line.endpoint = Chatter()
+    with pytest.raises(NoAnswerError):
+        client.read("VB0")
+    assert line.clock.now < 100_000
+
+
+def test_a_refused_job():
+    """An error in the header: the code, its meaning and what to do."""
+    client, _, _, _ = connect(["header:code=8404"])
+    with pytest.raises(RefusedError, match="8404h, the CPU is busy") as caught:
+        client.read("VB0")
+    assert caught.value.error == 0x8404
+    assert caught.value.diagnostics[0].code == "PG719"
+    assert caught.value.diagnostics[0].help == "repeat it later"
+
+
+@pytest.mark.parametrize(("value", "word"), [("1", "user error"), ("3", "service not activated")])
+def test_a_short_refusal(value, word):
+    """A station that knows no such service says so in a short frame: no repetition helps."""
+    client, _, bus, _ = connect([f"nack:value={value}"])
+    with pytest.raises(RefusedError, match=word):
+        client.read("VB0")
+    assert len([entry for entry in bus.journal if entry.direction == ">"]) == 1
+
+
+def test_an_answer_without_acknowledgement():
+    """Some adapters hide E5 and deliver the answer at once."""
+    client, script, _ = scripted([ANSWER])
+    assert client.read("VB100")[0].value == 0x22
+    assert len(script.heard) == 1
+
+
+def test_old_bytes_are_forgotten():
+    """What arrived before the request is no answer to it."""
+    client, script, line = scripted([None, ACK, ANSWER])
+    line.write(b"")
+    script.waiting = ACK + other(0, 2, 0x08)
+    assert client.read("VB100")[0].value == 0x22
+    assert script.heard[1][6] == 0x6C
+
+
+def other(destination, source, function):
+    """Return the answer 99 to the same request in a frame of our choice."""
+    pdu = ANSWER[7:-2].replace(b"\x22", b"\x99")
+    return encode_frame(VariableFrame(destination, source, function, pdu))
+
+
+@pytest.mark.parametrize("frame", [(0, 3, 0x08), (1, 2, 0x08), (0, 2, 0x6C)])
+def test_frames_that_only_look_like_the_answer(frame):
+    """From another station, to another master, or a request: passed over although everything else fits."""
+    client, _, _ = scripted([ACK, other(*frame) + ANSWER])
+    assert client.read("VB100")[0].value == 0x22
+    assert client.exchange.count.skipped == 1
+
+
+@pytest.mark.parametrize(
+    "pdu",
+    [
+        "32 03 00 00 00 01 00 02 00 01 00 00 05 01 FF",
+        "32 03 00 00 00 01 00 02 00 06 00 00 04 01 FF 04 00 10 00 22",
+        "32 03 00 00 00 01 00 02 00 08 00 00 04 02 FF 04 00 08 22 00 05 00 00 00",
+        "32 03 00 00 00 01 00 01 00 00 00 00 28",
+        "32 03 00 00 00 01 00 02 00 05 00 00 04 01 FF 04 00 18 22",
+    ],
+)
+def test_answers_to_something_else(pdu):
+    """The right reference with another function, length or number of items is refused, never misread."""
+    frame = encode_frame(VariableFrame(0, 2, 0x08, bytes.fromhex(pdu)))
+    client, _, _ = scripted([ACK, frame])
+    with pytest.raises(ClientError) as caught:
+        client.read("VB100")
+    assert caught.value.diagnostics[0].code == "PG718"
+
+
+def test_a_lost_line():
+    """The line's own error passes through."""
+    client, _, _, line = connect()
+    line.close()
+    with pytest.raises(LineLostError):
+        client.read("VB0")
+
+
+def test_stations_and_bounds():
+    """Station, own address, number of sends and polls are settings."""
+    settings = Settings(station=5, own=3, sends=1, polls=2)
+    client, _, bus, _ = connect(["not_ready:times=always"], address=5, settings=settings)
+    with pytest.raises(NoAnswerError, match="station 5 after 2 polls"):
+        client.read("VB0")
+    assert [(e.frame.destination, e.frame.source) for e in bus.journal if e.direction == ">"] == [(5, 3)] * 3
+    assert client.exchange.count.polls == 2
+
+
+def test_the_wait_for_a_frame_that_has_begun():
+    """A frame that comes in two pieces 400 ms apart is waited for once it has begun."""
+    client, script, line = scripted([ACK, None], answer=0.2, frame=0.5)
+    line_read = line.read
+    pieces = [ANSWER[:10], ANSWER[10:]]
+
+    def read(maximum=4096, timeout=None):
+        if len(script.heard) < 2 or not pieces or timeout == 0:
+            return line_read(maximum, timeout)
+        gap = 150 if len(pieces) == 2 else 400
+        line.clock.now += min(gap, math.ceil(timeout * 1000))
+        return pieces.pop(0) if gap <= timeout * 1000 else b""
+
+    line.read = read
+    assert client.read("VB100")[0].value == 0x22
+    assert isinstance(line, EndpointLine)
+    assert isinstance(client, Client)

@@ -1,0 +1,165 @@
+"""A bus from YAML: what it says is there, and every mistake is told with its line."""
+
+from __future__ import annotations
+
+import pytest
+
+from plcgen.diagnostics import DiagnosticError
+from plcgen.protocols.ppi.sim.cpu import Mode, Service, Switch
+from plcgen.protocols.ppi.sim.faults import Fault, FaultKind
+from plcgen.protocols.ppi.sim.load import assign, load_bus
+
+PLANT = """\
+stations:
+  - cpu: 224
+    symbols: {speed: VW100, "pump on": M0.0}
+    values:
+      speed: 1500
+      "pump on": true
+      VD104: 12.5
+      VB200[8]: hello
+      VW300[3]: [1, -1, 16#7FFF]
+      T32: {value: 100, on: true}
+      C5: 7
+  - {cpu: 226, address: 3, mode: stop, switch: stop, not_ready: 2, type: CPU 226 CN, pdu: 128, frame_count: strict,
+     password: {level: 3}, write_inputs: false, experimental: true}
+  - {cpu: st20, address: 4, password: {protects: [read, run]}}
+faults:
+  - {kind: fcs, after: 2}
+  - {kind: not_ready, times: always, station: 3}
+  - {kind: item, times: 3, item: 2, code: 3}
+"""
+
+
+def problems(text: str) -> list[tuple[str, int, int, str]]:
+    """Code, line, column and message of everything wrong."""
+    with pytest.raises(DiagnosticError) as caught:
+        load_bus(text, "plant.yaml")
+    return [(found.code, found.span.line, found.span.column, found.message) for found in caught.value.diagnostics]
+
+
+def test_everything_a_file_can_say() -> None:
+    bus = load_bus(PLANT)
+    first, second, third = bus.stations.values()
+    assert (first.address, second.address, third.address) == (2, 3, 4)
+    assert first["VW100"] == 1500
+    assert first["M0.0"] is True
+    assert first["VD104"] == 0x41480000
+    assert first["VB200[8]"] == b"hello\0\0\0"
+    assert first["VW300[3]"] == [1, 0xFFFF, 0x7FFF]
+    assert (first["T32"], first["C5"]) == (100, 7)
+    assert first["SYS"] == b"CPU 224         0201"
+    assert (second.mode, second.cpu.switch, second.not_ready) == (Mode.STOP, Switch.STOP, 2)
+    assert (second.cpu.pdu_limit, second.frame_count) == (128, "strict")
+    assert second["SYS"] == b"CPU 226 CN".ljust(20)
+    assert second.cpu.protected == {Service.FORCE, Service.OUTPUTS}
+    assert second.cpu.memory.experimental
+    assert not second.cpu.memory.write_inputs
+    assert third.cpu.protected == {Service.READ, Service.RUN}
+    assert third.cpu.memory.profile.title == "CPU ST20"
+    assert bus.faults == [
+        Fault(FaultKind.FCS, after=2),
+        Fault(FaultKind.NOT_READY, times=None, station=3),
+        Fault(FaultKind.ITEM, times=3, item=2, code=3),
+    ]
+
+
+def test_a_single_station_needs_no_list() -> None:
+    bus = load_bus("cpu: 222\naddress: 5\nvalues: {VB0: 1}\nfaults: [{kind: silence}]")
+    assert bus.stations[5]["VB0"] == 1
+    assert bus.stations[5].cpu.memory.profile.title == "CPU 222"
+    assert bus.faults == [Fault(FaultKind.SILENCE)]
+
+
+def test_options_go_before_the_file() -> None:
+    bus = load_bus("cpu: 222\naddress: 5", cpu="226", address=7)
+    assert bus.stations[7].cpu.memory.profile.title == "CPU 226"
+    assert load_bus("{}").stations[2].cpu.memory.profile.title == "CPU 224"
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("cpu: 225", ("PG107", 1, 6, 'there is no CPU "225"')),
+        ("cpus: 224", ("PG104", 1, 1, 'unknown key "cpus" in the station')),
+        ("address: 127", ("PG107", 1, 10, '"address" of the station is 127, allowed: 0 to 126')),
+        ("address: two", ("PG106", 1, 10, '"address" of the station is a whole number')),
+        ("mode: term", ("PG107", 1, 7, '"mode" of the station is one of: run, stop')),
+        ("type: a text of more than twenty", ("PG107", 1, 7, '"type" of the station is at most 20 ASCII characters')),
+        ("pdu: 241", ("PG107", 1, 6, '"pdu" of the station is 241, allowed: 32 to 240')),
+        ("password: {level: 5}", ("PG107", 1, 19, '"level" of the password is 5, allowed: 1 to 4')),
+        ("password: {protects: [all]}", ("PG107", 1, 23, '"all" cannot be protected')),
+        ("values: {VB8192: 1}", ("PG724", 1, 10, "VB8192 is beyond the memory of a CPU 224")),
+        ("values: {VB100: 256}", ("PG107", 1, 17, "VB100: 256 does not fit into 8 bits")),
+        ("values: {XB100: 1}", ("PG711", 1, 10, '"XB100": there is no memory area "X"')),
+        ("values: {V100.8: true}", ("PG712", 1, 10, '"V100.8": bit 8 is outside 0..7')),
+        ("values: [1]", ("PG106", 1, 9, "the key values is a mapping")),
+        ("symbols: {a: b}", ("PG711", 1, 14, '"b": there is no memory area "B"')),
+        ("symbols: {a: VB9000}", ("PG724", 1, 14, "VB9000 is beyond the memory of a CPU 224")),
+        ("stations: []", ("PG105", 1, 1, "a bus needs at least one station")),
+        ("stations: [{}, {}]", ("PG107", 1, 1, "two stations have the address 2")),
+        ("faults: [{kind: fast}]", ("PG107", 1, 17, '"kind" of a fault is one of:')),
+        ("faults: [{kind: fcs, station: 3}]", ("PG107", 1, 31, "there is no station 3")),
+        ("faults: [{times: 1}]", ("PG105", 1, 10, 'a fault lacks the key "kind"')),
+        ("cpu: 224\n  x: 1", ("PG101", 2, 4, "")),
+        ("", ("PG101", 1, 1, "the file is empty")),
+    ],
+)
+def test_mistakes_are_told_with_their_place(text: str, expected: tuple[str, int, int, str]) -> None:
+    code, line, column, message = problems(text)[0]
+    assert (code, line, column) == expected[:3]
+    assert message.startswith(expected[3])
+
+
+def test_all_mistakes_are_told_at_once() -> None:
+    text = "cpu: 225\naddress: 200\nvalues:\n  VB1: 300\n  VB9999: 1\nfaults:\n  - {kind: x}\n"
+    assert [(code, line) for code, line, *_ in problems(text)] == [
+        ("PG107", 1),
+        ("PG107", 2),
+        ("PG107", 4),
+        ("PG724", 5),
+        ("PG107", 7),
+    ]
+
+
+def test_options_for_one_station_do_not_suit_several() -> None:
+    with pytest.raises(DiagnosticError, match="--cpu and --station are for a single station"):
+        load_bus("stations: [{}]", cpu="224")
+
+
+@pytest.mark.parametrize(
+    ("text", "address", "name", "value"),
+    [
+        ("VW100=1234", 2, "VW100", 1234),
+        (" speed = -1 ", 2, "VW100", 0xFFFF),
+        ("3:VB0=16#FF", 3, "VB0", 0xFF),
+        ("M0.0=true", 2, "M0.0", True),
+        ("VB0[4]=abc", 2, "VB0[4]", b"abc\0"),
+        ("VD0=1.5", 2, "VD0", 0x3FC00000),
+        ("VB0[3]=1, 16#FF,3", 2, "VB0[3]", b"\x01\xff\x03"),
+        ("VW0[2]=-1,2", 2, "VW0[2]", [0xFFFF, 2]),
+        ("VB0[4]=1,ab", 2, "VB0[4]", b"1,ab"),
+    ],
+)
+def test_values_of_the_command_line(text: str, address: int, name: str, value: object) -> None:
+    bus = load_bus(PLANT)
+    assign(bus, text)
+    assert bus.stations[address][name] == value
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("VW100", "an address and its value"), ("=1", "an address and its value"),
+        ("VW100=", "an address and its value"),
+        ("9:VB0=1", "there is no station 9"), ("x:VB0=1", "there is no station x"), ("VB0=256", "does not fit"),
+        ("VB9000=1", "beyond the memory"), ("YB0=1", "no memory area"),
+        ("VB0=[1", "2 characters for 1"), ("VB0[3]=1,2", "2 values for 3"), ("VW0[2]=1,70000", "does not fit"),
+        ("VB0=1,2", "2 values for 1"),
+    ],
+)  # fmt: skip
+def test_values_of_the_command_line_that_are_none(text: str, words: str) -> None:
+    with pytest.raises(DiagnosticError, match=words) as caught:
+        assign(load_bus(PLANT), text)
+    assert {found.code for found in caught.value.diagnostics} == {"PG901"}
+    assert caught.value.diagnostics[0].span.file == f"--set {text}"

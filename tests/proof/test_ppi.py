@@ -1,0 +1,156 @@
+"""verify and PPI masters: the shipped ones pass with full coverage, and damage is noticed at its place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from projects import ROOT
+
+from plcgen import api
+from plcgen.proof.checks import Verification
+
+HEADS = {
+    "t15": ("s7-1500", "tia-v19", "cm-ptp", "port: 270"),
+    "t3": ("s7-300", "tia-v16", "cp341", "address: 256"),
+    "v5": ("s7-300", "step7-v5", "cp341", "address: 256"),
+}
+BODY = """
+    stations: {p: {address: 2, cpu: "224"}, q: {address: 3}}
+    jobs:
+      all:
+        station: p
+        read: [VB100, {item: VW102, type: Int}, {item: VD104, type: Real}, M0.0, Q0.3, T37, C5, "VB200[5]", "VW210[3]"]
+      some: {station: p, read: [VB100, VB101, M0.0], merge: false, cycle: 1s}
+      write:
+        station: p
+        write: {VW200: null, VB202: null, VD203: {type: Real, start: 1.5}, M0.1: null, "VB300[3]": null}
+      long: {station: q, read: ["VB0[300]"]}
+      go: {station: q, run: true}
+"""
+
+SMALL = """
+    stations: {p: {address: 2, cpu: "224"}, q: {address: 3}}
+    jobs:
+      all: {station: p, read: [VB100, VW110, M0.0, C5], merge: false}
+      write: {station: q, write: {VW200: null, VB202: null}}
+"""
+"""What the damage below needs, and no more: each case runs the whole matrix."""
+
+
+def spec_of(target: str, body: str = BODY) -> str:
+    family, toolchain, module, port = HEADS[target]
+    head = f"plc: {{name: t, family: {family}, toolchain: {toolchain}}}"
+    return f"{head}\nppi:\n  m:\n    module: {module}\n    {port}{body}"
+
+
+def made(target: str, folder: Path, body: str = BODY) -> Path:
+    spec = folder / "spec.yaml"
+    spec.write_text(spec_of(target, body), encoding="utf-8")
+    result = api.generate(spec, folder / "out")
+    assert result.ok, [f"{d.span} {d.code} {d.message}" for d in result.diagnostics]
+    return spec
+
+
+def troubles(result: Verification) -> list[str]:
+    found = [f"{c.subject}: {c.verdict}" for c in result.checks() if c.outcome.value in {"error", "warning"}]
+    return found + [d.message for d in result.diagnostics if d.severity.label == "error"]
+
+
+@pytest.mark.parametrize("target", HEADS)
+def test_a_master_passes_every_scenario_with_full_coverage(target: str, tmp_path: Path) -> None:
+    """Joined items, split jobs, arrays, types, bits inside bytes, inputs: on every target."""
+    result = api.verify(made(target, tmp_path), tmp_path / "out")
+    assert troubles(result) == []
+    assert {c.id for c in result.checks()} >= {"coverage.m", "together.m", "faults.m.all", "run.m.go"}
+
+
+@pytest.mark.parametrize("name", ["s7-1200_s7-200_ppi", "s7-300_s7-200_ppi_cp341"])
+def test_the_shipped_masters_run(name: str) -> None:
+    """Nominal runs of the committed files."""
+    result = api.verify(ROOT / "specs" / f"{name}.yaml", ROOT / "examples" / name / "expected", faults="none")
+    assert troubles(result) == []
+    runs = [c for c in result.checks() if c.id.startswith("run.")]
+    assert all("1 request, 1 poll" in c.text for c in runs)
+
+
+DAMAGE: dict[str, tuple[str, str]] = {
+    "the frame count bit stands still": (
+        "#statFunctionCode[#statStation] := B#16#7C;",
+        "#statFunctionCode[#statStation] := B#16#5C;",
+    ),
+    "a repetition takes another function code": (
+        "#statCall := #CALL_SEND;",
+        "#statCall := #CALL_SEND;\n      #statSend[6] := B#16#7C;",
+    ),
+    "the reference stays": ("#statReference := #statReference + 1;", "#statReference := #statReference;"),
+    "the reference is half compared": (" AND #statReceive[#tempFirst + 7] = #statReferenceHigh", ""),
+    "FCS forgets the last byte": (
+        "FOR #tempIndex := 5 TO #statSendLength - 2 DO",
+        "FOR #tempIndex := 5 TO #statSendLength - 3 DO",
+    ),
+    "polls are not bounded": ("#statPolls >= #MAX_POLLS", "#statPolls >= 30000"),
+    "retries are not bounded": ("#statRetries < #MAX_RETRIES", "#statRetries < 30000"),
+    "the first write is not preceded by a read": ("IF #statSync > 0 THEN", "IF #statSync > 99 THEN"),
+    "the reference of the reply is not looked at": ("= #statReferenceLow THEN", "<> B#16#00 THEN"),
+    "the checksum is not looked at": ("IF #tempSum = WORD_TO_INT(", "IF #tempSum <> -1 OR #tempSum = WORD_TO_INT("),
+    "the sender is not looked at": ("AND #statReceive[#tempFirst + 1] = #statAddress THEN", "THEN"),
+    "pads are forgotten": ("#tempAt := #tempAt + #tempSize MOD 2;", "#tempAt := #tempAt;"),
+    "a failed item keeps its place": ("#tempAt := #tempAt + 4;", "#tempAt := #tempAt + 4 + #tempSize;"),
+    "item errors are swallowed": ("#tempResult := #STATUS_ITEM_ERROR;", "#tempResult := #STATUS_DONE;"),
+    "the end is not looked at": ("IF #tempResult = #STATUS_DONE AND #tempAt <> #tempEnd THEN", "IF FALSE THEN"),
+    "the last job wins": ("#tempJob := #statJob + #tempIndex;", "#tempJob := #tempIndex;"),
+    "no timeout": ("IF #tempElapsed >= #tempTimeout THEN", "IF FALSE THEN"),
+    "errors of the job before stay": ("          #allErrors[#tempIndex] := W#16#0000;", "          ;"),
+    "an input goes to the wrong byte": (
+        "WORD_TO_BYTE(SHR(IN := #statWriteVw200, N := 8))",
+        "WORD_TO_BYTE(#statWriteVw200)",
+    ),
+    "an old E5 counts behind garbage": ("#tempByte = B#16#E5 AND #tempClean", "#tempByte = B#16#E5"),
+    "no pause before the next poll": ("#statPause := #POLL_PAUSE;", "#statPause := L#60000;"),
+}
+
+
+@pytest.mark.parametrize("what", DAMAGE)
+def test_damage_of_the_block_is_noticed(what: str, tmp_path: Path) -> None:
+    """One change in the generated SCL: verify names the job and the line."""
+    spec = made("t15", tmp_path, SMALL)
+    path = tmp_path / "out" / "scl" / "MPpiMaster.scl"
+    text = path.read_text("utf-8-sig")
+    old, new = DAMAGE[what]
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8-sig")
+    result = api.verify(spec, tmp_path / "out")
+    codes = {c.diagnostic.code for c in result.checks() if c.diagnostic is not None and c.outcome.value == "error"}
+    assert codes & {"PG620", "PG621", "PG622"}, codes
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "code"),
+    [
+        ("db/MAll_Request.db", "telegram.syntaxId1 := 16#10", "telegram.syntaxId1 := 16#11", "PG604"),
+        ("db/MGo_Request.db", "telegram.service := 16#28", "telegram.service := 16#29", "PG604"),
+        ("db/MSome_Request.db", "telegram.destination := 16#02", "telegram.destination := 16#03", "PG604"),
+        ("db/MSome_Response.db", "vb100 : Byte", "vb100 : Word", "PG603"),
+        ("udt/typeMSome_Request.udt", "pduReference : Word", "pduReference : Byte", "PG603"),
+    ],
+)
+def test_damage_of_the_tables_is_noticed(file: str, old: str, new: str, code: str, tmp_path: Path) -> None:
+    """Start values, types: each by its check."""
+    spec = made("t15", tmp_path)
+    path = tmp_path / "out" / file
+    text = path.read_text("utf-8-sig")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8-sig")
+    result = api.verify(spec, tmp_path / "out", faults="none")
+    assert code in {c.diagnostic.code for c in result.checks() if c.diagnostic is not None}
+
+
+def test_a_line_of_the_report(tmp_path: Path) -> None:
+    """What verify prints for a job."""
+    result: Any = api.verify(made("t15", tmp_path), tmp_path / "out", faults="none")
+    check = next(c for c in result.checks() if c.id == "telegram.MGo_Request")
+    assert check.subject == "go"
+    assert check.text.startswith("68 21 21 68 03 00 6C 32 01 00 00 00 00 00 14 00 00 28")
+    assert check.text.endswith("(39 bytes)")
