@@ -1,4 +1,4 @@
-"""The shape of a job spec; the only importer of pydantic.
+"""The shape of a job spec; every part of it as a pydantic model.
 
 Short forms (``P50303``, ``M50.0``, ``10s``) are widened to the full form before validation, so that every later
 step sees one shape. Whatever needs knowledge of devices, types or targets is checked later, by the rules.
@@ -7,9 +7,12 @@ step sees one shape. Whatever needs knowledge of devices, types or targets is ch
 from __future__ import annotations
 
 import re
+from collections.abc import Container
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, WithJsonSchema
+from pydantic import BeforeValidator, Field, WithJsonSchema
+
+from plcgen.input.validation import StrictModel, keys_at
 
 Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
 Toolchain = Literal[
@@ -69,12 +72,6 @@ Text = Annotated[
     ),
 ]
 Value = bool | int | float | str
-
-
-class StrictModel(BaseModel):
-    """What every part of a spec is: known keys only, no conversions, unchangeable."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, protected_namespaces=())
 
 
 class Numbers(StrictModel):
@@ -222,17 +219,13 @@ class Spec(StrictModel):
         return {}
 
 
-def validate(data: Any) -> Spec:
-    """Validate plain data.
-
-    Raises:
-        pydantic.ValidationError: with every problem; ``spec.load`` turns them into diagnostics.
-    """
-    if isinstance(data, dict) and "ppi" in data:
+def model_of(keys: Container[str]) -> type[Spec]:
+    """Model of a spec that has these keys: masters and what belongs to them are imported only for a spec with some."""
+    if "ppi" in keys:
         from plcgen.protocols.ppi.schema import SpecWithPpi
 
-        return SpecWithPpi.model_validate(data, by_alias=True)
-    return Spec.model_validate(data, by_alias=True)
+        return SpecWithPpi
+    return Spec
 
 
 def json_schema() -> dict[str, Any]:
@@ -261,35 +254,6 @@ def json_schema() -> dict[str, Any]:
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "plcgen job spec"}
 
 
-_MODELS: dict[tuple[str, ...], type[BaseModel]] = {
-    (): Spec,
-    ("plc",): Plc,
-    ("plc", "numbers"): Numbers,
-    ("drives", "*"): Drive,
-    ("drives", "*", "parameters", "*"): ParameterDef,
-    ("jobs", "*"): Job,
-    ("jobs", "*", "read", "*"): ReadItem,
-    ("jobs", "*", "write", "*"): WriteItem,
-    ("jobs", "*", "request"): Buffer,
-    ("jobs", "*", "response"): Buffer,
-    ("jobs", "*", "block"): BlockName,
-    ("jobs", "*", "instance"): BlockName,
-    ("jobs", "*", "trigger"): Trigger,
-}
-
-
 def field_names(path: tuple[str | int, ...]) -> list[str]:
     """Keys that are allowed at a path of the spec, for "did you mean"; empty if the path is no mapping."""
-    models = _MODELS
-    if path[:1] == ("ppi",):
-        from plcgen.protocols.ppi.schema import MODELS
-
-        models = {**_MODELS, **MODELS}
-    for pattern, model in models.items():
-        if len(pattern) == len(path) and all(p in {"*", step} for p, step in zip(pattern, path, strict=True)):
-            names = [info.alias or name for name, info in model.model_fields.items()]
-            return names if path else list(dict.fromkeys([*names, "ppi"]))
-    return []
-
-
-__all__ = ["Spec", "ValidationError", "field_names", "json_schema", "validate"]
+    return keys_at(model_of({"ppi"}), path)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, Field
+from pydantic import BeforeValidator, Field
 
+from plcgen.input.validation import StrictModel
 from plcgen.project.schema import (
     BlockName,
     Drive,
     Duration,
     Job,
     Spec,
-    StrictModel,
     Text,
     Trigger,
     Value,
@@ -133,21 +133,6 @@ class SpecWithPpi(Spec):
     def masters(self) -> dict[str, PpiMaster]:
         """The PPI masters by key."""
         return self.ppi
-
-
-MODELS: dict[tuple[str, ...], type[BaseModel]] = {
-    (): SpecWithPpi,
-    ("ppi", "*"): PpiMaster,
-    ("ppi", "*", "block"): BlockName,
-    ("ppi", "*", "instance"): BlockName,
-    ("ppi", "*", "stations", "*"): PpiStation,
-    ("ppi", "*", "jobs", "*"): PpiJob,
-    ("ppi", "*", "jobs", "*", "read", "*"): PpiReadItem,
-    ("ppi", "*", "jobs", "*", "write", "*"): PpiWriteItem,
-    ("ppi", "*", "jobs", "*", "request"): PpiBuffer,
-    ("ppi", "*", "jobs", "*", "response"): PpiBuffer,
-    ("ppi", "*", "jobs", "*", "trigger"): Trigger,
-}
 
 
 def complete(schema: dict[str, Any], definitions: dict[str, Any]) -> None:
