@@ -17,7 +17,7 @@ from plcgen.proof.workers import shared_out
 from plcgen.protocols.ds47.proof.answer_scenarios import answer_scenarios, error_matrix
 from plcgen.protocols.ds47.proof.own_drive import own_checks
 from plcgen.protocols.ds47.proof.record_scenarios import STATE_CONFLICT, cpu_scenarios, record_scenarios
-from plcgen.protocols.ds47.proof.rig import JobRig, ScenarioError, load_program
+from plcgen.protocols.ds47.proof.rig import Bench, JobRig, ScenarioError
 from plcgen.protocols.ds47.proof.runner import Failure, Runner, Statistics
 from plcgen.protocols.ds47.proof.scenario import Scenario
 from plcgen.protocols.ds47.proof.times import STATE_NAMES, transitions
@@ -63,8 +63,9 @@ def check_execution(
 
     ``own`` makes the drive of the user's drive file: every job runs once against it too.
     """
+    bench = Bench(project, folder)
     try:
-        program = load_program(project, folder)
+        program = bench.program
     except DiagnosticError as problem:
         first = problem.diagnostics[0]
         yield Check("execution.scl", "sources", "SCL in the simulated CPU", Outcome.ERROR, first.message, first)
@@ -72,10 +73,11 @@ def check_execution(
     if project.ppi is not None:
         from plcgen.protocols.ppi.proof.execution import check_masters
 
-        yield from check_masters(project, program, level, progress)
+        yield from check_masters(bench, level, progress, workers)
     if not project.jobs:
         return
-    results = list(_results(project, program, level, progress, workers))
+    total = len(project.jobs) + (level != "none")
+    results = shared_out(Work(bench, level), total, progress, workers if level != "none" else 1)
     program_result = results.pop() if level != "none" else None
     for job, result in zip(project.jobs, results, strict=True):
         yield from _job_checks(job, result, level)
@@ -207,20 +209,19 @@ def run_program(project: Project, program: Program) -> JobResult:
     return result
 
 
-def _task(project: Project, program: Program, index: int, level: Level) -> JobResult:
-    """One piece of work: a job, or the program behind the last one."""
-    if index == len(project.jobs):
-        return run_program(project, program)
-    return run_job(project, program, project.jobs[index], level)
+@dataclass(frozen=True, slots=True)
+class Work:
+    """Every job, and the program behind the last one, as pieces of work."""
 
+    bench: Bench
+    level: Level
 
-def _results(
-    project: Project, program: Program, level: Level, progress: Progress | None, workers: int | None
-) -> Iterator[JobResult]:
-    """Results in the order of the jobs, that of the program last; in several processes if that helps."""
-    total = len(project.jobs) + (level != "none")
-    share = workers if level != "none" else 1
-    return shared_out(lambda index: _task(project, program, index, level), total, progress, share)
+    def __call__(self, index: int) -> JobResult:
+        """One piece."""
+        project, program = self.bench.project, self.bench.program
+        if index == len(project.jobs):
+            return run_program(project, program)
+        return run_job(project, program, project.jobs[index], self.level)
 
 
 # --- reporting --------------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ import random
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from plcgen.cpu.cpu import Cpu
@@ -43,6 +44,22 @@ def load_program(project: Project, folder: Path) -> Program:
         if compiled.code is not None and dirty != compiled.source:
             compiled.code = compile(dirty, f"<{compiled.file}>", "exec", dont_inherit=True, optimize=1)
     return program
+
+
+class Bench:
+    """A project and the program in its folder. A worker that starts from nothing compiles the program again."""
+
+    def __init__(self, project: Project, folder: Path) -> None:
+        self.project, self.folder = project, folder
+
+    @cached_property
+    def program(self) -> Program:
+        """The compiled sources. Raises DiagnosticError."""
+        return load_program(self.project, self.folder)
+
+    def __reduce__(self) -> tuple[type[Bench], tuple[Project, Path]]:
+        """A program cannot be pickled."""
+        return Bench, (self.project, self.folder)
 
 
 class ScriptedDrive(Drive):

@@ -14,7 +14,7 @@ from plcgen.proof.coverage import NO_OTHER, Coverage, cover, measure
 from plcgen.proof.failures import diagnostic
 from plcgen.proof.workers import shared_out
 from plcgen.protocols.ds47.proof.execution import value_text
-from plcgen.protocols.ds47.proof.rig import ScenarioError
+from plcgen.protocols.ds47.proof.rig import Bench, ScenarioError
 from plcgen.protocols.ds47.proof.runner import Failure, Statistics
 from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedPpiJob
 from plcgen.protocols.ppi.proof.rig import MasterRig
@@ -74,21 +74,33 @@ class JobResult:
         self.counts = [a + b for a, b in zip(self.counts, counts, strict=True)] if self.counts else list(counts)
 
 
-def check_masters(
-    project: Project, program: Program, level: Level, progress: Progress | None, workers: int | None = None
-) -> Iterator[Check]:
+@dataclass(frozen=True, slots=True)
+class Work:
+    """Every job of a master, and all of them behind the last one, as pieces of work."""
+
+    bench: Bench
+    number: int
+    level: Level
+
+    def __call__(self, index: int) -> JobResult:
+        """One piece."""
+        project, program = self.bench.project, self.bench.program
+        masters = project.ppi.masters if project.ppi is not None else ()
+        master = masters[self.number]
+        if index == len(master.jobs):
+            return all_jobs(project, program, master)
+        job = master.jobs[index]
+        thorough = self.level == "full" or is_first(master, job)
+        return run_job(project, program, master, job, self.level, thorough=thorough)
+
+
+def check_masters(bench: Bench, level: Level, progress: Progress | None, workers: int | None = None) -> Iterator[Check]:
     """Run every master of the files on disk; ``workers`` None uses every core."""
-    for master in project.ppi.masters if project.ppi is not None else ():
+    project, program = bench.project, bench.program
+    for number, master in enumerate(project.ppi.masters if project.ppi is not None else ()):
         jobs = master.jobs
         tasks = len(jobs) + (level != "none")
-
-        def task(index: int, master: PlannedMaster = master) -> JobResult:
-            if index == len(master.jobs):
-                return all_jobs(project, program, master)
-            job = master.jobs[index]
-            return run_job(project, program, master, job, level, thorough=level == "full" or is_first(master, job))
-
-        results = list(shared_out(task, tasks, progress, workers if level != "none" else 1))
+        results = shared_out(Work(bench, number, level), tasks, progress, workers if level != "none" else 1)
         for job, result in zip(jobs, results, strict=False):
             yield from _job_checks(master, job, result, level)
         if level != "none":
