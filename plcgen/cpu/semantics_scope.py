@@ -14,9 +14,7 @@ from plcgen.s7.layout import layout_members
 from plcgen.s7.shapes import Shape
 from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, Elementary, Member, NamedType, StringType
 from plcgen.scl.constants import evaluate
-from plcgen.scl.cursor import Fault
-from plcgen.scl.lexer import tokenize
-from plcgen.scl.parser import Parser
+from plcgen.scl.parser import parse_value
 
 MEMORY_SECTIONS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT, SectionKind.STATIC)
 
@@ -215,8 +213,5 @@ def _variant(member: Member) -> Shape:
 
 def _constant_expression(text: str, numbers: dict[str, int]) -> int | None:
     """Value of a constant expression of STEP 7 V5."""
-    parser = Parser(tokenize(text, ""))
-    try:
-        return evaluate(parser.initial_value(), numbers)
-    except Fault:
-        return None
+    node = parse_value(text)
+    return None if node is None else evaluate(node, numbers)

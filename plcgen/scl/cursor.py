@@ -27,20 +27,24 @@ _HABITS = {
 _LINE_COMMENT = re.compile(r"[ \t]*(?://([^\n]*)|\(\*((?:(?!\*\))[^\n])*)\*\))")
 
 
-class Fault(Exception):  # noqa: N818 - control flow inside the parser, never seen outside
-    """A diagnostic on its way to the next synchronisation point."""
+class Halt(Exception):  # noqa: N818 - control flow inside the parser, never seen outside
+    """A diagnostic that ends what is being read."""
 
     def __init__(self, diagnostic: Diagnostic) -> None:
         self.diagnostic = diagnostic
         super().__init__(diagnostic.message)
 
 
-class Abort(Fault):
-    """A fault after which the rest of the file is not parsed."""
+class Fault(Halt):
+    """On its way to the next synchronisation point."""
+
+
+class Abort(Halt):
+    """The rest of the file is not parsed; no ``Fault``, so that nothing on the way catches it."""
 
 
 class Cursor:
-    """Tokens, position, depth and the diagnostics found so far."""
+    """Tokens, position, depth and the diagnostics found so far: what the parts of the grammar share."""
 
     def __init__(self, tokens: Tokens) -> None:
         self.tokens = tokens
@@ -49,12 +53,7 @@ class Cursor:
         self.starts = tokens.starts
         self.pos = 0
         self.depth = 0
-        self.operators = 0
-        self.call_depth = 0
         self.diagnostics: list[Diagnostic] = []
-        self.open: list[str] = []
-        self.case_depth = -1
-        self.open_regions = 0
         self.free_text: list[tuple[int, int]] = []
 
     # --- errors ---------------------------------------------------------------------------------------
@@ -92,9 +91,9 @@ class Cursor:
         """Return the usual message; ``text`` says how to fix it."""
         return self.fault(f"expected {what}, found {self.describe(self.pos)}", text=text)
 
-    def report(self, diagnostic: Diagnostic) -> None:
+    def report(self, found: Diagnostic | Fault) -> None:
         """Keep a diagnostic; too many of them end the run."""
-        self.diagnostics.append(diagnostic)
+        self.diagnostics.append(found.diagnostic if isinstance(found, Fault) else found)
         if len(self.diagnostics) >= MAX_ERRORS:
             raise Abort(self.diagnostic("too many errors, the rest of the file was not read", 0, 0))
 
@@ -145,12 +144,9 @@ class Cursor:
         """Offset behind the token before the current one."""
         return self.tokens.end(self.pos - 1) if self.pos else 0
 
-    def upper(self, ahead: int = 0) -> str:
+    def upper(self) -> str:
         """Upper-case text of an unquoted name at the position, else an empty string."""
-        index = self.pos + ahead
-        if index < len(self.kinds) and self.kinds[index] == NAME:
-            return self.texts[index].upper()
-        return ""
+        return self.texts[self.pos].upper() if self.kinds[self.pos] == NAME else ""
 
     def kind(self, ahead: int) -> str:
         """Kind of a later token; EOF behind the end."""
@@ -171,22 +167,9 @@ class Cursor:
         self.skip_to(end)
         return self.tokens.source[begin:end].strip()
 
-    def closing_title(self, code: frozenset[str], title: str = "") -> None:
-        """Leave out the title behind END_REGION.
-
-        What has a ``;`` or begins with a token of ``code`` is none, unless it repeats the ``title`` of the REGION.
-        """
-        begin = self.last_end
-        end = self.tokens.source.find("\n", begin)
-        end = len(self.tokens.source) if end < 0 else end
-        line = self.tokens.source[begin:end].partition("//")[0]
-        repeated = bool(title) and line.strip() == title.partition("//")[0].strip()
-        if self.start < end and (repeated or (self.kinds[self.pos] not in code and ";" not in line)):
-            self.skip_to(end)
-
-    def trailing_comment(self) -> str:
-        """Return the comment on the same line behind the last token."""
-        match = _LINE_COMMENT.match(self.tokens.source, self.last_end)
+    def trailing_comment(self, pos: int) -> str:
+        """Return the comment on the same line behind the token before ``pos``."""
+        match = _LINE_COMMENT.match(self.tokens.source, self.tokens.end(pos - 1))
         return (match[1] or match[2] or "").strip() if match else ""
 
     # --- attributes -----------------------------------------------------------------------------------

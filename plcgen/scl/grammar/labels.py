@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from plcgen.scl import ast
+from plcgen.scl.cursor import Cursor
+from plcgen.scl.grammar.expressions import Expressions
 from plcgen.scl.lexer import EOF, INT, LOCAL, NAME, QUOTED, REAL, STRING, TYPED
-from plcgen.scl.parser_expressions import ExpressionParser
 
 _LITERAL_LABELS = frozenset({INT, REAL, STRING, TYPED, "-", "+", "TRUE", "FALSE"})
 _NAMES = frozenset({LOCAL, NAME, QUOTED})
@@ -17,37 +18,41 @@ _LONGEST = 64
 """Tokens of the longest label that is looked for."""
 
 
-class LabelParser(ExpressionParser):
+class CaseLabels:
     """Labels of CASE: constants, ranges, and names told apart from jump labels and statements."""
 
-    jump_labels: frozenset[str] = frozenset()
+    def __init__(self, cursor: Cursor, expressions: Expressions) -> None:
+        self.cursor = cursor
+        self.expressions = expressions
+        gotos = (index + 1 for index, kind in enumerate(cursor.kinds) if kind == "GOTO")
+        self.jump_labels = frozenset(cursor.texts[index].upper() for index in gotos)
 
-    def case_range(self) -> ast.CaseRange:
+    def read(self) -> ast.CaseRange:
         """One value or ``low..high``."""
-        low = self.expression()
-        high = self.expression() if self.accept("..") else None
+        low = self.expressions.read()
+        high = self.expressions.read() if self.cursor.accept("..") else None
         return ast.CaseRange(low.start, (high or low).end, low, high)
 
-    def at_case_label(self) -> bool:
-        """Whether a label of the CASE begins here; a REGION belongs to what it begins with."""
-        pos = self.pos
-        kind = self.kinds[pos]
+    def begins_at(self, pos: int) -> bool:
+        """Whether a label of the CASE begins at a token; a REGION belongs to what it begins with."""
+        cursor = self.cursor
+        kind = cursor.kinds[pos]
         if kind == "REGION":
-            return self.region_opens_label(pos)
+            return self.region_opens(pos)
         if kind in _LITERAL_LABELS:
             return True
         if kind not in _NAMES:
-            return kind == "(" and self.at_computed_label(pos)
-        following = self.kinds[pos + 1]
+            return kind == "(" and self.computed_at(pos)
+        following = cursor.kinds[pos + 1]
         if following == ":":
-            return self.texts[pos].upper() not in self.jump_labels
-        return following in {",", ".."} or (following in _COMPUTED and self.at_computed_label(pos))
+            return cursor.texts[pos].upper() not in self.jump_labels
+        return following in {",", ".."} or (following in _COMPUTED and self.computed_at(pos))
 
-    def at_computed_label(self, pos: int) -> bool:
+    def computed_at(self, pos: int) -> bool:
         """Whether an expression up to a colon begins here: ``Unit.Mode#RUN``, ``"DB".x``, ``#BASE + 1``."""
         depth = 0
-        for index in range(pos, min(pos + _LONGEST, len(self.kinds))):
-            kind = self.kinds[index]
+        for index in range(pos, min(pos + _LONGEST, len(self.cursor.kinds))):
+            kind = self.cursor.kinds[index]
             if kind in _NO_LABEL:
                 return False
             if kind in {"(", "["}:
@@ -55,18 +60,16 @@ class LabelParser(ExpressionParser):
             elif kind in {")", "]"}:
                 depth -= 1
             elif not depth and kind in _BEHIND_LABEL:
-                return not (kind == ":" and self.at_periphery(index))
+                return not (kind == ":" and self.expressions.at_periphery(index))
         return False
 
-    def region_opens_label(self, pos: int) -> bool:
+    def region_opens(self, pos: int) -> bool:
         """Whether the first token below ``REGION title`` and further REGION lines is a label."""
+        cursor = self.cursor
         for _ in range(_REGIONS_AHEAD):
-            end = self.tokens.source.find("\n", self.starts[pos])
-            while self.kinds[pos] != EOF and self.starts[pos] < end:
+            end = cursor.tokens.source.find("\n", cursor.starts[pos])
+            while cursor.kinds[pos] != EOF and cursor.starts[pos] < end:
                 pos += 1
-            if self.kinds[pos] != "REGION":
-                saved, self.pos = self.pos, pos
-                found = self.at_case_label()
-                self.pos = saved
-                return found
+            if cursor.kinds[pos] != "REGION":
+                return self.begins_at(pos)
         return False

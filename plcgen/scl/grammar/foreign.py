@@ -14,48 +14,56 @@ _BLOCKS = frozenset({"END_FUNCTION_BLOCK", "END_FUNCTION", "END_DATA_BLOCK", "EN
 _HELP = "that is the language of SIMATIC AX or CODESYS; plcgen reads the SCL of STEP 7 V5 and the TIA Portal"
 
 
-class ForeignSyntax(Cursor):
+class Foreign:
     """Recognises what no STEP 7 compiler knows and steps over it."""
+
+    def __init__(self, cursor: Cursor) -> None:
+        self.cursor = cursor
 
     def refuse(self, index: int) -> None:
         """PG801 at a word of another dialect."""
-        self.report(self.fault(f"SCL has no {self.texts[index].upper()}", index=index, text=_HELP).diagnostic)
+        cursor = self.cursor
+        cursor.report(cursor.fault(f"SCL has no {cursor.texts[index].upper()}", index=index, text=_HELP))
 
-    def foreign_unit(self) -> bool:
+    def unit(self) -> bool:
         """Step over ``CLASS .. END_CLASS`` and the like between blocks."""
-        if self.upper() not in _UNITS or self.kind(1) not in WORDS:
+        if self.cursor.upper() not in _UNITS or self.cursor.kind(1) not in WORDS:
             return False
-        self.skip_foreign()
+        self.skip()
         return True
 
-    def foreign_member(self, began: int) -> bool:
+    def member(self, began: int) -> bool:
         """Step over ``METHOD .. END_METHOD`` where a statement was read from token ``began`` on."""
-        if self.kinds[began] != NAME or self.texts[began].upper() not in _INSIDE or self.kind(0) not in WORDS:
+        cursor = self.cursor
+        if cursor.kinds[began] != NAME or cursor.texts[began].upper() not in _INSIDE or cursor.kind(0) not in WORDS:
             return False
-        self.pos = began
-        self.skip_foreign()
+        cursor.pos = began
+        self.skip()
         return True
 
-    def skip_foreign(self) -> None:
+    def skip(self) -> None:
         """Report the word at the position and go behind its END, or to the END of the block around it."""
-        self.refuse(self.pos)
-        closing = "END_" + self.upper()
-        while self.kinds[self.pos] not in _BLOCKS and self.kinds[self.pos] != EOF:
-            self.pos += 1
-            if self.texts[self.pos - 1].upper() == closing:
+        cursor = self.cursor
+        self.refuse(cursor.pos)
+        closing = "END_" + cursor.upper()
+        while cursor.kinds[cursor.pos] not in _BLOCKS and cursor.kinds[cursor.pos] != EOF:
+            cursor.pos += 1
+            if cursor.texts[cursor.pos - 1].upper() == closing:
                 return
 
     def skip_access(self) -> None:
         """Step over PUBLIC, ABSTRACT and others in front of a name; the first one is reported."""
+        cursor = self.cursor
         first = True
-        while self.upper() in _ACCESS and self.kind(1) in {NAME, QUOTED}:
+        while cursor.upper() in _ACCESS and cursor.kind(1) in {NAME, QUOTED}:
             if first:
-                self.refuse(self.pos)
+                self.refuse(cursor.pos)
             first = False
-            self.pos += 1
+            cursor.pos += 1
 
     def skip_inheritance(self) -> None:
         """Step over ``EXTENDS a IMPLEMENTS b, c``."""
-        while self.upper() in _INHERITANCE:
-            self.refuse(self.pos)
-            self.rest_of_line()
+        cursor = self.cursor
+        while cursor.upper() in _INHERITANCE:
+            self.refuse(cursor.pos)
+            cursor.rest_of_line()
