@@ -138,14 +138,14 @@ blocks = st.builds(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.lists(blocks, min_size=1, max_size=6))
 def test_no_distribution_needs_fewer_telegrams(asked):
     """Brute force over all distributions and all ways of joining finds nothing shorter."""
     assert len(pack_read(asked).telegrams) == fewest(spans_of(asked), READING)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(st.lists(blocks, min_size=1, max_size=6))
 def test_few_items_a_telegram(asked):
     """The same where the number of items is what limits."""
@@ -166,7 +166,7 @@ def writes(draw):
     return draw(st.permutations(found))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(writes())
 def test_no_distribution_writes_with_fewer_telegrams(asked):
     """Brute force for writes: only touching blocks are joined."""
@@ -207,7 +207,7 @@ analog = st.builds(
 )
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.lists(bits | words | long | elements | analog, min_size=1, max_size=30), st.booleans())
 def test_every_value_comes_back(asked, merge):
     """Whatever is joined or cut: each asked item gets its own bytes, and every telegram keeps the limits."""
@@ -220,7 +220,7 @@ def test_every_value_comes_back(asked, merge):
     assert plan.collect(replies) == tuple(ItemResult.of(item, stored(item)) for item in asked)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.lists(bits | words | long | analog, min_size=1, max_size=20), st.data())
 def test_every_byte_is_written_once(asked, data):
     """After the telegrams the memory holds each value, and nothing else was touched."""

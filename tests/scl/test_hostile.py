@@ -30,7 +30,7 @@ MUTATION = st.tuples(st.integers(0, 10_000), st.integers(0, 40), st.sampled_from
     st.sampled_from([None, *Dialect]),
     st.booleans(),
 )
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_damaged_sources_give_diagnostics_only(
     text: str, mutations: list[tuple[int, int, str, str]], dialect: Dialect | None, bodies: bool
 ) -> None:

@@ -187,7 +187,7 @@ def test_walk_visits_everything_in_source_order() -> None:
     assert (names, literals) == (["a", "b", "c", "d"], ["1", "2"])
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.lists(WORDS, max_size=80).map(" ".join), st.sampled_from([None, *Dialect]))
 def test_any_sequence_of_words_is_survived(text: str, dialect: Dialect | None) -> None:
     """Words in any order give units and diagnostics with places inside the text, never an exception."""
@@ -199,14 +199,14 @@ def test_any_sequence_of_words_is_survived(text: str, dialect: Dialect | None) -
         assert len(blocks) < len(text) + 2
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.text(max_size=200))
 def test_any_text_is_survived(text: str) -> None:
     """Arbitrary Unicode never raises."""
     read_text(text, "t.scl", Dialect.TIA_1200_1500)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.data())
 def test_a_damaged_source_is_survived(data: st.DataObject) -> None:
     """A cut or a doubled piece anywhere in a good source never raises, whatever the dialect."""

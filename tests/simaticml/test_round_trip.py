@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 from projects import ROOT, SPECS, TARGETS, every_type
 from simaticml.codes import SETTING, back, exact, meant, network, read_code, wrapped
@@ -190,7 +190,6 @@ statements = st.one_of(simple, regions, whens, calls(expressions).map(lambda c: 
 codes = st.lists(st.tuples(statements, gaps).map("".join), max_size=5).map("\n".join)
 
 
-@settings(deadline=None)
 @given(codes)
 def test_any_code_comes_back(code: str) -> None:
     """Random code: the same text but for tabs, and the same document again."""
@@ -200,7 +199,6 @@ def test_any_code_comes_back(code: str) -> None:
     assert wrapped(again) == wrapped(code)
 
 
-@settings(deadline=None)
 @example("_[D[")
 @example('"a".')
 @example("f(")

@@ -43,7 +43,7 @@ def place(bits: int) -> str:
     return f"{bits // 8}.{bits % 8}"
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(members, st.data())
 def test_moves_are_those_of_a_second_calculation(kinds, data):
     """Insert one member anywhere: exactly the members whose offset differs are named, each with both offsets."""
@@ -70,7 +70,7 @@ def test_moves_are_those_of_a_second_calculation(kinds, data):
         assert {c.kind for c in found.changes} <= {"member-moved", "member-added", "block-grown"}
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(members)
 def test_spelling_is_no_difference(kinds):
     """Blanks, letter case of types, comments of the file: nothing others notice."""

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from projects import ROOT
 from simaticml.reading.documents import FB_SECTIONS, document, function_block, global_db, sections
@@ -103,7 +103,6 @@ def test_every_truncation_is_one_diagnostic() -> None:
         assert 1 <= problems[0][1] <= lines
 
 
-@settings(deadline=None)
 @given(st.integers(0, len(EXAMPLE) - 1), st.binary(min_size=1, max_size=4))
 def test_damage_never_raises(place: int, junk: bytes) -> None:
     """Any bytes anywhere: blocks or diagnostics, never an exception."""
