@@ -1,0 +1,62 @@
+"""Every command and Python block of README and docs runs as it stands and prints what the page shows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from docs.pages import PAGES, ROOT, Block, blocks
+from docs.session import Session
+
+NOT_RUN = {
+    "README.md": 1,
+    "docs/diff.md": 2,
+}
+"""Blocks of a page that no test can run; each says why in the comment before it."""
+
+
+@pytest.fixture
+def session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Session]:
+    """The folder of one page."""
+    folder = tmp_path / "page"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    opened = Session(folder)
+    yield opened
+    opened.close()
+
+
+def named(page: Path) -> str:
+    """A page as it is called from the root."""
+    return page.relative_to(ROOT).as_posix()
+
+
+def runs(block: Block) -> bool:
+    """Whether there is something to run, or a file for what runs."""
+    return block.language in {"console", "python"} or bool(block.notes)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if any(map(runs, blocks(page)))], ids=named)
+def test_page_does_what_it_says(page: Path, session: Session) -> None:
+    """Commands end as they should and print what is shown; Python blocks and the tests in them pass."""
+    for block in blocks(page):
+        session.run(block)
+
+
+def test_what_does_not_run_says_why() -> None:
+    """Every block without a test is counted here and has its reason in the page."""
+    skipped = [block for page in PAGES for block in blocks(page) if "not run" in block.notes]
+    found = {named(page): sum(block.page == page for block in skipped) for page in PAGES}
+    assert {name: number for name, number in found.items() if number} == NOT_RUN
+    assert all(block.notes["not run"] for block in skipped)
+
+
+def test_commands_stand_in_console_blocks() -> None:
+    """A command in a block of another language would not be run."""
+    hidden = [
+        b.place for page in PAGES for b in blocks(page) if b.language in {"", "sh", "text", "bash"} and "$ " in b.text
+    ]
+    shells = [b.place for page in PAGES for b in blocks(page) if b.language in {"sh", "bash", "shell"}]
+    assert hidden + shells == []
