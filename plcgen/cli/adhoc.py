@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from plcgen.cli.arguments import ARGUMENTS, Argument
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.cli.arguments import Argument
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.protocols.ds47.plan.references import Reference, parse_bico, parse_reference
 from plcgen.protocols.ds47.wire import formats
@@ -17,17 +16,10 @@ if TYPE_CHECKING:
 
 
 def find_device(key: str | None) -> Device | None:
-    """Return the profile of ``--device``. Raises DiagnosticError if there is none of that name."""
-    from plcgen.protocols.ds47 import devices as catalog
+    """Return the profile of ``--device``, a name or a file. Raises DiagnosticError if there is none."""
+    from plcgen.protocols.ds47 import devices
 
-    if key is None:
-        return None
-    device = catalog.device(key)
-    if device is None:
-        names = catalog.device_names()
-        hint = f"{did_you_mean(key, names)} known devices: {', '.join(names)}".strip()
-        raise DiagnosticError([Diagnostic("PG201", f'unknown device "{key}"', Span(ARGUMENTS), help=hint)])
-    return device
+    return None if key is None else devices.find_device(key)
 
 
 def address(argument: Argument, text: str, device: Device | None, count: int | None = None) -> ParameterAddress:

@@ -80,7 +80,7 @@ def command(
     """Write a commented starter spec (job.yaml); PATH - writes to stdout."""
     out = console(ctx)
     tool = _toolchain(ctx, family, toolchain)
-    text = starter(path, _device(ctx, device), family, tool)
+    text = starter(path, _device(ctx, device, path.parent), family, tool)
     if path == Path("-"):
         out.result(text)
         return OK
@@ -116,16 +116,21 @@ def _toolchain(ctx: click.Context, family: str, given: str | None) -> str:
     return tool
 
 
-def _device(ctx: click.Context, key: str) -> Device:
-    from plcgen.diagnostics.suggest import did_you_mean
-    from plcgen.protocols.ds47 import devices as catalog
+def _device(ctx: click.Context, key: str, folder: Path) -> Device:
+    """The device of a new spec in ``folder``, as that spec will find it."""
+    from plcgen.diagnostics import DiagnosticError, Report, Span
+    from plcgen.protocols.ds47.devices import Catalogue
 
-    device = catalog.device(key)
-    if device is None:
-        hint = did_you_mean(key, catalog.device_names())
-        known = ", ".join(catalog.device_names())
-        raise click.UsageError(f'unknown device "{key}"{f", {hint}" if hint else ""}; known: {known}', ctx)
-    return device
+    report = Report()
+    found = Catalogue(folder).find(key, Span("--device"), report)
+    if found is None:
+        told = report.sorted()[0]
+        if told.span.line:
+            raise DiagnosticError(report)
+        raise click.UsageError(f"{told.message}, {told.help}", ctx)
+    if not found.parameters:
+        raise click.UsageError(f"the profile {key} has no parameters to start from", ctx)
+    return found
 
 
 def starter(path: Path, device: Device, family: str, toolchain: str) -> str:

@@ -40,9 +40,9 @@ def command(
         return OK
     from plcgen.output.json import dump, head
     from plcgen.output.table import text_table
-    from plcgen.protocols.ds47 import devices as catalog
+    from plcgen.protocols.ds47.devices import device_names, find_device
 
-    found = [profile for key in catalog.device_names() if (profile := catalog.device(key)) is not None]
+    found = [find_device(name) for name in device_names()]
     if as_json:
         data = [
             {

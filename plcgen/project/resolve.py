@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Report
@@ -12,8 +13,7 @@ from plcgen.project.model import BlockRef, PlannedDrive, PlannedJob, Project
 from plcgen.project.numbering import Numbering
 from plcgen.project.schema import Drive, Spec
 from plcgen.project.target import combination_problem, target
-from plcgen.protocols.ds47 import devices as catalog
-from plcgen.protocols.ds47.devices import Device, Parameter
+from plcgen.protocols.ds47.devices import Catalogue, Device, Parameter, parameter_from
 from plcgen.protocols.ds47.plan.jobs import plan_job
 from plcgen.protocols.ds47.plan.references import parse_reference
 from plcgen.protocols.ds47.plan.uses import UseResolver
@@ -40,7 +40,10 @@ def resolve(loaded: LoadedSpec, report: Report) -> Project:
     token_type = common.block("UDT", "typeDriveToken", ("plc",), given=True)
     control_db = common.block("DB", "DriveJobs", ("plc",), given=True)
     tokens: dict[int, BlockRef] = {}
-    drives = {key: _drive(key, drive, loaded, numbering, tokens, report) for key, drive in spec.drives.items()}
+    catalogue = Catalogue(Path(loaded.file).parent)
+    drives = {
+        key: _drive(key, drive, loaded, numbering, tokens, catalogue, report) for key, drive in spec.drives.items()
+    }
     planned = {key: found for key, found in drives.items() if found is not None}
     resolvers = {
         key: UseResolver(loaded, drive.device, _own_parameters(loaded, key, report), report)
@@ -122,7 +125,7 @@ def _own_parameters(loaded: LoadedSpec, key: str, report: Report) -> dict[int, P
                 )
             )
             continue
-        own[reference.pnu] = catalog.parameter_from(reference.pnu, definition.model_dump())
+        own[reference.pnu] = parameter_from(reference.pnu, definition.model_dump())
     return own
 
 
@@ -132,16 +135,13 @@ def _drive(
     loaded: LoadedSpec,
     numbering: Numbering,
     tokens: dict[int, BlockRef],
+    catalogue: Catalogue,
     report: Report,
 ) -> PlannedDrive | None:
     """Plan one drive; drive objects at one address share a parameter channel and therefore a token."""
     path = ("drives", key)
-    device = catalog.device(drive.device)
+    device = catalogue.find(drive.device, loaded.span((*path, "device")), report)
     if device is None:
-        names = catalog.device_names()
-        hint = did_you_mean(drive.device, names)
-        help_ = f"{hint} known devices: {', '.join(names)}".strip()
-        report.add(Diagnostic("PG201", f'unknown device "{drive.device}"', loaded.span((*path, "device")), help=help_))
         return None
     classic = numbering.where.classic
     id_value = drive.address if classic else drive.hardware_id

@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from plcgen.input.validation import StrictModel, keys_at
+from plcgen.protocols.ds47.devices import offer_names
 
 Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
 Toolchain = Literal[
@@ -113,7 +114,10 @@ class ParameterDef(StrictModel):
 class Drive(StrictModel):
     """One drive the PLC talks to."""
 
-    device: str = Field(description="device profile, see plcgen schema --devices")
+    device: str = Field(
+        description="device profile, see plcgen schema --devices, or the path of one beside the spec",
+        json_schema_extra=offer_names,
+    )
     address: int | None = Field(None, ge=0, le=65535, description="logical base address (S7-300/400)")
     output_address: bool = Field(
         default=False, description="the address belongs to an output-only module (sets bit 15)"

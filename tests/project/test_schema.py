@@ -67,8 +67,7 @@ def test_device_profiles_are_complete(key: str) -> None:
     from plcgen.protocols.ds47.plan.references import parse_type
     from plcgen.protocols.ds47.wire.formats import by_name
 
-    device = catalog.device(key)
-    assert device is not None
+    device = catalog.find_device(key)
     assert device.source
     assert device.default_index in device.record_index
     assert device.drive_objects is None or device.drive_object in device.drive_objects

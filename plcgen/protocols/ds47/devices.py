@@ -1,14 +1,27 @@
-"""Device profiles and parameter catalogues: data in ``specs/devices``, one file a device."""
+"""Devices and their parameters, by the name a spec gives them.
+
+A device is described by a profile: a YAML file shipped in ``specs/devices``, in a package that offers some under the
+entry point group ``plcgen.devices``, or beside the spec (``device: ./acme.yaml``).
+"""
 
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Literal
 
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
+from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.text import read_text
-from plcgen.input.yaml import load_yaml
+from plcgen.protocols.ds47.wire.errors import Table
 from plcgen.resources import specs_dir
+
+GROUP = "plcgen.devices"
+"""Entry points of packages that bring device profiles."""
+
+_SUFFIXES = (".yaml", ".yml")
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,11 +68,11 @@ class Device:
     drive_object_rule: str
     record_limit: int
     max_parameters: int
-    answer_format: str
-    error_words: int
+    answer_format: Literal["exact", "size"]
+    error_words: Literal[1, 2]
     scalar_elements: tuple[int, int]
     strict_length: bool
-    error_table: str
+    error_table: Table
     parameters: dict[int, Parameter]
 
     def by_name(self, name: str) -> Parameter | None:
@@ -67,46 +80,155 @@ class Device:
         return next((p for p in self.parameters.values() if p.name == name), None)
 
 
+@dataclass(slots=True)
+class Catalogue:
+    """The devices that a spec in ``folder`` may name; a profile that is not shipped is read once."""
+
+    folder: Path
+    _read: dict[str, Device | None] = field(default_factory=dict)
+
+    def find(self, name: str, place: Span, report: Report) -> Device | None:
+        """Return the device of this name, or None after a diagnostic: at ``place``, or at the places of its profile."""
+        try:
+            if name in _shipped():
+                return _shipped_device(name)
+            path = _beside(self.folder, name, place) if is_path(name) else _installed(name, place)
+            if name not in self._read:
+                self._read[name] = None
+                self._read[name] = read_profile(path, name)
+            return self._read[name]
+        except DiagnosticError as problem:
+            report.extend(problem.diagnostics)
+            return None
+
+
+def is_path(name: str) -> bool:
+    """Whether ``device:`` names a file: names of devices have neither a slash nor an ending."""
+    return "/" in name or "\\" in name or name.lower().endswith(_SUFFIXES)
+
+
+def _installed(name: str, place: Span) -> Path:
+    packaged = _packaged()
+    if name in packaged.paths:
+        return packaged.paths[name]
+    known = device_names()
+    help_ = f"{did_you_mean(name, known)} known devices: {', '.join(known)}".strip()
+    help_ = "; ".join((help_, *packaged.broken))
+    raise DiagnosticError([Diagnostic("PG201", f'unknown device "{name}"', place, help=help_)])
+
+
+def _beside(folder: Path, name: str, place: Span) -> Path:
+    """Path of a profile beside the spec.
+
+    A spec may come from anybody: it reads regular files of its own folder and below only, also behind links.
+    """
+    path = folder / name
+    try:
+        inside = "\\" not in name and path.resolve().is_relative_to(folder.resolve())
+        readable = path.is_file()
+    except (OSError, ValueError, RuntimeError):  # ValueError: a NUL in the path; RuntimeError: links in a circle
+        inside, readable = True, False
+    if not inside:
+        message, help_ = f'the device profile "{name}" is not below the folder of the spec', "copy it beside the spec"
+    elif not readable:
+        message, help_ = f'there is no device profile "{name}"', "the path begins at the spec, with / between folders"
+    else:
+        return path
+    raise DiagnosticError([Diagnostic("PG201", message, place, help=help_)])
+
+
+def read_profile(path: Path, key: str) -> Device:
+    """Read a profile; ``key`` is what a spec calls the device.
+
+    Raises:
+        DiagnosticError: with every problem of the file, each at its place.
+    """
+    from plcgen.input.validation import load_document
+    from plcgen.protocols.ds47.profile import PROFILE
+
+    file = path.as_posix()
+    return load_document(read_text(path, file), file, PROFILE).model.device(key)
+
+
 @functools.cache
+def _shipped() -> dict[str, Path]:
+    return _profiles(specs_dir() / "devices")
+
+
+@functools.cache
+def _shipped_device(key: str) -> Device:
+    return read_profile(_shipped()[key], key)
+
+
+@dataclass(frozen=True, slots=True)
+class _Packaged:
+    """Profiles of installed packages by device, and what to say about packages that cannot be loaded."""
+
+    paths: dict[str, Path]
+    broken: tuple[str, ...]
+
+
+@functools.cache
+def _packaged() -> _Packaged:
+    """Profiles that installed packages bring: asked for only if a device is none of the shipped ones."""
+    from importlib.metadata import entry_points
+
+    paths: dict[str, Path] = {}
+    broken: list[str] = []
+    for point in sorted(entry_points(group=GROUP), key=lambda point: (point.name, point.value)):
+        try:
+            found = _profiles(_folder(point.load()))
+        except Exception as problem:  # noqa: BLE001 - code of others: whatever it raises is told, nothing else fails
+            broken.append(f"the device package {point.name} cannot be loaded: {problem}")
+            continue
+        paths = found | paths
+    return _Packaged(paths, tuple(broken))
+
+
+def _folder(target: object) -> Path:
+    """Path that an entry point stands for: the folder of a package, or a path that the package names."""
+    if isinstance(target, ModuleType):
+        if target.__file__ is None:
+            raise ValueError(f"{target.__name__} is no package with an __init__.py")
+        return Path(target.__file__).parent
+    if isinstance(target, str | Path):
+        return Path(target)
+    raise TypeError(f"a package or a path is needed, not {type(target).__name__}")
+
+
+def _profiles(path: Path) -> dict[str, Path]:
+    """Profiles of a folder, or the one file, by device."""
+    files = path.iterdir() if path.is_dir() else [path]
+    return {file.stem: file for file in sorted(files) if file.suffix.lower() in _SUFFIXES}
+
+
 def device_names() -> tuple[str, ...]:
-    """Keys of all shipped device profiles, sorted."""
-    return tuple(sorted(path.stem for path in (specs_dir() / "devices").glob("*.yaml")))
+    """Names of all devices that are shipped or come from installed packages, sorted."""
+    return tuple(sorted({*_shipped(), *_packaged().paths}))
 
 
-@functools.cache
-def device(key: str) -> Device | None:
-    """Profile of a device, or None if there is none of that name."""
-    if key not in device_names():
-        return None
-    path = specs_dir() / "devices" / f"{key}.yaml"
-    return _device(key, load_yaml(read_text(path), path.name).data())
+def find_device(name: str) -> Device:
+    """Return the device of a command line: a name, or the path of any profile.
+
+    Raises:
+        DiagnosticError: PG201 if there is none of that name, else the problems of its profile.
+    """
+    if is_path(name):
+        return read_profile(Path(name), name)
+    report = Report()
+    found = Catalogue(Path()).find(name, Span("--device"), report)
+    if found is None:
+        raise DiagnosticError(report)
+    return found
 
 
-def _device(key: str, data: dict[str, Any]) -> Device:
-    index = dict(data["record_index"])
-    objects = data["drive_object"]
-    allowed = objects["allowed"]
-    return Device(
-        key=key,
-        title=data["title"],
-        source=data["source"],
-        default_index=index.pop("default"),
-        record_index=index,
-        drive_object=objects["default"],
-        drive_objects=None if allowed == "any" else tuple(allowed),
-        drive_object_rule=objects["rule"],
-        record_limit=data["limits"]["record"],
-        max_parameters=data["limits"]["parameters"],
-        answer_format=data["answers"]["format"],
-        error_words=data["answers"]["error_words"],
-        scalar_elements=(data["scalar_elements"]["read"], data["scalar_elements"]["write"]),
-        strict_length=data["strict_length"],
-        error_table=data["error_table"],
-        parameters={
-            parameter.pnu: parameter
-            for parameter in (parameter_from(int(ref[1:]), entry) for ref, entry in data["parameters"].items())
-        },
-    )
+def offer_names(schema: dict[str, Any]) -> None:
+    """Let an editor complete the names of devices in the JSON schema of a spec."""
+    schema.pop("type", None)
+    schema["anyOf"] = [
+        {"enum": list(device_names())},
+        {"type": "string", "pattern": r"[/\\]|\.[Yy][Aa]?[Mm][Ll]$", "description": "a profile beside the spec"},
+    ]
 
 
 def parameter_from(pnu: int, entry: dict[str, Any]) -> Parameter:

@@ -11,19 +11,11 @@ from plcgen.project.loading import LoadedSpec, SpecPath
 from plcgen.project.model import Use
 from plcgen.project.schema import ReadItem, WriteItem
 from plcgen.protocols.ds47.devices import Device, Parameter
-from plcgen.protocols.ds47.plan.references import Reference, parse_bico, parse_reference, parse_type
+from plcgen.protocols.ds47.plan.references import Reference, parse_bico, parse_reference
+from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, shorten
-
-DEFAULT_STRING = 16
-
-_PLC_TYPES = {
-    "BOOL": "Boolean", "BYTE": "Unsigned8", "USINT": "Unsigned8", "SINT": "Integer8", "WORD": "Unsigned16",
-    "UINT": "Unsigned16", "INT": "Integer16", "DWORD": "Unsigned32", "UDINT": "Unsigned32", "DINT": "Integer32",
-    "REAL": "FloatingPoint", "FLOAT": "FloatingPoint", "LREAL": "Float64", "STRING": "VisibleString",
-}  # fmt: skip
-"""What people write who think of the PLC's types, and what the drive calls it."""
 
 
 class UseResolver:
@@ -131,27 +123,11 @@ class UseResolver:
 
     def _format(self, parameter: Parameter, path: SpecPath) -> tuple[Format, int] | None:
         """Format and, for strings, the number of octets."""
-        place: SpecPath = (*path, "type")
-        split = parse_type(parameter.type)
         try:
-            fmt = formats.by_name(split[0]) if split else None
-        except KeyError:
-            fmt = None
-        if fmt is None or split is None or not fmt.writable or fmt.generic:
-            names = [f.name for f in formats.FORMATS if f.writable and not f.generic]
-            word = split[0] if split else parameter.type
-            hint = (
-                f'did you mean "{_PLC_TYPES[word.upper()]}"?'
-                if word.upper() in _PLC_TYPES
-                else did_you_mean(word, names)
-            )
-            help_ = f"{hint} DS47 types: {', '.join(names)}".strip()
-            self.problem("PG205", f'"{parameter.type}" is not a DS47 data type', place, help_)
+            return read_type(parameter.type)
+        except TypeTextError as wrong:
+            self.problem("PG205", str(wrong), (*path, "type"), wrong.help)
             return None
-        if split[1] is not None and (not fmt.is_string or not 1 <= split[1] <= 234):
-            self.problem("PG205", f"{parameter.type}: only strings have a length, 1..234", place)
-            return None
-        return fmt, (split[1] or DEFAULT_STRING) if fmt.is_string else 0
 
     def _index_fits(self, reference: Reference, parameter: Parameter, place: SpecPath) -> bool:
         if reference.first is None or reference.last is None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Literal
 
 from plcgen.project.model import PlannedDrive, Project, Use
 from plcgen.protocols.ds47 import devices as catalog
@@ -11,7 +10,6 @@ from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault
 from plcgen.protocols.ds47.sim.habits import Habits
 from plcgen.protocols.ds47.sim.parameters import DriveObject, Limits, Parameter
-from plcgen.protocols.ds47.wire.errors import Table
 from plcgen.protocols.ds47.wire.formats import Format, Kind, Value, unpack_values
 
 
@@ -27,18 +25,15 @@ def build_drive(
         pnu: _parameter(group, seed, distinct=distinct) for seed, (pnu, group) in enumerate(by_pnu.items(), 1)
     }
     device = drive.device
-    words: Literal[1, 2] = 1 if device.error_words == 1 else 2
-    answer: Literal["exact", "size"] = "size" if device.answer_format == "size" else "exact"
-    table: Table = "sinamics" if device.error_table == "sinamics" else "profidrive"
     habits = Habits(
-        error_words=words,
-        answer_format=answer,
+        error_words=device.error_words,
+        answer_format=device.answer_format,
         record_indexes=tuple(device.record_index.values()),
         local_object=drive.drive_object,
         max_parameters=device.max_parameters,
         record_limit=device.record_limit,
         strict_length=device.strict_length,
-        error_table=table,
+        error_table=device.error_table,
     )
     return Drive(habits, [DriveObject(drive.drive_object, parameters)], faults)
 

@@ -1,0 +1,251 @@
+"""The shape of a device profile: what its file may say, and the device that it describes.
+
+docs/devices.md describes it key by key. Everything wrong is a problem at its place: the checks of one key see the keys
+before it, so that one run finds all of them.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field, ValidationInfo, field_validator
+
+from plcgen.input.validation import Document, Problems, StrictModel, problem
+from plcgen.project.schema import ParameterDef
+from plcgen.protocols.ds47.devices import Device, Parameter, parameter_from
+from plcgen.protocols.ds47.plan.references import parse_bico, parse_reference
+from plcgen.protocols.ds47.types import TypeTextError, read_type
+from plcgen.protocols.ds47.wire import formats
+from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind
+from plcgen.protocols.ds47.wire.model import MAX_PARAMETERS, RECORD_LIMIT
+
+
+def _one_line(text: str) -> str:
+    if not text.strip() or not text.isprintable():
+        raise problem("a text is one line of printable characters")
+    return text
+
+
+Line = Annotated[str, AfterValidator(_one_line), Field(max_length=300)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=64)]
+RecordIndex = Annotated[int, Field(ge=1, le=0xFFFF)]
+DriveObject = Annotated[int, Field(ge=0, le=255)]
+
+
+class RecordIndexes(StrictModel):
+    """Data records that carry parameter jobs, by access point."""
+
+    profibus: RecordIndex | None = None
+    profinet_local: RecordIndex | None = Field(None, alias="profinet-local")
+    profinet_global: RecordIndex | None = Field(None, alias="profinet-global")
+    default: Literal["profibus", "profinet-local", "profinet-global"] = Field(description="the one a job takes")
+
+    @field_validator("default")
+    @classmethod
+    def _exists(cls, name: str, info: ValidationInfo) -> str:
+        key = name.replace("-", "_")
+        if key in info.data and info.data[key] is None:
+            raise problem(f'there is no record index "{name}"', help_=f"add {name}: with its number")
+        return name
+
+    def by_name(self) -> dict[str, int]:
+        """Those that the device has."""
+        return self.model_dump(by_alias=True, exclude_none=True, exclude={"default"})
+
+
+class DriveObjects(StrictModel):
+    """Numbers of drive objects (axes)."""
+
+    default: DriveObject = Field(description="the one a drive has if the spec says nothing")
+    allowed: Literal["any"] | tuple[DriveObject, ...] = Field("any", description="any, or a list of numbers")
+    rule: Line = Field("see the manual", description="how to find the number, for a message")
+
+    @field_validator("allowed")
+    @classmethod
+    def _default_is_one(cls, allowed: Any, info: ValidationInfo) -> Any:
+        if allowed != "any" and "default" in info.data and info.data["default"] not in allowed:
+            raise problem(f"the default {info.data['default']} is not among the allowed drive objects")
+        return allowed
+
+
+class Limits(StrictModel):
+    """How much one telegram may hold."""
+
+    record: int = Field(RECORD_LIMIT, ge=16, le=RECORD_LIMIT, description="longest request and response in bytes")
+    parameters: int = Field(MAX_PARAMETERS, ge=1, le=MAX_PARAMETERS, description="parameters in one request")
+
+
+class Answers(StrictModel):
+    """How the device answers."""
+
+    format: Literal["exact", "size"] = Field("exact", description="type of a value: its own, or 41h..43h by size")
+    error_words: Literal[1, 2] = Field(2, description="words per error: the number, and a word of information")
+
+
+class ScalarElements(StrictModel):
+    """Number of elements in a request for a parameter without an index."""
+
+    read: Literal[0, 1] = 1
+    write: Literal[0, 1] = 1
+
+
+class Entry(ParameterDef):
+    """One parameter of the catalogue."""
+
+    name: Name | None = Field(None, description="symbolic name, snake_case")
+    title: Line | None = Field(None, description="text for comments")
+    unit: Line | None = None
+    dangerous: Line | None = Field(None, description="why a write needs a sign-off (allow:)")
+    source: Line | None = Field(None, description="where this is documented; absent: the source of the profile")
+
+    @field_validator("type")
+    @classmethod
+    def _is_a_type(cls, text: str) -> str:
+        try:
+            read_type(text)
+        except TypeTextError as wrong:
+            raise problem(str(wrong), code="PG205", help_=wrong.help) from None
+        return text
+
+    @field_validator("name")
+    @classmethod
+    def _is_no_number(cls, name: str | None) -> str | None:
+        reference = parse_reference(name) if name else None
+        if reference is not None and reference.pnu is not None:
+            raise problem(f'the name "{name}" reads as a parameter number')
+        return name
+
+    @field_validator("min", "max")
+    @classmethod
+    def _fits(cls, limit: float | None, info: ValidationInfo) -> float | None:
+        if limit is None or "type" not in info.data:
+            return limit
+        fmt, _ = read_type(info.data["type"])
+        if fmt.kind not in {Kind.SIGNED, Kind.UNSIGNED, Kind.FLOAT}:
+            raise problem(f"{fmt.name} has no limits")
+        _pack(fmt, limit)
+        low = info.data.get("min")
+        if info.field_name == "max" and low is not None and low > limit:
+            raise problem(f"min {low:g} is larger than max {limit:g}")
+        return limit
+
+    @field_validator("default")
+    @classmethod
+    def _is_a_value(cls, value: Any, info: ValidationInfo) -> Any:
+        if value is None or "type" not in info.data:
+            return value
+        fmt, octets = read_type(info.data["type"])
+        if fmt.is_string or fmt.kind is Kind.OPAQUE:
+            _check_text(fmt, octets or fmt.size, value)
+            return value
+        if isinstance(value, str):
+            if fmt.name != "Unsigned32" or parse_bico(value) is None:
+                raise problem(f'"{value}" is not a value of type {fmt.name}')
+            return value
+        _pack(fmt, value)
+        low, high = info.data.get("min"), info.data.get("max")
+        if (low is not None and value < low) or (high is not None and value > high):
+            raise problem(f"the default {value:g} is outside min and max")
+        return value
+
+    @field_validator("bico")
+    @classmethod
+    def _is_wide_enough(cls, bico: bool, info: ValidationInfo) -> bool:  # noqa: FBT001 - pydantic's signature
+        if bico and "type" in info.data and read_type(info.data["type"])[0].name != "Unsigned32":
+            raise problem("a BICO source is an Unsigned32", help_="remove bico: true, or write type: Unsigned32")
+        return bico
+
+
+def _pack(fmt: Format, value: Any) -> None:
+    try:
+        formats.pack_values(fmt, [value])
+    except FormatValueError as wrong:
+        raise problem(str(wrong)) from None
+
+
+def _check_text(fmt: Format, octets: int, value: Any) -> None:
+    """Check the default of a string: text, or octets as hexadecimal digits."""
+    if not isinstance(value, str):
+        raise problem(f"{fmt.name} takes text", help_='put it in quotes, octets as hexadecimal digits: "0329"')
+    try:
+        data = value.encode("latin-1") if fmt.kind is Kind.TEXT else bytes.fromhex(value)
+    except ValueError:
+        raise problem(f'"{value}" is not a value of type {fmt.name}') from None
+    if len(data) > octets:
+        raise problem(f"{len(data)} octets do not fit {fmt.name}[{octets}]")
+
+
+def _number(key: str) -> str:
+    reference = parse_reference(key)
+    if reference is None or reference.first is not None or not 1 <= (reference.pnu or 0) <= 0xFFFF:
+        raise problem(f'"{key}" is not a parameter number', code="PG203", help_="write P1120: or r0945:")
+    return key
+
+
+class Profile(StrictModel):
+    """A device profile."""
+
+    title: Line = Field(description="name of the device for people")
+    source: Line = Field(description="manuals that say so")
+    record_index: RecordIndexes = Field(description="data records that carry parameter jobs")
+    drive_object: DriveObjects = Field(description="numbers of drive objects")
+    limits: Limits = Field(Limits(), description="how much one telegram may hold")
+    answers: Answers = Field(Answers(), description="how the device answers")
+    scalar_elements: ScalarElements = Field(ScalarElements(), description="elements in a request without an index")
+    strict_length: bool = Field(default=True, description="a request of another length than its contents is refused")
+    error_table: Literal["sinamics", "profidrive"] = Field("sinamics", description="meaning of error numbers")
+    parameters: dict[Annotated[str, AfterValidator(_number)], Entry] = Field(
+        default_factory=dict, description="the catalogue"
+    )
+
+    @field_validator("parameters")
+    @classmethod
+    def _are_different(cls, parameters: dict[str, Entry]) -> dict[str, Entry]:
+        problems, numbers, names = Problems(), dict[int, str](), dict[str, str]()
+        for key, entry in parameters.items():
+            first = numbers.setdefault(_pnu(key), key)
+            if first != key:
+                problems.add(problem(f"{key} is the same parameter as {first}", code="PG103", at_key=True), key)
+            named = names.setdefault(entry.name, key) if entry.name else key
+            if named != key:
+                problems.add(problem(f'{named} has the name "{entry.name}" as well'), key, "name")
+        problems.raise_any()
+        return parameters
+
+    def device(self, key: str) -> Device:
+        """The device that this profile describes; ``key`` is what a spec calls it."""
+        allowed = self.drive_object.allowed
+        return Device(
+            key=key,
+            title=self.title,
+            source=self.source,
+            record_index=self.record_index.by_name(),
+            default_index=self.record_index.default,
+            drive_object=self.drive_object.default,
+            drive_objects=None if allowed == "any" else allowed,
+            drive_object_rule=self.drive_object.rule,
+            record_limit=self.limits.record,
+            max_parameters=self.limits.parameters,
+            answer_format=self.answers.format,
+            error_words=self.answers.error_words,
+            scalar_elements=(self.scalar_elements.read, self.scalar_elements.write),
+            strict_length=self.strict_length,
+            error_table=self.error_table,
+            parameters={_pnu(name): self._parameter(name, entry) for name, entry in self.parameters.items()},
+        )
+
+    def _parameter(self, key: str, entry: Entry) -> Parameter:
+        return parameter_from(_pnu(key), {"source": self.source} | entry.model_dump(exclude_none=True))
+
+
+def _pnu(key: str) -> int:
+    reference = parse_reference(key)
+    return reference.pnu or 0 if reference else 0
+
+
+PROFILE = Document(
+    model=Profile,
+    what="the profile",
+    shape="a device profile is a mapping with title, source, record_index and drive_object",
+    help="docs/devices.md describes it",
+)
