@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from plcgen import api
-from plcgen.cpu.compile_block import compile_block
+from plcgen.cpu.compiler.block import compile_block
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.folder import load_folder
 from plcgen.cpu.program import Program

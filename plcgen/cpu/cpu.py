@@ -11,7 +11,7 @@ from types import FrameType, TracebackType
 from typing import Any, Literal
 
 from plcgen.cpu import arithmetic
-from plcgen.cpu.compile_model import Compiled, Probe, ProgramBlock
+from plcgen.cpu.linkage import Compiled, Probe, ProgramBlock
 from plcgen.cpu.memory import Memory, codec_functions
 from plcgen.cpu.program import Program
 from plcgen.cpu.symbols import Symbols

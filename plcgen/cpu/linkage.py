@@ -1,17 +1,63 @@
-"""What a block may refer to: the other blocks, tags, numbers and system blocks of a program."""
+"""Blocks before and after compilation, and what one may refer to: other blocks, tags and numbers of a program."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import CodeType
 
-from plcgen.cpu.compile_model import Probe, ProgramBlock
+from plcgen.diagnostics import Diagnostic, Span
 from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.shapes import Shape
+from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
+from plcgen.scl.parser import ParseResult
 
 _NUMBERED = re.compile(r"(?:DB|FB|FC|OB|SFB|SFC|UDT)[0-9]{1,5}", re.ASCII)
+
+
+@dataclass(slots=True)
+class ProgramBlock:
+    """A block of the program: the tree, the declarations, where it lies in the generated code."""
+
+    index: int
+    unit: ast.Unit
+    block: Block
+    result: ParseResult
+    shape: Shape | None = None
+    number: int | None = None
+
+    @property
+    def name(self) -> str:
+        """Name as declared."""
+        return self.block.name
+
+
+@dataclass(frozen=True, slots=True)
+class Probe:
+    """One thing coverage counts: a statement or the outcome of a branch."""
+
+    file: str
+    line: int
+    column: int
+    kind: str
+
+
+@dataclass(slots=True)
+class Compiled:
+    """A block as Python code; ``lines`` maps a line of ``source`` to the line of the SCL file."""
+
+    name: str
+    function: str
+    source: str
+    lines: list[int]
+    file: str
+    code: CodeType | None = None
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    calls: dict[str, Span] = field(default_factory=dict)
+    moving: bool = False
 
 
 @dataclass(slots=True)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from plcgen.cpu.semantics_types import SIGNED_WIDTHS, WIDTHS
+from plcgen.cpu.type_rules import SIGNED_WIDTHS, WIDTHS
 
 Reference = tuple["Memory | None", int, int]
 """What ANY, VARIANT and a structured parameter mean at run time: memory, first byte, bytes; None: no such DB."""

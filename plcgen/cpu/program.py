@@ -6,9 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from plcgen.cpu.compile_block import compile_block
-from plcgen.cpu.compile_model import Compiled, Probe, ProgramBlock
-from plcgen.cpu.linkage import Linkage
+from plcgen.cpu.compiler.block import compile_block
+from plcgen.cpu.linkage import Compiled, Linkage, Probe, ProgramBlock
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.s7.blocks import BlockKind

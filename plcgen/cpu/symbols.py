@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from plcgen.cpu.compile_places import AREAS
+from plcgen.cpu.compiler.places import AREAS
 from plcgen.cpu.linkage import Linkage
 from plcgen.cpu.memory import Memory
 from plcgen.s7.address import AddressError, parse_address

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from plcgen.cpu.compile_model import Probe
+from plcgen.cpu.linkage import Probe
 from plcgen.cpu.program import Program
 from plcgen.project.model import PlannedJob
 

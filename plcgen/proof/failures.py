@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from plcgen.cpu.compile_model import Probe
+from plcgen.cpu.linkage import Probe
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.protocols.ds47.proof.runner import Failure
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
-from plcgen.cpu.compile_model import Probe
+from plcgen.cpu.linkage import Probe
 from plcgen.cpu.program import Program
 from plcgen.project.model import Project
 from plcgen.proof.checks import Check, Outcome

@@ -1,109 +1,37 @@
-"""Generated lines, diagnostics, and the cache of values that are known to be in a Python local already."""
+"""Reading and writing memory, and the cache of values that are known to be in a Python local already."""
 
 from __future__ import annotations
 
-import re
-from collections import Counter
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
 
-from plcgen.cpu.compile_model import Place, Probe, ProgramBlock, Val
+from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.listing import Listing
+from plcgen.cpu.compiler.scope import scalar_name
+from plcgen.cpu.compiler.values import Place, Val
 from plcgen.cpu.memory import CODECS
-from plcgen.cpu.semantics_scope import Scope, scalar_name
-from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.s7.types import StringType
-from plcgen.scl import ast
 
-if TYPE_CHECKING:
-    from plcgen.cpu.linkage import Linkage
-
-MAX_DIAGNOSTICS = 100
-EVERYTHING = 1 << 40
 Key = tuple[str, int, str]
-_LOCAL = re.compile(r"\bc[0-9]+\b")
+"""Region, offset in bits and type of a value in memory."""
+_EVERYTHING = 1 << 40
 
 
-class Emitter:
-    """One block on its way to Python: ``dynamic`` adds a base offset ``o`` to every access to the instance."""
+@dataclass(slots=True, eq=False)
+class Access:
+    """Generated reads and writes of places.
 
-    def __init__(self, owner: ProgramBlock, scope: Scope, link: Linkage, *, dynamic: bool = False) -> None:
-        self.owner = owner
-        self.scope = scope
-        self.link = link
-        self.classic = link.classic
-        self.dynamic = dynamic
-        self.lines: list[str] = []
-        self.map: list[int] = []
-        self.indent = " "
-        self.line = 0
-        self.cache: dict[Key, str] = {}
-        self.names: dict[Key, str] = {}
-        self.overlap: set[str] = set()
-        self.folds: list[tuple[int, str]] = []
-        self.conditional = 0
-        self.temporaries = 0
-        self.diagnostics: list[Diagnostic] = []
-        self.calls: dict[str, Span] = {}
-        self.moving = False
+    ``cache`` maps what is known to its Python local, out of all ``names`` that were ever given; ``overlap`` are the
+    regions with views, ``conditional`` counts the operands around that may not be evaluated. ``aliased``: the block has
+    used an instance DB by its name, so that two names may mean the same bytes.
+    """
 
-    # --- output ---------------------------------------------------------------------------------------
-
-    def emit(self, code: str) -> None:
-        """Add one line."""
-        self.lines.append(self.indent + code)
-        self.map.append(self.line)
-
-    def insert(self, at: int, code: str, line: int) -> None:
-        """Put a line before one that is there already."""
-        self.lines.insert(at, code)
-        self.map.insert(at, line)
-        self.folds = [(place + (place >= at), name) for place, name in self.folds]
-
-    def temporary(self) -> str:
-        """Return a new Python local."""
-        self.temporaries += 1
-        return f"q{self.temporaries}"
-
-    def span(self, node: ast.Node) -> Span:
-        """Where a node stands."""
-        return self.owner.result.span(node)
-
-    def error(
-        self, code: str, message: str, node: ast.Node, text: str = "", severity: Severity = Severity.ERROR
-    ) -> None:
-        """Report a problem at a node."""
-        if len(self.diagnostics) < MAX_DIAGNOSTICS:
-            self.diagnostics.append(Diagnostic(code, message, self.span(node), severity, help=text))
-
-    def text(self, node: ast.Node) -> str:
-        """Source text of a node on one line."""
-        return " ".join(self.owner.result.tokens.source[node.start : node.end].split())
-
-    def probe(self, node: ast.Node, kind: str) -> None:
-        """Count this place, if coverage is wanted."""
-        if self.link.coverage:
-            span = self.span(node)
-            self.link.probes.append(Probe(span.file, span.line, span.column, kind))
-            self.emit(f"H[{len(self.link.probes) - 1}]+=1")
-
-    def tidy(self) -> None:
-        """Take out locals that nobody reads again."""
-        source = "\n".join(self.lines)
-        uses = Counter(_LOCAL.findall(source))
-        lines = self.lines
-        dropped: set[int] = set()
-        for at, name in self.folds:
-            if uses[name] == 2 and name in lines[at + 1]:
-                code = lines[at].partition("=")[2]
-                before, _, behind = lines[at + 1].partition(name)
-                if not behind[:1].isdigit():
-                    lines[at + 1] = before + code + behind
-                    dropped.add(at)
-            elif uses[name] == 1:
-                dropped.add(at)
-        self.lines = [line for at, line in enumerate(lines) if at not in dropped]
-        self.map = [line for at, line in enumerate(self.map) if at not in dropped]
-
-    # --- cache ----------------------------------------------------------------------------------------
+    context: Context
+    out: Listing
+    cache: dict[Key, str] = field(default_factory=dict)
+    names: dict[Key, str] = field(default_factory=dict)
+    overlap: set[str] = field(default_factory=set)
+    conditional: int = 0
+    aliased: bool = False
 
     def forget(self) -> None:
         """Anything may have changed."""
@@ -114,7 +42,7 @@ class Emitter:
         if region is None:
             self.cache.clear()
             return
-        instances = self.link.instance_regions
+        instances = self.context.link.instance_regions
         other = instances if region == "m" else {"m"} if region in instances else ()
         for key in list(self.cache):
             if key[0] == region:
@@ -132,12 +60,10 @@ class Emitter:
         first, *rest = exits
         self.cache = {key: name for key, name in first.items() if all(key in other for other in rest)}
 
-    # --- memory ---------------------------------------------------------------------------------------
-
     def address(self, place: Place) -> str:
         """Generated byte offset of a place."""
         parts = []
-        if place.mem == "m" and self.dynamic:
+        if place.mem == "m" and self.context.dynamic:
             parts.append("o")
         if place.dyn:
             parts.append(place.dyn)
@@ -178,7 +104,7 @@ class Emitter:
         """Generated expression that reads a scalar."""
         if type_ == "BOOL":
             if place.dynbit:
-                name = self.temporary()
+                name = self.out.temporary()
                 bit = self.bit(place)
                 base = self.address(Place(place.shape, place.mem, 0, place.dyn))
                 return f"({place.mem}[{base}+(({name}:={bit})>>3)]>>({name}&7)&1)"
@@ -194,28 +120,26 @@ class Emitter:
         """Write a value that has the type of the place already."""
         type_ = scalar_name(place.shape)
         if place.local:
-            self.emit(f"{place.local}={code}")
+            self.out.emit(f"{place.local}={code}")
             return
         if isinstance(place.shape.type, StringType):
             write = "w_s" if type_ == "STRING" else "w_ws"
-            self.emit(f"{write}({place.mem},{self.address(place)},{place.shape.type.length},{code})")
-            self.touched(place.region, 0, EVERYTHING)
+            self.out.emit(f"{write}({place.mem},{self.address(place)},{place.shape.type.length},{code})")
+            self.touched(place.region, 0, _EVERYTHING)
             return
         key = self.key(place, type_)
         if key is None:
-            self.touched(place.region, 0, EVERYTHING)
-        elif key[0] in self.overlap or (self.aliased and (key[0] == "m" or key[0] in self.link.instance_regions)):
+            self.touched(place.region, 0, _EVERYTHING)
+        elif key[0] in self.overlap or (
+            self.aliased and (key[0] == "m" or key[0] in self.context.link.instance_regions)
+        ):
             self.touched(place.region, place.off, place.shape.bits)
         if key is not None:
             name = self.names.setdefault(key, f"c{len(self.names)}")
             self.cache[key] = name
-            self.folds.append((len(self.lines), name))
-            self.emit(f"{name}={code}")
+            self.out.keep(name, code)
             code = name
-        self.emit(self.write_code(place, type_, code, const))
-
-    aliased = False
-    """Whether the block has used an instance DB by its name, so that two names may mean the same bytes."""
+        self.out.emit(self.write_code(place, type_, code, const))
 
     def write_code(self, place: Place, type_: str, code: str, const: object) -> str:
         """Generated statement that writes a scalar."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from plcgen.cpu.memory import single
-from plcgen.cpu.semantics_types import INT_CONST, REAL_CONST, TEXT_CONST, WIDTHS
+from plcgen.cpu.type_rules import INT_CONST, REAL_CONST, TEXT_CONST, WIDTHS
 from plcgen.s7.literals import LiteralError, pack_literal, parse_literal
 from plcgen.s7.types import ALIASES, ELEMENTARY, StringType
 from plcgen.scl.constants import integer

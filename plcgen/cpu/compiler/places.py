@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 
-from plcgen.cpu.compile_emit import Emitter
-from plcgen.cpu.compile_model import UNKNOWN, Place, ProgramBlock, Symbol, Val
-from plcgen.cpu.semantics_scope import bare_shape, scalar_name
-from plcgen.cpu.semantics_types import BITS, INT_CONST, INTEGERS, canonical
+from plcgen.cpu.compiler.access import Access
+from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.conversions import integer_code
+from plcgen.cpu.compiler.expressions import Expressions
+from plcgen.cpu.compiler.listing import Listing
+from plcgen.cpu.compiler.scope import bare_shape, scalar_name
+from plcgen.cpu.compiler.values import UNKNOWN, Place, Symbol
+from plcgen.cpu.linkage import ProgramBlock
+from plcgen.cpu.system.interfaces import system_fbs
+from plcgen.cpu.type_rules import BITS, INT_CONST, INTEGERS, canonical
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.blocks import BlockKind
@@ -25,16 +32,14 @@ _DTL |= {"HOUR": (40, "USINT"), "MINUTE": (48, "USINT"), "SECOND": (56, "USINT")
 AREAS = {"I": "I", "E": "I", "Q": "Q", "A": "Q", "M": "M", "PI": "P", "PE": "P", "PQ": "P", "PA": "P"}
 
 
-class PlaceCompiler(Emitter):
+@dataclass(slots=True, eq=False)
+class Places:
     """Everything that can stand left of an assignment."""
 
-    def expression(self, node: ast.Expression) -> Val:
-        """Compile an expression; the next class knows how."""
-        raise NotImplementedError
-
-    def integer_code(self, value: Val) -> str:
-        """Wrapped code of an integer; the next class knows how."""
-        raise NotImplementedError
+    context: Context
+    out: Listing
+    access: Access
+    expressions: Expressions
 
     def place(self, node: ast.Expression) -> Place | None:
         """Place of a variable; a problem is reported and gives None."""
@@ -51,68 +56,66 @@ class PlaceCompiler(Emitter):
         if isinstance(node, ast.Call) and isinstance(node.target, ast.Address | ast.Name | ast.Member):
             return self.called_address(node)
         if isinstance(node, ast.Dereference):
-            self.error("PG827", "the soft CPU does not follow REF_TO references", node)
+            self.context.error("PG827", "the soft CPU does not follow REF_TO references", node)
             return None
-        self.error("PG823", f"{self.text(node)} is no variable", node)
+        self.context.error("PG823", f"{self.context.text(node)} is no variable", node)
         return None
-
-    # --- names ----------------------------------------------------------------------------------------
 
     def symbol(self, node: ast.Name) -> Symbol | None:
         """Local symbol of a name, if it has one."""
         if node.scope == "quoted":
             return None
-        return self.scope.symbols.get(node.name.upper())
+        return self.context.scope.symbols.get(node.name.upper())
 
     def named(self, node: ast.Name) -> Place | None:
         """Place of a local variable, tag or data block."""
         symbol = self.symbol(node)
         if symbol is not None:
             if symbol.place is None:
-                self.error("PG823", f"{node.name} is a constant", node)
+                self.context.error("PG823", f"{node.name} is a constant", node)
             return symbol.place
         if node.scope != "local":
             upper = node.name.upper()
-            tag = self.link.tags.get(upper)
+            tag = self.context.link.tags.get(upper)
             if tag is not None:
                 return self.at_address(tag[0], tag[1], node)
-            block = self.link.find(upper)
+            block = self.context.link.find(upper)
             if block is not None and block.block.kind is BlockKind.DB and block.shape is not None:
                 return self.data_block(block)
-            if block is self.owner and upper in self.scope.symbols:
-                return self.scope.symbols[upper].place
-            if block is not None and not (block.block.kind in _TYPES and not self.classic):
-                self.error("PG820", f"{node.name} is {block.block.kind.value}, not data", node)
+            if block is self.context.owner and upper in self.context.scope.symbols:
+                return self.context.scope.symbols[upper].place
+            if block is not None and not (block.block.kind in _TYPES and not self.context.classic):
+                self.context.error("PG820", f"{node.name} is {block.block.kind.value}, not data", node)
                 return None
-            if not self.classic and (block is not None or (node.scope == "bare" and canonical(upper) in ELEMENTARY)):
-                self.error("PG827", f"the soft CPU does not compare with the type {node.name}", node)
+            if not self.context.classic and (
+                block is not None or (node.scope == "bare" and canonical(upper) in ELEMENTARY)
+            ):
+                self.context.error("PG827", f"the soft CPU does not compare with the type {node.name}", node)
                 return None
         self.undefined(node)
         return None
 
     def undefined(self, node: ast.Name) -> None:
         """PG820 with the nearest known name."""
-        near = did_you_mean(node.name, [s.name for s in self.scope.symbols.values()])
+        near = did_you_mean(node.name, [s.name for s in self.context.scope.symbols.values()])
         if node.scope == "quoted":
-            known = [block.name for block in self.link.blocks.values()]
-            near = did_you_mean(node.name, [*known, *self.link.tags])
-        self.error("PG820", f"{node.name} is not defined", node, near)
+            known = [block.name for block in self.context.link.blocks.values()]
+            near = did_you_mean(node.name, [*known, *self.context.link.tags])
+        self.context.error("PG820", f"{node.name} is not defined", node, near)
 
     def data_block(self, block: ProgramBlock) -> Place:
         """Whole memory of a data block."""
         shape = block.shape
         assert shape is not None  # noqa: S101 - the caller looked
         region = f"d{block.index}"
-        if region in self.link.instance_regions:
-            self.aliased = True
+        if region in self.context.link.instance_regions:
+            self.access.aliased = True
         return Place(shape, region, 0, region=region)
-
-    # --- paths ----------------------------------------------------------------------------------------
 
     def member(self, node: ast.Member) -> Place | None:
         """``base.name``; a base that is ``DB3`` and a name ``DBW6`` cannot meet here, the lexer joins them."""
         if isinstance(node.base, ast.Name) and self.symbol(node.base) is None:
-            block = self.link.find(node.base.name)
+            block = self.context.link.find(node.base.name)
             if block is not None and block.block.kind is BlockKind.FB:
                 return self.named(ast.Name(node.start, node.end, node.name, "quoted"))
         base = self.place(node.base)
@@ -126,26 +129,17 @@ class PlaceCompiler(Emitter):
         if found is None:
             if scalar_name(base.shape) == "DTL" and name.upper() in _DTL:
                 offset, type_ = _DTL[name.upper()]
-                return self.shifted(base, offset, bare_shape(type_), overlay=True)
+                return base.inside(offset, bare_shape(type_), overlay=True)
             if scalar_name(base.shape) in {"BLOCK_DB", "DB_ANY"}:
-                self.error("PG827", "the soft CPU does not open data blocks by a parameter", node)
+                self.context.error("PG827", "the soft CPU does not open data blocks by a parameter", node)
                 return None
             near = did_you_mean(name, [f.member.name for f in base.shape.fields])
-            self.error("PG820", f"there is no member {name}", node, near)
+            self.context.error("PG820", f"there is no member {name}", node, near)
             return None
-        place = self.shifted(base, found.offset, found.shape, overlay=base.overlay or found.member.at is not None)
+        place = base.inside(found.offset, found.shape, overlay=base.overlay or found.member.at is not None)
         if isinstance(base.shape.type, NamedType) or base.mem.startswith("d"):
             self.watch_status(base, name, node)
         return place
-
-    def watch_status(self, base: Place, name: str, node: ast.Expression) -> None:
-        """Let the next class look at reads of record blocks."""
-
-    @staticmethod
-    def shifted(base: Place, offset: int, shape: Shape, *, overlay: bool) -> Place:
-        """Return a place inside another one."""
-        off = base.off + offset
-        return Place(shape, base.mem, off, base.dyn, base.dynbit, base.region, base.local, base.section, overlay)
 
     def indexed(self, node: ast.Index) -> Place | None:
         """``base[i, j]`` with a check of every index."""
@@ -161,12 +155,12 @@ class PlaceCompiler(Emitter):
                 place = characters(place)
             shape = place.shape
             if not isinstance(shape.type, ArrayType) or shape.element is None or place.local:
-                self.error("PG821", f"{self.text(node.base)} is no array", node)
+                self.context.error("PG821", f"{self.context.text(node.base)} is no array", node)
                 return None
             bounds = shape.type.bounds
             indices = node.indices[position : position + len(bounds)]
             if len(indices) < len(bounds):
-                self.error("PG821", f"{self.text(node.base)} needs {len(bounds)} indices", node)
+                self.context.error("PG821", f"{self.context.text(node.base)} needs {len(bounds)} indices", node)
                 return None
             place = self.element(place, shape, indices)
             position += len(bounds)
@@ -178,20 +172,20 @@ class PlaceCompiler(Emitter):
         assert shape.element is not None  # noqa: S101
         offset, codes = 0, []
         for index, (low, high), stride in zip(indices, shape.type.bounds, shape.strides, strict=True):
-            value = self.expression(index)
+            value = self.expressions.value(index)
             if isinstance(value.const, int) and not isinstance(value.const, bool):
                 if not low <= value.const <= high:
-                    self.error("PG824", f"index {value.const} is outside {low}..{high}", index)
+                    self.context.error("PG824", f"index {value.const} is outside {low}..{high}", index)
                 offset += (value.const - low) * stride
                 continue
             if value.type not in INTEGERS and value.type != UNKNOWN:
-                self.error("PG821", f"an index is an integer, not {value.type or 'a structure'}", index)
-            name = self.temporary()
-            code = self.integer_code(value)
+                self.context.error("PG821", f"an index is an integer, not {value.type or 'a structure'}", index)
+            name = self.out.temporary()
+            code = integer_code(value)
             checked = f"({name} if {low}<=({name}:={code})<={high} else ix({name},{low},{high}))"
             codes.append((checked, stride))
             offset -= low * stride
-        place = self.shifted(base, offset, shape.element, overlay=base.overlay)
+        place = base.inside(offset, shape.element, overlay=base.overlay)
         if not codes:
             return place
         if shape.element.bits == 1:
@@ -205,15 +199,13 @@ class PlaceCompiler(Emitter):
             place.dyn = f"{base.dyn}+{terms}" if base.dyn else terms
         return place
 
-    # --- absolute addresses ---------------------------------------------------------------------------
-
     def absolute(self, node: ast.Address) -> Place | None:
         """``%DB3.DBW6``, ``M50.0``."""
         text = _SHORT.sub(lambda match: f"{match[1]}DB{match[2] or 'X'}", node.text)
         try:
             address = parse_address(text)
         except AddressError as problem:
-            self.error("PG827", str(problem), node)
+            self.context.error("PG827", str(problem), node)
             return None
         widths = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD"}
         return self.at_address(address, widths.get(address.width_bits, "BYTE"), node)
@@ -223,14 +215,14 @@ class PlaceCompiler(Emitter):
         name = canonical(type_)
         shape = bare_shape(name if name in ELEMENTARY else "WORD")
         if address.area == "DB":
-            block = self.link.data_block(address.db or 0)
+            block = self.context.link.data_block(address.db or 0)
             if block is None or block.shape is None:
-                self.error("PG825", f"there is no DB{address.db}", node, "give the number of the data block")
+                self.context.error("PG825", f"there is no DB{address.db}", node, "give the number of the data block")
                 return None
             base = self.data_block(block)
             if address.offset + address.width_bits > block.shape.bits:
-                self.error("PG824", f"DB{address.db} has {block.shape.bits // 8} bytes only", node)
-            return self.shifted(base, address.offset, shape, overlay=True)
+                self.context.error("PG824", f"DB{address.db} has {block.shape.bits // 8} bytes only", node)
+            return base.inside(address.offset, shape, overlay=True)
         area = AREAS[address.area]
         region = None if area == "P" else area
         return Place(shape, area, address.offset, region=region, overlay=True)
@@ -240,7 +232,7 @@ class PlaceCompiler(Emitter):
         base = node.base
         if isinstance(base, ast.Member) and isinstance(base.base, ast.Name):
             match = _INDEXED.fullmatch(base.name)
-            block = self.link.find(base.base.name) if match and base.base.scope != "local" else None
+            block = self.context.link.find(base.base.name) if match and base.base.scope != "local" else None
             if match and block is not None and block.block.kind is BlockKind.DB and block.shape is not None:
                 return self.computed(f"d{block.index}", match[1].upper(), node.indices, block.shape.bits // 8)
         if isinstance(base, ast.Name) and self.symbol(base) is None and base.scope == "bare":
@@ -252,12 +244,12 @@ class PlaceCompiler(Emitter):
 
     def called_address(self, node: ast.Call) -> Place | None:
         """``%DB100.DW(5)``, ``%DB1.DW(IDX := #i)``."""
-        text = self.text(node.target).upper().lstrip("%")
+        text = self.context.text(node.target).upper().lstrip("%")
         head, _, tail = text.partition(".")
         match = _INDEXED.fullmatch(tail)
-        block = self.link.find(head.strip('"'))
+        block = self.context.link.find(head.strip('"'))
         if match is None or block is None or block.shape is None or not node.arguments:
-            self.error("PG823", f"{self.text(node)} is no variable", node)
+            self.context.error("PG823", f"{self.context.text(node)} is no variable", node)
             return None
         indices = tuple(argument.value for argument in node.arguments)
         return self.computed(f"d{block.index}", match[1].upper(), indices, block.shape.bits // 8)
@@ -266,16 +258,28 @@ class PlaceCompiler(Emitter):
         """Absolute access with a computed address."""
         codes = []
         for index in indices:
-            value = self.expression(index)
+            value = self.expressions.value(index)
             if value.type not in INTEGERS and value.type not in {INT_CONST, UNKNOWN, *BITS}:
-                self.error("PG821", "an address index is an integer", index)
-            codes.append(self.integer_code(value))
+                self.context.error("PG821", "an address index is an integer", index)
+            codes.append(integer_code(value))
         shape = bare_shape(_AREA_WIDTHS[letter])
         last = limit - max(1, shape.bits // 8)
         if letter == "X":
             bit = codes[1] if len(codes) > 1 else "0"
             return Place(shape, mem, 0, dynbit=f"ck({codes[0]},{last})*8+ck({bit},7)")
         return Place(shape, mem, 0, f"ck({codes[0]},{last})")
+
+    def watch_status(self, base: Place, name: str, node: ast.Expression) -> None:
+        """Note reads of STATUS of a record block: it counts in the scan of its call only."""
+        if name.upper() != "STATUS" or not isinstance(node, ast.Member):
+            return
+        type_ = base.shape.type.name if isinstance(base.shape.type, NamedType) else ""
+        if isinstance(node.base, ast.Name) and base.mem.startswith("d"):
+            found = self.context.link.find(node.base.name)
+            type_ = self.context.link.instance_type(found) if found is not None else type_
+        system = system_fbs(classic=self.context.classic).get(type_.upper())
+        if system is not None and system.watched and self.context.link.find(type_) is None:
+            self.out.emit(f"st({base.mem},{self.access.address(base)})")
 
 
 def characters(text: Place) -> Place:
@@ -288,4 +292,4 @@ def characters(text: Place) -> Place:
     bits = element.bits * type_.length
     shape = Shape(array, bits, 16, bits, 16, element=element, strides=(element.bits,))
     header = 32 if wide else 16
-    return PlaceCompiler.shifted(text, header, shape, overlay=True)
+    return text.inside(header, shape, overlay=True)

@@ -1,15 +1,12 @@
-"""What the compiler passes around: values, places, symbols, probes and compiled blocks."""
+"""What the parts of the compiler pass around: values, places and symbols."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from types import CodeType
+from dataclasses import dataclass
 
-from plcgen.diagnostics import Diagnostic, Span
-from plcgen.s7.blocks import Block, SectionKind
+from plcgen.cpu.type_rules import SIGNED_WIDTHS, WIDTHS
+from plcgen.s7.blocks import SectionKind
 from plcgen.s7.shapes import Shape
-from plcgen.scl import ast
-from plcgen.scl.parser import ParseResult
 
 UNKNOWN = "?"
 """Type of an expression that has been reported already."""
@@ -39,6 +36,11 @@ class Place:
         """Whether the offset is known at compile time."""
         return not self.dyn and not self.dynbit
 
+    def inside(self, offset: int, shape: Shape, *, overlay: bool) -> Place:
+        """Return a place inside this one, ``offset`` bits behind its start."""
+        off = self.off + offset
+        return Place(shape, self.mem, off, self.dyn, self.dynbit, self.region, self.local, self.section, overlay)
+
 
 @dataclass(slots=True)
 class Val:
@@ -56,6 +58,11 @@ class Val:
     pure: bool = True
     parts: tuple[str, list[str]] | None = None
 
+    @property
+    def wrapped(self) -> str:
+        """The code with an integer brought into the range of its type."""
+        return wrapped(self.code, self.type) if self.raw else self.code
+
 
 @dataclass(slots=True)
 class Symbol:
@@ -68,43 +75,16 @@ class Symbol:
     type_name: str = ""
 
 
-@dataclass(slots=True)
-class ProgramBlock:
-    """A block of the program: the tree, the declarations, where it lies in the generated code."""
-
-    index: int
-    unit: ast.Unit
-    block: Block
-    result: ParseResult
-    shape: Shape | None = None
-    number: int | None = None
-
-    @property
-    def name(self) -> str:
-        """Name as declared."""
-        return self.block.name
+def unknown() -> Val:
+    """Value of something that has been reported."""
+    return Val("0", UNKNOWN)
 
 
-@dataclass(frozen=True, slots=True)
-class Probe:
-    """One thing coverage counts: a statement or the outcome of a branch."""
-
-    file: str
-    line: int
-    column: int
-    kind: str
-
-
-@dataclass(slots=True)
-class Compiled:
-    """A block as Python code; ``lines`` maps a line of ``source`` to the line of the SCL file."""
-
-    name: str
-    function: str
-    source: str
-    lines: list[int]
-    file: str
-    code: CodeType | None = None
-    diagnostics: list[Diagnostic] = field(default_factory=list)
-    calls: dict[str, Span] = field(default_factory=dict)
-    moving: bool = False
+def wrapped(code: str, type_: str) -> str:
+    """Return code that brings an integer into the range of its type."""
+    bits = WIDTHS.get(type_, 16)
+    mask = (1 << bits) - 1
+    if type_ in SIGNED_WIDTHS:
+        half = 1 << bits - 1
+        return f"(({code}+{half}&{mask})-{half})"
+    return f"(({code})&{mask})"

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 
-from plcgen.cpu.compile_calls import CallCompiler
-from plcgen.cpu.compile_expressions import wrapped
-from plcgen.cpu.compile_model import UNKNOWN, Val
-from plcgen.cpu.semantics_types import (
+from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.conversions import Conversions
+from plcgen.cpu.compiler.expressions import Expressions
+from plcgen.cpu.compiler.values import UNKNOWN, Val, unknown, wrapped
+from plcgen.cpu.type_rules import (
     BITS,
     INT_CONST,
     INTEGERS,
@@ -38,10 +40,15 @@ _TEXT_FUNCTIONS = {
 _TIMES = frozenset({"TIME", "LTIME", "DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "LDT"})
 
 
-class FunctionCompiler(CallCompiler):
-    """Functions that only compute; the next class adds those that move memory."""
+@dataclass(slots=True, eq=False)
+class Functions:
+    """Functions that only compute."""
 
-    def function(self, node: ast.Call, name: str) -> Val | None:
+    context: Context
+    expressions: Expressions
+    conversions: Conversions
+
+    def compile(self, node: ast.Call, name: str) -> Val | None:
         """Compile a function of the language, None if there is none of that name."""
         if name in _MATH:
             return self.mathematics(node, name)
@@ -69,8 +76,6 @@ class FunctionCompiler(CallCompiler):
             return self.conversion(node, name, match[1], match[2])
         return None
 
-    # --- arguments ------------------------------------------------------------------------------------
-
     def bind(self, node: ast.Call, names: tuple[str, ...], optional: tuple[str, ...] = ()) -> dict[str, ast.Expression]:
         """Arguments by name, given with names or in order; PG822 about the rest."""
         found: dict[str, ast.Expression] = {}
@@ -80,13 +85,13 @@ class FunctionCompiler(CallCompiler):
             if name in {"EN", "ENO"}:
                 continue
             if name not in allowed or name in found:
-                shown = argument.name or self.text(argument)
-                self.error("PG822", f"there is no parameter {shown}", argument, did_you_mean(shown, allowed))
+                shown = argument.name or self.context.text(argument)
+                self.context.error("PG822", f"there is no parameter {shown}", argument, did_you_mean(shown, allowed))
                 continue
             found[name] = argument.value
         missing = [name for name in names if name not in found]
         if missing:
-            self.error("PG822", f"{missing[0]} is missing", node)
+            self.context.error("PG822", f"{missing[0]} is missing", node)
         return {} if missing else found
 
     def several(self, node: ast.Call) -> list[tuple[str, ast.Expression]]:
@@ -95,66 +100,64 @@ class FunctionCompiler(CallCompiler):
             ((a.name or "").upper(), a.value) for a in node.arguments if (a.name or "").upper() not in {"EN", "ENO"}
         ]
 
-    def ready(self, value: Val) -> str:
-        """Code of a value as it is, wrapped."""
-        return wrapped(value.code, value.type) if value.raw else value.code
-
-    # --- numbers --------------------------------------------------------------------------------------
-
     def mathematics(self, node: ast.Call, name: str) -> Val:
         """Functions of REAL and LREAL."""
         bound = self.bind(node, ("IN",))
         if not bound:
-            return self.unknown()
-        value = self.expression(bound["IN"])
+            return unknown()
+        value = self.expressions.value(bound["IN"])
         type_ = "LREAL" if value.type == "LREAL" else "REAL"
         if value.type in INTEGERS and name == "SQR":
-            code = self.ready(value)
+            code = value.wrapped
             return Val(f"sqr({code})", value.type, raw=True, pure=value.pure)
-        code = f"m_{name.lower()}({self.coerce(value, type_, bound['IN'])})"
+        code = f"m_{name.lower()}({self.conversions.coerce(value, type_, bound['IN'])})"
         return Val(f"f32({code})" if type_ == "REAL" else code, type_, pure=value.pure)
 
     def absolute_value(self, node: ast.Call) -> Val:
         """ABS keeps the type."""
         bound = self.bind(node, ("IN",))
         if not bound:
-            return self.unknown()
-        value = self.expression(bound["IN"])
+            return unknown()
+        value = self.expressions.value(bound["IN"])
         if value.type not in NUMERIC:
             return self.refuse(node, "ABS", value)
         type_ = {INT_CONST: "INT", REAL_CONST: "REAL"}.get(value.type, value.type)
-        return Val(f"abs({self.coerce(value, type_, bound['IN'])})", type_, raw=type_ in INTEGERS, pure=value.pure)
+        return Val(
+            f"abs({self.conversions.coerce(value, type_, bound['IN'])})", type_, raw=type_ in INTEGERS, pure=value.pure
+        )
 
     def refuse(self, node: ast.Call, name: str, value: Val) -> Val:
         """PG821 about the operand of a function."""
         if value.type != UNKNOWN:
-            self.error("PG821", f"{name} does not take {value.type or 'a structure'}", node)
-        return self.unknown()
+            self.context.error("PG821", f"{name} does not take {value.type or 'a structure'}", node)
+        return unknown()
 
     def rounding(self, node: ast.Call, name: str) -> Val:
         """REAL to DINT."""
         bound = self.bind(node, ("IN",))
         if not bound:
-            return self.unknown()
-        value = self.expression(bound["IN"])
+            return unknown()
+        value = self.expressions.value(bound["IN"])
         type_ = "LREAL" if value.type == "LREAL" else "REAL"
         return Val(
-            f"to_int({self.coerce(value, type_, bound['IN'])},32,True,{name.lower()!r})", "DINT", pure=value.pure
+            f"to_int({self.conversions.coerce(value, type_, bound['IN'])},32,True,{name.lower()!r})",
+            "DINT",
+            pure=value.pure,
         )
 
     def shift(self, node: ast.Call, name: str) -> Val:
         """SHL, SHR, ROL, ROR of bit strings, and of integers on S7-1200/1500."""
         bound = self.bind(node, ("IN", "N"))
         if not bound:
-            return self.unknown()
-        value, count = self.expression(bound["IN"]), self.expression(bound["N"])
+            return unknown()
+        value, count = self.expressions.value(bound["IN"]), self.expressions.value(bound["N"])
         type_ = "WORD" if value.type == INT_CONST else value.type
-        if type_ not in BITS and (type_ not in INTEGERS or self.classic):
+        if type_ not in BITS and (type_ not in INTEGERS or self.context.classic):
             return self.refuse(node, name, value)
         if count.type not in INTEGERS and count.type not in {INT_CONST, UNKNOWN}:
-            self.error("PG821", f"N counts bits, it is no {count.type or 'structure'}", bound["N"])
+            self.context.error("PG821", f"N counts bits, it is no {count.type or 'structure'}", bound["N"])
         bits = WIDTHS[type_]
-        code, steps = self.coerce(value, type_, bound["IN"]), self.ready(count)
+        code, steps = self.conversions.coerce(value, type_, bound["IN"]), count.wrapped
         pure = value.pure and count.pure
         if type_ in BITS and isinstance(count.const, int) and 0 <= count.const < bits and name in {"SHL", "SHR"}:
             shifted = f"({code}>>{steps})" if name == "SHR" else f"({code}<<{steps}&{(1 << bits) - 1})"
@@ -163,42 +166,42 @@ class FunctionCompiler(CallCompiler):
 
     def extreme(self, node: ast.Call, name: str) -> Val:
         """MIN and MAX of two and more."""
-        values = [(self.expression(expression), expression) for _, expression in self.several(node)]
+        values = [(self.expressions.value(expression), expression) for _, expression in self.several(node)]
         return self.common_call(node, name.lower(), values)
 
     def limit(self, node: ast.Call) -> Val:
         """LIMIT(MN, IN, MX)."""
         bound = self.bind(node, ("MN", "IN", "MX"))
         if not bound:
-            return self.unknown()
-        values = [(self.expression(bound[name]), bound[name]) for name in ("MN", "IN", "MX")]
+            return unknown()
+        values = [(self.expressions.value(bound[name]), bound[name]) for name in ("MN", "IN", "MX")]
         return self.common_call(node, "limit", values)
 
     def common_call(self, node: ast.Call, function: str, values: list[tuple[Val, ast.Expression]]) -> Val:
         """Call with all operands in their common type."""
         common: str | None = values[0][0].type if values else None
         for value, _ in values[1:]:
-            common = common_type(common or UNKNOWN, value.type, classic=self.classic)
+            common = common_type(common or UNKNOWN, value.type, classic=self.context.classic)
         if any(value.type == UNKNOWN for value, _ in values):
-            return self.unknown()
+            return unknown()
         if not common or len(values) < 2:
-            self.error("PG821", f"the operands of {function.upper()} have no common type", node)
-            return self.unknown()
+            self.context.error("PG821", f"the operands of {function.upper()} have no common type", node)
+            return unknown()
         common = {INT_CONST: "INT", REAL_CONST: "REAL", TEXT_CONST: "STRING"}.get(common, common)
-        codes = [self.coerce(value, common, expression) for value, expression in values]
+        codes = [self.conversions.coerce(value, common, expression) for value, expression in values]
         return Val(f"{function}({','.join(codes)})", common, pure=all(value.pure for value, _ in values))
 
     def select(self, node: ast.Call, name: str) -> Val:
         """SEL(G, IN0, IN1), MUX(K, IN0, IN1, ...)."""
         arguments = self.several(node)
         if len(arguments) < 3 or (name == "SEL" and len(arguments) > 3):
-            self.error("PG822", f"{name} needs a selector and at least two inputs", node)
-            return self.unknown()
+            self.context.error("PG822", f"{name} needs a selector and at least two inputs", node)
+            return unknown()
         if all(label for label, _ in arguments):
             arguments.sort(key=lambda item: (item[0] not in {"G", "K"}, len(item[0]), item[0]))
-        selector = self.expression(arguments[0][1])
-        values = [(self.expression(expression), expression) for _, expression in arguments[1:]]
-        code = f"int(not not {self.truth(selector, node)})" if name == "SEL" else self.ready(selector)
+        selector = self.expressions.value(arguments[0][1])
+        values = [(self.expressions.value(expression), expression) for _, expression in arguments[1:]]
+        code = f"int(not not {self.conversions.truth(selector, node)})" if name == "SEL" else selector.wrapped
         result = self.common_call(node, name.lower(), values)
         if result.type == UNKNOWN:
             return result
@@ -207,34 +210,30 @@ class FunctionCompiler(CallCompiler):
     def swap(self, node: ast.Call) -> Val:
         """Change the order of bytes."""
         bound = self.bind(node, ("IN",))
-        value = self.expression(bound["IN"]) if bound else self.unknown()
+        value = self.expressions.value(bound["IN"]) if bound else unknown()
         if value.type not in BITS:
             return self.refuse(node, "SWAP", value)
         size = BITS[value.type] // 8
         return Val(f"int.from_bytes(({value.code}).to_bytes({size}),'little')", value.type, pure=value.pure)
 
-    # --- texts ----------------------------------------------------------------------------------------
-
     def text_function(self, node: ast.Call, name: str) -> Val:
         """LEN, CONCAT, LEFT, RIGHT, MID, FIND, DELETE, INSERT, REPLACE."""
         bound = self.bind(node, _TEXT_FUNCTIONS[name])
         if not bound:
-            return self.unknown()
+            return unknown()
         codes, wide, pure = [], False, True
         for parameter, expression in bound.items():
-            value = self.expression(expression)
+            value = self.expressions.value(expression)
             pure = pure and value.pure
             if parameter.startswith("IN"):
                 wide = wide or value.type == "WSTRING"
                 if value.type not in TEXTS and value.type not in {TEXT_CONST, "CHAR", "WCHAR", UNKNOWN}:
                     return self.refuse(node, name, value)
-                codes.append(self.coerce(value, "WSTRING" if wide else "STRING", expression))
+                codes.append(self.conversions.coerce(value, "WSTRING" if wide else "STRING", expression))
             else:
-                codes.append(self.ready(value))
+                codes.append(value.wrapped)
         type_ = "INT" if name in {"LEN", "FIND"} else "WSTRING" if wide else "STRING"
         return Val(f"t_{name.lower()}({','.join(codes)})", type_, pure=pure)
-
-    # --- conversions ----------------------------------------------------------------------------------
 
     def conversion(self, node: ast.Call, name: str, source: str, target: str) -> Val | None:
         """``A_TO_B`` with one argument."""
@@ -243,30 +242,30 @@ class FunctionCompiler(CallCompiler):
         if name in INSTRUCTIONS:
             return None
         source, target = canonical(source), canonical(target)
-        if (source, target) in NOT_EXECUTED and not self.classic:
-            self.error("PG827", f"the soft CPU does not execute {name}", node)
-            return self.unknown()
-        if (source, target) not in conversions(classic=self.classic):
-            self.error("PG820", f"{self.link.dialect.label} has no function {name}", node)
-            return self.unknown()
+        if (source, target) in NOT_EXECUTED and not self.context.classic:
+            self.context.error("PG827", f"the soft CPU does not execute {name}", node)
+            return unknown()
+        if (source, target) not in conversions(classic=self.context.classic):
+            self.context.error("PG820", f"{self.context.link.dialect.label} has no function {name}", node)
+            return unknown()
         bound = self.bind(node, ("IN",))
         if not bound:
-            return self.unknown()
-        value = self.expression(bound["IN"])
-        code = self.coerce(value, source, bound["IN"])
+            return unknown()
+        value = self.expressions.value(bound["IN"])
+        code = self.conversions.coerce(value, source, bound["IN"])
         return Val(convert_code(code, source, target), target, pure=value.pure)
 
     def bcd(self, node: ast.Call, name: str) -> Val:
         """BCD words and integers."""
         bound = self.bind(node, ("IN",))
         if not bound:
-            return self.unknown()
+            return unknown()
         double = "DINT" in name or "DWORD" in name
-        value = self.expression(bound["IN"])
+        value = self.expressions.value(bound["IN"])
         if name.endswith(("_TO_INT", "_TO_DINT")):
-            code = self.coerce(value, "DWORD" if double else "WORD", bound["IN"])
+            code = self.conversions.coerce(value, "DWORD" if double else "WORD", bound["IN"])
             return Val(f"from_bcd({code},{7 if double else 3})", "DINT" if double else "INT", pure=value.pure)
-        code = self.coerce(value, "DINT" if double else "INT", bound["IN"])
+        code = self.conversions.coerce(value, "DINT" if double else "INT", bound["IN"])
         return Val(f"to_bcd({code},{7 if double else 3})", "DWORD" if double else "WORD", pure=value.pure)
 
 

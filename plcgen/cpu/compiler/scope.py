@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from plcgen.cpu.compile_model import Place, Symbol, Val
-from plcgen.cpu.literals import literal_value
+from plcgen.cpu.compiler.literals import literal_value
+from plcgen.cpu.compiler.values import Place, Symbol, Val
 from plcgen.cpu.memory import CODECS
-from plcgen.cpu.semantics_types import INT_CONST, POINTERS
+from plcgen.cpu.type_rules import INT_CONST, POINTERS
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.s7.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.layout import layout_members
@@ -16,7 +16,7 @@ from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, Elementary, Member,
 from plcgen.scl.constants import evaluate
 from plcgen.scl.parser import parse_value
 
-MEMORY_SECTIONS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT, SectionKind.STATIC)
+_PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT, SectionKind.RETURN)
 
 
 def scalar_name(shape: Shape) -> str:
@@ -133,7 +133,7 @@ class Scope:
 
     def _parameters(self) -> None:
         """Parameters of an FC or OB: scalars are Python arguments, the rest comes by reference."""
-        for kind in (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT, SectionKind.RETURN):
+        for kind in _PARAMETERS:
             members = self.block.section(kind)
             viewed = {m.at.strip('"#').upper() for m in members if m.at is not None}
             for member in members:
@@ -205,6 +205,20 @@ def is_pointer(member: Member) -> bool:
     """Whether a parameter is ANY, POINTER or VARIANT."""
     type_ = member.type
     return isinstance(type_, Elementary | NamedType) and type_.name.upper() in POINTERS
+
+
+def function_parameters(block: Block) -> list[tuple[SectionKind, Member, str]]:
+    """Parameters of an FC in the order of its Python arguments, and how each is passed."""
+    rows: list[tuple[SectionKind, Member, str]] = []
+    for kind in _PARAMETERS:
+        members = block.section(kind)
+        viewed = {m.at.strip('"#').upper() for m in members if m.at is not None}
+        for member in members:
+            if member.at is not None:
+                continue
+            scalar = is_scalar(member.type) and member.name.upper() not in viewed
+            rows.append((kind, member, "value" if scalar else "pointer" if is_pointer(member) else "reference"))
+    return rows
 
 
 def _variant(member: Member) -> Shape:

@@ -1,0 +1,134 @@
+"""Assignments: a value into a place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from plcgen.cpu.compiler.access import Access
+from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.conversions import Conversions
+from plcgen.cpu.compiler.expressions import Expressions
+from plcgen.cpu.compiler.listing import Listing
+from plcgen.cpu.compiler.operands import Operands
+from plcgen.cpu.compiler.places import Places
+from plcgen.cpu.compiler.scope import bare_shape, scalar_name
+from plcgen.cpu.compiler.values import UNKNOWN, Place, Val
+from plcgen.cpu.type_rules import BITS
+from plcgen.diagnostics import Severity
+from plcgen.s7.blocks import BlockKind, SectionKind
+from plcgen.s7.shapes import Shape
+from plcgen.s7.types import NamedType
+from plcgen.scl import ast
+
+_BOOL = bare_shape("BOOL")
+_COMBINED = {"+=": "+", "-=": "-", "*=": "*", "/=": "/", "&=": "AND", "**=": "**"}
+
+
+@dataclass(slots=True, eq=False)
+class Assignments:
+    """``:=`` in statements, and whatever else stores a value that SCL sees."""
+
+    context: Context
+    out: Listing
+    access: Access
+    expressions: Expressions
+    conversions: Conversions
+    places: Places
+    operands: Operands
+
+    def assign(self, node: ast.Assign) -> None:
+        """``target := value``, also combined and chained."""
+        value_node = node.value
+        if node.operator in _COMBINED:
+            value_node = ast.Binary(node.start, node.end, _COMBINED[node.operator], node.target, node.value)
+        elif node.operator != ":=":
+            self.context.error("PG827", f"the soft CPU does not execute {node.operator}", node)
+            return
+        if isinstance(node.target, ast.Slice):
+            self.assign_slice(node.target, value_node)
+            return
+        for target in (node.target, *node.also):
+            place = self.target(target)
+            value = self.expressions.value(value_node)
+            if place is not None:
+                self.assign_value(place, value, value_node)
+
+    def target(self, node: ast.Expression) -> Place | None:
+        """Place left of ``:=``; PG823 if it must not be written. Computed offsets are evaluated first."""
+        if isinstance(node, ast.Name) and node.name.upper() in {"ENO", "OK"} and self.places.symbol(node) is None:
+            value = self.operands.name(node)
+            return Place(_BOOL, local=value.code)
+        place = self.places.place(node)
+        if place is None:
+            return None
+        if place.section is SectionKind.INPUT:
+            # STEP 7 V5 lets an FB write its inputs: public libraries reset their commands that way
+            tolerated = not self.context.link.dialect.is_tia and self.context.scope.block.kind is BlockKind.FB
+            severity = Severity.WARNING if tolerated else Severity.ERROR
+            self.context.error(
+                "PG823", f"{self.context.text(node)} is an input", node, "copy it to a variable of its own", severity
+            )
+        if "(" in place.dyn:
+            name = self.out.temporary()
+            self.out.emit(f"{name}={place.dyn}")
+            place.dyn = name
+        if place.dynbit:
+            name = self.out.temporary()
+            self.out.emit(f"{name}={place.dynbit}")
+            place.dynbit = name
+        return place
+
+    def assign_slice(self, node: ast.Slice, value_node: ast.Expression) -> None:
+        """``x.%X3 := value``: the rest of x stays."""
+        place = self.target(node.base)
+        value = self.expressions.value(value_node)
+        if place is None or value.type == UNKNOWN:
+            return
+        old = self.access.load(place)
+        part = self.operands.slice_type(node, old)
+        if part is None:
+            return
+        bits, type_ = part
+        code = self.conversions.coerce(value, type_, value_node)
+        code = f"(1 if {code} else 0)" if type_ == "BOOL" else code
+        mask = (1 << bits) - 1 << node.index * bits
+        whole = scalar_name(place.shape)
+        result = Val(f"({old.code}&{~mask}|{code}<<{node.index * bits})", whole, raw=whole not in BITS)
+        if whole in BITS:
+            result = Val(f"({old.code}&{(1 << BITS[whole]) - 1 & ~mask}|{code}<<{node.index * bits})", whole)
+        self.access.store(place, result.wrapped)
+
+    def assign_value(self, place: Place, value: Val, node: ast.Expression) -> None:
+        """Store a value with its implicit conversion; structures are copied."""
+        type_ = scalar_name(place.shape)
+        if value.type == UNKNOWN:
+            return
+        if type_ and value.type:
+            code = self.conversions.coerce(value, type_, node)
+            const = value.const if isinstance(value.const, bool) else None
+            self.access.store(place, code, const)
+            return
+        self.copy(place, value, node)
+
+    def copy(self, place: Place, value: Val, node: ast.Expression) -> None:
+        """Copy a structure or array byte by byte."""
+        source = value.place
+        if source is None or source.shape.bits != place.shape.bits or not same_type(place.shape, source.shape):
+            self.context.error("PG821", f"{self.context.text(node)} has another type", node)
+            return
+        size = place.shape.bits // 8
+        self.out.emit(f"cp({place.mem},{self.access.address(place)},{source.mem},{self.access.address(source)},{size})")
+        self.access.touched(place.region if place.fixed else None, place.off, place.shape.bits)
+
+
+def same_type(left: Shape, right: Shape) -> bool:
+    """Whether two structures may be assigned: the same name, or the same members."""
+    if isinstance(left.type, NamedType) and isinstance(right.type, NamedType):
+        return left.type.name.upper() == right.type.name.upper()
+    if len(left.fields) != len(right.fields) or (left.element is None) != (right.element is None):
+        return False
+    if left.element is not None and right.element is not None:
+        return left.strides == right.strides and same_type(left.element, right.element)
+    if left.fields:
+        return all(same_type(a.shape, b.shape) for a, b in zip(left.fields, right.fields, strict=True))
+    return scalar_name(left) == scalar_name(right)

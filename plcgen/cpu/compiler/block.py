@@ -1,0 +1,185 @@
+"""One block of the program to one Python function (and a second one for multi-instances)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from plcgen.cpu.compiler.access import Access
+from plcgen.cpu.compiler.arguments import Arguments
+from plcgen.cpu.compiler.assignments import Assignments
+from plcgen.cpu.compiler.branches import Branches
+from plcgen.cpu.compiler.calls import Calls
+from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.conversions import Conversions
+from plcgen.cpu.compiler.expressions import Expressions
+from plcgen.cpu.compiler.functions import Functions
+from plcgen.cpu.compiler.labels import Labels, has_labels
+from plcgen.cpu.compiler.listing import Listing
+from plcgen.cpu.compiler.loops import Loops
+from plcgen.cpu.compiler.moves import Moves
+from plcgen.cpu.compiler.operands import Operands
+from plcgen.cpu.compiler.operators import Operators
+from plcgen.cpu.compiler.places import Places
+from plcgen.cpu.compiler.references import References
+from plcgen.cpu.compiler.scope import Scope, function_parameters
+from plcgen.cpu.compiler.statements import Statements
+from plcgen.cpu.compiler.values import Symbol
+from plcgen.cpu.compiler.watchdog import Watchdog
+from plcgen.cpu.linkage import Compiled, Linkage, ProgramBlock
+from plcgen.cpu.memory import CODECS
+from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.s7.blocks import BlockKind, SectionKind
+from plcgen.s7.types import Elementary, Member
+from plcgen.scl import ast
+from plcgen.scl.dialect import Dialect
+
+
+def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False) -> Compiled:
+    """Generate the code of an FB, FC or OB; what is wrong with it is in ``diagnostics``."""
+    scope = Scope(owner.block, owner.shape, link.types, untyped=link.dialect is Dialect.STEP7_V5)
+    out = Listing()
+    context = Context(owner, scope, link, out, dynamic)
+    name = f"b{owner.index}{'o' if dynamic else ''}"
+    file = owner.result.tokens.file
+    try:
+        _frame(context).compile(name)
+        out.tidy()
+        source = "\n".join(out.lines)
+        result = Compiled(owner.name, name, source, out.map, file)
+        if all(found.severity is not Severity.ERROR for found in context.diagnostics):
+            result.code = compile(source, f"<{file}>", "exec", dont_inherit=True, optimize=1)
+    except (RecursionError, SyntaxError, MemoryError, OverflowError):
+        result = Compiled(owner.name, name, "", [], file)
+        span = owner.block.span or Span(file)
+        context.diagnostics.append(Diagnostic("PG827", f"{owner.name} is nested too deeply for the soft CPU", span))
+    result.diagnostics = context.diagnostics
+    for problem in scope.problems:
+        result.diagnostics += problem.diagnostics
+    result.calls = context.calls
+    result.moving = context.moving
+    return result
+
+
+def _frame(context: Context) -> _Frame:
+    """Put the parts together: each is given those it needs."""
+    out = context.out
+    access = Access(context, out)
+    expressions = Expressions()
+    conversions = Conversions(context)
+    places = Places(context, out, access, expressions)
+    references = References(context, out, access, expressions, conversions, places)
+    operators = Operators(context, access, expressions, conversions)
+    operands = Operands(context, access, expressions, places, references)
+    assignments = Assignments(context, out, access, expressions, conversions, places, operands)
+    arguments = Arguments(context, access, expressions, places, references, assignments)
+    functions = Functions(context, expressions, conversions)
+    moves = Moves(context, out, access, expressions, conversions, places, references, assignments, functions)
+    watchdog = Watchdog(out)
+    calls = Calls(
+        context, out, access, expressions, conversions, places, references, assignments, arguments, functions, moves,
+        watchdog,
+    )  # fmt: skip
+    expressions.parts |= {
+        ast.Name: operands.name, ast.Literal: operands.literal, ast.Slice: operands.slice,
+        ast.Omitted: operands.omitted, ast.Aggregate: operands.listed, ast.Repetition: operands.listed,
+        ast.Binary: operators.binary, ast.Unary: operators.unary, ast.Call: calls.call_value,
+    }  # fmt: skip
+    paths = (ast.Member, ast.Index, ast.Address, ast.Peripheral, ast.Dereference)
+    expressions.parts |= dict.fromkeys(paths, operands.variable)
+    statements = Statements(context, out)
+    labels = Labels(context, out, access, watchdog, statements)
+    branches = Branches(context, out, access, expressions, conversions, statements)
+    loops = Loops(context, out, access, expressions, conversions, assignments, watchdog, labels, statements)
+    statements.parts |= {
+        ast.Assign: assignments.assign, ast.CallStatement: calls.call_statement,
+        ast.If: branches.if_statement, ast.Case: branches.case_statement, ast.For: loops.for_statement,
+        ast.While: loops.while_statement, ast.Repeat: loops.repeat_statement, ast.Jump: loops.jump,
+        ast.Goto: labels.goto,
+    }  # fmt: skip
+    return _Frame(context, out, access, statements, labels)
+
+
+@dataclass(slots=True, eq=False)
+class _Frame:
+    """The frame around the statements: parameters, local data, results."""
+
+    context: Context
+    out: Listing
+    access: Access
+    statements: Statements
+    labels: Labels
+
+    def compile(self, name: str) -> None:
+        """Generate the whole function."""
+        unit = self.context.owner.unit
+        self.context.move_to(unit)
+        head, leave = self.frame()
+        self.context.leave = leave
+        self.out.lines.append(f"def {name}({head}):")
+        self.out.map.append(self.out.line)
+        self.prologue()
+        begin = len(self.out.lines)
+        if has_labels(unit.statements):
+            self.labels.segments(unit.statements)
+            self.out.emit(leave)
+        elif self.statements.body(unit.statements):
+            self.out.emit(leave)
+        if self.context.uses_eno:
+            self.out.insert(begin, " E[0]=True", self.out.map[0])
+
+    def frame(self) -> tuple[str, str]:
+        """Python parameters, and the statement that leaves the block."""
+        if self.context.owner.block.kind is BlockKind.FB:
+            return ("m,o" if self.context.dynamic else "m"), "return"
+        parameters: list[str] = []
+        results: list[str] = []
+        returned = ""
+        for kind, _, how, symbol in self.parameters():
+            if kind is SectionKind.RETURN:
+                returned = symbol.type_name if how == "value" else f"r_s({symbol.type_name}_m,0)"
+                continue
+            if how != "value" or kind is not SectionKind.OUTPUT:
+                parameters.append(symbol.type_name)
+            if how == "value" and kind is not SectionKind.INPUT:
+                results.append(symbol.type_name)
+        if results:
+            return ",".join(parameters), f"return {returned or 'None'},{','.join(results)}"
+        return ",".join(parameters), f"return {returned}".rstrip()
+
+    def parameters(self) -> list[tuple[SectionKind, Member, str, Symbol]]:
+        """Parameters of an FC with their symbols."""
+        rows = []
+        for kind, member, how in function_parameters(self.context.owner.block):
+            name = self.context.owner.name if kind is SectionKind.RETURN else member.name
+            rows.append((kind, member, how, self.context.scope.symbols[name.upper()]))
+        return rows
+
+    def prologue(self) -> None:
+        """Initial values of locals, memory for local data, references."""
+        if self.context.owner.block.kind is not BlockKind.FB:
+            for kind, member, how, symbol in self.parameters():
+                self.parameter_prologue(kind, member, how, symbol)
+        for name, symbol in self.context.scope.copied:
+            if symbol.place is not None:
+                self.out.emit(f"{name}_m,{name}_o=deref(r_x(m,{self.access.address(symbol.place)},6))")
+        groups: dict[str, list[str]] = {}
+        for name, type_ in self.context.scope.locals:
+            if name.startswith("v"):
+                default = CODECS[type_].default if type_ in CODECS else "False"
+                groups.setdefault(default, []).append(name)
+        for default, names in groups.items():
+            self.out.emit(f"{'='.join(names)}={default}")
+        if self.context.scope.temp_shape is not None:
+            self.out.emit(f"t=local({self.context.scope.temp_shape.bits // 8})")
+
+    def parameter_prologue(self, kind: SectionKind, member: Member, how: str, symbol: Symbol) -> None:
+        """Make one parameter of an FC ready."""
+        name = symbol.type_name
+        if how == "value":
+            if kind in {SectionKind.OUTPUT, SectionKind.RETURN}:
+                type_ = member.type.name if isinstance(member.type, Elementary) else ""
+                self.out.emit(f"{name}={CODECS[type_].default if type_ in CODECS else 'False'}")
+        elif how == "reference":
+            if kind is SectionKind.RETURN and symbol.place is not None:
+                self.out.emit(f"{name}=(local({symbol.place.shape.bits // 8}),0,0)")
+            self.out.emit(f"{name}_m,{name}_o=there({name})")

@@ -1,0 +1,282 @@
+"""Calls: instances of function blocks, system function blocks, functions of the program."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from plcgen.cpu.compiler.access import Access
+from plcgen.cpu.compiler.arguments import Arguments
+from plcgen.cpu.compiler.assignments import Assignments
+from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.conversions import Conversions
+from plcgen.cpu.compiler.expressions import Expressions
+from plcgen.cpu.compiler.functions import Functions
+from plcgen.cpu.compiler.listing import Listing
+from plcgen.cpu.compiler.moves import Moves, is_move
+from plcgen.cpu.compiler.places import Places
+from plcgen.cpu.compiler.references import References
+from plcgen.cpu.compiler.scope import function_parameters
+from plcgen.cpu.compiler.values import UNKNOWN, Place, Val, unknown
+from plcgen.cpu.compiler.watchdog import Watchdog
+from plcgen.cpu.linkage import ProgramBlock
+from plcgen.cpu.system.interfaces import SystemFb, system_fbs
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.s7.blocks import BlockKind, SectionKind
+from plcgen.s7.types import Elementary, NamedType, StringType
+from plcgen.scl import ast
+from plcgen.scl.instructions import INSTRUCTIONS
+
+_METHODS = frozenset({"TON", "TOF", "TP"})
+_TIMER_TYPES = frozenset({"IEC_TIMER", *(f"{name}_TIME" for name in _METHODS)})
+"""Types of one layout that are called as ``timer.TON(..)`` on an S7-1200/1500."""
+_IN, _OUT, _INOUT = SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT
+
+
+@dataclass(slots=True, eq=False)
+class Calls:
+    """Everything with parentheses behind a name."""
+
+    context: Context
+    out: Listing
+    access: Access
+    expressions: Expressions
+    conversions: Conversions
+    places: Places
+    references: References
+    assignments: Assignments
+    arguments: Arguments
+    functions: Functions
+    moves: Moves
+    watchdog: Watchdog
+
+    def instruction(self, node: ast.Call, name: str) -> Val | None:
+        """Compile a function of the language, None if there is none of that name."""
+        return (self.moves if is_move(name) else self.functions).compile(node, name)
+
+    def call_value(self, node: ast.Call) -> Val:
+        """Compile a call inside an expression."""
+        target = node.target
+        if isinstance(target, ast.Address) or (isinstance(target, ast.Member) and self.is_data(target)):
+            place = self.places.called_address(node)
+            return self.access.load(place) if place is not None else unknown()
+        if isinstance(target, ast.Name) and self.places.symbol(target) is None:
+            found = self.context.link.find(target.name)
+            if found is not None and found.block.kind is BlockKind.FC:
+                return self.call_function(node, found)
+            if target.scope == "bare":
+                value = self.instruction(node, target.name.upper())
+                if value is not None:
+                    return value
+            if found is None:
+                self.missing_block(node, target)
+                return unknown()
+        self.context.error("PG821", f"{self.context.text(target)} has no value", node, "only functions have one")
+        return unknown()
+
+    def is_data(self, target: ast.Member) -> bool:
+        """Whether a path such as ``%DB1.DW`` begins with a data block instead of an FB."""
+        base = target.base
+        found = (
+            self.context.link.find(base.name)
+            if isinstance(base, ast.Name) and self.places.symbol(base) is None
+            else None
+        )
+        named = found is not None and found.block.kind is BlockKind.DB
+        return named and target.name.upper() in {"DW", "DB", "DD", "DX", "DBW", "DBB", "DBD", "DBX"}
+
+    def near_block(self, name: str) -> str:
+        """Return a hint with the nearest block name."""
+        return did_you_mean(name, [block.name for block in self.context.link.blocks.values()])
+
+    def call_statement(self, statement: ast.CallStatement) -> None:
+        """Compile a call that stands alone."""
+        node, target = statement.call, statement.call.target
+        if isinstance(target, ast.Name) and self.places.symbol(target) is None:
+            found = self.context.link.find(target.name)
+            if found is None and (target.scope == "bare" or target.name.upper() not in self.context.link.tags):
+                self.plain_call(node, target)
+                return
+            if found is not None and found.block.kind in {BlockKind.FC, BlockKind.OB}:
+                self.discard(self.call_function(node, found))
+                return
+        if (
+            isinstance(target, ast.Member)
+            and isinstance(target.base, ast.Name)
+            and self.places.symbol(target.base) is None
+        ):
+            type_ = self.type_called(target.base.name)
+            if type_:
+                self.call_by_type(node, target, type_)
+                return
+        if isinstance(target, ast.Member) and target.name.upper() in _METHODS and self.is_timer(target.base):
+            place = self.places.place(target.base)
+            if place is not None:
+                self.call_instance(node, place, target.name.upper())
+            return
+        place = self.places.place(target)
+        if place is not None:
+            type_ = place.shape.type.name if isinstance(place.shape.type, NamedType) else ""
+            if isinstance(target, ast.Name) and place.mem.startswith("d"):
+                found = self.context.link.find(target.name)
+                type_ = self.context.link.instance_type(found) if found is not None else ""
+            self.call_instance(node, place, type_)
+
+    def is_timer(self, node: ast.Expression) -> bool:
+        """Whether ``x`` of ``x.TON(..)`` is an IEC_TIMER of its own or in a data block."""
+        if isinstance(node, ast.Name) and self.places.symbol(node) is None:
+            found = self.context.link.find(node.name)
+            if found is not None and found.block.kind is BlockKind.DB and found.block.instance_of:
+                return found.block.instance_of.upper() in _TIMER_TYPES
+        place = self.places.place(node)
+        return (
+            place is not None
+            and isinstance(place.shape.type, NamedType)
+            and (place.shape.type.name.upper() in _TIMER_TYPES)
+        )
+
+    def plain_call(self, node: ast.Call, target: ast.Name) -> None:
+        """Compile a function of the language whose value nobody wants, or report a missing block."""
+        value = self.instruction(node, target.name.upper()) if target.scope == "bare" else None
+        if value is None:
+            self.missing_block(node, target)
+        else:
+            self.discard(value)
+
+    def missing_block(self, node: ast.Call, target: ast.Name) -> None:
+        """PG825, or PG827 for a function of the language that the soft CPU does not have."""
+        upper = target.name.upper()
+        if target.scope == "bare" and (upper in INSTRUCTIONS or (upper[:3] == "SFC" and upper[3:].isdecimal())):
+            self.context.error("PG827", f"the soft CPU does not execute {target.name}", node)
+            return
+        self.context.error("PG825", f"there is no block {target.name}", node, self.near_block(target.name))
+
+    def discard(self, value: Val) -> None:
+        """Evaluate an expression for what it does."""
+        if value.code and value.type != UNKNOWN and not value.code.isidentifier():
+            self.out.emit(value.code)
+
+    def type_called(self, name: str) -> str:
+        """Upper-case name of the FB or system block before the dot of ``"FB"."DB"(..)``."""
+        found = self.context.link.find(name)
+        if found is not None:
+            return found.name.upper() if found.block.kind is BlockKind.FB else ""
+        return name.upper() if name.upper() in system_fbs(classic=self.context.classic) else ""
+
+    def call_by_type(self, node: ast.Call, target: ast.Member, type_: str) -> None:
+        """``"FB"."DB"(..)`` of STEP 7 V5."""
+        found = self.context.link.find(target.name)
+        if found is None or found.shape is None or found.block.kind is not BlockKind.DB:
+            self.context.error(
+                "PG825", f"there is no instance data block {target.name}", node, self.near_block(target.name)
+            )
+            return
+        own = self.context.link.instance_type(found)
+        systems = system_fbs(classic=self.context.classic)
+        if own != type_ and systems.get(own) is not systems.get(type_):
+            self.context.error("PG825", f"{target.name} is no instance of {type_}", node)
+            return
+        self.call_instance(node, self.places.data_block(found), type_)
+
+    def call_instance(self, node: ast.Call, place: Place, type_: str) -> None:
+        """Call an FB or system block with the instance at a place."""
+        system = system_fbs(classic=self.context.classic).get(type_.upper())
+        found = self.context.link.find(type_) if type_ else None
+        if found is not None and found.block.kind is BlockKind.FB:
+            sections = {m.name.upper(): s.kind for s in found.block.sections for m in s.members if m.at is None}
+            allowed = {name: kind for name, kind in sections.items() if kind in {_IN, _OUT, _INOUT}}
+            passed = self.arguments.pass_arguments(node, place, allowed)
+            self.call_user(node, place, found)
+        elif system is not None:
+            passed = self.arguments.pass_arguments(node, place, dict(system.parameters), system=system)
+            if passed is not None:
+                self.call_system(node, place, system, passed.buffer)
+        else:
+            self.context.error("PG825", f"{self.context.text(node.target)} is no instance of a block", node)
+            return
+        for argument, output in passed.outputs if passed is not None else ():
+            self.arguments.take_output(argument, output)
+
+    def call_user(self, node: ast.Call, place: Place, found: ProgramBlock) -> None:
+        """Emit the call of an FB of the program."""
+        self.context.calls.setdefault(found.name.upper(), self.context.span(node))
+        self.watchdog.hand_over()
+        if place.mem != "m" and place.fixed and place.off == 0:
+            self.out.emit(f"b{found.index}({place.mem})")
+        else:
+            self.context.moving = True
+            self.out.emit(f"b{found.index}o({place.mem},{self.access.address(place)})")
+        self.watchdog.take_back()
+        self.access.forget()
+
+    def call_system(self, node: ast.Call, place: Place, system: SystemFb, buffer: str) -> None:
+        """Emit the call of a system block."""
+        name = f"S_{system.block.name}"
+        if not system.buffer:
+            self.out.emit(f"{self.timer_guard(place, system)}{name}({place.mem},{self.access.address(place)})")
+            if system.watched:
+                self.access.forget()
+            else:
+                self.access.touched(place.region if place.fixed else None, place.off, place.shape.bits)
+            return
+        if not buffer:
+            self.context.error("PG822", f"{system.buffer} is missing", node, "name the buffer in every call")
+            return
+        self.out.emit(f"{name}({place.mem},{self.access.address(place)},{buffer})")
+        self.access.forget()
+
+    def timer_guard(self, place: Place, system: SystemFb) -> str:
+        """Condition that leaves out the call of a TON whose IN, Q and state are all zero: it does nothing."""
+        index = place.shape.index
+        if system.kind != "TON":
+            return ""
+        flags = sorted({index[name].offset // 8 for name in ("IN", "Q", "STATE") if name in index})
+        codes = (self.access.address(place.inside(byte * 8, place.shape, overlay=False)) for byte in flags)
+        return f"if {' or '.join(f'{place.mem}[{code}]' for code in codes)}:"
+
+    def call_function(self, node: ast.Call, found: ProgramBlock) -> Val:
+        """Call an FC: scalars by value, the rest by reference; outputs come back as a tuple."""
+        self.context.calls.setdefault(found.name.upper(), self.context.span(node))
+        parameters = function_parameters(found.block)
+        allowed: dict[str, SectionKind] = {m.name.upper(): kind for kind, m, _ in parameters}
+        allowed = {name: kind for name, kind in allowed.items() if kind is not SectionKind.RETURN}
+        given = self.arguments.named_arguments(node, parameters, allowed)
+        codes: list[str] = []
+        after: list[tuple[ast.Argument | None, str]] = []
+        result = ""
+        for kind, member, how in parameters:
+            argument = given.get(member.name.upper()) if kind is not SectionKind.RETURN else None
+            type_ = member.type.name if isinstance(member.type, Elementary) else ""
+            if kind is SectionKind.RETURN:
+                result = member.type.name if isinstance(member.type, Elementary | StringType) else UNKNOWN
+                continue
+            if argument is None:
+                self.context.error("PG822", f"{member.name} is missing", node, f"{found.name} needs every parameter")
+                return unknown()
+            if how == "reference":
+                codes.append(self.arguments.structured(argument, kind))
+            elif how == "pointer":
+                codes.append(self.references.reference(argument.value))
+            elif kind is not _OUT:
+                codes.append(self.conversions.coerce(self.expressions.value(argument.value), type_, argument.value))
+            if how == "value" and kind is not _IN:
+                after.append((argument, type_))
+        return self.emit_function(found, codes, after, result)
+
+    def emit_function(
+        self, found: ProgramBlock, codes: list[str], after: list[tuple[ast.Argument | None, str]], result: str
+    ) -> Val:
+        """Emit the call and take the outputs."""
+        call = f"b{found.index}({','.join(codes)})"
+        self.watchdog.hand_over()
+        name = self.out.temporary()
+        self.out.emit(f"{name}={call}")
+        self.watchdog.take_back()
+        self.access.forget()
+        if after:
+            for position, (argument, type_) in enumerate(after):
+                if argument is not None:
+                    place = self.arguments.place_of_argument(argument)
+                    if place is not None:
+                        self.assignments.assign_value(place, Val(f"{name}[{position + 1}]", type_), argument.value)
+            return Val(f"{name}[0]", result) if result else Val(name, "")
+        return Val(name, result)

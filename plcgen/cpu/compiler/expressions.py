@@ -1,0 +1,24 @@
+"""Where the parts of the compiler meet that compile each other's operands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from plcgen.cpu.compiler.values import Val
+from plcgen.scl import ast
+
+
+@dataclass(slots=True, eq=False)
+class Expressions:
+    """Values and their types; a problem is reported once and gives the type UNKNOWN.
+
+    ``parts`` maps a class of nodes to what compiles it.
+    """
+
+    parts: dict[type[ast.Expression], Callable[[Any], Val]] = field(default_factory=dict)
+
+    def value(self, node: ast.Expression) -> Val:
+        """Compile an expression."""
+        return self.parts[type(node)](node)

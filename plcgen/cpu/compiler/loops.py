@@ -1,0 +1,142 @@
+"""FOR, WHILE, REPEAT, and the jumps out of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from plcgen.cpu.compiler.access import Access
+from plcgen.cpu.compiler.assignments import Assignments
+from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.conversions import Conversions
+from plcgen.cpu.compiler.expressions import Expressions
+from plcgen.cpu.compiler.labels import Labels
+from plcgen.cpu.compiler.listing import Listing
+from plcgen.cpu.compiler.scope import scalar_name
+from plcgen.cpu.compiler.statements import Statements
+from plcgen.cpu.compiler.values import Val
+from plcgen.cpu.compiler.watchdog import Watchdog
+from plcgen.cpu.type_rules import INTEGERS
+from plcgen.scl import ast
+
+
+@dataclass(slots=True, eq=False)
+class Loops:
+    """Loops under the watchdog; ``loops`` has for each open one what CONTINUE does before the next pass."""
+
+    context: Context
+    out: Listing
+    access: Access
+    expressions: Expressions
+    conversions: Conversions
+    assignments: Assignments
+    watchdog: Watchdog
+    labels: Labels
+    statements: Statements
+    loops: list[Callable[[], None]] = field(default_factory=list)
+
+    def open_loop(self, again: Callable[[], None]) -> None:
+        """Begin a loop: nothing is known, every pass counts for the watchdog."""
+        self.access.forget()
+        if not self.watchdog.depth:
+            self.out.emit("n=W[0]")
+        self.out.emit("while True:")
+        self.out.indent += " "
+        self.watchdog.depth += 1
+        self.out.emit("n+=1")
+        self.out.emit("if n>W[1]:late()")
+        self.loops.append(again)
+
+    def close_loop(self) -> None:
+        """End a loop."""
+        self.loops.pop()
+        self.watchdog.depth -= 1
+        self.out.indent = self.out.indent[:-1]
+        self.access.forget()
+        if not self.watchdog.depth:
+            self.out.emit("W[0]=n")
+        if self.labels.numbers:
+            self.out.emit("if g:" + ("break" if self.watchdog.depth else "g=0;continue"))
+
+    def for_statement(self, node: ast.For) -> None:
+        """FOR: limit and step are evaluated once, the variable runs past the limit."""
+        place = self.assignments.target(node.variable)
+        if place is None:
+            return
+        type_ = scalar_name(place.shape)
+        if type_ not in INTEGERS:
+            self.context.error("PG821", f"a loop counts with an integer, not {type_ or 'a structure'}", node.variable)
+            return
+        first = self.expressions.value(node.first)
+        self.access.store(place, self.conversions.coerce(first, type_, node.first))
+        last = self.limit_code(node.last, type_)
+        step = self.limit_code(node.step, type_) if node.step is not None else "1"
+        if step == "0":
+            self.context.error("PG824", "a step of 0 never ends", node)
+        line = self.out.line
+
+        def again() -> None:
+            current = Val(f"{self.access.load(place).code}+{step}", type_, raw=True)
+            self.access.store(place, current.wrapped)
+
+        self.context.probe(node, "loop")
+        self.open_loop(again)
+        value = self.access.load(place).code
+        fixed = step.lstrip("(-").rstrip(")").isdigit()
+        ended = f"{value}{'<' if '-' in step else '>'}{last}"
+        if not fixed:
+            ended = f"({value}>{last} if {step}>=0 else {value}<{last})"
+        self.out.emit(f"if {ended}:break")
+        self.context.probe(node, "pass")
+        if self.statements.body(node.body):
+            self.out.line = line
+            again()
+        self.close_loop()
+
+    def limit_code(self, node: ast.Expression, type_: str) -> str:
+        """Limit or step of a FOR, kept in a local unless it is a constant."""
+        value = self.expressions.value(node)
+        code = self.conversions.coerce(value, type_, node)
+        if value.const is not None:
+            return code
+        name = self.out.temporary()
+        self.out.emit(f"{name}={code}")
+        return name
+
+    def while_statement(self, node: ast.While) -> None:
+        """WHILE: the condition is evaluated before every pass."""
+        self.open_loop(lambda: None)
+        condition = self.conversions.truth(self.expressions.value(node.condition), node.condition)
+        self.out.emit(f"if not {condition}:break")
+        self.context.probe(node, "pass")
+        self.statements.body(node.body)
+        self.close_loop()
+
+    def repeat_statement(self, node: ast.Repeat) -> None:
+        """REPEAT: the condition is evaluated behind every pass."""
+
+        def again() -> None:
+            condition = self.conversions.truth(self.expressions.value(node.condition), node.condition)
+            self.out.emit(f"if {condition}:break")
+
+        self.open_loop(again)
+        if self.statements.body(node.body):
+            self.context.move_to(node.condition)
+            again()
+        self.close_loop()
+
+    def jump(self, node: ast.Jump) -> bool:
+        """EXIT, CONTINUE, RETURN."""
+        if node.keyword == "RETURN":
+            if self.watchdog.depth:
+                self.out.emit("W[0]=n")
+            self.out.emit(self.context.leave)
+        elif not self.loops:
+            self.context.error("PG820", f"{node.keyword} stands outside a loop", node)
+            self.out.emit("pass")
+        elif node.keyword == "EXIT":
+            self.out.emit("break")
+        else:
+            self.loops[-1]()
+            self.out.emit("continue")
+        return False

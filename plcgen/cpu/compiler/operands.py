@@ -1,0 +1,86 @@
+"""Operands: names, constants, slices, paths."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from plcgen.cpu.compiler.access import Access
+from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.expressions import Expressions
+from plcgen.cpu.compiler.literals import classify, source_of
+from plcgen.cpu.compiler.places import Places
+from plcgen.cpu.compiler.references import References
+from plcgen.cpu.compiler.values import UNKNOWN, Val, unknown
+from plcgen.cpu.type_rules import REALS, WIDTHS
+from plcgen.scl import ast
+
+
+@dataclass(slots=True, eq=False)
+class Operands:
+    """What an expression begins with."""
+
+    context: Context
+    access: Access
+    expressions: Expressions
+    places: Places
+    references: References
+
+    def name(self, node: ast.Name) -> Val:
+        """Value of a variable or constant."""
+        symbol = self.places.symbol(node)
+        if symbol is not None and symbol.constant is not None:
+            return symbol.constant
+        if node.scope == "bare" and symbol is None and node.name.upper() in {"ENO", "OK", "EN", "NULL", "NIL"}:
+            if node.name.upper() in {"NULL", "NIL"}:
+                return Val("(None,0,0)", "ANY")
+            self.context.uses_eno = True
+            return Val("E[0]", "BOOL")
+        place = self.places.named(node)
+        return self.access.load(place) if place is not None else unknown()
+
+    def literal(self, node: ast.Literal) -> Val:
+        """Compile a constant."""
+        if node.kind == "pointer":
+            return self.references.pointer(node)
+        found = classify(node.text, node.kind)
+        if found is None:
+            self.context.error("PG824", f"{node.text} is no constant", node)
+            return unknown()
+        type_, value = found
+        return Val(source_of(value), type_, value)
+
+    def slice(self, node: ast.Slice) -> Val:
+        """``x.%X3``: part of a bit string or integer."""
+        value = self.expressions.value(node.base)
+        part = self.slice_type(node, value)
+        if part is None:
+            return unknown()
+        bits, type_ = part
+        code = value.wrapped
+        return Val(f"({code}>>{node.index * bits}&{(1 << bits) - 1})", type_, pure=value.pure)
+
+    def slice_type(self, node: ast.Slice, value: Val) -> tuple[int, str] | None:
+        """Width and type of a slice; PG824 if it lies outside."""
+        if value.type == UNKNOWN:
+            return None
+        bits, type_ = {"X": (1, "BOOL"), "B": (8, "BYTE"), "W": (16, "WORD"), "D": (32, "DWORD")}[node.width]
+        whole = WIDTHS.get(value.type, 0)
+        if (node.index + 1) * bits > whole or value.type in REALS:
+            self.context.error("PG824", f".%{node.width}{node.index} lies outside {value.type or 'a structure'}", node)
+            return None
+        return bits, type_
+
+    def variable(self, node: ast.Expression) -> Val:
+        """Value of a path or an address."""
+        place = self.places.place(node)
+        return self.access.load(place) if place is not None else unknown()
+
+    def omitted(self, node: ast.Omitted) -> Val:
+        """PG822 about ``Q => ,`` where a value is needed."""
+        self.context.error("PG822", "the parameter has no value", node)
+        return unknown()
+
+    def listed(self, node: ast.Aggregate | ast.Repetition) -> Val:
+        """PG827 about ``[1, 2]`` and ``3(0)``."""
+        self.context.error("PG827", "a list of values stands in declarations only", node)
+        return unknown()

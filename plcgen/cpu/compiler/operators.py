@@ -1,0 +1,232 @@
+"""Operators, each with its S7 type."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from plcgen.cpu.compiler.access import Access
+from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.conversions import Conversions, integer_code
+from plcgen.cpu.compiler.expressions import Expressions
+from plcgen.cpu.compiler.literals import source_of
+from plcgen.cpu.compiler.values import UNKNOWN, Val, unknown
+from plcgen.cpu.type_rules import (
+    BITS,
+    DURATIONS,
+    INT_CONST,
+    INTEGERS,
+    NUMERIC,
+    POINTERS,
+    REAL_CONST,
+    REALS,
+    TEXTS,
+    common_type,
+    remedy,
+)
+from plcgen.scl import ast
+
+_COMPARE = {"=": "==", "<>": "!=", "<": "<", "<=": "<=", ">": ">", ">=": ">="}
+_RING = frozenset({"+", "-", "*"})
+_LOGIC = {"AND": ("and", "&"), "&": ("and", "&"), "OR": ("or", "|"), "XOR": ("", "^")}
+_ORDERED = frozenset({"TIME", "LTIME", "DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "LDT", "CHAR", "WCHAR", "S5TIME"})
+
+
+@dataclass(slots=True, eq=False)
+class Operators:
+    """Signs, NOT and everything between two operands."""
+
+    context: Context
+    access: Access
+    expressions: Expressions
+    conversions: Conversions
+
+    def unary(self, node: ast.Unary) -> Val:
+        """Signs and NOT."""
+        value = self.expressions.value(node.operand)
+        if value.type == UNKNOWN:
+            return value
+        if node.operator == "NOT":
+            if value.type == "BOOL":
+                return Val(f"(not {value.code})", "BOOL", pure=value.pure)
+            if value.type in BITS:
+                return Val(f"({value.code}^{(1 << BITS[value.type]) - 1})", value.type, pure=value.pure)
+            self.context.error("PG821", f"NOT needs BOOL or a bit string, not {value.type or 'a structure'}", node)
+            return unknown()
+        if value.type not in NUMERIC and value.type not in DURATIONS:
+            self.context.error("PG821", f"a sign needs a number, not {value.type or 'a structure'}", node)
+            return unknown()
+        if node.operator == "+":
+            return value
+        if isinstance(value.const, int | float) and value.type in {INT_CONST, REAL_CONST}:
+            return Val(source_of(-value.const), value.type, -value.const)
+        if value.type in REALS:
+            return Val(f"(-{value.code})", value.type, pure=value.pure)
+        return Val(f"(-{value.code})", value.type, raw=True, pure=value.pure)
+
+    def binary(self, node: ast.Binary) -> Val:
+        """Left-associative chains, in a loop: they may be long."""
+        chain: list[ast.Binary] = []
+        left: ast.Expression = node
+        while isinstance(left, ast.Binary):
+            chain.append(left)
+            left = left.left
+        value = self.expressions.value(left)
+        for link in reversed(chain):
+            conditional = value.type == "BOOL" and link.operator in {"AND", "&", "OR"}
+            self.access.conditional += conditional
+            right = self.expressions.value(link.right)
+            self.access.conditional -= conditional
+            value = self.operate(link, value, right)
+        return value
+
+    def operate(self, node: ast.Binary, left: Val, right: Val) -> Val:
+        """Apply one operator."""
+        if UNKNOWN in {left.type, right.type}:
+            return Val("0", "BOOL" if node.operator in _COMPARE else UNKNOWN)
+        if node.operator in _COMPARE:
+            return self.compare(node, left, right)
+        if node.operator in _LOGIC:
+            return self.logic(node, left, right)
+        return self.arithmetic(node, left, right)
+
+    def mismatch(self, node: ast.Binary, left: Val, right: Val) -> Val:
+        """PG821 about two operands."""
+        kinds = f"{left.type or 'a structure'} and {right.type or 'a structure'}"
+        text = remedy(left.type, right.type, "convert one of them explicitly", self.context.link.dialect)
+        text = text if ";" in text else remedy(right.type, left.type, text, self.context.link.dialect)
+        self.context.error("PG821", f"{node.operator} does not take {kinds}", node, text)
+        return Val("0", "BOOL" if node.operator in _COMPARE else UNKNOWN)
+
+    def logic(self, node: ast.Binary, left: Val, right: Val) -> Val:
+        """AND, OR, XOR."""
+        common = common_type(left.type, right.type, classic=self.context.classic)
+        word, symbol = _LOGIC[node.operator]
+        pure = left.pure and right.pure
+        if common == "BOOL" and not {left.const, right.const} <= {None, 0, 1}:
+            return self.mismatch(node, left, right)
+        if common == "BOOL":
+            if word and right.pure:
+                before = left.parts[1] if left.parts and left.parts[0] == word else [left.code]
+                parts = [*before, right.code]
+                return Val(f"({f' {word} '.join(parts)})", "BOOL", pure=pure, parts=(word, parts))
+            return Val(f"((not not {left.code}){symbol}(not not {right.code}))", "BOOL", pure=pure)
+        if common not in BITS:
+            return self.mismatch(node, left, right)
+        codes = self.conversions.coerce(left, common, node.left), self.conversions.coerce(right, common, node.right)
+        return Val(f"({codes[0]}{symbol}{codes[1]})", common, pure=pure)
+
+    def compare(self, node: ast.Binary, left: Val, right: Val) -> Val:
+        """Six comparisons; NaN and bit strings as the target has them."""
+        pure = left.pure and right.pure
+        symbol = _COMPARE[node.operator]
+        equality = node.operator in {"=", "<>"}
+        if left.const is not None and right.const is not None and {left.type, right.type} <= NUMERIC:
+            return Val(f"({left.code}{symbol}{right.code})", "BOOL")
+        common = common_type(left.type, right.type, classic=self.context.classic)
+        if common == "BOOL" and not {left.const, right.const} <= {None, 0, 1}:
+            return self.mismatch(node, left, right)
+        if common == "BOOL" and equality:
+            return Val(f"((not {left.code}){symbol}(not {right.code}))", "BOOL", pure=pure)
+        if not common or common in POINTERS or common == "BOOL":
+            return self.mismatch(node, left, right)
+        ordered = (
+            common in NUMERIC or common in _ORDERED or common in TEXTS or (common in BITS and not self.context.classic)
+        )
+        if not equality and not ordered:
+            return self.mismatch(node, left, right)
+        codes = self.conversions.coerce(left, common, node.left), self.conversions.coerce(right, common, node.right)
+        if common in REALS and node.operator == "<>" and self.context.classic:
+            return Val(f"real_ne({codes[0]},{codes[1]})", "BOOL", pure=pure)
+        return Val(f"({codes[0]}{symbol}{codes[1]})", "BOOL", pure=pure)
+
+    def arithmetic(self, node: ast.Binary, left: Val, right: Val) -> Val:
+        """Compile + - * / MOD ** of numbers and times."""
+        operator = node.operator
+        if left.type in _ORDERED or right.type in _ORDERED:
+            return self.time_arithmetic(node, left, right)
+        common = common_type(left.type, right.type, classic=self.context.classic)
+        if common not in NUMERIC:
+            return self.mismatch(node, left, right)
+        pure = left.pure and right.pure
+        if operator == "**":
+            return self.power(left, right)
+        if common in {INT_CONST, REAL_CONST}:
+            return self.folded(node, left, right, common)
+        if common in REALS:
+            return self.real_arithmetic(node, left, right, common)
+        if operator in _RING:
+            codes = self.ring(left, common, node.left), self.ring(right, common, node.right)
+            if operator != "+":
+                codes = codes[0], f"({codes[1]})" if right.raw else codes[1]
+            if operator == "*" and left.raw:
+                codes = f"({codes[0]})", codes[1]
+            return Val(f"{codes[0]}{operator}{codes[1]}", common, raw=True, pure=pure)
+        codes = self.conversions.coerce(left, common, node.left), self.conversions.coerce(right, common, node.right)
+        name = "mod" if operator == "MOD" else "div"
+        if right.const == 0:
+            self.context.error("PG824", "division by the constant 0", node)
+        return Val(f"{name}({codes[0]},{codes[1]})", common, raw=name == "div", pure=pure)
+
+    def ring(self, value: Val, common: str, node: ast.Expression) -> str:
+        """Operand of + - *: a pending wrap of the same type may wait."""
+        return value.code if value.raw and value.type == common else self.conversions.coerce(value, common, node)
+
+    def real_arithmetic(self, node: ast.Binary, left: Val, right: Val, common: str) -> Val:
+        """REAL rounds after every operation."""
+        codes = self.conversions.coerce(left, common, node.left), self.conversions.coerce(right, common, node.right)
+        pure = left.pure and right.pure
+        if node.operator in {"MOD", "DIV"}:
+            self.context.error("PG821", f"{node.operator} does not take {common}", node)
+            return unknown()
+        code = f"fdiv({codes[0]},{codes[1]})" if node.operator == "/" else f"{codes[0]}{node.operator}{codes[1]}"
+        return Val(f"f32({code})" if common == "REAL" else f"({code})", common, pure=pure)
+
+    def folded(self, node: ast.Binary, left: Val, right: Val, common: str) -> Val:
+        """Two constants make a constant."""
+        a, b = left.const, right.const
+        if not isinstance(a, int | float) or not isinstance(b, int | float):
+            return self.mismatch(node, left, right)
+        result: int | float
+        if node.operator == "+":
+            result = a + b
+        elif node.operator == "-":
+            result = a - b
+        elif node.operator == "*":
+            result = a * b
+        elif not b:
+            self.context.error("PG824", "division by the constant 0", node)
+            return unknown()
+        elif common == REAL_CONST:
+            result = a / b
+        else:
+            quotient = abs(int(a)) // abs(int(b)) * (1 if (a < 0) == (b < 0) else -1)
+            result = int(a) - quotient * int(b) if node.operator == "MOD" else quotient
+        return Val(source_of(result), common, result)
+
+    def power(self, left: Val, right: Val) -> Val:
+        """``**`` gives REAL on S7-300/400, the type of the base elsewhere if it is one."""
+        type_ = "LREAL" if "LREAL" in {left.type, right.type} else "REAL"
+        code = f"power({left.code if left.const is not None else integer_code(left)},"
+        code += f"{right.code if right.const is not None else integer_code(right)})"
+        return Val(f"f32({code})" if type_ == "REAL" else code, type_, pure=left.pure and right.pure)
+
+    def time_arithmetic(self, node: ast.Binary, left: Val, right: Val) -> Val:
+        """TIME + TIME, TIME * number, TOD + TIME, TOD - TOD; the bytes are integers of one unit."""
+        operator, pure = node.operator, left.pure and right.pure
+        codes = integer_code(left), integer_code(right)
+        kinds = left.type, right.type
+        number = right.type in INTEGERS or right.type == INT_CONST
+        if operator in {"+", "-"}:
+            if kinds[0] in DURATIONS and (kinds[0] == kinds[1] or (number and not self.context.classic)):
+                return Val(f"{codes[0]}{operator}({codes[1]})", kinds[0], raw=True, pure=pure)
+            if kinds[0] == "TIME_OF_DAY" and kinds[1] == "TIME":
+                return Val(f"(({codes[0]}{operator}{codes[1]})%86400000)", "TIME_OF_DAY", pure=pure)
+            if kinds == ("TIME_OF_DAY", "TIME_OF_DAY") and operator == "-":
+                return Val(f"({codes[0]}-{codes[1]})", "TIME", pure=pure)
+            if kinds in {("LDT", "LTIME"), ("LTIME_OF_DAY", "LTIME")}:
+                return Val(f"({codes[0]}{operator}{codes[1]})", kinds[0], raw=True, pure=pure)
+        elif operator in {"*", "/", "DIV"} and kinds[0] in DURATIONS and number:
+            if operator == "*":
+                return Val(f"({codes[0]})*({codes[1]})", kinds[0], raw=True, pure=pure)
+            return Val(f"div({codes[0]},{codes[1]})", kinds[0], raw=True, pure=pure)
+        return self.mismatch(node, left, right)

@@ -1,0 +1,81 @@
+"""References to memory, for ANY, VARIANT and structured parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from plcgen.cpu.compiler.access import Access
+from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.conversions import Conversions
+from plcgen.cpu.compiler.expressions import Expressions
+from plcgen.cpu.compiler.listing import Listing
+from plcgen.cpu.compiler.places import Places
+from plcgen.cpu.compiler.scope import scalar_name
+from plcgen.cpu.compiler.values import UNKNOWN, Val, unknown
+from plcgen.cpu.memory import CODECS
+from plcgen.cpu.type_rules import POINTERS
+from plcgen.s7.address import AddressError, parse_pointer
+from plcgen.scl import ast
+
+
+@dataclass(slots=True, eq=False)
+class References:
+    """Generated tuples of memory, first byte and size in bytes."""
+
+    context: Context
+    out: Listing
+    access: Access
+    expressions: Expressions
+    conversions: Conversions
+    places: Places
+
+    def pointer(self, node: ast.Literal) -> Val:
+        """``P#DB3.DBX0.0 BYTE 10``."""
+        try:
+            pointer = parse_pointer(node.text)
+        except AddressError as problem:
+            self.context.error("PG827", str(problem), node)
+            return unknown()
+        region, start = pointer.region, pointer.start
+        area = "P" if start.area.startswith("P") else start.area
+        size = max(1, region.width_bits // 8)
+        return Val(f"pt({area!r},{start.db or 0},{start.byte},{size})", "ANY")
+
+    def reference(self, node: ast.Expression) -> str:
+        """Code of a reference to a variable, for ANY, VARIANT and structured parameters."""
+        if isinstance(node, ast.Literal) and node.kind == "pointer":
+            return self.pointer(node).code
+        if isinstance(node, ast.Literal | ast.Binary | ast.Unary | ast.Call):
+            return self.value_reference(self.expressions.value(node), node)
+        if isinstance(node, ast.Name) and self.places.symbol(node) is None and node.name.upper() in {"NULL", "NIL"}:
+            return "(None,0,0)"
+        place = self.places.place(node)
+        if place is None:
+            return "(None,0,0)"
+        if place.local:
+            type_ = scalar_name(place.shape)
+            return place.local if type_ in POINTERS else self.value_reference(self.access.load(place), node)
+        if scalar_name(place.shape) == "ANY":
+            return f"any_of({place.mem},{self.access.address(place)})"
+        return f"({place.mem},{self.access.address(place)},{-(-place.shape.bits // 8)})"
+
+    def value_reference(self, value: Val, node: ast.Expression) -> str:
+        """Put a value into memory of its own."""
+        type_ = {"#int": "INT", "#real": "REAL", "#text": "STRING"}.get(value.type, value.type)
+        if type_ == "STRING":
+            name = self.out.temporary()
+            self.out.emit(f"{name}=local(256)")
+            self.out.emit(f"w_s({name},0,254,{self.conversions.coerce(value, type_, node)})")
+            return f"({name},0,256)"
+        if type_ not in CODECS and type_ != "BOOL":
+            if type_ != UNKNOWN:
+                self.context.error("PG827", f"the soft CPU does not pass {type_ or 'this'} by reference", node)
+            return "(None,0,0)"
+        name = self.out.temporary()
+        size = CODECS[type_].size if type_ != "BOOL" else 1
+        self.out.emit(f"{name}=local({size})")
+        code = self.conversions.coerce(value, type_, node)
+        self.out.emit(
+            f"{name}[0]=1 if {code} else 0" if type_ == "BOOL" else CODECS[type_].write.format(m=name, o=0, v=code)
+        )
+        return f"({name},0,{size})"
