@@ -24,7 +24,6 @@ from plcgen.api.sources import (
     SPEC_SUFFIXES,
     ConvertResult,
     Family,
-    LayoutResult,
     audit,
     check_lock,
     convert,
@@ -39,6 +38,7 @@ from plcgen.api.telegrams import (
     encode_write,
     explain,
 )
+from plcgen.review.layout.tables import LayoutResult
 
 __all__ = [
     "SPEC_SUFFIXES",

@@ -10,30 +10,17 @@ from typing import TYPE_CHECKING, Literal
 from plcgen.api.project import check
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.resources import collector_paused
+from plcgen.review.layout.tables import BlockTable, LayoutResult
 
 if TYPE_CHECKING:
     from plcgen.proof.checks import Verification
     from plcgen.review.compare.lock import LockResult
     from plcgen.review.compare.model import Comparison
-    from plcgen.review.layout.tables import BlockTable
 
 SPEC_SUFFIXES = frozenset({".yaml", ".yml"})
 
 
 Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
-
-
-@dataclass(frozen=True, slots=True)
-class LayoutResult:
-    """Memory layouts: of a spec's telegram buffers, or of the blocks in source files."""
-
-    blocks: tuple[BlockTable, ...]
-    diagnostics: tuple[Diagnostic, ...]
-
-    @property
-    def ok(self) -> bool:
-        """Whether no diagnostic is an error."""
-        return not any(d.severity.label == "error" for d in self.diagnostics)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import CONTEXT, FORMATS, PATH, Verb, common_options, console, format_options, output_option
+from plcgen.cli.options import PATH, Verb, console, format_option, output_option
 from plcgen.cli.output import OK, PROBLEMS, Console
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
+    from plcgen.output.registry import Format
+    from plcgen.output.results import Findings
 
 TARGETS = ("v5", "tia-300", "tia-1500")
 Subject = tuple[str, Sequence["Diagnostic"]]
@@ -21,7 +23,6 @@ Subject = tuple[str, Sequence["Diagnostic"]]
 @click.command(
     "check",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen check job.yaml",
         "plcgen check machines/*.yaml --format github",
@@ -41,17 +42,15 @@ Subject = tuple[str, Sequence["Diagnostic"]]
 @click.option(
     "--tags", type=PATH, multiple=True, metavar="FILE", help="With --program: symbols as SDF, CSV or tag table XML."
 )
-@format_options(*FORMATS)
+@format_option("findings")
 @output_option
-@common_options
-@click.pass_context
 def command(
-    ctx: click.Context,
+    *,
     paths: tuple[Path, ...],
     target: str | None,
-    program: bool,  # noqa: FBT001 - click's signature
+    program: bool,
     tags: tuple[Path, ...],
-    format_: str,
+    format_: Format,
     output: Path | None,
 ) -> int:
     """Check specs (.yaml) and PLC sources (.scl .udt .db .awl), and show every problem at its place.
@@ -59,7 +58,9 @@ def command(
     Sources are read as the SCL compiler of a target reads them; a folder stands for all sources below it. Nothing
     is written. Exit code 1 if there is an error anywhere; warnings alone give 0.
     """
-    out = console(ctx)
+    from plcgen.output.results import Findings
+
+    out = console()
     if program and target is None:
         raise click.UsageError(f"--program needs --target: one of {', '.join(TARGETS)}")
     specs, sources = _sorted(paths)
@@ -75,14 +76,12 @@ def command(
     elif sources:
         found_sources, blocks = _files(sources, target, out)
         subjects += found_sources
-    found = [diagnostic for _, diagnostics in subjects for diagnostic in diagnostics]
-    if format_ == "text":
-        _show(out, subjects, found, output, blocks if sources else None)
-    else:
-        from plcgen.cli.formats import diagnostics_in
-
-        out.result(diagnostics_in(format_, "check", subjects), output)
-    return PROBLEMS if any(d.severity.label == "error" for d in found) else OK
+    found = Findings("check", subjects, {"specs": [subject for subject, _ in subjects]})
+    if format_.name != "text" or found.diagnostics or output is not None:
+        out.show(format_, "findings", found, output)
+    if format_.name == "text":
+        _summary(out, found, blocks if sources else None)
+    return PROBLEMS if any(d.severity.label == "error" for d in found.diagnostics) else OK
 
 
 def _sorted(paths: tuple[Path, ...]) -> tuple[list[Path], list[Path]]:
@@ -151,20 +150,13 @@ def _program(sources: list[Path], target: str, tags: tuple[Path, ...]) -> tuple[
     return [(Path(file).as_posix(), found) for file, found in by_file.items()], result.blocks
 
 
-def _show(
-    out: Console, subjects: list[Subject], found: list[Diagnostic], output: Path | None, blocks: int | None
-) -> None:
-    """Write the diagnostics, then one line of summary."""
-    from plcgen.cli.sources import SourceCache
-    from plcgen.output.text import diagnostics_text, summary_text
+def _summary(out: Console, found: Findings, blocks: int | None) -> None:
+    """Say how it went in one line."""
+    from plcgen.output.excerpts import summary_text
 
-    cache = SourceCache()
-    text = diagnostics_text(found, cache.line, color=out.out_color and output is None, width=out.out_width)
-    if text or output is not None:
-        out.result(text, output)
-    if text:
+    if found.diagnostics:
         out.say("")
     kind = "specs" if blocks is None else "files"
-    where = subjects[0][0] if len(subjects) == 1 else f"{len(subjects)} {kind}"
+    where = found.subjects[0][0] if len(found.subjects) == 1 else f"{len(found.subjects)} {kind}"
     inside = "" if blocks is None else f" ({blocks} block{'' if blocks == 1 else 's'})"
-    out.say(summary_text(found, where + inside))
+    out.say(summary_text(found.diagnostics, where + inside, out.view()))

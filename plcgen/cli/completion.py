@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import click
 
-from plcgen.cli.options import CONTEXT, Verb, common_options, console
+from plcgen.cli.options import Verb, console
 from plcgen.cli.output import OK
 
 
 @click.command(
     "completion",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         'bash:  eval "$(plcgen completion bash)"          in ~/.bashrc',
         'zsh:   eval "$(plcgen completion zsh)"           in ~/.zshrc',
@@ -19,9 +18,7 @@ from plcgen.cli.output import OK
     ),
 )
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
-@common_options
-@click.pass_context
-def command(ctx: click.Context, shell: str) -> int:
+def command(*, shell: str) -> int:
     """Print the script that completes verbs, options and files with the Tab key."""
     from click.shell_completion import get_completion_class
 
@@ -29,7 +26,7 @@ def command(ctx: click.Context, shell: str) -> int:
 
     made = get_completion_class(shell)
     if made is None:
-        raise click.UsageError(f"no completion for {shell}", ctx)
+        raise click.UsageError(f"no completion for {shell}")
     script = made(cli, {}, "plcgen", "_PLCGEN_COMPLETE")
-    console(ctx).result(script.source_template % script.source_vars())
+    console().result(script.source_template % script.source_vars())
     return OK

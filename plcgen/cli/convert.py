@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, json_option
+from plcgen.cli.options import PATH, Verb, console, format_option
 from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
     from plcgen.api import ConvertResult
+    from plcgen.output.registry import Format
 
 VERSIONS = ("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21")
 
@@ -19,7 +20,6 @@ VERSIONS = ("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21")
 @click.command(
     "convert",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen convert scl udt db --to xml --tia V18 --out xml",
         "plcgen convert export/Motor.xml --to scl --out scl",
@@ -42,20 +42,18 @@ VERSIONS = ("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21")
 @click.option("--culture", default="en-US", show_default=True, metavar="TAG", help="Language of comments in documents.")
 @click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")
 @click.option("--force", is_flag=True, help="Overwrite files that exist.")
-@json_option
-@common_options
-@click.pass_context
+@format_option("findings")
 def command(
-    ctx: click.Context,
+    *,
     paths: tuple[Path, ...],
     to: Literal["scl", "xml"],
     folder: Path,
     version: str,
-    classic: bool,  # noqa: FBT001 - click's signature
+    classic: bool,
     culture: str,
     encoding: str | None,
-    force: bool,  # noqa: FBT001
-    as_json: bool,  # noqa: FBT001
+    force: bool,
+    format_: Format,
 ) -> int:
     """Turn blocks into SimaticML for TIA Openness, or documents into SCL, UDT and DB sources.
 
@@ -66,16 +64,17 @@ def command(
     from plcgen import api
 
     if not _is_culture(culture):
-        raise click.BadParameter("write it like en-US", ctx, param_hint="--culture")
-    out = console(ctx)
+        raise click.BadParameter("write it like en-US", param_hint="--culture")
+    out = console()
     result = api.convert(
         *paths, to=to, out=folder, version=version, classic=classic, culture=culture, encoding=encoding, force=force
     )
-    if as_json:
-        from plcgen.output.json import diagnostics_json
+    if format_.name != "text":
+        from plcgen.output.results import Findings
 
-        lists = {"written": list(result.written), "unchanged": list(result.unchanged)}
-        out.result(diagnostics_json("convert", result.diagnostics, folder=result.folder.as_posix(), **lists))
+        folder_ = result.folder.as_posix()
+        more = {"folder": folder_, "written": list(result.written), "unchanged": list(result.unchanged)}
+        out.show(format_, "findings", Findings("convert", [(folder_, result.diagnostics)], more))
         return OK if result.ok else PROBLEMS
     out.complain(result.diagnostics)
     out.say(_summary(result))

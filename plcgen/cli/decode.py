@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from plcgen.cli.hexbytes import HexError, HexText, parse_hex, strip_comment
-from plcgen.cli.options import CONTEXT, Verb, common_options, console, json_option
-from plcgen.cli.output import OK, PROBLEMS, Console, is_terminal
+from plcgen.cli.options import Verb, console, format_option
+from plcgen.cli.output import PROBLEMS, is_terminal
 from plcgen.diagnostics import Diagnostic, Span
 
 if TYPE_CHECKING:
+    from plcgen.output.registry import Format
     from plcgen.protocols.ds47.texts import DecodedTelegram
 
 ARGUMENTS, STDIN, REQUEST = "<arguments>", "<stdin>", "<request>"
@@ -23,7 +24,6 @@ _SPELLINGS = "write bytes as 03 01, 0301, 16#03, 0x03, 03h or W#16#0101, one tel
 @click.command(
     "decode",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen decode 03 01 02 01 10 01 C4 7F 00 00",
         'plcgen decode 0301020108014120 0000 --request "0301020110 01C47F0000"',
@@ -35,32 +35,32 @@ _SPELLINGS = "write bytes as 03 01, 0301, 16#03, 0x03, 03h or W#16#0101, one tel
 @click.option("--as", "kind", type=click.Choice(["request", "response"]), help="Do not guess what it is.")
 @click.option("--request", metavar="HEX", help="The request that the response answers: names and checks.")
 @click.option("--status", is_flag=True, help="HEX is a STATUS double word of WRREC or RDREC.")
-@json_option
-@common_options
-@click.pass_context
+@format_option("answer")
 def command(
-    ctx: click.Context,
+    *,
     hex_: tuple[str, ...],
     kind: Literal["request", "response"] | None,
     request: str | None,
-    status: bool,  # noqa: FBT001 - click's signature
-    as_json: bool,  # noqa: FBT001
+    status: bool,
+    format_: Format,
 ) -> int:
     """Explain telegrams of data set 47 byte by byte, from arguments or from stdin.
 
     All arguments together are one telegram; on stdin every line is one. Requests and responses are told
     apart by their bytes. Exit code 1 if a telegram is malformed.
     """
-    out = console(ctx)
+    from plcgen.protocols.ds47.texts import telegrams_answer
+
+    out = console()
     if status:
-        return _status(ctx, hex_, as_json=as_json)
+        return _status(hex_, format_)
     known = {ARGUMENTS: " ".join(hex_), REQUEST: request or ""}
     found: list[Diagnostic] = []
     context = _read(known[REQUEST], REQUEST, 1, found) if request is not None else None
     if hex_:
         lines, name = [known[ARGUMENTS]], ARGUMENTS
     else:
-        lines, name = _stdin(ctx, known), STDIN
+        lines, name = _stdin(known), STDIN
     telegrams: list[DecodedTelegram] = []
     for number, line in enumerate(lines, 1):
         body = strip_comment(line)
@@ -71,17 +71,16 @@ def command(
             telegrams.append(_decode(parsed, name, number, kind, context, found))
     if not telegrams and not found:
         found.append(Diagnostic("PG701", "there are no bytes to decode", Span(name), help=_SPELLINGS))
-    _show(out, telegrams, found, known, as_json=as_json)
-    return PROBLEMS if found else OK
+    return out.answer(format_, telegrams_answer(telegrams, found), known=known)
 
 
-def _stdin(ctx: click.Context, known: dict[str, str]) -> list[str]:
+def _stdin(known: dict[str, str]) -> list[str]:
     if sys.stdin is None or is_terminal(sys.stdin):
-        raise click.UsageError("give the bytes as arguments or on stdin", ctx)
+        raise click.UsageError("give the bytes as arguments or on stdin")
     stream = getattr(sys.stdin, "buffer", None)
     data = stream.read(_MAX_INPUT + 1) if stream is not None else sys.stdin.read(_MAX_INPUT + 1).encode()
     if len(data) > _MAX_INPUT:
-        raise click.UsageError(f"more than {_MAX_INPUT // 1024 // 1024} MiB on stdin", ctx)
+        raise click.UsageError(f"more than {_MAX_INPUT // 1024 // 1024} MiB on stdin")
     known[STDIN] = data.decode("utf-8-sig", "replace").replace("\r\n", "\n").replace("\r", "\n")
     return known[STDIN].split("\n")
 
@@ -114,35 +113,14 @@ def _decode(
     return telegram
 
 
-def _show(
-    out: Console,
-    telegrams: list[DecodedTelegram],
-    found: list[Diagnostic],
-    known: dict[str, str],
-    *,
-    as_json: bool,
-) -> None:
-    from plcgen.protocols.ds47 import texts as report
-
-    if as_json:
-        from plcgen.output.json import diagnostic_data
-
-        out.result(report.telegrams_json(telegrams, [diagnostic_data(d) for d in found]))
-        return
-    if telegrams:
-        texts = [report.telegram_text(t, color=out.out_color, width=out.out_width) for t in telegrams]
-        out.result("\n".join(texts))
-    out.complain(found, known)
-
-
-def _status(ctx: click.Context, hex_: tuple[str, ...], *, as_json: bool) -> int:
+def _status(hex_: tuple[str, ...], format_: Format) -> int:
     from plcgen import api
-    from plcgen.protocols.ds47.texts import status_json, status_text
+    from plcgen.protocols.ds47.texts import status_answer
 
-    out = console(ctx)
+    out = console()
     text = " ".join(hex_)
     if not text:
-        raise click.UsageError("--status needs a value, for example DF80B500", ctx)
+        raise click.UsageError("--status needs a value, for example DF80B500")
     found: list[Diagnostic] = []
     parsed = _read(text, ARGUMENTS, 1, found)
     if parsed is not None and len(parsed.data) != 4:
@@ -152,6 +130,4 @@ def _status(ctx: click.Context, hex_: tuple[str, ...], *, as_json: bool) -> int:
     if found or parsed is None:
         out.complain(found, {ARGUMENTS: text})
         return PROBLEMS
-    status = api.decode_status(int.from_bytes(parsed.data))
-    out.result(status_json(status) if as_json else status_text(status, color=out.out_color))
-    return OK
+    return out.answer(format_, status_answer(api.decode_status(int.from_bytes(parsed.data))))

@@ -7,29 +7,25 @@ from pathlib import Path
 import click
 
 from plcgen.api import default_folder
-from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console
+from plcgen.cli.options import PATH, Verb, console
 from plcgen.cli.output import OK, PROBLEMS, Console
-from plcgen.cli.sources import SourceCache
 
 
 @click.command(
     "demo",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen demo",
         "plcgen demo /tmp/plcgen",
     ),
 )
 @click.argument("folder", type=PATH, default="plcgen-demo", metavar="[DIR]")
-@common_options
-@click.pass_context
-def command(ctx: click.Context, folder: Path) -> int:
+def command(*, folder: Path) -> int:
     """Copy the shipped specs to DIR (plcgen-demo), generate their blocks and verify them.
 
     Specs that you changed in DIR are kept and used; nothing outside DIR is touched.
     """
-    out = console(ctx)
+    out = console()
     specs = _copy(out, folder)
     good = [_one(out, spec) for spec in specs]
     out.result(f"\n{sum(good)} of {len(good)} specs generated and verified without an error\n")
@@ -68,6 +64,5 @@ def _one(out: Console, spec: Path) -> bool:
     out.say(f"{made.folder}: {len(made.written)} files written, {len(made.unchanged)} unchanged")
     with out.progress() as progress:
         result = api.verify(spec, made.folder, progress=progress)
-    text = verification_text(result, SourceCache().line, color=out.out_color, width=out.out_width)
-    out.result(text + "\n")
+    out.result(verification_text(result, out.view()) + "\n")
     return result.ok

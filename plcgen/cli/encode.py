@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import CONTEXT, Verb, common_options, console, json_option
-from plcgen.cli.output import OK, PROBLEMS, Console
+from plcgen.cli.options import Verb, console, format_option
+from plcgen.cli.output import Console
 from plcgen.diagnostics import Diagnostic, DiagnosticError
+
+if TYPE_CHECKING:
+    from plcgen.output.registry import Format
+    from plcgen.output.results import Answer
 
 
 @click.command(
     "encode",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen encode job.yaml",
         "plcgen encode job.yaml read_ramp_up",
@@ -27,98 +32,85 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError
 @click.option("--do", "drive_object", type=click.IntRange(0, 255), help="Drive object.  [default: the device's, or 1]")
 @click.option("--ref", "reference", type=click.IntRange(1, 255), default=1, help="Request reference.  [default: 1]")
 @click.option("--device", metavar="DEVICE", help="Device profile: names, data types, drive object.")
-@json_option
-@common_options
-@click.pass_context
+@format_option("answer")
 def command(
-    ctx: click.Context,
+    *,
     words: tuple[str, ...],
     drive_object: int | None,
     reference: int,
     device: str | None,
-    as_json: bool,  # noqa: FBT001 - click's signature
+    format_: Format,
 ) -> int:
     """Print request telegrams as hex, one a line: of a spec's jobs, or of parameters given here.
 
     Types are those of data set 47 (FloatingPoint, Unsigned16, ...); with --device the catalogue knows them.
     A file that is called read or write is ./read or ./write.
     """
-    out = console(ctx)
+    out = console()
     verb, rest = words[0], words[1:]
     if verb in {"read", "write"}:
         if not rest:
-            raise click.UsageError(f"{verb} needs a parameter, for example P50303", ctx)
-        return _adhoc(out, verb, rest, (drive_object, reference, device), as_json=as_json)
+            raise click.UsageError(f"{verb} needs a parameter, for example P50303")
+        return _adhoc(out, verb, rest, (drive_object, reference, device), format_)
     if len(words) > 2:
-        raise click.UsageError("one spec and at most one job", ctx)
+        raise click.UsageError("one spec and at most one job")
     if drive_object is not None or device is not None:
-        raise click.UsageError("--do and --device go with read and write; a spec has its own", ctx)
-    return _spec(out, Path(verb), rest[0] if rest else None, as_json=as_json)
+        raise click.UsageError("--do and --device go with read and write; a spec has its own")
+    return _spec(out, Path(verb), rest[0] if rest else None, format_)
 
 
-def _spec(out: Console, spec: Path, job: str | None, *, as_json: bool) -> int:
+def _spec(out: Console, spec: Path, job: str | None, format_: Format) -> int:
     from plcgen import api
 
     result = api.encode(spec, job)
-    rows = [
-        {"job": t.job, "telegram": t.index, "block": t.block, "length": len(t.data), "hex": t.data.hex().upper()}
-        for t in result.telegrams
-    ]
-    if as_json:
-        _json(out, rows, result.diagnostics)
-        return OK if result.ok else PROBLEMS
-    out.complain(result.diagnostics)
-    texts = [t.data.hex(" ").upper() for t in result.telegrams]
+    rows = [(t.job, t.index, t.block, t.data) for t in result.telegrams]
+    texts = [data.hex(" ").upper() for *_, data in rows]
     width = max((len(text) for text in texts if len(text) <= 60), default=0)
     lines = [
-        f"{text:<{width}}  // {t.job}{f' telegram {t.index}' if t.index > 1 else ''}, {t.block}, {len(t.data)} bytes\n"
-        for text, t in zip(texts, result.telegrams, strict=True)
+        f"{text:<{width}}  // {job}{f' telegram {index}' if index > 1 else ''}, {block}, {len(data)} bytes\n"
+        for text, (job, index, block, data) in zip(texts, rows, strict=True)
     ]
-    if lines:
-        out.result("".join(lines))
-    return OK if result.ok else PROBLEMS
+    return out.answer(format_, _answer(rows, "".join(lines), result.diagnostics))
 
 
 def _adhoc(
-    out: Console, verb: str, words: tuple[str, ...], how: tuple[int | None, int, str | None], *, as_json: bool
+    out: Console, verb: str, words: tuple[str, ...], how: tuple[int | None, int, str | None], format_: Format
 ) -> int:
-    from plcgen import api
-    from plcgen.cli import adhoc
-    from plcgen.cli.arguments import ARGUMENTS, arguments
+    from plcgen.cli.arguments import ARGUMENTS
     from plcgen.diagnostics import Span
     from plcgen.protocols.ds47.wire.codec import TelegramError
 
-    drive_object, reference, key = how
     try:
-        device = adhoc.find_device(key)
-        target = drive_object if drive_object is not None else device.drive_object if device else 1
-        placed = arguments(words)
-        if verb == "read":
-            addresses = [adhoc.address(argument, argument.text, device) for argument in placed]
-            data = api.encode_read(addresses, drive_object=target, reference=reference)
-        else:
-            changes = [adhoc.change(argument, device) for argument in placed]
-            data = api.encode_write(changes, drive_object=target, reference=reference)
+        data = _telegram(verb, words, *how)
+        found = _answer([(verb, 1, "", data)], data.hex(" ").upper() + "\n", ())
     except DiagnosticError as problem:
-        found: tuple[Diagnostic, ...] = problem.diagnostics
+        found = _answer([], "", problem.diagnostics)
     except TelegramError as problem:
-        found = tuple(Diagnostic("PG703", item.message, Span(ARGUMENTS)) for item in problem.problems)
-    else:
-        row = {"job": verb, "telegram": 1, "block": "", "length": len(data), "hex": data.hex().upper()}
-        if as_json:
-            _json(out, [row], ())
-        else:
-            out.result(data.hex(" ").upper() + "\n")
-        return OK
-    if as_json:
-        _json(out, [], found)
-    else:
-        out.complain(found, {ARGUMENTS: " ".join(words)})
-    return PROBLEMS
+        found = _answer([], "", [Diagnostic("PG703", item.message, Span(ARGUMENTS)) for item in problem.problems])
+    return out.answer(format_, found, known={ARGUMENTS: " ".join(words)})
 
 
-def _json(out: Console, rows: list[dict[str, object]], found: tuple[Diagnostic, ...]) -> None:
-    from plcgen.output.json import diagnostics_data, dump
+def _telegram(verb: str, words: tuple[str, ...], drive_object: int | None, reference: int, key: str | None) -> bytes:
+    from plcgen import api
+    from plcgen.cli import adhoc
+    from plcgen.cli.arguments import arguments
 
-    data = diagnostics_data("requests", found)
-    out.result(dump({**data, "telegrams": rows}))
+    device = adhoc.find_device(key)
+    target = drive_object if drive_object is not None else device.drive_object if device else 1
+    if verb == "read":
+        addresses = [adhoc.address(argument, argument.text, device) for argument in arguments(words)]
+        return api.encode_read(addresses, drive_object=target, reference=reference)
+    changes = [adhoc.change(argument, device) for argument in arguments(words)]
+    return api.encode_write(changes, drive_object=target, reference=reference)
+
+
+def _answer(rows: Sequence[tuple[str, int, str, bytes]], text: str, found: Sequence[Diagnostic]) -> Answer:
+    """Telegrams as (job, number, block, bytes)."""
+    from plcgen.output.data import diagnostics_data
+    from plcgen.output.results import Answer
+
+    telegrams = [
+        {"job": job, "telegram": index, "block": block, "length": len(data), "hex": data.hex().upper()}
+        for job, index, block, data in rows
+    ]
+    return Answer({**diagnostics_data("requests", found), "telegrams": telegrams}, lambda _view: text, found)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
-from plcgen.cli.options import CONTEXT, Verb, common_options, console, json_option
+from plcgen.cli.options import Verb, console, format_option
 from plcgen.cli.output import OK, PROBLEMS, error_line, help_line
+
+if TYPE_CHECKING:
+    from plcgen.output.registry import Format
+    from plcgen.output.results import Answer
 
 
 @click.command(
     "explain",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen explain PG209            a diagnostic of plcgen",
         "plcgen explain 0x11             an error number in a drive's answer",
@@ -22,36 +27,29 @@ from plcgen.cli.output import OK, PROBLEMS, error_line, help_line
 )
 @click.argument("codes", nargs=-1, metavar="CODE...")
 @click.option("--list", "list_all", is_flag=True, help="List every diagnostic code.")
-@json_option
-@common_options
-@click.pass_context
+@format_option("answer")
 def command(
-    ctx: click.Context,
+    *,
     codes: tuple[str, ...],
-    list_all: bool,  # noqa: FBT001 - click's signature
-    as_json: bool,  # noqa: FBT001
+    list_all: bool,
+    format_: Format,
 ) -> int:
     """Explain diagnostic codes, error numbers of a drive, and status words.
 
     Numbers are hexadecimal, in any usual spelling; their length says what they are.
     """
-    out = console(ctx)
+    out = console()
     if list_all:
-        _list(ctx, as_json=as_json)
-        return OK
+        return out.answer(format_, _list())
     if not codes:
-        raise click.UsageError("give a code, for example PG209, or --list", ctx)
+        raise click.UsageError("give a code, for example PG209, or --list")
     from plcgen import api
-    from plcgen.output.page import page_json, page_text
+    from plcgen.output.page import page_answer
 
     pages = [api.explain(key) for key in codes]
-    known = [page for page in pages if page is not None]
-    if as_json:
-        texts = [page_json(page) for page in known]
-    else:
-        texts = [page_text(page, color=out.out_color, width=out.out_width) for page in known]
-    if texts:
-        out.result("\n".join(texts))
+    known = [page_answer(page) for page in pages if page is not None]
+    if known:
+        out.result("\n".join(format_.render("answer", page, out.view()) for page in known))
     for key, page in zip(codes, pages, strict=True):
         if page is None:
             _unknown(key)
@@ -67,15 +65,13 @@ def _unknown(key: str) -> None:
     help_line(did_you_mean(key, known_keys()) or "plcgen explain --list")
 
 
-def _list(ctx: click.Context, *, as_json: bool) -> None:
+def _list() -> Answer:
+    from plcgen.output.data import head
     from plcgen.output.explain import list_codes
-    from plcgen.output.json import dump, head
+    from plcgen.output.results import Answer
     from plcgen.output.table import text_table
 
     rows = list_codes()
-    if as_json:
-        codes = [{"code": code, "severity": severity, "title": title} for code, severity, title in rows]
-        console(ctx).result(dump({**head("codes", ok=True), "codes": codes}))
-        return
-    lines = text_table(("code", "severity", "title"), rows, indent=0)
-    console(ctx).result("\n".join(lines) + "\n")
+    codes = [{"code": code, "severity": severity, "title": title} for code, severity, title in rows]
+    text = "\n".join(text_table(("code", "severity", "title"), rows, indent=0)) + "\n"
+    return Answer({**head("codes", ok=True), "codes": codes}, lambda _view: text)

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.api import default_folder
-from plcgen.cli.options import CONTEXT, FORMATS, PATH, Verb, common_options, console, format_options
+from plcgen.cli.options import PATH, Verb, console, format_option
 from plcgen.cli.output import OK, PROBLEMS, Console, error_detail, error_line, help_line
 
 if TYPE_CHECKING:
     from plcgen.api import GenerateResult
     from plcgen.diagnostics import Diagnostic
+    from plcgen.output.registry import Format
 
 
 @click.command(
     "generate",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen generate job.yaml",
         "plcgen generate job.yaml --out plc/drives",
@@ -34,17 +34,15 @@ if TYPE_CHECKING:
 @click.option("--check", "check_only", is_flag=True, help="Write nothing; exit 1 if the folder is not up to date.")
 @click.option("--diff", is_flag=True, help="Show what would change as a unified diff; write nothing.")
 @click.option("--force", is_flag=True, help="Overwrite files that were changed by hand.")
-@format_options(*FORMATS)
-@common_options
-@click.pass_context
+@format_option("findings")
 def command(
-    ctx: click.Context,
+    *,
     spec: Path,
     folder: Path | None,
-    check_only: bool,  # noqa: FBT001 - click's signature
-    diff: bool,  # noqa: FBT001
-    force: bool,  # noqa: FBT001
-    format_: str,
+    check_only: bool,
+    diff: bool,
+    force: bool,
+    format_: Format,
 ) -> int:
     """Generate the PLC sources of a spec into a folder.
 
@@ -54,14 +52,14 @@ def command(
     """
     from plcgen import api
 
-    out = console(ctx)
+    out = console()
     target = folder or default_folder(spec)
     with out.progress() as progress:
         result = api.generate(spec, target, check_only=check_only or diff, force=force, progress=progress)
     if diff and not check_only:
         found = tuple(d for d in result.diagnostics if d.code != STALE)
         result = dataclasses.replace(result, diagnostics=found)
-    if format_ == "text":
+    if format_.name == "text":
         _show(out, result, looking=check_only or diff)
     else:
         _machine(out, result, format_)
@@ -73,15 +71,15 @@ STALE = "PG504"
 
 
 def _show(out: Console, result: GenerateResult, *, looking: bool) -> None:
+    from plcgen.output.excerpts import count_text
     from plcgen.output.paint import paint_diff
-    from plcgen.output.text import count_text
 
     out.complain([d for d in result.diagnostics if d.code != STALE])
     stale = [d for d in result.diagnostics if d.code == STALE]
     if stale:
         _stale(result, stale)
     if result.diff:
-        out.result(paint_diff(result.diff, color=out.out_color))
+        out.result(paint_diff(result.diff, color=out.view().color))
     if stale:
         return
     if looking and all(d.code == STALE for d in result.diagnostics if d.severity.label == "error"):
@@ -106,15 +104,16 @@ def _stale(result: GenerateResult, stale: list[Diagnostic]) -> None:
     help_line(f"plcgen generate {result.spec}")
 
 
-def _machine(out: Console, result: GenerateResult, format_: str) -> None:
-    from plcgen.cli.formats import diagnostics_in
+def _machine(out: Console, result: GenerateResult, format_: Format) -> None:
+    from plcgen.output.results import Findings
 
+    spec = result.spec.as_posix()
     more = {
+        "specs": [spec],
         "folder": result.folder.as_posix(),
         "written": list(result.written),
         "unchanged": list(result.unchanged),
         "removed": list(result.removed),
         "diff": result.diff,
     }
-    subjects = [(result.spec.as_posix(), result.diagnostics)]
-    out.result(diagnostics_in(format_, "generate", subjects, **more))
+    out.show(format_, "findings", Findings("generate", [(spec, result.diagnostics)], more))

@@ -14,13 +14,20 @@ Sections = tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
 """Titles with their verbs, each with one line of help."""
 
 
+def _show_help() -> None:
+    """What a group does without a verb."""
+    ctx = click.get_current_context()
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())
+
+
 class VerbGroup(Examples, click.Group):
     """A group whose verbs live in modules of the same name in ``package`` and whose help needs none of them."""
 
     def __init__(
         self, *args: Any, sections: Sections, package: str, hint: Callable[[str], str] | None = None, **kwargs: Any
     ) -> None:
-        super().__init__(*args, **kwargs)
+        super().__init__(*args, callback=_show_help, invoke_without_command=True, **kwargs)
         self.sections, self.package, self.hint = sections, package, hint
 
     @property

@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.diff import FAIL_ON
-from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, format_options, output_option
+from plcgen.cli.options import PATH, Verb, console, format_option, output_option
 from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
     from plcgen.cli.output import Console
+    from plcgen.output.registry import Format
     from plcgen.review.compare.model import Comparison
 
 
 @click.command(
     "lock",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen lock plc",
         "plcgen lock --check",
@@ -41,21 +41,19 @@ if TYPE_CHECKING:
 @click.option("-v", "--verbose", is_flag=True, help="List every moved member.")
 @click.option("--classic", is_flag=True, help="SimaticML documents are for S7-300/400.")
 @click.option("--force", is_flag=True, help="Overwrite a file that is no lock.")
-@format_options("text", "markdown", "json", "sarif")
+@format_option("comparison")
 @output_option
-@common_options
-@click.pass_context
 def command(
-    ctx: click.Context,
+    *,
     paths: tuple[Path, ...],
     path: Path,
-    check: bool,  # noqa: FBT001 - click's signature
+    check: bool,
     fail_on: str,
     policy: tuple[str, ...],
-    verbose: bool,  # noqa: FBT001
-    classic: bool,  # noqa: FBT001
-    force: bool,  # noqa: FBT001
-    format_: str,
+    verbose: bool,
+    classic: bool,
+    force: bool,
+    format_: Format,
     output: Path | None,
 ) -> int:
     """Write where every member of the blocks lies into a lock file, or check that nothing moved.
@@ -65,12 +63,12 @@ def command(
     """
     from plcgen import api
 
-    out = console(ctx)
+    out = console()
     if check:
         result = api.check_lock(*paths, lock=path, policy=policy, classic=classic)
         return _show(out, result, fail_on, format_, output, verbose=verbose)
-    if format_ != "text" or output is not None:
-        raise click.UsageError("--format and --output belong to --check", ctx)
+    if format_.name != "text" or output is not None:
+        raise click.UsageError("--format and --output belong to --check")
     written = api.lock(*paths, out=path, classic=classic, force=force)
     out.complain(written.diagnostics)
     if not written.ok:
@@ -81,22 +79,16 @@ def command(
     return OK
 
 
-def _show(out: Console, result: Comparison, fail_on: str, format_: str, output: Path | None, *, verbose: bool) -> int:
-    from plcgen.review.compare import texts as report
-
-    failed = not result.readable or bool(result.failing(fail_on))
-    if format_ in {"json", "sarif"}:
-        write = report.comparison_json if format_ == "json" else report.comparison_sarif
-        out.result(write(result, fail_on), output)
-        return PROBLEMS if failed else OK
-    out.complain(result.diagnostics)
-    if format_ == "markdown":
-        out.result(report.comparison_markdown(result, fail_on, verbose=verbose), output)
-    elif result.changes:
-        color = out.out_color and output is None
-        text = report.comparison_text(result, fail_on, verbose=verbose, color=color, width=out.out_width)
-        out.result(text, output)
+def _show(
+    out: Console, result: Comparison, fail_on: str, format_: Format, output: Path | None, *, verbose: bool
+) -> int:
+    text = format_.name == "text"
+    if not format_.complete:
+        out.complain(result.diagnostics)
+    if result.changes or not text:
+        out.show(format_, "comparison", result, output, fail_on=fail_on, verbose=verbose)
+    if text and result.changes:
         out.say(f"wanted? write the lock again: plcgen lock --out {result.old}")
-    elif result.readable:
+    elif text and result.readable:
         out.say(f"{result.compared} blocks as in {result.old}")
-    return PROBLEMS if failed else OK
+    return OK if result.readable and not result.failing(fail_on) else PROBLEMS

@@ -12,7 +12,6 @@ import click
 from plcgen._version import __version__
 from plcgen.cli import output
 from plcgen.cli.groups import Sections, VerbGroup
-from plcgen.cli.options import CONTEXT, common_options
 
 SECTIONS: Sections = (
     (
@@ -73,13 +72,12 @@ def _hint(name: str) -> str:
     return ""
 
 
-@click.command(
-    cls=VerbGroup,
+cli = VerbGroup(
+    "plcgen",
+    help="Generate and verify S7 blocks that talk to drives (PROFIdrive data set 47) and S7-200 stations (PPI).",
     sections=SECTIONS,
     package="plcgen.cli",
     hint=_hint,
-    context_settings=CONTEXT,
-    invoke_without_command=True,
     examples=(
         "plcgen new job.yaml             a commented spec to start from",
         "plcgen check job.yaml           every problem, with line and remedy",
@@ -87,14 +85,7 @@ def _hint(name: str) -> str:
         "plcgen verify job.yaml          run them against a simulated drive",
     ),
 )
-@common_options
-@click.version_option(__version__, "-V", "--version", message="plcgen %(version)s")
-@click.pass_context
-def cli(ctx: click.Context) -> int:
-    """Generate and verify S7 blocks that talk to drives (PROFIdrive data set 47) and S7-200 stations (PPI)."""
-    if ctx.invoked_subcommand is None:
-        click.echo(ctx.get_help())
-    return output.OK
+click.version_option(__version__, "-V", "--version", message="plcgen %(version)s")(cli)
 
 
 def run(args: Sequence[str] | None = None) -> int:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console
+from plcgen.cli.options import PATH, Verb, console
 from plcgen.cli.output import OK, PROBLEMS, OutputError, error_line, help_line
 
 if TYPE_CHECKING:
@@ -56,7 +56,6 @@ _COMMENT = 36
 @click.command(
     "new",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen new",
         "plcgen new press.yaml --device sinamics-dcm --family s7-300",
@@ -67,20 +66,18 @@ _COMMENT = 36
 @click.option("--family", type=click.Choice(FAMILIES), default="s7-1500", help="CPU family.  [default: s7-1500]")
 @click.option("--toolchain", metavar="TOOL", help="step7-v5 or tia-v13sp1 .. tia-v21.  [default: by family]")
 @click.option("--force", is_flag=True, help="Overwrite an existing file.")
-@common_options
-@click.pass_context
 def command(
-    ctx: click.Context,
+    *,
     path: Path,
     device: str,
     family: str,
     toolchain: str | None,
-    force: bool,  # noqa: FBT001 - click's signature
+    force: bool,
 ) -> int:
     """Write a commented starter spec (job.yaml); PATH - writes to stdout."""
-    out = console(ctx)
-    tool = _toolchain(ctx, family, toolchain)
-    text = starter(path, _device(ctx, device, path.parent), family, tool)
+    out = console()
+    tool = _toolchain(family, toolchain)
+    text = starter(path, _device(device, path.parent), family, tool)
     if path == Path("-"):
         out.result(text)
         return OK
@@ -97,7 +94,7 @@ def command(
     return OK
 
 
-def _toolchain(ctx: click.Context, family: str, given: str | None) -> str:
+def _toolchain(family: str, given: str | None) -> str:
     from typing import get_args
 
     from plcgen.diagnostics.suggest import did_you_mean
@@ -109,14 +106,14 @@ def _toolchain(ctx: click.Context, family: str, given: str | None) -> str:
     if tool not in known:
         hint = did_you_mean(tool, known)
         message = f'unknown toolchain "{tool}"{f", {hint}" if hint else ""}; known: {", ".join(known)}'
-        raise click.UsageError(message, ctx)
+        raise click.UsageError(message)
     problem = combination_problem(family, tool)
     if problem:
-        raise click.UsageError(problem, ctx)
+        raise click.UsageError(problem)
     return tool
 
 
-def _device(ctx: click.Context, key: str, folder: Path) -> Device:
+def _device(key: str, folder: Path) -> Device:
     """The device of a new spec in ``folder``, as that spec will find it."""
     from plcgen.diagnostics import DiagnosticError, Report, Span
     from plcgen.protocols.ds47.devices import Catalogue
@@ -127,9 +124,9 @@ def _device(ctx: click.Context, key: str, folder: Path) -> Device:
         told = report.sorted()[0]
         if told.span.line:
             raise DiagnosticError(report)
-        raise click.UsageError(f"{told.message}, {told.help}", ctx)
+        raise click.UsageError(f"{told.message}, {told.help}")
     if not found.parameters:
-        raise click.UsageError(f"the profile {key} has no parameters to start from", ctx)
+        raise click.UsageError(f"the profile {key} has no parameters to start from")
     return found
 
 

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from plcgen.cli.output import Console
 
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
+    from plcgen.output.registry import Format
+
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 
-CONTEXT: dict[str, Any] = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+_CONTEXT: dict[str, Any] = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 _SOURCES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".sdf", ".asc"})
-FORMATS = ("text", "json", "sarif", "junit", "github")
 
 
 class _NamedPath(click.Path):
@@ -29,11 +33,40 @@ class _NamedPath(click.Path):
 PATH = _NamedPath(path_type=Path)
 
 
+def _quiet(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
+    if value:
+        ctx.ensure_object(Console).quiet = True
+
+
+def _color(ctx: click.Context, _param: click.Parameter, value: Any) -> None:
+    if value:
+        ctx.ensure_object(Console).color = value
+
+
+def common_options() -> list[click.Parameter]:
+    """``--quiet`` and ``--color``, which work before and behind the verb."""
+    return [
+        click.Option(
+            ["-q", "--quiet"], is_flag=True, expose_value=False, callback=_quiet, help="Say only what is wrong."
+        ),
+        click.Option(
+            ["--color"],
+            type=click.Choice(["auto", "always", "never"]),
+            metavar="WHEN",
+            expose_value=False,
+            callback=_color,
+            help="Colours: auto (terminal, no NO_COLOR), always, never.",
+        ),
+    ]
+
+
 class Examples(click.Command):
-    """A command whose help ends with examples, printed as they are."""
+    """A command with the common options whose help ends with examples, printed as they are."""
 
     def __init__(self, *args: Any, examples: Sequence[str] = (), **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
+        self.context_settings = dict(_CONTEXT)
+        self.params += common_options()
         self.examples = tuple(examples)
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -73,32 +106,6 @@ def _would_destroy(target: Path, read: Path) -> bool:
     return inside and target.suffix.lower() in _SOURCES
 
 
-def _quiet(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
-    if value:
-        ctx.ensure_object(Console).quiet = True
-
-
-def _color(ctx: click.Context, _param: click.Parameter, value: Any) -> None:
-    if value:
-        ctx.ensure_object(Console).color = value
-
-
-def common_options(verb: Callback) -> Callback:
-    """Add ``--quiet`` and ``--color``, which work before and behind the verb."""
-    quiet = click.option(
-        "-q", "--quiet", is_flag=True, expose_value=False, callback=_quiet, help="Say only what is wrong."
-    )
-    color = click.option(
-        "--color",
-        type=click.Choice(["auto", "always", "never"]),
-        metavar="WHEN",
-        expose_value=False,
-        callback=_color,
-        help="Colours: auto (terminal, no NO_COLOR), always, never.",
-    )
-    return quiet(color(verb))
-
-
 def output_option(verb: Callback) -> Callback:
     """Add ``--output FILE``."""
     option = click.option(
@@ -107,30 +114,63 @@ def output_option(verb: Callback) -> Callback:
     return option(verb)
 
 
-def format_options(*formats: str) -> Callable[[Callback], Callback]:
-    """Add ``--format`` and its short form ``--json``; the parameter is called ``format_``."""
+class _FormatName(click.ParamType[Any]):
+    """Name of a format that shows a kind of result; which there are is looked up when somebody asks."""
 
-    def add(verb: Callback) -> Callback:
-        choice = click.option(
-            "-f",
-            "--format",
-            "format_",
-            type=click.Choice(formats),
-            default=formats[0],
-            metavar="FORMAT",
-            help=f"One of {', '.join(formats)}.  [default: {formats[0]}]",
-        )
-        short = click.option("--json", "format_", flag_value="json", help="The same as --format json.")
-        return choice(short(verb))
+    name = "format"
 
-    return add
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        from plcgen.output import registry
+
+        return registry.names(self.kind)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Format:
+        """The format itself."""
+        from plcgen.output.registry import Format, find
+
+        if isinstance(value, Format):
+            return value
+        found = find(value)
+        if found is None or not found.shows(self.kind):
+            self.fail(f"{value!r} is not one of {', '.join(map(repr, self.names))}.", param, ctx)
+        return found
+
+    def shell_complete(self, _ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        """Names that begin like what is typed."""
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(name) for name in self.names if name.startswith(incomplete)]
 
 
-def json_option(verb: Callback) -> Callback:
-    """Add ``--json`` for verbs that know text and JSON only; the parameter is called ``as_json``."""
+class _FormatOption(click.Option):
+    """``--format``, whose help names the formats that there are."""
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        """Look them up."""
+        if isinstance(self.type, _FormatName):
+            self.help = f"One of {', '.join(self.type.names)}.  [default: text]"
+        return super().get_help_record(ctx)
+
+
+def format_option(kind: str) -> Callable[[Callback], Callback]:
+    """Add ``--format`` for a kind of result, and ``--json`` as its short form; the parameter is called ``format_``."""
+    type_ = _FormatName(kind)
+    name = click.option(
+        "-f", "--format", "format_", cls=_FormatOption, type=type_, default="text", metavar="FORMAT", help=" "
+    )
+    short = click.option("--json", "format_", type=type_, flag_value="json", help="The same as --format json.")
+    return lambda verb: name(short(verb))
+
+
+def stream_option(verb: Callback) -> Callback:
+    """Add ``--json`` for verbs that tell events as they come; the parameter is called ``as_json``."""
     return click.option("--json", "as_json", is_flag=True, help="Write JSON for programs.")(verb)
 
 
-def console(ctx: click.Context) -> Console:
+def console() -> Console:
     """Return the console of this call."""
-    return ctx.ensure_object(Console)
+    return click.get_current_context().ensure_object(Console)

@@ -9,10 +9,14 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TextIO
+from typing import TYPE_CHECKING, Any, Literal, TextIO
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
+    from plcgen.output.registry import Format
+    from plcgen.output.results import Answer
+    from plcgen.output.view import View
+    from plcgen.proof.checks import Verification
 
 OK = 0
 PROBLEMS = 1
@@ -85,15 +89,39 @@ class Console:
     quiet: bool = False
     color: ColorMode = "auto"
 
-    @property
-    def out_color(self) -> bool:
-        """Whether results may be coloured."""
-        return wants_color(self.color, sys.stdout)
+    def view(self, output: Path | None = None, **looks: Any) -> View:
+        """How a result on stdout, or in a file, shall look; ``looks`` are fields of View."""
+        from plcgen.cli.sources import SourceCache
+        from plcgen.output.view import View
 
-    @property
-    def out_width(self) -> int:
-        """Columns for results."""
-        return terminal_width(sys.stdout)
+        out = sys.stdout
+        target: Literal["file", "screen", "pipe"] = "file" if output else "screen" if is_terminal(out) else "pipe"
+        color = output is None and wants_color(self.color, out)
+        return View(color, terminal_width(out), SourceCache().line, target, **looks)
+
+    def show(
+        self, format_: Format, kind: str, result: Any, output: Path | None = None, *, force: bool = True, **looks: Any
+    ) -> None:
+        """Deliver a result in a format."""
+        self.result(format_.render(kind, result, self.view(output, **looks)), output, force=force)
+
+    def answer(
+        self, format_: Format, found: Answer, output: Path | None = None, known: dict[str, str] | None = None
+    ) -> int:
+        """Deliver an answer and return the exit code: whether an error stands in its diagnostics."""
+        self.show(format_, "answer", found, output)
+        if not format_.complete:
+            self.complain(found.diagnostics, known)
+        return PROBLEMS if any(d.severity.label == "error" for d in found.diagnostics) else OK
+
+    def verification(self, format_: Format, result: Verification, output: Path | None = None) -> int:
+        """Deliver what was verified and return the exit code; ``--quiet`` leaves the troubles of a text."""
+        from plcgen.output.verification import troubles
+
+        short = self.quiet and format_.name == "text"
+        if not (short and result.ok):
+            self.show(format_, "verification", troubles(result) if short else result, output)
+        return OK if result.ok else PROBLEMS
 
     def result(self, text: str, output: Path | None = None, *, force: bool = True) -> None:
         """Deliver a result to stdout, or to a file if one is given (UTF-8, LF); without ``force`` to a new one."""
@@ -123,10 +151,11 @@ class Console:
         """
         if diagnostics:
             from plcgen.cli.sources import SourceCache
-            from plcgen.output.text import diagnostics_text
+            from plcgen.output.excerpts import diagnostics_text
+            from plcgen.output.view import View
 
             color, width = wants_color(self.color, sys.stderr), terminal_width(sys.stderr)
-            _to_stderr(diagnostics_text(diagnostics, SourceCache(known).line, color=color, width=width))
+            _to_stderr(diagnostics_text(diagnostics, View(color, width, SourceCache(known).line)))
 
     @contextlib.contextmanager
     def progress(self) -> Iterator[Callable[[str, int, int], None] | None]:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from plcgen.api import default_folder
-from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, format_options, output_option
+from plcgen.cli.options import PATH, Verb, console, format_option, output_option
 from plcgen.cli.output import OK, PROBLEMS, USAGE, Console
-from plcgen.cli.sources import SourceCache
 
 if TYPE_CHECKING:
+    from plcgen.output.registry import Format
     from plcgen.trace.model import Trace
 
 _MAX_SCANS = 10_000_000
@@ -21,7 +21,6 @@ _MAX_SCANS = 10_000_000
 @click.command(
     "simulate",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen simulate job.yaml",
         "plcgen simulate job.yaml --job read_speed --fault busy:times=2",
@@ -45,13 +44,9 @@ _MAX_SCANS = 10_000_000
 @click.option("--faults", "fault_file", type=PATH, metavar="FILE", help="Faults from a YAML file.")
 @click.option("--drive", "drives", multiple=True, metavar="[DRIVE=]FILE", help="Drive file: your real drive.")
 @click.option("--with", "own", type=PATH, multiple=True, metavar="FILE", help="Run this SCL, UDT or DB source too.")
-@format_options("text", "json", "vcd")
+@format_option("trace")
 @output_option
-@common_options
-@click.pass_context
-def command(
-    ctx: click.Context, /, spec: Path, folder: Path | None, format_: str, output: Path | None, **more: Any
-) -> int:
+def command(*, spec: Path, folder: Path | None, format_: Format, output: Path | None, **more: Any) -> int:
     """Run the files in a generated folder in a simulated CPU against a simulated drive, scan by scan.
 
     Every scan in which something changes is shown: states of the jobs, WRREC and RDREC, telegrams decoded,
@@ -60,7 +55,7 @@ def command(
     """
     from plcgen import api
 
-    out = console(ctx)
+    out = console()
     with out.progress() as progress:
         trace = api.simulate(spec, folder or default_folder(spec), progress=progress, **more)
     if any(diagnostic.code == "PG901" for diagnostic in trace.diagnostics):
@@ -70,25 +65,14 @@ def command(
     return OK if trace.ok else PROBLEMS
 
 
-def _show(out: Console, trace: Trace, format_: str, output: Path | None) -> None:
+def _show(out: Console, trace: Trace, format_: Format, output: Path | None) -> None:
     """Deliver the result; what is wrong with it goes to stderr unless the format holds it."""
-    if format_ == "json":
-        from plcgen.trace.output.json import trace_json
-
-        out.result(trace_json(trace), output)
-        return
-    if not trace.scans:
+    if not trace.scans and not format_.complete:
         out.complain(trace.diagnostics)
         return
-    if format_ == "vcd":
-        from plcgen.trace.output.text import summary
-        from plcgen.trace.output.vcd import trace_vcd
+    out.show(format_, "trace", trace, output)
+    if not format_.complete and format_.name != "text":
+        from plcgen.trace.text import summary
 
-        out.result(trace_vcd(trace), output)
         out.complain(trace.diagnostics)
         out.say(summary(trace))
-        return
-    from plcgen.trace.output.text import trace_text
-
-    color = out.out_color and output is None
-    out.result(trace_text(trace, SourceCache().line, color=color, width=out.out_width), output)

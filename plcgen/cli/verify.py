@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import click
 
 from plcgen.api import default_folder
-from plcgen.cli.options import CONTEXT, FORMATS, PATH, Verb, common_options, console, format_options, output_option
-from plcgen.cli.output import OK, PROBLEMS
-from plcgen.cli.sources import SourceCache
+from plcgen.cli.options import PATH, Verb, console, format_option, output_option
+
+if TYPE_CHECKING:
+    from plcgen.output.registry import Format
 
 
 @click.command(
     "verify",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen verify job.yaml",
         "plcgen verify job.yaml --drive press3.yaml",
@@ -36,17 +36,15 @@ from plcgen.cli.sources import SourceCache
     show_default=True,
     help="How many faults the generated SCL runs through.",
 )
-@format_options(*FORMATS)
+@format_option("verification")
 @output_option
-@common_options
-@click.pass_context
 def command(
-    ctx: click.Context,
+    *,
     spec: Path,
     folder: Path | None,
     drive: Path | None,
     faults: Literal["none", "quick", "full"],
-    format_: str,
+    format_: Format,
     output: Path | None,
 ) -> int:
     """Run the files in a generated folder against a simulated drive and compare every byte.
@@ -56,18 +54,7 @@ def command(
     """
     from plcgen import api
 
-    out = console(ctx)
+    out = console()
     with out.progress() as progress:
         result = api.verify(spec, folder or default_folder(spec), drive=drive, faults=faults, progress=progress)
-    if format_ == "text":
-        from plcgen.output.verification import troubles, verification_text
-
-        color = out.out_color and output is None
-        shown = troubles(result) if out.quiet else result
-        if not out.quiet or not result.ok:
-            out.result(verification_text(shown, SourceCache().line, color=color, width=out.out_width), output)
-    else:
-        from plcgen.cli.formats import verification_in
-
-        out.result(verification_in(format_, result), output)
-    return OK if result.ok else PROBLEMS
+    return out.verification(format_, result, output)

@@ -1,5 +1,5 @@
-"""Results as text and as data: one small pure module per output format, no I/O, no clock.
+"""Results as text and as data: pure functions, no I/O, no clock.
 
-``text`` is for people, ``json``, ``sarif``, ``junit`` and ``github`` are for programs; ``layout``, ``telegram``
-and ``page`` show memory layouts, telegrams and explanations. ``cells`` and ``paint`` know the terminal.
+``registry`` knows the formats, ``formats`` holds one file for each of them. What they are made of: ``cells``, ``paint``
+and ``table`` for a terminal, ``excerpts`` for diagnostics, ``data`` for programs, ``view`` for how a result shall look.
 """

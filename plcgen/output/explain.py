@@ -7,6 +7,7 @@ import re
 from plcgen.diagnostics.codes import all_codes
 from plcgen.diagnostics.codes import code as code_info
 from plcgen.output.page import Page
+from plcgen.output.view import PLAIN
 
 _NUMBER = re.compile(r"(?:(?:B|W|DW|BYTE|WORD|DWORD)#)?(?:16#|0x|\$)?([0-9a-f_]{1,10})(h?)\Z", re.IGNORECASE)
 _CODE = re.compile(r"PG[0-9]{3}\Z", re.IGNORECASE)
@@ -78,7 +79,7 @@ def status_page(value: int) -> Page:
     from plcgen.protocols.ds47.wire.status import explain
 
     status = explain(value)
-    table = "\n".join(line.strip() for line in status_text(status).splitlines()[1:])
+    table = "\n".join(line.strip() for line in status_text(status, PLAIN).splitlines()[1:])
     return Page(f"{value:08X}h", f"STATUS: {status.text}", (("Bytes", table),))
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from plcgen.output.cells import clean, wrap
-from plcgen.output.json import dump, head
-from plcgen.output.paint import paint
+from plcgen.output.data import head
+from plcgen.output.results import Answer
+from plcgen.output.view import View
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,21 +19,22 @@ class Page:
     sections: tuple[tuple[str, str], ...]
 
 
-def page_text(page: Page, *, color: bool = False, width: int = 100) -> str:
+def page_text(page: Page, view: View) -> str:
     """One page; running text is wrapped, examples keep their lines."""
-    lines = [f"{paint(page.key, 'bold', color=color)}  {clean(page.title)}"]
+    lines = [f"{view.paint(page.key, 'bold')}  {clean(page.title)}"]
     for heading, text in page.sections:
         if not text.strip():
             continue
-        lines += ["", paint(heading, "help", color=color)]
+        lines += ["", view.paint(heading, "help")]
         if "\n" in text.strip("\n"):
             lines += [f"  {clean(line)}".rstrip() for line in text.strip("\n").split("\n")]
         else:
-            lines += [f"  {line}" for line in wrap(clean(text), min(width, 100) - 2)]
+            lines += [f"  {line}" for line in wrap(clean(text), min(view.width, 100) - 2)]
     return "\n".join(lines) + "\n"
 
 
-def page_json(page: Page) -> str:
-    """Write JSON of ``explain``."""
+def page_answer(page: Page) -> Answer:
+    """Answer of ``explain``."""
     sections = [{"heading": heading, "text": text} for heading, text in page.sections if text.strip()]
-    return dump({**head("explanation", ok=True), "key": page.key, "title": page.title, "sections": sections})
+    data = {**head("explanation", ok=True), "key": page.key, "title": page.title, "sections": sections}
+    return Answer(data, lambda view: page_text(page, view))

@@ -9,8 +9,8 @@ _CODES = {
 
 
 def paint(text: str, style: str, *, color: bool) -> str:
-    """Wrap text in the ANSI codes of a style, or return it as it is."""
-    return f"\x1b[{_CODES[style]}m{text}\x1b[0m" if color and text else text
+    """Wrap text in the ANSI codes of a style, or return it as it is; the style may be empty."""
+    return f"\x1b[{_CODES[style]}m{text}\x1b[0m" if color and text and style else text
 
 
 def paint_diff(diff: str, *, color: bool) -> str:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from plcgen.diagnostics import Diagnostic
 from plcgen.output.cells import clean, pad, wrap
 from plcgen.output.cells import width as cells
-from plcgen.output.paint import paint
-from plcgen.output.text import DEFAULT_WIDTH, MIN_WIDTH, SourceLine, diagnostics_text
+from plcgen.output.excerpts import count_text, diagnostics_text
+from plcgen.output.view import View
 
 if TYPE_CHECKING:
     from plcgen.proof.checks import Check, CheckGroup, Verification
@@ -25,36 +25,33 @@ def problems(verification: Verification) -> list[Diagnostic]:
     return list(dict.fromkeys([*found, *verification.diagnostics]))
 
 
-def verification_text(
-    verification: Verification, lines: SourceLine, *, color: bool = False, width: int = DEFAULT_WIDTH
-) -> str:
+def verification_text(verification: Verification, view: View) -> str:
     """The whole report: checks by group, what is wrong in detail, the summary."""
-    width = max(width, MIN_WIDTH)
     what = ", ".join(clean(text) for text in (verification.project, verification.target) if text)
     out = [f"{what or clean(verification.spec)}: {clean(verification.folder)}"]
     for group in verification.groups:
-        out += ["", *_group(group, color=color, width=width)]
+        out += ["", *_group(group, view)]
     text = "\n".join(out) + "\n\n"
     found = problems(verification)
     if found:
-        text += diagnostics_text(found, lines, color=color, width=width) + "\n"
-    return text + summary(verification, color=color) + "\n"
+        text += diagnostics_text(found, view) + "\n"
+    return text + summary(verification, view) + "\n"
 
 
-def _group(group: CheckGroup, *, color: bool, width: int) -> list[str]:
+def _group(group: CheckGroup, view: View) -> list[str]:
     """Lines of a group: one line a check, or subject and verdict above the figures if these are long."""
-    out = [paint(clean(group.title), "bold", color=color)]
+    out = [view.paint(clean(group.title), "bold")]
     subject = max((cells(clean(check.subject)) for check in group.checks), default=0)
     figures = max((cells(clean(check.text)) for check in group.checks), default=0)
     verdict = max((cells(_verdict(check)) for check in group.checks), default=0)
-    fits = 3 * _GAP + subject + figures + verdict <= width
+    fits = 3 * _GAP + subject + figures + verdict <= view.columns
     for check in group.checks:
         if fits:
             left = f"{pad(clean(check.subject), subject)}{' ' * _GAP}{pad(clean(check.text), figures)}"
-            out += _row(left if figures else left[: -_GAP or None], check, color=color, width=width)
+            out += _row(left if figures else left[: -_GAP or None], check, view)
         else:
-            out += _row(pad(clean(check.subject), subject), check, color=color, width=width)
-            lines = wrap(clean(check.text), width - _INDENT)
+            out += _row(pad(clean(check.subject), subject), check, view)
+            lines = wrap(clean(check.text), view.columns - _INDENT)
             out += [f"{' ' * _INDENT}{line}" for line in lines if line]
     return out
 
@@ -66,25 +63,25 @@ def _verdict(check: Check) -> str:
     return verdict if verdict.lower().startswith(word) else f"{word}: {verdict}"
 
 
-def _row(left: str, check: Check, *, color: bool, width: int) -> list[str]:
+def _row(left: str, check: Check, view: View) -> list[str]:
     """What was looked at and the verdict behind it, or below it where it does not fit."""
     verdict, style = _verdict(check), check.outcome.value
-    room = width - 2 * _GAP - cells(left)
+    room = view.columns - 2 * _GAP - cells(left)
     head = f"{' ' * _GAP}{left}"
     if cells(verdict) <= room:
-        return [f"{head}{' ' * _GAP}{paint(verdict, style, color=color)}"]
-    if room > width // 3:
+        return [f"{head}{' ' * _GAP}{view.paint(verdict, style)}"]
+    if room > view.columns // 3:
         first, *more = wrap(verdict, room)
         margin = " " * (cells(head) + _GAP)
         return [
-            f"{head}{' ' * _GAP}{paint(first, style, color=color)}",
-            *(f"{margin}{paint(line, style, color=color)}" for line in more),
+            f"{head}{' ' * _GAP}{view.paint(first, style)}",
+            *(f"{margin}{view.paint(line, style)}" for line in more),
         ]
-    below = wrap(verdict, width - _INDENT)
-    return [head.rstrip(), *(f"{' ' * _INDENT}{paint(line, style, color=color)}" for line in below)]
+    below = wrap(verdict, view.columns - _INDENT)
+    return [head.rstrip(), *(f"{' ' * _INDENT}{view.paint(line, style)}" for line in below)]
 
 
-def summary(verification: Verification, *, color: bool = False) -> str:
+def summary(verification: Verification, view: View) -> str:
     """``34 checks: 31 ok, 2 errors, 1 not run``."""
     from plcgen.proof.checks import Outcome
 
@@ -94,7 +91,7 @@ def summary(verification: Verification, *, color: bool = False) -> str:
         count = sum(check.outcome is outcome for check in checks)
         if count:
             plural = "s" if count > 1 and outcome in {Outcome.ERROR, Outcome.WARNING} else ""
-            parts.append(paint(f"{count} {outcome.value}{plural}", outcome.value, color=color))
+            parts.append(view.paint(f"{count} {outcome.value}{plural}", outcome.value))
     total = f"{len(checks)} check{'' if len(checks) == 1 else 's'}"
     result = f"{total}: {', '.join(parts)}" if parts else total
     extra = _outside(verification, checks)
@@ -102,8 +99,6 @@ def summary(verification: Verification, *, color: bool = False) -> str:
 
 
 def _outside(verification: Verification, checks: Sequence[Check]) -> str:
-    from plcgen.output.text import count_text
-
     own = {check.diagnostic for check in checks}
     rest = [d for d in verification.diagnostics if d not in own and d.severity.label != "note"]
     return count_text(rest) if rest else ""

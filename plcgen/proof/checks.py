@@ -45,7 +45,7 @@ class CheckGroup:
 
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """The complete result for one spec and one output folder."""
+    """The complete result for one spec and one output folder; ``verb`` is ``verify`` or ``audit``."""
 
     spec: str
     folder: str
@@ -53,6 +53,7 @@ class Verification:
     target: str
     groups: tuple[CheckGroup, ...]
     diagnostics: tuple[Diagnostic, ...]
+    verb: str = "verify"
 
     def checks(self) -> Iterator[Check]:
         """All checks in order."""

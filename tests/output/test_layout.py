@@ -13,17 +13,22 @@ import pytest
 from lxml import etree
 
 from plcgen import api
-from plcgen.review.layout import page as layout_page
-from plcgen.review.layout.data import layout_csv, layout_json
+from plcgen.output.registry import find
+from plcgen.output.view import PLAIN, View
 from plcgen.review.layout.declared import block_tables
 from plcgen.review.layout.grid import grid, title
 from plcgen.review.layout.planned import project_tables
-from plcgen.review.layout.tables import layout_markdown, layout_text, letter, size_text
+from plcgen.review.layout.tables import LayoutResult, letter, size_text
 from plcgen.s7.evidence import RULES
 from plcgen.sources.text import read_text
 
 HEAD = "DATA_BLOCK DB 3\n{ S7_Optimized_Access := 'FALSE' }\nSTRUCT\n"
 TAIL = "END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n"
+
+
+def show(format_, blocks, view=PLAIN):
+    """Blocks in a format."""
+    return find(format_).render("layout", LayoutResult(tuple(blocks), ()), view)
 
 
 def tables(members: str, *, head: str = HEAD, tail: str = TAIL, expand: bool = False):
@@ -145,7 +150,7 @@ def hostile():
 
 def test_hostile_names_stay_text_in_the_page():
     """No tag, attribute or script comes from a name; the page loads nothing and asks nobody."""
-    page = layout_page.html(hostile())
+    page = show("html", hostile())
     tags = _Tags()
     tags.feed(page)
     assert not tags.tags & {"script", "img", "b", "link", "iframe", "object"}
@@ -156,7 +161,7 @@ def test_hostile_names_stay_text_in_the_page():
 
 
 def test_the_picture_is_well_formed_and_stands_alone():
-    document = etree.fromstring(layout_page.svg(hostile()).encode())
+    document = etree.fromstring(show("svg", hostile()).encode())
     names = {etree.QName(element).localname for element in document.iter()}
     assert names == {"svg", "style", "defs", "pattern", "path", "rect", "g", "text", "title"}
     texts = [element.text for element in document.iter("{http://www.w3.org/2000/svg}text")]
@@ -168,13 +173,13 @@ def test_control_characters_never_reach_the_xml():
     head = 'DATA_BLOCK "a\x01\x02b\uffffc"\nSTRUCT\n'
     blocks, _ = read_text(f'{head} "\x07x" : INT;\n{TAIL}', "x.db")
     found, _ = block_tables(blocks, {})
-    etree.fromstring(layout_page.svg(found).encode())
-    assert not re.search("[\x00-\x08\uffff]", layout_page.html(found))
+    etree.fromstring(show("svg", found).encode())
+    assert not re.search("[\x00-\x08\uffff]", show("html", found))
 
 
 def test_csv_is_safe_in_a_spreadsheet_and_keeps_its_columns():
     """Cells that a sheet would compute get an apostrophe; byte and bit are numbers of their own."""
-    rows = list(csv.reader(io.StringIO(layout_csv(hostile(), ";")), delimiter=";"))
+    rows = list(csv.reader(io.StringIO(show("csv", hostile(), View(separator=";"))), delimiter=";"))
     assert {len(row) for row in rows} == {12}
     assert rows[0][:4] == ["block", "byte", "bit", "address"]
     cells_ = [cell for row in rows[1:] for cell in row]
@@ -210,10 +215,10 @@ def test_programs_get_whole_names_and_markdown_keeps_the_indentation():
     found = tables(
         "a : ARRAY[1..2] OF STRUCT\n x : BYTE;\n s : STRUCT\n  y : INT;\n END_STRUCT;\nEND_STRUCT;\n b : INT;\n"
     )
-    members = json.loads(layout_json(found, [], ok=True))["blocks"][0]["members"]
+    members = json.loads(show("json", found))["blocks"][0]["members"]
     assert [m["path"] for m in members] == ["a", "a[1]", "a[1].x", "", "a[1].s", "a[1].s.y", "", "b"]
     indent = "\N{NO-BREAK SPACE}" * 4
-    assert f"| {indent}x | BYTE |" in layout_markdown(found)
+    assert f"| {indent}x | BYTE |" in show("markdown", found)
 
 
 def test_expanding_a_huge_array_stops_at_a_bound():
@@ -278,24 +283,24 @@ def test_optimized_blocks_have_no_offsets_in_any_format():
     text = "a : ARRAY[1..2] OF STRUCT\n w : WORD;\n b : BYTE;\nEND_STRUCT;\n"
     block = tables(text, head=HEAD.replace("FALSE", "TRUE"))[0]
     assert (block.size, block.shape, {row.offset for row in block.rows}) == (None, None, {""})
-    assert layout_text([block]).startswith("DB3  optimized access: no offsets\n  name")
-    assert "| offset" not in layout_markdown([block])
-    data = json.loads(layout_json([block], [], ok=True))["blocks"][0]
+    assert show("text", [block]).startswith("DB3  optimized access: no offsets\n  name")
+    assert "| offset" not in show("markdown", [block])
+    data = json.loads(show("json", [block]))["blocks"][0]
     assert (data["optimized"], data["size"], data["members"][0]["byte"]) == (True, None, None)
-    assert "DBB" not in layout_csv([block]) + layout_page.html([block]) + layout_page.svg([block])
+    assert "DBB" not in show("csv", [block]) + show("html", [block]) + show("svg", [block])
 
 
 def test_unconfirmed_places_have_footnotes_in_every_format():
     """B lies at 4 because an array is padded to an even byte: literature; a alone is sure."""
     blocks = tables("a : ARRAY[1..3] OF BYTE;\nb : BYTE;\n")
     sentence = "an ARRAY is padded to an even byte at its end"
-    lines = layout_text(blocks).splitlines()
+    lines = show("text", blocks).splitlines()
     assert "rule" in lines[1]
     assert lines[-1] == f"  a  {sentence}: literature, no compiled block"
-    assert f"- a: {sentence}" in layout_markdown(blocks)
-    assert sentence in layout_csv(blocks)
-    assert sentence in layout_page.html(blocks)
-    data = json.loads(layout_json(blocks, [], ok=True))["blocks"][0]
+    assert f"- a: {sentence}" in show("markdown", blocks)
+    assert sentence in show("csv", blocks)
+    assert sentence in show("html", blocks)
+    data = json.loads(show("json", blocks))["blocks"][0]
     assert data["unconfirmed_rules"] == {"array-end": sentence}
     marked = {m["name"]: m["unconfirmed"] for m in data["members"] if m["kind"] == "member"}
     assert marked == {"a": [], "b": ["array-end"]}
@@ -322,7 +327,7 @@ def test_telegrams_of_a_spec_are_drawn_with_their_bytes(tmp_path):
     )
     project = api.check(spec).project
     assert project is not None
-    picture = etree.fromstring(layout_page.svg(project_tables(project)).encode())
+    picture = etree.fromstring(show("svg", project_tables(project)).encode())
     texts = [element.text for element in picture.iter("{http://www.w3.org/2000/svg}text")]
     assert "C4 7F" in texts
 
@@ -342,9 +347,9 @@ PICTURES = Path(__file__).parents[2] / "docs" / "pictures"
 def test_the_picture_in_the_documentation_is_what_layout_draws():
     """docs/pictures/conveyor.svg; after a change: plcgen layout conveyor.awl --block DB20 -f svg --out conveyor.svg."""
     result = api.layout(PICTURES / "conveyor.awl", block="DB20")
-    assert layout_page.svg(result.blocks) == (PICTURES / "conveyor.svg").read_text("utf-8")
+    assert show("svg", result.blocks) == (PICTURES / "conveyor.svg").read_text("utf-8")
     page = (PICTURES.parent / "layout.md").read_text("utf-8")
-    assert layout_text(result.blocks) in page
+    assert show("text", result.blocks) in page
 
 
 def test_the_documentation_states_every_rule_with_its_evidence():

@@ -9,20 +9,30 @@ import pytest
 
 from plcgen import __version__
 from plcgen.diagnostics import Diagnostic, Severity, Span
-from plcgen.output.github import diagnostics_github, verification_github
-from plcgen.output.json import diagnostics_json, verification_json
-from plcgen.output.junit import diagnostics_junit, verification_junit
-from plcgen.output.sarif import diagnostics_sarif, uri, verification_sarif
+from plcgen.output.formats.sarif import uri
+from plcgen.output.registry import find
+from plcgen.output.results import Findings
 from plcgen.output.table import csv_table, markdown_table
+from plcgen.output.view import PLAIN
 
 _spec = importlib.util.spec_from_file_location("results", Path(__file__).with_name("results.py"))
 results = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(results)
 
 
+def findings(format_, *subjects, **more):
+    """What check found, in a format."""
+    return find(format_).render("findings", Findings("check", subjects, more), PLAIN)
+
+
+def verification(format_, result):
+    """A verification in a format."""
+    return find(format_).render("verification", result, PLAIN)
+
+
 def test_json_of_diagnostics():
     """Every field of a diagnostic is there under a stable key; more keys are the verb's."""
-    data = json.loads(diagnostics_json("check", [results.LIMIT, results.WARNING], specs=["x"]))
+    data = json.loads(findings("json", ("x", [results.LIMIT, results.WARNING]), specs=["x"]))
     assert data == {
         "tool": "plcgen",
         "version": __version__,
@@ -67,7 +77,7 @@ def test_json_of_diagnostics():
 
 def test_json_of_a_verification():
     """Groups and checks in order; a diagnostic of a check is not repeated at the end."""
-    data = json.loads(verification_json(results.VERIFICATION))
+    data = json.loads(verification("json", results.VERIFICATION))
     assert data["ok"] is False
     assert data["summary"] == {"error": 1, "not_run": 1, "ok": 1}
     assert [c["id"] for g in data["groups"] for c in g["checks"]] == ["layout.DB3", "layout.DB6", "run"]
@@ -77,7 +87,7 @@ def test_json_of_a_verification():
 
 def test_sarif_of_diagnostics():
     """SARIF 2.1.0: rules from the code table, results that point at them, places in characters."""
-    log = json.loads(diagnostics_sarif([results.LIMIT, results.WARNING, results.LIMIT]))
+    log = json.loads(findings("sarif", ("x", [results.LIMIT, results.WARNING, results.LIMIT])))
     assert (log["version"], log["$schema"]) == ("2.1.0", "https://json.schemastore.org/sarif-2.1.0.json")
     (run,) = log["runs"]
     assert run["columnKind"] == "unicodeCodePoints"
@@ -100,7 +110,7 @@ def test_sarif_of_diagnostics():
 
 def test_sarif_of_a_verification():
     """A failed check appears once: as its diagnostic if it has one."""
-    (run,) = json.loads(verification_sarif(results.VERIFICATION))["runs"]
+    (run,) = json.loads(verification("sarif", results.VERIFICATION))["runs"]
     assert [r["ruleId"] for r in run["results"]] == ["PG209"]
 
 
@@ -121,24 +131,24 @@ def test_uri(path, expected):
 def test_github_annotations():
     """Properties and message are escaped as the workflow commands ask."""
     tricky = Diagnostic("PG101", "50% a b", Span("a,b:c.yaml", 2, 3, 4, 1), Severity.NOTE)
-    assert diagnostics_github([results.LIMIT, tricky]) == (
+    assert findings("github", ("x", [results.LIMIT, tricky])) == (
         "::error file=specs/x.yaml,line=3,col=9,endColumn=14,title=PG209::"
         "P50303 = 700 is outside its limits 0..650 s%0Ahelp: the drive would answer error 02h"
         "%0Aspecs/x.yaml:1:1: first use\n"
         "::notice file=a%2Cb%3Ac.yaml,line=2,endLine=4,col=3,title=PG101::50%25 a b\n"
     )
-    assert verification_github(results.VERIFICATION).count("::error") == 1
+    assert verification("github", results.VERIFICATION).count("::error") == 1
 
 
 def test_junit_of_a_verification():
     """One case a check, failures and skips counted, names from the ids."""
-    root = ET.fromstring(verification_junit(results.VERIFICATION))  # noqa: S314 - our own output
+    root = ET.fromstring(verification("junit", results.VERIFICATION))  # noqa: S314 - our own output
     assert root.attrib == {"name": "plcgen verify specs/x.yaml", "tests": "3", "failures": "1", "errors": "0"}
     cases = [(c.get("classname"), c.get("name"), [e.tag for e in c]) for c in root.iter("testcase")]
     assert cases == [
-        ("plcgen.proof.layout", "layout.DB3", []),
-        ("plcgen.proof.layout", "layout.DB6", ["failure"]),
-        ("plcgen.protocols.ds47.proof.execution", "run", ["skipped"]),
+        ("plcgen.verify.layout", "layout.DB3", []),
+        ("plcgen.verify.layout", "layout.DB6", ["failure"]),
+        ("plcgen.verify.execution", "run", ["skipped"]),
     ]
     suites = [(s.get("name"), s.get("tests"), s.get("failures"), s.get("skipped")) for s in root]
     assert suites == [("layout", "2", "1", "0"), ("execution", "1", "0", "1")]
@@ -147,7 +157,7 @@ def test_junit_of_a_verification():
 def test_junit_of_check_is_valid_xml_for_any_text():
     """One case a spec; control characters and markup do not break the file; warnings do not fail it."""
     bad = Diagnostic("PG101", 'a<b>&"', Span("x\x1b\ud800\n.yaml"))
-    text = diagnostics_junit("check", [("a.yaml", [bad]), ("b.yaml", [results.WARNING]), ("c.yaml", [])])
+    text = findings("junit", ("a.yaml", [bad]), ("b.yaml", [results.WARNING]), ("c.yaml", []))
     root = ET.fromstring(text)  # noqa: S314 - our own output
     assert [[e.tag for e in case] for case in root.iter("testcase")] == [["failure"], ["system-out"], []]
     failure = next(root.iter("failure"))
@@ -158,8 +168,8 @@ def test_junit_of_check_is_valid_xml_for_any_text():
 
 def test_formats_are_deterministic():
     """The same result gives the same bytes."""
-    for write in (verification_json, verification_sarif, verification_junit, verification_github):
-        assert write(results.VERIFICATION) == write(results.VERIFICATION)
+    for format_ in ("json", "sarif", "junit", "github"):
+        assert verification(format_, results.VERIFICATION) == verification(format_, results.VERIFICATION)
 
 
 def test_tables():

@@ -7,8 +7,9 @@ import pytest
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.output.cells import clean, cut, expand, width, window, wrap
-from plcgen.output.text import diagnostic_text, diagnostics_text, no_source, summary_text
+from plcgen.output.excerpts import diagnostic_text, diagnostics_text, summary_text
 from plcgen.output.verification import verification_text
+from plcgen.output.view import PLAIN, View
 
 _spec = importlib.util.spec_from_file_location("results", Path(__file__).with_name("results.py"))
 results = importlib.util.module_from_spec(_spec)
@@ -17,7 +18,7 @@ _spec.loader.exec_module(results)
 
 def test_excerpt_help_and_note():
     """An error shows place, source line, caret, help and the other place."""
-    assert diagnostic_text(results.LIMIT, results.line) == (
+    assert diagnostic_text(results.LIMIT, View(lines=results.line)) == (
         "error[PG209]: P50303 = 700 is outside its limits 0..650 s\n"
         " --> specs/x.yaml:3:9\n"
         "  |\n"
@@ -35,7 +36,7 @@ def test_excerpt_help_and_note():
 def test_tab_and_wide_characters_keep_the_caret_in_place():
     """A tab is four columns to the next stop, a Chinese character two."""
     span = Span("x", 2, 11, 2, 12)
-    text = diagnostic_text(Diagnostic("PG101", "m", span), results.line)
+    text = diagnostic_text(Diagnostic("PG101", "m", span), View(lines=results.line))
     assert text == "error[PG101]: m\n --> x:2:11\n  |\n2 |     name: 加工站 x\n  |                 ^\n"
 
 
@@ -51,18 +52,18 @@ def test_tab_and_wide_characters_keep_the_caret_in_place():
 )
 def test_unusual_spans(span, caret):
     """Spans over lines, without width or behind the end still give one caret line."""
-    assert diagnostic_text(Diagnostic("PG101", "m", span), results.line).endswith(f"1 | plc:\n{caret}")
+    assert diagnostic_text(Diagnostic("PG101", "m", span), View(lines=results.line)).endswith(f"1 | plc:\n{caret}")
 
 
 def test_without_source_only_the_place():
     """A file as a whole, or one that cannot be read, has no excerpt."""
-    assert diagnostic_text(results.WARNING, no_source) == ("warning[PG310]: a timeout of 1 ms\n --> specs/x.yaml\n")
+    assert diagnostic_text(results.WARNING, PLAIN) == ("warning[PG310]: a timeout of 1 ms\n --> specs/x.yaml\n")
 
 
 def test_long_line_is_cut_to_a_window_around_the_caret():
     """The caret stays below what it marks, both ends are marked as cut, the width is kept."""
     source = "a" * 300 + "BAD" + "z" * 300
-    text = diagnostic_text(Diagnostic("PG101", "m", Span("x", 1, 301, 1, 304)), lambda *_: source, width=60)
+    text = diagnostic_text(Diagnostic("PG101", "m", Span("x", 1, 301, 1, 304)), View(lines=lambda *_: source, width=60))
     line, caret = text.split("\n")[3:5]
     assert len(line) <= 60
     assert line.startswith("1 | ...aaa")
@@ -73,7 +74,7 @@ def test_long_line_is_cut_to_a_window_around_the_caret():
 def test_terminal_escapes_in_files_and_messages_are_harmless():
     """A file cannot move the cursor, colour the screen or turn the reading direction."""
     hostile = "a\x1b[31mb\u202ec\x07"
-    text = diagnostic_text(Diagnostic("PG101", hostile, Span("x", 1, 1, 1, 2)), lambda *_: hostile)
+    text = diagnostic_text(Diagnostic("PG101", hostile, Span("x", 1, 1, 1, 2)), View(lines=lambda *_: hostile))
     assert "\x1b" not in text
     assert "\u202e" not in text
     assert "\x07" not in text
@@ -82,7 +83,7 @@ def test_terminal_escapes_in_files_and_messages_are_harmless():
 
 def test_colours_only_when_asked():
     """The flag adds codes around the same text."""
-    plain, coloured = (diagnostic_text(results.LIMIT, results.line, color=c) for c in (False, True))
+    plain, coloured = (diagnostic_text(results.LIMIT, View(c, lines=results.line)) for c in (False, True))
     assert "\x1b[1;31merror[PG209]\x1b[0m" in coloured
     import re
 
@@ -91,7 +92,7 @@ def test_colours_only_when_asked():
 
 def test_help_is_wrapped_below_itself():
     """Long help keeps the screen's width."""
-    text = diagnostic_text(Diagnostic("PG101", "m", Span("x"), help="word " * 20), no_source, width=50)
+    text = diagnostic_text(Diagnostic("PG101", "m", Span("x"), help="word " * 20), View(width=50))
     lines = text.splitlines()
     assert all(len(line) <= 50 for line in lines)
     assert lines[2].startswith("  = help: word")
@@ -102,14 +103,14 @@ def test_summary():
     """Errors and warnings are counted, notes are no problems."""
     note = Diagnostic("PG101", "m", Span("x"), Severity.NOTE)
     found = [results.LIMIT, results.LIMIT, results.WARNING, note]
-    assert summary_text(found, "specs/x.yaml") == "2 errors, 1 warning in specs/x.yaml"
-    assert summary_text([note], "specs/x.yaml") == "no problems in specs/x.yaml"
-    assert diagnostics_text([], no_source) == ""
+    assert summary_text(found, "specs/x.yaml", PLAIN) == "2 errors, 1 warning in specs/x.yaml"
+    assert summary_text([note], "specs/x.yaml", PLAIN) == "no problems in specs/x.yaml"
+    assert diagnostics_text([], PLAIN) == ""
 
 
 def test_verification_in_columns():
     """Subject, figures and verdict are aligned; the failing check is shown with its diagnostic below."""
-    assert verification_text(results.VERIFICATION, no_source, width=80) == (
+    assert verification_text(results.VERIFICATION, View(width=80)) == (
         "Demo, s7-300 / tia-v16: out\n"
         "\n"
         "Layout\n"
@@ -134,7 +135,7 @@ def test_a_diagnostic_that_only_a_check_carries_is_shown():
     import dataclasses
 
     alone = dataclasses.replace(results.VERIFICATION, diagnostics=())
-    assert verification_text(alone, no_source) == verification_text(results.VERIFICATION, no_source)
+    assert verification_text(alone, PLAIN) == verification_text(results.VERIFICATION, PLAIN)
 
 
 def test_verification_of_an_unusable_spec():
@@ -142,14 +143,14 @@ def test_verification_of_an_unusable_spec():
     from plcgen.proof.checks import Verification
 
     empty = Verification("x.yaml", "out", "", "", (), (results.LIMIT,))
-    text = verification_text(empty, no_source)
+    text = verification_text(empty, PLAIN)
     assert text.startswith("x.yaml: out\n\nerror[PG209]")
     assert text.endswith("\n0 checks; 1 error outside the checks\n")
 
 
 def test_verification_with_long_figures_stacks_them():
     """On a narrow screen the verdict stays beside its subject and the figures go below."""
-    text = verification_text(results.VERIFICATION, no_source, width=44)
+    text = verification_text(results.VERIFICATION, View(width=44))
     assert (
         "Layout\n"
         '  DB3 "WR"    ok: 3 calculators agree\n'

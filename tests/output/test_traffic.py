@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from plcgen.output.view import PLAIN, View
 from plcgen.protocols.ppi.sim import Bus, Station, Traffic
 from plcgen.protocols.ppi.sim.cpu import Switch
 from plcgen.protocols.ppi.traffic import TrafficText
@@ -79,8 +80,8 @@ def test_an_answer_without_its_request_names_no_items() -> None:
 def test_lines_have_time_direction_fault_and_bytes() -> None:
     entries = exchange(ReadRequest(1, (Item.memory(Area.V, 100),)), "fcs")
     text = TrafficText()
-    assert text.line(entries[2]) == "   1.500  ->  poll, station 0 to 2 (5C)  10 02 00 5C 5E 16"
-    line = text.line(entries[3])
+    assert text.line(entries[2], PLAIN) == "   1.500  ->  poll, station 0 to 2 (5C)  10 02 00 5C 5E 16"
+    line = text.line(entries[3], PLAIN)
     assert line.startswith("   1.500  <-  read reply, station 2 to 0  [fcs]  68 16 16 68 00 02 08")
     assert line.endswith("7A 16")
     assert text.data(entries[3])["fault"] == "fcs"
@@ -90,11 +91,11 @@ def test_lines_have_time_direction_fault_and_bytes() -> None:
 
 def test_a_terminal_gets_lines_that_fit_and_colours() -> None:
     entry = exchange(ReadRequest(1, (Item.memory(Area.V, 0, 222),)))[3]
-    assert len(TrafficText().line(entry, width=150)) == 150
-    assert TrafficText().line(entry, width=150).endswith("...")
-    assert TrafficText().line(entry).endswith(entry.data[-8:].hex(" ").upper())
-    assert "\x1b[2m" in TrafficText().line(entry, color=True)
-    assert "\x1b" not in TrafficText().line(entry)
+    assert len(TrafficText().line(entry, View(width=150, target="screen"))) == 150
+    assert TrafficText().line(entry, View(width=150, target="screen")).endswith("...")
+    assert TrafficText().line(entry, PLAIN).endswith(entry.data[-8:].hex(" ").upper())
+    assert "\x1b[2m" in TrafficText().line(entry, View(color=True))
+    assert "\x1b" not in TrafficText().line(entry, PLAIN)
 
 
 def test_noise_is_counted() -> None:

@@ -11,13 +11,16 @@ from dataclasses import replace
 
 import pytest
 
-from plcgen.output.text import no_source
+from plcgen.output.registry import find
+from plcgen.output.view import View
 from plcgen.trace.model import Signal, Step, Trace
-from plcgen.trace.output.json import trace_json
-from plcgen.trace.output.text import trace_text
-from plcgen.trace.output.vcd import trace_vcd
 
 Run = Callable[..., Trace]
+
+
+def show(format_: str, trace: Trace, **looks: int) -> str:
+    """A run in a format."""
+    return find(format_).render("trace", trace, View(**looks))
 
 
 class Vcd:
@@ -65,7 +68,7 @@ class Vcd:
 
 def test_vcd_is_the_run(run: Run) -> None:
     """Every variable has its type, its start value at 0 and its changes at the milliseconds of the scans."""
-    vcd = Vcd(trace_vcd(run(jobs=["read_ramp_up"])))
+    vcd = Vcd(show("vcd", run(jobs=["read_ramp_up"])))
     assert vcd.timescale == "1 ms"
     assert vcd.types["read_ramp_up.rampUpTime1"] == "real 64"
     assert vcd.types["read_ramp_up.WRREC_BUSY"] == "wire 1"
@@ -105,7 +108,7 @@ def test_vcd_of_every_kind_of_value() -> None:
     start = (0, 0.0, [1, 2], "", *(False for _ in range(200)))
     steps = (Step(1, 10, ((0, -2), (1, math.inf), (2, [255, 0]), (3, "two words"), (203, True)), (), ()),)
     trace = Trace("s", "f", "Press 4", scans=3, time=30, signals=signals, start=start, steps=steps)
-    vcd = Vcd(trace_vcd(trace))
+    vcd = Vcd(show("vcd", trace))
     assert vcd.changes["a_b.x_y"] == [(0, 0), (10, 0xFFFE)]
     assert vcd.changes["a_b.x_y_2"] == [(0, 0.0), (10, math.inf)]
     assert (vcd.changes["a_b.list_0"], vcd.changes["a_b.list_1"]) == ([(0, 1), (10, 255)], [(0, 2), (10, 0)])
@@ -116,20 +119,20 @@ def test_vcd_of_every_kind_of_value() -> None:
 
 def test_vcd_ends_with_the_run(run: Run) -> None:
     """The time after the last change is part of the picture."""
-    text = trace_vcd(run(jobs=["read_ramp_up"], faults=["silence"], scans=20))
+    text = show("vcd", run(jobs=["read_ramp_up"], faults=["silence"], scans=20))
     assert text.endswith("\n#200\n")
 
 
 def test_vcd_has_no_date(run: Run) -> None:
     """The same run gives the same bytes."""
-    first, second = trace_vcd(run()), trace_vcd(run())
+    first, second = show("vcd", run()), show("vcd", run())
     assert first == second
     assert "$date" not in first
 
 
 def test_json(run: Run) -> None:
     """One document: signals with their start values, changes by id, telegrams field by field, results."""
-    data = json.loads(trace_json(run(jobs=["read_ramp_up"], faults=["busy"])))
+    data = json.loads(show("json", run(jobs=["read_ramp_up"], faults=["busy"])))
     assert (data["kind"], data["ok"], data["ended"], data["main"]) == ("trace", True, "jobs", "Main")
     ids = [signal["id"] for signal in data["signals"]]
     assert len(ids) == len(set(ids))
@@ -148,7 +151,7 @@ def test_json_holds_no_number_that_json_lacks(run: Run) -> None:
     """NaN and infinity are texts."""
     trace = run(jobs=["read_ramp_up"])
     broken = replace(trace, steps=(Step(1, 10, ((0, math.nan), (1, [math.inf])), (), ()),))
-    changes = json.loads(trace_json(broken))["steps"][0]["changes"]
+    changes = json.loads(show("json", broken))["steps"][0]["changes"]
     assert list(changes.values()) == ["nan", ["inf"]]
 
 
@@ -183,14 +186,14 @@ read_ramp_up: done 0000 job done, no error
 def test_text(run: Run) -> None:
     """The table as a PLC engineer sees it."""
     trace = run(jobs=["read_ramp_up"])
-    assert trace_text(trace, no_source).replace(trace.folder, "FOLDER") == GOLDEN
+    assert show("text", trace).replace(trace.folder, "FOLDER") == GOLDEN
 
 
 @pytest.mark.parametrize("width", [40, 80, 120])
 def test_text_fits_the_screen(run: Run, width: int) -> None:
     """No row of the table is wider than the screen, with long names and messages too."""
     trace = run(faults=["busy:times=2", "error:number=2,after=1"])
-    lines = trace_text(trace, no_source, width=width).split("\n\n")[1].splitlines()
+    lines = show("text", trace, width=width).split("\n\n")[1].splitlines()
     assert len(lines) > 40
     if width >= 80:
         assert max(map(len, lines)) <= width
@@ -200,14 +203,14 @@ def test_text_fits_the_screen(run: Run, width: int) -> None:
 
 def test_an_explanation_is_given_once(run: Run) -> None:
     """The third B5h in a row is no news."""
-    text = trace_text(run(jobs=["read_ramp_up"], faults=["busy:times=3"]), no_source, width=120)
+    text = show("text", run(jobs=["read_ramp_up"], faults=["busy:times=3"]), width=120)
     assert text.count("RDREC ERROR DE80B500") == 3
     assert text.count("state conflict") == 1
 
 
 def test_text_of_a_failed_job(run: Run) -> None:
     """The drive's error stands at the parameter, the status word is explained."""
-    text = trace_text(run(jobs=["read_ramp_up"], faults=["error:number=17"]), no_source, width=120)
+    text = show("text", run(jobs=["read_ramp_up"], faults=["error:number=17"]), width=120)
     assert "read_ramp_up: error 8401 the drive refused at least one parameter, see errors" in text
     assert "  P50303  rampUpTime1 error 11h " in text
     assert text.endswith("1 job: 1 error; 11 scans, 110 ms\n")

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import click
-
 from plcgen.cli.groups import Sections, VerbGroup
-from plcgen.cli.options import CONTEXT, common_options
-from plcgen.cli.output import OK
 
 SECTIONS: Sections = (
     (
@@ -36,23 +32,14 @@ SECTIONS: Sections = (
 )
 
 
-@click.command(
+command = VerbGroup(
     "ppi",
-    cls=VerbGroup,
+    help="Talk to S7-200 PLCs over PPI: telegrams, values, a simulated station.",
     sections=SECTIONS,
     package="plcgen.cli.ppi",
-    context_settings=CONTEXT,
-    invoke_without_command=True,
     examples=(
         "plcgen ppi read VB100 VD200:REAL M0.0 --port /dev/ttyUSB0",
         "plcgen ppi monitor VW100 --port socket://192.168.1.50:4000",
         "plcgen ppi decode --file capture.txt",
     ),
 )
-@common_options
-@click.pass_context
-def command(ctx: click.Context) -> int:
-    """Talk to S7-200 PLCs over PPI: telegrams, values, a simulated station."""
-    if ctx.invoked_subcommand is None:
-        click.echo(ctx.get_help())
-    return OK

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from plcgen.cli.arguments import ARGUMENTS
-from plcgen.cli.output import PROBLEMS, Console
-from plcgen.diagnostics import Diagnostic
+from plcgen.cli.options import console
+from plcgen.diagnostics import DiagnosticError
 
 if TYPE_CHECKING:
+    from plcgen.output.registry import Format
+    from plcgen.output.results import Answer
     from plcgen.protocols.ppi.client import Client
     from plcgen.protocols.ppi.symbols import SymbolTable
 
@@ -50,23 +52,37 @@ def line_options(verb: Callback) -> Callback:
     return verb
 
 
-def open_client(ctx: click.Context, given: dict[str, Any], symbols: SymbolTable | None = None) -> Client:
+def open_client(given: dict[str, Any], symbols: SymbolTable | None = None) -> Client:
     """Open the line of ``line_options``. Raises LineError; UsageError if both stations are the same."""
     from plcgen.protocols.ppi.client import Client, Settings
 
     station, source = given["station"], given["source"]
     if station == source:
-        raise click.UsageError(f"--station and --source are both {station}", ctx)
+        raise click.UsageError(f"--station and --source are both {station}")
     settings = Settings(station=station, own=source, answer=given["timeout"])
     return Client.open(given["port"], rate=given["baud"], settings=settings, symbols=symbols)
 
 
-def failed(out: Console, kind: str, found: Sequence[Diagnostic], words: Sequence[str] = (), *, as_json: bool) -> int:
-    """Show what kept a verb from its result, in the form asked for, and return its exit code."""
-    if as_json:
-        from plcgen.output.json import diagnostics_data, dump
+def station_answer(kind: str, text: str, /, **data: Any) -> Answer:
+    """What a station said in one line."""
+    from plcgen.output.data import diagnostics_data
+    from plcgen.output.results import Answer
 
-        out.result(dump(diagnostics_data(kind, found)))
-    else:
-        out.complain(found, {ARGUMENTS: " ".join(words)})
-    return PROBLEMS
+    return Answer({**diagnostics_data(kind, ()), **data}, lambda _view: f"station {data['station']}: {text}\n")
+
+
+def failure(kind: str, problem: DiagnosticError) -> Answer:
+    """What kept a verb from its result."""
+    from plcgen.output.data import diagnostics_data
+    from plcgen.output.results import Answer
+
+    return Answer(diagnostics_data(kind, problem.diagnostics), lambda _view: "", problem.diagnostics)
+
+
+def ask(format_: Format, kind: str, words: Sequence[str], question: Callable[[], Answer]) -> int:
+    """Deliver the answer to a question, or what kept the verb from it as an answer of this kind."""
+    try:
+        found = question()
+    except DiagnosticError as problem:
+        found = failure(kind, problem)
+    return console().answer(format_, found, known={ARGUMENTS: " ".join(words)})

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.arguments import ARGUMENTS
-from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, json_option
-from plcgen.cli.output import OK, PROBLEMS, Console, is_terminal
+from plcgen.cli.options import PATH, Verb, console, format_option
+from plcgen.cli.output import is_terminal
 from plcgen.diagnostics import Diagnostic, Severity, Span
 
 if TYPE_CHECKING:
     from plcgen.cli.ppi.capture import Capture
+    from plcgen.output.registry import Format
     from plcgen.protocols.ppi.texts import PpiTelegram
 
 STDIN = "<stdin>"
@@ -25,7 +26,6 @@ _MAX_INPUT = 16 * 1024 * 1024
 @click.command(
     "decode",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen ppi decode 68 16 16 68 00 02 08 32 03 00 00 00 00 00 02 00 05 00 00 04 01 FF 04 00 08 22 78 16",
         "plcgen ppi decode F9 --tolerant",
@@ -39,16 +39,14 @@ _MAX_INPUT = 16 * 1024 * 1024
     "--tolerant", is_flag=True, help="Accept what real lines produce (F9 for E5, pads, constant FC), and say so."
 )
 @click.option("-s", "--short", is_flag=True, help="One line a telegram.")
-@json_option
-@common_options
-@click.pass_context
+@format_option("answer")
 def command(
-    ctx: click.Context,
+    *,
     hex_: tuple[str, ...],
     file: Path | None,
-    tolerant: bool,  # noqa: FBT001 - click's signature
-    short: bool,  # noqa: FBT001
-    as_json: bool,  # noqa: FBT001
+    tolerant: bool,
+    short: bool,
+    format_: Format,
 ) -> int:
     """Explain PPI telegrams byte by byte: from arguments, a file or stdin.
 
@@ -56,23 +54,21 @@ def command(
     the addresses of the request before it. Exit code 1 if anything is malformed.
     """
     from plcgen.cli.ppi.capture import SPELLINGS
-    from plcgen.protocols.ppi.texts import decode_pieces
+    from plcgen.protocols.ppi.texts import decode_pieces, telegrams_answer
 
-    out = console(ctx)
     if hex_ and file is not None:
-        raise click.UsageError("give the bytes as arguments or as --file, not both", ctx)
-    capture, known = _capture(ctx, hex_, file)
+        raise click.UsageError("give the bytes as arguments or as --file, not both")
+    capture, known = _capture(hex_, file)
     found = list(capture.problems)
     telegrams = decode_pieces(capture.pieces(tolerant=tolerant), tolerant=tolerant)
     for telegram in telegrams:
         found += _diagnostics(telegram, capture)
     if not telegrams and not found:
         found.append(Diagnostic("PG701", "there are no bytes to decode", Span(capture.name), help=SPELLINGS))
-    _show(out, telegrams, found, known, short=short, as_json=as_json)
-    return PROBLEMS if any(d.severity is Severity.ERROR for d in found) else OK
+    return console().answer(format_, telegrams_answer(telegrams, found, short=short), known=known)
 
 
-def _capture(ctx: click.Context, hex_: Sequence[str], file: Path | None) -> tuple[Capture, dict[str, str]]:
+def _capture(hex_: Sequence[str], file: Path | None) -> tuple[Capture, dict[str, str]]:
     from plcgen.cli.ppi.capture import Capture, capture_of
 
     if hex_:
@@ -85,15 +81,15 @@ def _capture(ctx: click.Context, hex_: Sequence[str], file: Path | None) -> tupl
             data = stream.read(_MAX_INPUT + 1)
         name = str(file)
     else:
-        data, name = _stdin(ctx), STDIN
+        data, name = _stdin(), STDIN
     if len(data) > _MAX_INPUT:
-        raise click.UsageError(f"more than {_MAX_INPUT // 1024 // 1024} MiB in {name}", ctx)
+        raise click.UsageError(f"more than {_MAX_INPUT // 1024 // 1024} MiB in {name}")
     return capture_of(name, data), {STDIN: data.decode("utf-8", "replace")} if name == STDIN else {}
 
 
-def _stdin(ctx: click.Context) -> bytes:
+def _stdin() -> bytes:
     if sys.stdin is None or is_terminal(sys.stdin):
-        raise click.UsageError("give the bytes as arguments, as --file or on stdin", ctx)
+        raise click.UsageError("give the bytes as arguments, as --file or on stdin")
     stream = getattr(sys.stdin, "buffer", None)
     data: bytes = stream.read(_MAX_INPUT + 1) if stream is not None else sys.stdin.read(_MAX_INPUT + 1).encode()
     return data
@@ -114,25 +110,3 @@ def _diagnostics(telegram: PpiTelegram, capture: Capture) -> list[Diagnostic]:
         for problem in telegram.tolerated
     ]
     return wrong + tolerated
-
-
-def _show(
-    out: Console,
-    telegrams: Sequence[PpiTelegram],
-    found: Sequence[Diagnostic],
-    known: dict[str, str],
-    *,
-    short: bool,
-    as_json: bool,
-) -> None:
-    from plcgen.protocols.ppi import texts as report
-
-    if as_json:
-        out.result(report.telegrams_json(telegrams, found))
-        return
-    if telegrams and short:
-        out.result(report.short_text(telegrams, color=out.out_color, width=out.out_width))
-    elif telegrams:
-        texts = [report.telegram_text(telegram, color=out.out_color, width=out.out_width) for telegram in telegrams]
-        out.result("\n".join(texts))
-    out.complain(found, known)

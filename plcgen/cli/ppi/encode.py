@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.arguments import ARGUMENTS
-from plcgen.cli.options import CONTEXT, Verb, common_options, console, json_option
-from plcgen.cli.output import OK, PROBLEMS, Console
+from plcgen.cli.options import Verb, console, format_option
 from plcgen.cli.ppi.places import cpu_option, symbols_option
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 
 if TYPE_CHECKING:
+    from plcgen.output.registry import Format
     from plcgen.protocols.ppi.sim.profiles import Profile
     from plcgen.protocols.ppi.symbols import SymbolTable
     from plcgen.protocols.ppi.wire.model import Request
@@ -38,7 +38,6 @@ class _How:
 @click.command(
     "encode",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen ppi encode read VB100 M0.0 --station 2",
         "plcgen ppi encode write VW100=1234 VD200:REAL=1.5",
@@ -57,22 +56,20 @@ class _How:
 @click.option("--experimental", is_flag=True, help="Allow force, unforce and writing of T and C, all unconfirmed.")
 @cpu_option
 @symbols_option
-@json_option
-@common_options
-@click.pass_context
+@format_option("answer")
 def command(
-    ctx: click.Context,
+    *,
     words: tuple[str, ...],
     station: int,
     source: int,
     reference: int,
-    first: bool,  # noqa: FBT001 - click's signature
+    first: bool,
     fcb: int | None,
-    pack: bool,  # noqa: FBT001
-    experimental: bool,  # noqa: FBT001
+    pack: bool,
+    experimental: bool,
     cpu: str | None,
     symbols: str | None,
-    as_json: bool,  # noqa: FBT001
+    format_: Format,
 ) -> int:
     """Print PPI request telegrams as hex, one a line.
 
@@ -80,11 +77,12 @@ def command(
     VD100:REAL, VW100:INT, VB0[21]:STRING. German mnemonics (EB0, A0.0, Z5) work as well.
     """
     from plcgen.cli.ppi.places import find_profile, find_symbols, telegram_problems
+    from plcgen.output.data import diagnostics_data
+    from plcgen.output.results import Answer
     from plcgen.protocols.ppi.wire.errors import PpiError
 
-    out = console(ctx)
     verb, rest = words[0].lower(), words[1:]
-    _require_usage(ctx, verb, rest, first=first, fcb=fcb, stations=(station, source))
+    _require_usage(verb, rest, first=first, fcb=fcb, stations=(station, source))
     how = _How(station, source, _function(verb, first=first, fcb=fcb), reference, pack, experimental)
     found: tuple[Diagnostic, ...] = ()
     telegrams: list[bytes] = []
@@ -94,27 +92,30 @@ def command(
         found = problem.diagnostics
     except PpiError as problem:
         found = telegram_problems(problem)
-    _show(out, verb, telegrams, found, rest, as_json=as_json)
-    return PROBLEMS if found else OK
+    text = "".join(data.hex(" ").upper() + "\n" for data in telegrams)
+    rows = [
+        {"request": verb, "telegram": number, "length": len(data), "hex": data.hex().upper()}
+        for number, data in enumerate(telegrams, 1)
+    ]
+    answer = Answer({**diagnostics_data("ppi requests", found), "telegrams": rows}, lambda _view: text, found)
+    return console().answer(format_, answer, known={ARGUMENTS: " ".join(rest)})
 
 
-def _require_usage(
-    ctx: click.Context, verb: str, rest: Sequence[str], *, first: bool, fcb: int | None, stations: tuple[int, int]
-) -> None:
+def _require_usage(verb: str, rest: Sequence[str], *, first: bool, fcb: int | None, stations: tuple[int, int]) -> None:
     from plcgen.diagnostics.suggest import did_you_mean
 
     if verb not in (*_BARE, *_WITH_ITEMS):
         known = (*_WITH_ITEMS, *_BARE)
-        raise click.UsageError(f'there is no telegram "{verb}"; {did_you_mean(verb, known) or ", ".join(known)}', ctx)
+        raise click.UsageError(f'there is no telegram "{verb}"; {did_you_mean(verb, known) or ", ".join(known)}')
     if verb in _BARE and rest:
-        raise click.UsageError(f"{verb} takes no addresses", ctx)
+        raise click.UsageError(f"{verb} takes no addresses")
     if verb in _WITH_ITEMS and not rest:
         example = "VW100=1234" if verb in {"write", "force"} else "VB100"
-        raise click.UsageError(f"{verb} needs an address, for example {example}", ctx)
+        raise click.UsageError(f"{verb} needs an address, for example {example}")
     if first and fcb is not None:
-        raise click.UsageError("--first and --fcb exclude each other", ctx)
+        raise click.UsageError("--first and --fcb exclude each other")
     if stations[0] == stations[1]:
-        raise click.UsageError(f"--station and --source are both {stations[0]}", ctx)
+        raise click.UsageError(f"--station and --source are both {stations[0]}")
 
 
 def _function(verb: str, *, first: bool, fcb: int | None) -> int:
@@ -162,26 +163,3 @@ def _requests(
     if verb == "force":
         return [model.ForceRequest(reference, entry.item, entry.data) for entry in entries]
     return pack_write(entries).requests(reference) if how.pack else [model.WriteRequest(reference, tuple(entries))]
-
-
-def _show(
-    out: Console,
-    verb: str,
-    telegrams: Sequence[bytes],
-    found: tuple[Diagnostic, ...],
-    rest: Sequence[str],
-    *,
-    as_json: bool,
-) -> None:
-    if as_json:
-        from plcgen.output.json import diagnostics_data, dump
-
-        rows = [
-            {"request": verb, "telegram": number, "length": len(data), "hex": data.hex().upper()}
-            for number, data in enumerate(telegrams, 1)
-        ]
-        out.result(dump({**diagnostics_data("ppi requests", found), "telegrams": rows}))
-        return
-    if telegrams:
-        out.result("".join(data.hex(" ").upper() + "\n" for data in telegrams))
-    out.complain(found, {ARGUMENTS: " ".join(rest)})

@@ -2,43 +2,36 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from plcgen.cli.options import CONTEXT, Verb, common_options, console, json_option
-from plcgen.cli.output import OK
-from plcgen.cli.ppi.connection import failed, line_options, open_client
-from plcgen.diagnostics import DiagnosticError
+from plcgen.cli.options import Verb, format_option
+from plcgen.cli.ppi.connection import ask, line_options, open_client, station_answer
+
+if TYPE_CHECKING:
+    from plcgen.output.registry import Format
+    from plcgen.output.results import Answer
 
 
 @click.command(
     "info",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen ppi info --port /dev/ttyUSB0",
         "plcgen ppi info --port socket://10.0.0.5:4000 --station 3 --json",
     ),
 )
 @line_options
-@json_option
-@common_options
-@click.pass_context
-def command(ctx: click.Context, /, *, as_json: bool, **given: Any) -> int:
+@format_option("answer")
+def command(*, format_: Format, **given: Any) -> int:
     """Show the CPU type and firmware that the station reports in its system area."""
-    out = console(ctx)
-    try:
-        with open_client(ctx, given) as client:
-            info = client.info()
-    except DiagnosticError as problem:
-        return failed(out, "ppi info", problem.diagnostics, as_json=as_json)
-    if as_json:
-        from plcgen.output.json import diagnostics_data, dump
 
+    def question() -> Answer:
+        with open_client(given) as client:
+            info = client.info()
+        text = f"{info.type}, firmware {info.firmware}" if info.firmware else info.type
         data = {"station": given["station"], "type": info.type, "firmware": info.firmware, "text": info.text}
-        out.result(dump({**diagnostics_data("ppi info", ()), **data}))
-    else:
-        firmware = f", firmware {info.firmware}" if info.firmware else ""
-        out.result(f"station {given['station']}: {info.type}{firmware}\n")
-    return OK
+        return station_answer("ppi info", text, **data)
+
+    return ask(format_, "ppi info", (), question)

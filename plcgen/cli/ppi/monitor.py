@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plcgen.cli.options import CONTEXT, Verb, common_options, console, json_option
+from plcgen.cli.arguments import ARGUMENTS
+from plcgen.cli.options import Verb, console, stream_option
 from plcgen.cli.output import OK, PROBLEMS, Console, is_terminal
-from plcgen.cli.ppi.connection import failed, line_options, open_client
+from plcgen.cli.ppi.connection import failure, line_options, open_client
 from plcgen.cli.ppi.places import cpu_option, symbols_option
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 @click.command(
     "monitor",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen ppi monitor VW100 M0.0 T32 --port /dev/ttyUSB0",
         "plcgen ppi monitor level:REAL --symbols press.csv --interval 0.2 --port COM3",
@@ -43,16 +43,12 @@ if TYPE_CHECKING:
 @line_options
 @cpu_option
 @symbols_option
-@json_option
-@common_options
-@click.pass_context
+@stream_option
 def command(
-    ctx: click.Context,
-    /,
+    *,
     words: tuple[str, ...],
     cpu: str | None,
     symbols: str | None,
-    *,
     interval: float,
     count: int | None,
     as_json: bool,
@@ -63,15 +59,16 @@ def command(
     A station that does not answer is asked again; a lost line ends it. Exit code 1 if the last read failed.
     """
     from plcgen.cli.ppi.places import find_profile, find_symbols, places
+    from plcgen.output.formats import json, text
 
-    out = console(ctx)
     try:
         table = find_symbols(symbols)
         asked = places(words, table, find_profile(cpu))
-        with open_client(ctx, given, table) as client:
-            return _watch(out, client, asked, (interval, count), as_json=as_json)
+        with open_client(given, table) as client:
+            return _watch(console(), client, asked, (interval, count), as_json=as_json)
     except DiagnosticError as problem:
-        return failed(out, "ppi monitor", problem.diagnostics, words, as_json=as_json)
+        known = {ARGUMENTS: " ".join(words)}
+        return console().answer(json.FORMAT if as_json else text.FORMAT, failure("ppi monitor", problem), known=known)
 
 
 def _watch(
@@ -119,7 +116,7 @@ class _Screen:
         if self.as_json:
             self.out.result(readings_row(clock, readings))
         elif self.live:
-            lines = readings_table(readings, self._before, color=self.out.out_color, width=self.out.out_width)
+            lines = readings_table(readings, self._before, self.out.view())
             self._draw([*lines, clock])
         else:
             self.out.result(f"{clock}  {reading_line(readings)}\n")
@@ -127,17 +124,13 @@ class _Screen:
 
     def missed(self, found: Sequence[Diagnostic]) -> None:
         """Show that a read failed; the values before stay on the screen."""
-        from plcgen.protocols.ppi.client.texts import missed_row
+        from plcgen.protocols.ppi.client.texts import readings_row, readings_table
 
         if self.as_json:
-            self.out.result(missed_row(_clock(), found))
-            return
-        text = "; ".join(f"{diagnostic.code} {diagnostic.message}" for diagnostic in found)
-        if self.live:
-            from plcgen.protocols.ppi.client.texts import readings_table
-
-            lines = readings_table(self._before, (), color=self.out.out_color, width=self.out.out_width)
-            self._draw([*lines, f"{_clock()}  {text}"])
+            self.out.result(readings_row(_clock(), (), found))
+        elif self.live:
+            text = "; ".join(f"{diagnostic.code} {diagnostic.message}" for diagnostic in found)
+            self._draw([*readings_table(self._before, (), self.out.view()), f"{_clock()}  {text}"])
         else:
             self.out.complain(found)
 

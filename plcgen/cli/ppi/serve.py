@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import json
 import signal
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from plcgen.cli.options import CONTEXT, PATH, Verb, common_options, console, json_option
-from plcgen.cli.output import OK, Console, is_terminal
+from plcgen.cli.options import PATH, Verb, console, stream_option
+from plcgen.cli.output import OK, Console
 from plcgen.cli.ppi.places import find_symbols, symbols_option
 
 if TYPE_CHECKING:
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
 @click.command(
     "serve",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen ppi serve                                  a CPU 224 on a pseudo terminal",
         "plcgen ppi serve --cpu 226 --set VW100=1234 --log",
@@ -45,17 +43,15 @@ if TYPE_CHECKING:
 )
 @click.option("--fault", "faults", multiple=True, metavar="KIND[:KEY=VALUE,...]", help="Let the line go wrong.")
 @click.option("--log", is_flag=True, help="Show every frame, decoded.")
-@json_option
-@common_options
-@click.pass_context
-def command(ctx: click.Context, /, *, as_json: bool, log: bool, baud: int, **given: Any) -> int:
+@stream_option
+def command(*, as_json: bool, log: bool, baud: int, **given: Any) -> int:
     """Simulate one or more S7-200 stations until Ctrl-C.
 
     The first line of the output is the name of the line to open: a pseudo terminal, unless --tcp or --port is given.
     """
     if given["tcp"] is not None and given["port"] is not None:
-        raise click.UsageError("--tcp and --port exclude each other: a station has one line", ctx)
-    out = console(ctx)
+        raise click.UsageError("--tcp and --port exclude each other: a station has one line")
+    out = console()
     bus = _bus(given["file"], given["cpu"], given["station"], given["symbols"], given["sets"], given["faults"])
     line = _line(given["tcp"], given["port"], baud)
     show = _Show(out, as_json=as_json, log=log)
@@ -174,8 +170,7 @@ class _Show:
         if self.as_json:
             self._json(self.text.data(entry))
         elif self.log:
-            width = self.out.out_width if is_terminal(sys.stdout) else 0
-            self.out.result(self.text.line(entry, color=self.out.out_color, width=width) + "\n")
+            self.out.result(self.text.line(entry, self.out.view()) + "\n")
 
     def tell(self, text: str) -> None:
         if self.as_json:

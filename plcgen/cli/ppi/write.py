@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from plcgen.cli.options import CONTEXT, Verb, common_options, console, json_option
-from plcgen.cli.output import OK, PROBLEMS
-from plcgen.cli.ppi.connection import failed, line_options, open_client
+from plcgen.cli.options import Verb, console, format_option
+from plcgen.cli.ppi.connection import ask, line_options, open_client
 from plcgen.cli.ppi.places import cpu_option, symbols_option
-from plcgen.diagnostics import DiagnosticError
+
+if TYPE_CHECKING:
+    from plcgen.output.registry import Format
+    from plcgen.output.results import Answer
 
 
 @click.command(
     "write",
     cls=Verb,
-    context_settings=CONTEXT,
     examples=(
         "plcgen ppi write VW100=1234 M0.0=1 --port /dev/ttyUSB0 --yes-write",
         "plcgen ppi write VD200:REAL=1.5 VB0[21]:STRING='Recipe 7' --port COM3 --yes-write",
@@ -29,19 +30,15 @@ from plcgen.diagnostics import DiagnosticError
 @line_options
 @cpu_option
 @symbols_option
-@json_option
-@common_options
-@click.pass_context
+@format_option("answer")
 def command(
-    ctx: click.Context,
-    /,
+    *,
     words: tuple[str, ...],
     cpu: str | None,
     symbols: str | None,
-    *,
     yes_write: bool,
     experimental: bool,
-    as_json: bool,
+    format_: Format,
     **given: Any,
 ) -> int:
     """Write values to addresses or symbols; only with --yes-write, since a machine may move.
@@ -51,22 +48,15 @@ def command(
     --yes-write.
     """
     from plcgen.cli.ppi.places import assignments, find_profile, find_symbols
-    from plcgen.protocols.ppi.client.texts import entries_text, written_json, written_problems, written_text
+    from plcgen.protocols.ppi.client.texts import entries_text, written_answer
 
-    out = console(ctx)
-    try:
+    def question() -> Answer:
         entries = assignments(words, find_symbols(symbols), find_profile(cpu))
         if not yes_write:
-            out.say(entries_text(entries))
-            raise click.UsageError("nothing was written: writing needs --yes-write", ctx)
-        with open_client(ctx, given) as client:
+            console().say(entries_text(entries))
+            raise click.UsageError("nothing was written: writing needs --yes-write")
+        with open_client(given) as client:
             written = client.write_items(entries, experimental=experimental)
-    except DiagnosticError as problem:
-        return failed(out, "ppi write", problem.diagnostics, words, as_json=as_json)
-    found = written_problems(given["port"], written)
-    if as_json:
-        out.result(written_json(entries, written, found))
-    else:
-        out.result(written_text(entries, written, color=out.out_color, width=out.out_width))
-        out.complain(found)
-    return PROBLEMS if found else OK
+        return written_answer(given["port"], entries, written)
+
+    return ask(format_, "ppi write", words, question)

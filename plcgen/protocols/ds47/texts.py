@@ -7,12 +7,15 @@ import re
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
+from plcgen.diagnostics import Diagnostic, Severity
 from plcgen.output.cells import clean, cut
-from plcgen.output.json import dump, head
-from plcgen.output.paint import paint
+from plcgen.output.data import diagnostic_data, head
+from plcgen.output.results import Answer
 from plcgen.output.table import text_table
+from plcgen.output.view import View
 
 if TYPE_CHECKING:
     from plcgen.protocols.ds47.wire.dissect import Field
@@ -109,7 +112,7 @@ def _field(found: Field, data: bytes, labels: dict[int, str]) -> TelegramField:
     return TelegramField(found.offset, chunk, name, found.value_text, note, found.problem)
 
 
-def telegram_text(telegram: DecodedTelegram, *, color: bool = False, width: int = 0) -> str:
+def telegram_text(telegram: DecodedTelegram, view: View) -> str:
     """Table of all fields; ``!`` marks the wrong ones."""
     rows: list[tuple[str, ...]] = []
     wrong: list[bool] = []
@@ -124,11 +127,11 @@ def telegram_text(telegram: DecodedTelegram, *, color: bool = False, width: int 
         offset = f"{'! ' if field.problem else ''}{field.offset}"
         rows.append((offset, _bytes(field.data), name, cut(clean(field.value), 40), field.note))
         wrong.append(field.problem)
-    header, *lines = text_table(HEADER, rows, right=frozenset({0}), limit=width)
-    shown = [paint(line, "error", color=color) if bad else line for line, bad in zip(lines, wrong, strict=True)]
+    header, *lines = text_table(HEADER, rows, right=frozenset({0}), limit=view.width)
+    shown = [view.paint(line, "error" if bad else "") for line, bad in zip(lines, wrong, strict=True)]
     count = len(telegram.data)
-    title = f"{paint(telegram.kind, 'bold', color=color)}, {count} byte{'' if count == 1 else 's'}"
-    return "\n".join([title, paint(header, "dim", color=color), *shown]) + "\n"
+    title = f"{view.paint(telegram.kind, 'bold')}, {count} byte{'' if count == 1 else 's'}"
+    return "\n".join([title, view.paint(header, "dim"), *shown]) + "\n"
 
 
 def _bytes(data: bytes) -> str:
@@ -159,14 +162,19 @@ def telegram_data(telegram: DecodedTelegram) -> dict[str, Any]:
     }
 
 
-def telegrams_json(telegrams: Sequence[DecodedTelegram], diagnostics: Sequence[dict[str, Any]]) -> str:
-    """Write JSON of ``decode``."""
-    ok = all(t.ok for t in telegrams) and not any(d["severity"] == "error" for d in diagnostics)
-    data = [telegram_data(t) for t in telegrams]
-    return dump({**head("telegrams", ok=ok), "telegrams": data, "diagnostics": list(diagnostics)})
+def telegrams_answer(telegrams: Sequence[DecodedTelegram], diagnostics: Sequence[Diagnostic]) -> Answer:
+    """Answer of ``decode``."""
+    ok = all(t.ok for t in telegrams) and not any(d.severity is Severity.ERROR for d in diagnostics)
+    found = {"telegrams": list(map(telegram_data, telegrams)), "diagnostics": list(map(diagnostic_data, diagnostics))}
+    text = partial(_telegrams_text, telegrams)
+    return Answer({**head("telegrams", ok=ok), **found}, text, diagnostics)
 
 
-def status_text(status: Status, *, color: bool = False) -> str:
+def _telegrams_text(telegrams: Sequence[DecodedTelegram], view: View) -> str:
+    return "\n".join(telegram_text(telegram, view) for telegram in telegrams)
+
+
+def status_text(status: Status, view: View) -> str:
     """STATUS byte by byte, its meaning, and what to do next."""
     style = "error" if status.error else "ok"
     rows = [
@@ -176,23 +184,22 @@ def status_text(status: Status, *, color: bool = False) -> str:
         ("Error_Code_2", f"{status.code2:02X}h"),
         ("retry", _RETRY[status.retry.value]),
     ]
-    title = f"STATUS {status.value:08X}h  {paint(clean(status.text), style, color=color)}"
+    title = f"STATUS {status.value:08X}h  {view.paint(clean(status.text), style)}"
     return "\n".join([title, *(f"  {name:<12}  {text}" for name, text in rows)]) + "\n"
 
 
-def status_json(status: Status) -> str:
-    """Write JSON of ``decode --status``."""
-    return dump(
-        {
-            **head("status", ok=not status.error),
-            "status": f"{status.value:08X}",
-            "function_num": status.function_num,
-            "error_decode": status.error_decode,
-            "error_code_1": status.code1,
-            "error_code_2": status.code2,
-            "meaning": status.text,
-            "error": status.error,
-            "retry": status.retry.value,
-            "advice": _RETRY[status.retry.value],
-        }
-    )
+def status_answer(status: Status) -> Answer:
+    """Answer of ``decode --status``."""
+    data = {
+        **head("status", ok=not status.error),
+        "status": f"{status.value:08X}",
+        "function_num": status.function_num,
+        "error_decode": status.error_decode,
+        "error_code_1": status.code1,
+        "error_code_2": status.code2,
+        "meaning": status.text,
+        "error": status.error,
+        "retry": status.retry.value,
+        "advice": _RETRY[status.retry.value],
+    }
+    return Answer(data, partial(status_text, status))

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 from plcgen.diagnostics import Diagnostic, Severity
 from plcgen.output.cells import cut
-from plcgen.output.json import diagnostics_data, dump
-from plcgen.output.paint import paint
+from plcgen.output.data import diagnostics_data
+from plcgen.output.results import Answer
+from plcgen.output.view import View
 from plcgen.protocols.ds47.texts import DecodedTelegram, TelegramField
 from plcgen.protocols.ds47.texts import telegram_data as plain_data
 from plcgen.protocols.ds47.texts import telegram_text as plain_text
@@ -126,24 +128,25 @@ def _kind(data: bytes, pdu: Pdu | None) -> str:
     return title(data) if pdu is None else f"{title(data)}, reference {pdu.reference}"
 
 
-def telegram_text(telegram: PpiTelegram, *, color: bool = False, width: int = 0) -> str:
+def telegram_text(telegram: PpiTelegram, view: View) -> str:
     """Table of all fields; ``!`` marks the wrong ones."""
-    return plain_text(telegram.table, color=color, width=width)
+    return plain_text(telegram.table, view)
 
 
-def short_text(telegrams: Sequence[PpiTelegram], *, color: bool = False, width: int = 0) -> str:
+def short_text(telegrams: Sequence[PpiTelegram], view: View) -> str:
     """One line a telegram: offset in the stream, ``!`` for a wrong and ``~`` for a tolerated one, contents."""
     lines = []
     for telegram in telegrams:
         mark = "!" if telegram.problems else "~" if telegram.tolerated else " "
         line = f"{telegram.offset:>8} {mark} {telegram.line}"
-        line = cut(line, width) if width else line
-        lines.append(paint(line, "error", color=color) if telegram.problems else line)
+        lines.append(view.paint(cut(line, view.width), "error" if telegram.problems else ""))
     return "".join(line.rstrip() + "\n" for line in lines)
 
 
-def telegrams_json(telegrams: Sequence[PpiTelegram], diagnostics: Sequence[Diagnostic]) -> str:
-    """JSON of ``ppi decode``: every telegram with its fields, violations with their kinds."""
+def telegrams_answer(
+    telegrams: Sequence[PpiTelegram], diagnostics: Sequence[Diagnostic], *, short: bool = False
+) -> Answer:
+    """Answer of ``ppi decode``: every telegram with its fields, violations with their kinds; ``short`` for people."""
     ok = not any(diagnostic.severity is Severity.ERROR for diagnostic in diagnostics)
     rows = [
         {
@@ -155,7 +158,12 @@ def telegrams_json(telegrams: Sequence[PpiTelegram], diagnostics: Sequence[Diagn
         }
         for telegram in telegrams
     ]
-    return dump({**diagnostics_data("ppi telegrams", diagnostics, ok=ok), "telegrams": rows})
+    data = {**diagnostics_data("ppi telegrams", diagnostics, ok=ok), "telegrams": rows}
+    return Answer(data, partial(short_text if short else _text, telegrams), diagnostics)
+
+
+def _text(telegrams: Sequence[PpiTelegram], view: View) -> str:
+    return "\n".join(telegram_text(telegram, view) for telegram in telegrams)
 
 
 def _violation(violation: Violation) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from plcgen.output.cells import cut
-from plcgen.output.paint import paint
+from plcgen.output.view import View
 from plcgen.protocols.ppi.wire.address import address_text
 from plcgen.protocols.ppi.wire.codes import header_error, return_code
 from plcgen.protocols.ppi.wire.dissect import title
@@ -40,8 +40,9 @@ class TrafficText:
     def __init__(self) -> None:
         self._asked: dict[tuple[int, int], Sequence[Item]] = {}
 
-    def line(self, entry: Traffic, *, color: bool = False, width: int = 0) -> str:
-        """``   0.012  ->  read request, station 0 to 2: VB100   68 1B ..``; ``width`` 0 does not cut."""
+    def line(self, entry: Traffic, view: View) -> str:
+        """``   0.012  ->  read request, station 0 to 2: VB100   68 1B ..``; a screen cuts it."""
+        width = view.width if view.target == "screen" else 0
         arrow = "->" if entry.direction == ">" else "<-"
         shown = entry.data if width == 0 else entry.data[:_BYTES]
         more = f" .. {len(entry.data)} bytes" if len(shown) < len(entry.data) else ""
@@ -50,7 +51,7 @@ class TrafficText:
         raw = f"  {shown.hex(' ').upper()}{more}"
         if width:
             raw = cut(raw, max(width - len(text) - len(note), len("  68 ...")))
-        return text + paint(note, "error", color=color) + paint(raw, "dim", color=color)
+        return text + view.paint(note, "error") + view.paint(raw, "dim")
 
     def data(self, entry: Traffic) -> dict[str, Any]:
         """One frame for programs."""

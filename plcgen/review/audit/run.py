@@ -25,7 +25,7 @@ def audit(paths: Sequence[Path], spec: Path) -> Verification:
         return _audit(paths, spec, label, report)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
-    return Verification(str(spec), label, "", "", (), tuple(report))
+    return Verification(str(spec), label, "", "", (), tuple(report), "audit")
 
 
 def _audit(paths: Sequence[Path], spec: Path, label: str, report: Report) -> Verification:
@@ -57,7 +57,7 @@ def _audit(paths: Sequence[Path], spec: Path, label: str, report: Report) -> Ver
     if calls or _has_code(sources):
         groups.append(CheckGroup("calls", "Calls", tuple(_call_checks(calls, matches))))
     target = f"{project.target.family} / {project.target.toolchain}"
-    return Verification(str(spec), label, project.name, target, tuple(groups), tuple(report))
+    return Verification(str(spec), label, project.name, target, tuple(groups), tuple(report), "audit")
 
 
 def _has_code(sources: Sources) -> bool:

@@ -12,6 +12,9 @@ from plcgen.diagnostics import Diagnostic, Span
 from plcgen.review.compare.policy import Level, fails
 from plcgen.sources.code import Code
 
+_NAMED = frozenset({"member-added", "member-removed", "member-renamed", "member-spelling", "parameter-required"})
+"""Kinds of changes whose message names the member."""
+
 
 @dataclass(frozen=True, slots=True)
 class MemberState:
@@ -138,6 +141,13 @@ class Change:
         """The new place if there is one, else the old one."""
         return self.new_span or self.old_span
 
+    @property
+    def text(self) -> str:
+        """The message, with the member in front where it does not name it."""
+        if not self.path or self.kind in _NAMED or (self.kind == "member-moved" and self.details):
+            return self.message
+        return f"{self.path}: {self.message}"
+
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
@@ -152,6 +162,11 @@ class Comparison:
     def count(self, level: Level) -> int:
         """How many changes have this level."""
         return sum(change.level is level for change in self.changes)
+
+    @property
+    def counts(self) -> str:
+        """``2 breaking, 1 compatible``."""
+        return ", ".join(f"{count} {level.value}" for level in Level if (count := self.count(level)))
 
     def subjects(self) -> Iterator[tuple[str, list[Change]]]:
         """Changes by subject, the worst first."""

@@ -1,47 +1,21 @@
-"""Memory layouts for other programs: CSV for a spreadsheet, JSON for tools."""
+"""Memory layouts as plain data."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from plcgen.output.json import dump, head
-from plcgen.output.table import csv_table
-from plcgen.review.layout.tables import GAP, MORE, BlockTable, LayoutRow
-
-COLUMNS = (
-    "block", "byte", "bit", "address", "level", "name", "type", "bits", "start value", "comment", "kind", "unconfirmed"
-)  # fmt: skip
+from plcgen.output.data import diagnostic_data, head
+from plcgen.review.layout.tables import GAP, MORE, BlockTable, LayoutResult, LayoutRow
 
 
-def layout_csv(blocks: Sequence[BlockTable], separator: str = ",") -> str:
-    """One table for all blocks, the block in the first column, offsets and sizes as whole numbers.
-
-    Byte and bit stand in columns of their own: a spreadsheet takes ``12.3`` for a date.
-    """
-    rows = [_csv_row(block, row) for block in blocks for row in block.rows]
-    return csv_table(COLUMNS, rows, separator)
-
-
-def _csv_row(block: BlockTable, row: LayoutRow) -> tuple[str, ...]:
-    byte = "" if row.byte is None else str(row.byte)
-    bit = "" if row.bit is None else str(row.bit)
-    bits = "" if row.byte is None else str(row.bits)
-    texts = {rule.key: rule.text for rule in block.rules}
-    unconfirmed = ", ".join(texts.get(key, key) for key in row.rules)
-    place = (block.title, byte, bit, row.address, str(row.depth))
-    return (*place, row.name, row.type, bits, row.start, row.comment, row.kind, unconfirmed)
-
-
-def layout_json(blocks: Sequence[BlockTable], diagnostics: Sequence[dict[str, Any]], *, ok: bool) -> str:
+def layout_data(result: LayoutResult) -> dict[str, Any]:
     """Blocks with their members; offsets and sizes as numbers."""
-    return dump(
-        {
-            **head("layout", ok=ok),
-            "blocks": [_block(block) for block in blocks],
-            "diagnostics": list(diagnostics),
-        }
-    )
+    return {
+        **head("layout", ok=result.ok),
+        "blocks": [_block(block) for block in result.blocks],
+        "diagnostics": [diagnostic_data(d) for d in result.diagnostics],
+    }
 
 
 def _block(block: BlockTable) -> dict[str, Any]:

@@ -13,6 +13,8 @@ import pytest
 from projects import FAQ, ROOT, SPECS
 
 import plcgen
+from plcgen.output.registry import find
+from plcgen.output.view import PLAIN
 from plcgen.proof.checks import Outcome
 
 HERE = Path(__file__).parent / "faq"
@@ -34,13 +36,13 @@ def edit(path: Path, old: str, new: str) -> None:
 
 
 def findings(folder: Path, spec: Path = FAQ):
-    result = plcgen.review.audit(folder, spec=spec)
+    result = plcgen.audit(folder, spec=spec)
     return [d for d in result.diagnostics if d.code.startswith(("PG65", "PG66"))]
 
 
 def test_the_faq_passes_but_for_db6():
     """DB3, DB4 and DB5 fit; DB6 has 4 bytes (figure 4-10), a negative answer needs 4 + 6 x 1 = 10."""
-    result = plcgen.review.audit(HERE, spec=FAQ)
+    result = plcgen.audit(HERE, spec=FAQ)
     checks = {c.id: c for c in result.checks() if c.id.startswith("buffers.")}
     assert {name.partition(".")[2]: check.outcome for name, check in checks.items()} == {
         "WR_DataBuffer": Outcome.OK,
@@ -64,7 +66,7 @@ def test_the_faq_has_layouts():
 
 def test_with_room_for_the_negative_answer_everything_passes(project):
     """No finding, all calls matched."""
-    result = plcgen.review.audit(project, spec=FAQ)
+    result = plcgen.audit(project, spec=FAQ)
     assert result.diagnostics == ()
     assert {c.outcome for c in result.checks()} == {Outcome.OK}
     assert len([c for c in result.checks() if c.id.startswith("calls.")]) == 4
@@ -324,12 +326,12 @@ def test_numbers_and_start_values_find_the_db(project):
         for name in ('"WR_DataBuffer"', '"RD_DataBuffer"'):
             text = text.replace(f"DATA_BLOCK {name}", f"DATA_BLOCK {number}")
         (project / file).write_text(text, encoding="utf-8")
-    checks = {c.subject: c.text for c in plcgen.review.audit(project, spec=FAQ).checks()}
+    checks = {c.subject: c.text for c in plcgen.audit(project, spec=FAQ).checks()}
     assert "found by number" in checks["DB3"]
     start(project)
     text = (project / "DB3.db").read_text("utf-8")
     (project / "DB3.db").write_text(text.replace("DATA_BLOCK DB 3", 'DATA_BLOCK "Question"'), encoding="utf-8")
-    checks = {c.subject: c.text for c in plcgen.review.audit(project, spec=FAQ).checks()}
+    checks = {c.subject: c.text for c in plcgen.audit(project, spec=FAQ).checks()}
     assert "found by start values" in checks['DB "Question"']
 
 
@@ -351,7 +353,7 @@ def test_generated_sources_pass(spec):
     folder = ROOT / "examples" / spec.stem / "expected"
     for what in (folder, folder / "xml"):
         if what.exists():
-            result = plcgen.review.audit(what, spec=spec)
+            result = plcgen.audit(what, spec=spec)
             assert result.diagnostics == (), result.diagnostics
             buffers = [c for c in result.checks() if c.id.startswith("buffers.")]
             drives = "\ndrives:" in spec.read_text("utf-8")  # PPI masters have no DS47 buffers
@@ -383,7 +385,7 @@ def test_broken_sources(tmp_path, name, capsys):
     file, text, code = BROKEN[name]
     if text is not None:
         (tmp_path / file).write_text(text, encoding="utf-8")
-    result = plcgen.review.audit(tmp_path / file, spec=FAQ)
+    result = plcgen.audit(tmp_path / file, spec=FAQ)
     assert not result.ok
     assert code in {d.code for d in result.diagnostics}
     assert capsys.readouterr() == ("", "")
@@ -391,23 +393,21 @@ def test_broken_sources(tmp_path, name, capsys):
 
 def test_broken_spec(tmp_path):
     """So is a spec."""
-    result = plcgen.review.audit(HERE, spec=tmp_path / "none.yaml")
+    result = plcgen.audit(HERE, spec=tmp_path / "none.yaml")
     assert [d.code for d in result.diagnostics] == ["PG110"]
 
 
 def test_reports():
     """JSON, SARIF, JUnit and GitHub through the reporters of verify, under the name of the verb."""
-    from plcgen.cli.formats import verification_in
-
-    result = plcgen.review.audit(HERE, spec=FAQ)
-    assert json.loads(verification_in("json", result, "audit"))["kind"] == "audit"
-    run = json.loads(verification_in("sarif", result, "audit"))["runs"][0]
+    result = plcgen.audit(HERE, spec=FAQ)
+    assert json.loads(find("json").render("verification", result, PLAIN))["kind"] == "audit"
+    run = json.loads(find("sarif").render("verification", result, PLAIN))["runs"][0]
     assert [r["ruleId"] for r in run["results"]] == ["PG651"]
-    document = ET.fromstring(verification_in("junit", result, "audit"))  # noqa: S314 - our own output
+    document = ET.fromstring(find("junit").render("verification", result, PLAIN))  # noqa: S314 - our own output
     assert document.get("failures") == "1"
     names = {case.get("classname") for case in document.iter("testcase")}
-    assert names == {"plcgen.review.audit.buffers", "plcgen.review.audit.calls"}
-    assert verification_in("github", result, "audit").startswith("::error file=")
+    assert names == {"plcgen.audit.buffers", "plcgen.audit.calls"}
+    assert find("github").render("verification", result, PLAIN).startswith("::error file=")
 
 
 def test_a_wrong_width_among_names_that_say_nothing(project):
@@ -426,7 +426,7 @@ def test_rdrec_is_known_without_mlen(project):
     text = f'FUNCTION_BLOCK "F" VAR r : RDREC; v : Bool; END_VAR BEGIN\n{call}\nEND_FUNCTION_BLOCK'
     (project / "F.scl").write_text(text, encoding="utf-8")
     (project / "OB1.awl").unlink()
-    result = plcgen.review.audit(project, spec=FAQ)
+    result = plcgen.audit(project, spec=FAQ)
     assert result.diagnostics == ()
     assert 'RDREC in FB "F"' in {c.subject for c in result.checks()}
 
@@ -438,7 +438,7 @@ def test_automatic_numbers_match_nothing(tmp_path):
     number = plcgen.check(spec).project.jobs[0].telegrams[0].request_db.number
     source = tmp_path / "other.db"
     source.write_text(f"DATA_BLOCK DB {number} STRUCT a : Bool; END_STRUCT; BEGIN END_DATA_BLOCK", encoding="utf-8")
-    assert not any(c.text.partition(" ")[0].isdigit() for c in plcgen.review.audit(source, spec=spec).checks())
+    assert not any(c.text.partition(" ")[0].isdigit() for c in plcgen.audit(source, spec=spec).checks())
 
 
 def test_two_equal_requests_are_ambiguous(project):
@@ -448,7 +448,7 @@ def test_two_equal_requests_are_ambiguous(project):
     (project / "DB3.db").unlink()
     for name in ("One", "Two"):
         (project / f"{name}.db").write_text(text.replace("WR_DataBuffer", name), encoding="utf-8")
-    outcomes = {c.subject: c.outcome for c in plcgen.review.audit(project, spec=FAQ).checks()}
+    outcomes = {c.subject: c.outcome for c in plcgen.audit(project, spec=FAQ).checks()}
     assert outcomes['DB3 "WR_DataBuffer"'] is Outcome.WARNING
 
 
@@ -469,12 +469,12 @@ def test_what_was_not_looked_at_is_said(project):
     text = (project / "OB1.awl").read_text("utf-8")
     first = text.index("NETWORK", text.index("NETWORK") + 1)
     (project / "OB1.awl").write_text(f"{text[:first]}END_ORGANIZATION_BLOCK\n", encoding="utf-8")
-    checks = {c.verdict for c in plcgen.review.audit(project, spec=FAQ).checks() if c.outcome is Outcome.NOT_RUN}
+    checks = {c.verdict for c in plcgen.audit(project, spec=FAQ).checks() if c.outcome is Outcome.NOT_RUN}
     assert checks == {"no WRREC call names it", "no RDREC call names it"}
     (project / "OB1.awl").unlink()
-    assert [group.name for group in plcgen.review.audit(project, spec=FAQ).groups] == ["buffers"]
+    assert [group.name for group in plcgen.audit(project, spec=FAQ).groups] == ["buffers"]
     (project / "F.scl").write_text('FUNCTION "F" : Void BEGIN "x" := 1; END_FUNCTION', encoding="utf-8")
-    assert [group.name for group in plcgen.review.audit(project, spec=FAQ).groups] == ["buffers", "calls"]
+    assert [group.name for group in plcgen.audit(project, spec=FAQ).groups] == ["buffers", "calls"]
 
 
 def test_instance_data_are_no_buffer(project):

@@ -12,11 +12,18 @@ from projects import FAQ, ROOT
 
 import plcgen
 from plcgen.diagnostics import DiagnosticError
+from plcgen.output.registry import find
+from plcgen.output.view import View
+from plcgen.review.compare.model import Comparison
 from plcgen.review.compare.policy import KINDS, Level, fails, load_policy
-from plcgen.review.compare.texts import comparison_markdown, comparison_sarif, comparison_text
 
 CASES = yaml.safe_load((ROOT / "tests" / "vectors" / "diff.yaml").read_text("utf-8"))
 GOLDEN = ROOT / "examples" / FAQ.stem / "expected"
+
+
+def show(format_: str, result: Comparison, **looks: object) -> str:
+    """A comparison in a format."""
+    return find(format_).render("comparison", result, View(**looks))
 
 
 def sources(case: dict[str, object], side: str) -> str:
@@ -238,16 +245,16 @@ def test_many_members_are_one_line(tmp_path):
     result = diff(tmp_path, block.format("", members), block.format("x : Int; ", members))
     moved = [c for c in result.changes if c.kind == "member-moved"]
     assert [len(c.details) for c in moved] == [2000]
-    assert comparison_text(result, "breaking").count("\n") < 10
-    assert "m1999 3998.0 -> 4000.0" in comparison_text(result, "breaking", verbose=True)
-    assert ".. and 1988 more" in comparison_markdown(result, "breaking")
+    assert show("text", result).count("\n") < 10
+    assert "m1999 3998.0 -> 4000.0" in show("text", result, verbose=True)
+    assert ".. and 1988 more" in show("markdown", result)
 
 
 def test_markdown_cannot_be_broken_by_names(tmp_path):
     """Names with the characters of Markdown and HTML stay text."""
     block = 'DATA_BLOCK "a|b<i>`*" STRUCT "x|y" : Int{}; END_STRUCT; BEGIN END_DATA_BLOCK'
     result = diff(tmp_path, block.format(""), block.format(" := 3"))
-    text = comparison_markdown(result, "breaking")
+    text = show("markdown", result)
     assert "a\\|b&lt;i&gt;\\`\\*" in text
     assert all(line.replace("\\|", "").count("|") == 5 for line in text.splitlines() if line.startswith("|"))
 
@@ -257,7 +264,7 @@ def test_sarif(tmp_path):
     result = diff(
         tmp_path, *(f'DATA_BLOCK "B" STRUCT a : {t}; END_STRUCT; BEGIN END_DATA_BLOCK' for t in ("Int", "Word"))
     )
-    run = json.loads(comparison_sarif(result, "breaking"))["runs"][0]
+    run = json.loads(show("sarif", result))["runs"][0]
     assert [rule["id"] for rule in run["tool"]["driver"]["rules"]] == ["type-changed"]
     (found,) = run["results"]
     assert (found["level"], found["ruleIndex"]) == ("error", 0)
@@ -392,9 +399,9 @@ def test_long_rows_are_shortened(tmp_path):
     """Four of a kind and how many more; everything with --verbose."""
     block = 'DATA_BLOCK "B" STRUCT a : Int; {} END_STRUCT; BEGIN END_DATA_BLOCK'
     result = diff(tmp_path, block.format(""), block.format("".join(f"n{n} : Int; " for n in range(9))))
-    text = comparison_text(result, "breaking")
+    text = show("text", result)
     assert (text.count("added: n"), ".. and 5 more member-added" in text) == (4, True)
-    assert comparison_text(result, "breaking", verbose=True).count("added: n") == 9
+    assert show("text", result, verbose=True).count("added: n") == 9
 
 
 def test_both_places_are_in_sarif(tmp_path):
@@ -402,7 +409,7 @@ def test_both_places_are_in_sarif(tmp_path):
     result = diff(
         tmp_path, *(f'DATA_BLOCK "B" STRUCT a : {t}; END_STRUCT; BEGIN END_DATA_BLOCK' for t in ("Int", "Word"))
     )
-    (found,) = json.loads(comparison_sarif(result, "breaking"))["runs"][0]["results"]
+    (found,) = json.loads(show("sarif", result))["runs"][0]["results"]
     assert found["relatedLocations"][0]["physicalLocation"]["artifactLocation"]["uri"].endswith("old/source.db")
 
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.output.cells import clean, cut
-from plcgen.output.json import diagnostic_data, diagnostics_data, dump
-from plcgen.output.paint import paint
+from plcgen.output.data import diagnostic_data, diagnostics_data
+from plcgen.output.results import Answer
 from plcgen.output.table import text_table
+from plcgen.output.view import View
 from plcgen.protocols.ppi.wire.codes import return_code
 
 if TYPE_CHECKING:
@@ -29,27 +31,17 @@ def _bytes(data: bytes) -> str:
     return f"{text} ... {len(data)} bytes" if len(data) > _SHOWN else text
 
 
-def readings_text(readings: Sequence[Reading], *, color: bool = False, width: int = 0) -> str:
-    """One row a value; the value column says why where there is none."""
-    return "\n".join(readings_table(readings, (), color=color, width=width)) + "\n"
-
-
-def readings_table(
-    readings: Sequence[Reading], before: Sequence[Reading], *, color: bool = False, width: int = 0
-) -> list[str]:
-    """Return the lines of the table; values that changed since ``before`` are bold, errors red."""
+def readings_table(readings: Sequence[Reading], before: Sequence[Reading], view: View) -> list[str]:
+    """One row a value; values that changed since ``before`` are bold, errors red and say why there is no value."""
     named = any(reading.name.partition(":")[0].upper() != reading.place.address for reading in readings)
     rows = [_row(reading, named=named) for reading in readings]
     header, *lines = text_table(HEADER if named else HEADER[1:], rows)
     old = {id(reading.place): reading for reading in before}
-    shown = [paint(header, "dim", color=color)]
+    shown = [view.paint(header, "dim")]
     for reading, line in zip(readings, lines, strict=True):
         known = old.get(id(reading.place))
         changed = known is not None and (known.data, known.code) != (reading.data, reading.code)
-        text = cut(line, width) if width else line
-        shown.append(
-            paint(text, "error" if not reading.ok else "bold", color=color) if changed or not reading.ok else text
-        )
+        shown.append(view.paint(cut(line, view.width), "error" if not reading.ok else "bold" if changed else ""))
     return shown
 
 
@@ -89,31 +81,20 @@ def reading_data(reading: Reading) -> dict[str, Any]:
     }
 
 
-def readings_json(readings: Sequence[Reading], found: Sequence[Diagnostic]) -> str:
-    """JSON of ``ppi read``."""
-    return dump({**diagnostics_data("ppi values", found), "values": [reading_data(reading) for reading in readings]})
+def readings_answer(line: str, readings: Sequence[Reading]) -> Answer:
+    """Answer of ``ppi read``, with one diagnostic for each value that could not be read."""
+    found = [_refused(line, reading.place, reading.code) for reading in readings if not reading.ok]
+    data = {**diagnostics_data("ppi values", found), "values": [reading_data(reading) for reading in readings]}
+    return Answer(data, lambda view: "\n".join(readings_table(readings, (), view)) + "\n", found)
 
 
-def readings_row(time: str, readings: Sequence[Reading]) -> str:
-    """One line of JSON for one read of ``ppi monitor``."""
-    row = {"time": time, "ok": all(r.ok for r in readings), "values": [reading_data(r) for r in readings]}
+def readings_row(time: str, readings: Sequence[Reading], found: Sequence[Diagnostic] = ()) -> str:
+    """One line of JSON for one read of ``ppi monitor``; ``found`` says why it failed as a whole."""
+    row: dict[str, Any] = {"time": time, "ok": not found and all(r.ok for r in readings)}
+    row["values"] = [reading_data(reading) for reading in readings]
+    if found:
+        row["diagnostics"] = [diagnostic_data(d) for d in found]
     return json.dumps(row, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def missed_row(time: str, found: Sequence[Diagnostic]) -> str:
-    """One line of JSON for a read that failed as a whole."""
-    row = {"time": time, "ok": False, "values": [], "diagnostics": [diagnostic_data(d) for d in found]}
-    return json.dumps(row, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def reading_problems(line: str, readings: Sequence[Reading]) -> list[Diagnostic]:
-    """Return one diagnostic for each value that could not be read."""
-    return [_refused(line, reading.place, reading.code) for reading in readings if not reading.ok]
-
-
-def written_problems(line: str, written: Sequence[Written]) -> list[Diagnostic]:
-    """Return one diagnostic for each value that could not be written."""
-    return [_refused(line, entry.place, entry.code) for entry in written if not entry.ok]
 
 
 def _refused(line: str, place: Place, code: int) -> Diagnostic:
@@ -123,40 +104,20 @@ def _refused(line: str, place: Place, code: int) -> Diagnostic:
 
 def entries_text(entries: Sequence[tuple[Place, WriteItem]]) -> str:
     """Return what would be written."""
-    rows = [(p.address, p.type_name, cut(clean(_value(p, e)), _WIDEST), _bytes(e.data)) for p, e in entries]
+    rows = [(*_planned(place, entry), _bytes(entry.data)) for place, entry in entries]
     return "\n".join(text_table(("address", "type", "value", "bytes"), rows))
 
 
-def _value(place: Place, entry: WriteItem) -> str:
+def _planned(place: Place, entry: WriteItem) -> tuple[str, str, str]:
     from plcgen.protocols.ppi.client.values import text_of
 
-    return text_of(place.value(entry.data), place.type)
+    value = text_of(place.value(entry.data), place.type)
+    return place.address, place.type_name, cut(clean(value), _WIDEST)
 
 
-def written_text(
-    entries: Sequence[tuple[Place, WriteItem]], written: Sequence[Written], *, color: bool = False, width: int = 0
-) -> str:
-    """One row a value with its result."""
-    rows = [
-        (
-            place.address,
-            place.type_name,
-            cut(clean(_value(place, entry)), _WIDEST),
-            "written" if result.ok else f"error {result.error}",
-        )
-        for (place, entry), result in zip(entries, written, strict=True)
-    ]
-    header, *lines = text_table(("address", "type", "value", "result"), rows, limit=width)
-    shown = [
-        line if result.ok else paint(line, "error", color=color) for line, result in zip(lines, written, strict=True)
-    ]
-    return "\n".join([paint(header, "dim", color=color), *shown]) + "\n"
-
-
-def written_json(
-    entries: Sequence[tuple[Place, WriteItem]], written: Sequence[Written], found: Sequence[Diagnostic]
-) -> str:
-    """JSON of ``ppi write``."""
+def written_answer(line: str, entries: Sequence[tuple[Place, WriteItem]], written: Sequence[Written]) -> Answer:
+    """Answer of ``ppi write``, with one diagnostic for each value that could not be written."""
+    found = [_refused(line, entry.place, entry.code) for entry in written if not entry.ok]
     rows = [
         {
             "name": place.name,
@@ -170,4 +131,15 @@ def written_json(
         }
         for (place, entry), result in zip(entries, written, strict=True)
     ]
-    return dump({**diagnostics_data("ppi write", found), "values": rows})
+    return Answer({**diagnostics_data("ppi write", found), "values": rows}, partial(_written, entries, written), found)
+
+
+def _written(entries: Sequence[tuple[Place, WriteItem]], written: Sequence[Written], view: View) -> str:
+    """One row a value with its result."""
+    rows = [
+        (*_planned(place, entry), "written" if result.ok else f"error {result.error}")
+        for (place, entry), result in zip(entries, written, strict=True)
+    ]
+    header, *lines = text_table(("address", "type", "value", "result"), rows, limit=view.width)
+    shown = [view.paint(line, "" if result.ok else "error") for line, result in zip(lines, written, strict=True)]
+    return "\n".join([view.paint(header, "dim"), *shown]) + "\n"

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.output.registry import Format
 from plcgen.output.verification import problems
 
 if TYPE_CHECKING:
+    from plcgen.output.results import Findings
+    from plcgen.output.view import View
     from plcgen.proof.checks import Verification
 
 _COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
@@ -43,14 +45,13 @@ def annotation(diagnostic: Diagnostic) -> str:
     return f"::{_COMMAND[diagnostic.severity]} {properties}::{_message(text)}\n"
 
 
-def diagnostics_github(diagnostics: Sequence[Diagnostic]) -> str:
-    """Annotations of ``check`` and ``generate``."""
-    return "".join(annotation(d) for d in diagnostics)
+def _findings(found: Findings, _view: View) -> str:
+    return "".join(map(annotation, found.diagnostics))
 
 
-def verification_github(verification: Verification) -> str:
-    """Annotations of ``verify``; a failed check without a diagnostic is annotated at the spec."""
-    text = diagnostics_github(problems(verification))
+def _verification(verification: Verification, _view: View) -> str:
+    """A failed check without a diagnostic is annotated at the spec."""
+    text = "".join(map(annotation, problems(verification)))
     for check in verification.checks():
         command = check.outcome.value
         if check.diagnostic is None and command in {"error", "warning"}:
@@ -58,3 +59,6 @@ def verification_github(verification: Verification) -> str:
             message = _message(f"{check.subject}: {check.verdict}")
             text += f"::{command} file={place},title={_property(check.id)}::{message}\n"
     return text
+
+
+FORMAT = Format(name="github", findings=_findings, verification=_verification)

@@ -8,14 +8,19 @@ from typing import TYPE_CHECKING, Any
 from plcgen._version import __version__
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.diagnostics.codes import code as code_info
-from plcgen.output.json import dump
+from plcgen.output.data import dump
+from plcgen.output.registry import Format
 from plcgen.output.verification import problems
 
 if TYPE_CHECKING:
+    from plcgen.output.results import Findings
+    from plcgen.output.view import View
     from plcgen.proof.checks import Check, Verification
+    from plcgen.review.compare.model import Change, Comparison
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 _LEVEL = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
+_CHANGE = {"breaking": "error", "compatible": "warning", "documentation": "note"}
 _UNRESERVED = frozenset(b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~/")
 
 
@@ -83,34 +88,72 @@ def _check(check: Check, spec: str) -> dict[str, Any]:
     }
 
 
-def problem_results(diagnostics: Sequence[Diagnostic], first: int) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Rules and results of diagnostics for a run that has ``first`` rules of its own."""
+def _problems(diagnostics: Sequence[Diagnostic], first: int = 0) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Rules and results of diagnostics, behind ``first`` rules of the run's own."""
     codes = sorted({d.code for d in diagnostics})
     index = {code: first + position for position, code in enumerate(codes)}
     return [_rule(code) for code in codes], [_result(d, index) for d in diagnostics]
 
 
-def _log(diagnostics: Sequence[Diagnostic], more: Sequence[dict[str, Any]] = ()) -> str:
-    rules, results = problem_results(diagnostics, 0)
+def _log(rules: Sequence[dict[str, Any]], results: Sequence[dict[str, Any]], **properties: str) -> str:
     driver = {"name": "plcgen", "version": __version__, "semanticVersion": __version__, "rules": rules}
     run = {
         "tool": {"driver": driver},
         "columnKind": "unicodeCodePoints",
-        "results": [*results, *more],
+        **({"properties": properties} if properties else {}),
+        "results": results,
     }
     return dump({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]})
 
 
-def diagnostics_sarif(diagnostics: Sequence[Diagnostic]) -> str:
-    """SARIF of ``check`` and ``generate``."""
-    return _log(list(dict.fromkeys(diagnostics)))
+def _findings(found: Findings, _view: View) -> str:
+    return _log(*_problems(list(dict.fromkeys(found.diagnostics))))
 
 
-def verification_sarif(verification: Verification) -> str:
-    """SARIF of ``verify``: the diagnostics, and failed checks that have none."""
+def _verification(verification: Verification, _view: View) -> str:
+    """The diagnostics, and failed checks that have none."""
+    rules, results = _problems(problems(verification))
     bare = [
         _check(check, verification.spec)
         for check in verification.checks()
         if check.diagnostic is None and check.outcome.value in {"error", "warning"}
     ]
-    return _log(problems(verification), bare)
+    return _log(rules, [*results, *bare])
+
+
+def _comparison(comparison: Comparison, view: View) -> str:
+    """One rule per kind of change, a fingerprint that stays when lines move."""
+    from plcgen.review.compare.policy import KINDS
+
+    used = [kind for kind in KINDS.values() if any(change.kind == kind.id for change in comparison.changes)]
+    index = {kind.id: number for number, kind in enumerate(used)}
+    rules = [
+        {
+            "id": kind.id,
+            "shortDescription": {"text": kind.title[0].upper() + kind.title[1:]},
+            "fullDescription": {"text": f"{kind.why[0].upper()}{kind.why[1:]}."},
+            "defaultConfiguration": {"level": _CHANGE[kind.level.value]},
+        }
+        for kind in used
+    ]
+    more, found = _problems(comparison.diagnostics, len(rules))
+    changes = [_change(change, index) for change in comparison.changes]
+    return _log([*rules, *more], [*changes, *found], failOn=view.fail_on)
+
+
+def _change(change: Change, index: dict[str, int]) -> dict[str, Any]:
+    result: dict[str, Any] = {
+        "ruleId": change.kind,
+        "ruleIndex": index[change.kind],
+        "level": _CHANGE[change.level.value],
+        "message": {"text": f"{change.subject}: {change.text}"},
+        "partialFingerprints": {"plcgenChange/v1": f"{change.kind}:{change.subject}:{change.path}"},
+    }
+    if change.span is not None:
+        result["locations"] = [location(change.span)]
+    if change.old_span is not None and change.old_span != change.span:
+        result["relatedLocations"] = [{"id": 1, **location(change.old_span, "before")}]
+    return result
+
+
+FORMAT = Format(name="sarif", findings=_findings, verification=_verification, comparison=_comparison)

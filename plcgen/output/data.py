@@ -1,9 +1,9 @@
-"""Results as JSON for tools: stable keys, everything a text report says, no time stamps."""
+"""Results as plain data for programs: stable keys, everything a text report says, no time stamps."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from plcgen._version import __version__
@@ -16,7 +16,7 @@ FORMAT = 1
 """Version of the JSON shapes; it grows when a key changes its meaning or goes away."""
 
 
-def dump(data: Any) -> str:
+def dump(data: Mapping[str, Any]) -> str:
     """Serialise with the house style: two spaces, text unescaped, one final line end."""
     return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
@@ -56,13 +56,8 @@ def diagnostics_data(kind: str, diagnostics: Sequence[Diagnostic], *, ok: bool |
     return {**head(kind, ok=good), "summary": counts, "diagnostics": found}
 
 
-def diagnostics_json(kind: str, diagnostics: Sequence[Diagnostic], **more: Any) -> str:
-    """JSON of ``check`` and ``generate``; ``more`` are keys of the verb."""
-    return dump({**diagnostics_data(kind, diagnostics), **more})
-
-
-def verification_json(verification: Verification, kind: str = "verification") -> str:
-    """JSON of ``verify`` or ``audit``: groups of checks, then the diagnostics that belong to no check."""
+def verification_data(verification: Verification) -> dict[str, Any]:
+    """Groups of checks, then the diagnostics that belong to no check."""
     own = {check.diagnostic for check in verification.checks()}
     rest = [d for d in dict.fromkeys(verification.diagnostics) if d not in own]
     groups = [
@@ -87,15 +82,13 @@ def verification_json(verification: Verification, kind: str = "verification") ->
     for check in verification.checks():
         key = check.outcome.value.replace(" ", "_")
         counts[key] = counts.get(key, 0) + 1
-    return dump(
-        {
-            **head(kind, ok=verification.ok),
-            "spec": verification.spec,
-            "folder": verification.folder,
-            "project": verification.project,
-            "target": verification.target,
-            "summary": dict(sorted(counts.items())),
-            "groups": groups,
-            "diagnostics": [diagnostic_data(d) for d in rest],
-        }
-    )
+    return {
+        **head("verification" if verification.verb == "verify" else verification.verb, ok=verification.ok),
+        "spec": verification.spec,
+        "folder": verification.folder,
+        "project": verification.project,
+        "target": verification.target,
+        "summary": dict(sorted(counts.items())),
+        "groups": groups,
+        "diagnostics": [diagnostic_data(d) for d in rest],
+    }

@@ -1,41 +1,39 @@
-"""A recorded run as one JSON document: every signal, every change, every telegram field by field."""
+"""A recorded run as plain data: every signal, every change, every telegram field by field."""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING, Any
 
-from plcgen.output.json import diagnostic_data, dump, head
+from plcgen.output.data import diagnostic_data, head
 from plcgen.protocols.ds47.texts import dissect, telegram_data
 from plcgen.protocols.ds47.wire.status import explain
-from plcgen.trace.output.exchange import contact_text
+from plcgen.trace.exchange import contact_text
 
 if TYPE_CHECKING:
     from plcgen.trace.model import Contact, JobResult, RecordCall, Signal, Step, Trace, Value
 
 
-def trace_json(trace: Trace) -> str:
+def trace_data(trace: Trace) -> dict[str, Any]:
     """The whole run; values that JSON lacks (infinite, not a number) are texts."""
     endings = [job.ending.replace(" ", "_") for job in trace.jobs]
-    return dump(
-        {
-            **head("trace", ok=trace.ok),
-            "spec": trace.spec,
-            "folder": trace.folder,
-            "project": trace.project,
-            "target": trace.target,
-            "main": trace.main,
-            "scan_time": trace.scan_time,
-            "scans": trace.scans,
-            "time": trace.time,
-            "ended": trace.ended,
-            "summary": {ending: endings.count(ending) for ending in sorted(set(endings))},
-            "signals": [_signal(n, trace) for n in range(len(trace.signals))],
-            "steps": [_step(step, trace) for step in trace.steps],
-            "jobs": [_job(job) for job in trace.jobs],
-            "diagnostics": [diagnostic_data(d) for d in trace.diagnostics],
-        }
-    )
+    return {
+        **head("trace", ok=trace.ok),
+        "spec": trace.spec,
+        "folder": trace.folder,
+        "project": trace.project,
+        "target": trace.target,
+        "main": trace.main,
+        "scan_time": trace.scan_time,
+        "scans": trace.scans,
+        "time": trace.time,
+        "ended": trace.ended,
+        "summary": {ending: endings.count(ending) for ending in sorted(set(endings))},
+        "signals": [_signal(n, trace) for n in range(len(trace.signals))],
+        "steps": [_step(step, trace) for step in trace.steps],
+        "jobs": [_job(job) for job in trace.jobs],
+        "diagnostics": [diagnostic_data(d) for d in trace.diagnostics],
+    }
 
 
 def plain(value: Value) -> Any:

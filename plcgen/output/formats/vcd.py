@@ -13,8 +13,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plcgen._version import __version__
+from plcgen.output.registry import Format
 
 if TYPE_CHECKING:
+    from plcgen.output.view import View
     from plcgen.trace.model import Kind, Signal, Step, Trace, Value
 
 _FIRST, _LAST = 33, 126
@@ -151,6 +153,8 @@ class _Dump:
             yield self.labels[position].change(self.trace.signals[position].names.get(value, str(value)))
 
 
-def trace_vcd(trace: Trace) -> str:
-    """The run as a VCD file."""
+def _trace(trace: Trace, _view: View) -> str:
     return "\n".join(_Dump(trace).lines()) + "\n"
+
+
+FORMAT = Format(name="vcd", complete=False, trace=_trace)

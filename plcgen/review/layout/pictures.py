@@ -1,4 +1,4 @@
-"""Memory layouts as pictures: one SVG file, or one page with pictures and tables that needs nothing else."""
+"""Memory layouts as pictures in pixels, for the templates of an SVG file and of a page."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from plcgen.documents.environment import render_text
 from plcgen.output.cells import clean, cut, width
 from plcgen.review.layout.grid import Cell, Grid, GridRow, grid, title
 
@@ -17,18 +16,12 @@ if TYPE_CHECKING:
 TONES = 12
 """Colours; the next top-level member begins again."""
 
-CHUNK = 32
-"""Rows of a picture that are shown at once, about a printed page; the page folds those that follow."""
-
 _CELL = {2: 300, 8: 108, 16: 66}
 """Width of a byte in pixels, by the number of bytes in a row."""
 
-_GUTTER, _ROW, _HEAD, _TITLE = 62, 26, 22, 34
+_GUTTER, _ROW, HEAD = 62, 26, 22
 _CHARACTER = 6.7
 """Width of a character in pixels, 11 px monospace."""
-
-_BOLD = 8.0
-"""The same for the headings of an SVG, 13 px."""
 
 _SHORT = 3
 """Characters that are not worth an ellipsis."""
@@ -76,33 +69,19 @@ class Picture:
     summary: str
 
 
-def html(blocks: Sequence[BlockTable]) -> str:
-    """Write the page: a picture, a table and the footnotes of every block."""
-    views = [_view(block, number, CHUNK) for number, block in enumerate(blocks, 1)]
-    return render_text("html/layout.html.j2", {"blocks": views, "tones": range(TONES)})
-
-
-def svg(blocks: Sequence[BlockTable]) -> str:
-    """Write all pictures below each other as one SVG document."""
-    views = [_view(block, number, 0) for number, block in enumerate(blocks, 1)]
-    top, wide = 0, 300.0
-    for view in views:
-        view["top"] = top
-        top += _TITLE + sum(picture.height for picture in view["pictures"]) + (_HEAD if view["end"] else 0)
-        wide = max([wide, 16 + _BOLD * width(view["heading"]), *(picture.width for picture in view["pictures"])])
-    size = {"width": wide, "height": max(top, 40)}
-    return render_text("html/layout.svg.j2", {"blocks": views, "tones": range(TONES), **size})
+def views(blocks: Sequence[BlockTable], chunk: int = 0) -> list[dict[str, Any]]:
+    """What the templates of page and picture show of every block; pictures in parts of ``chunk`` rows (0: whole)."""
+    return [_view(block, number, chunk) for number, block in enumerate(blocks, 1)]
 
 
 def _view(block: BlockTable, number: int, chunk: int) -> dict[str, Any]:
     picture = grid(block)
-    role = f", {block.role}" if block.role else ""
     missing = picture.size - picture.drawn
     return {
         "id": f"b{number}",
         "title": _safe(block.title),
-        "heading": _safe(f"{block.title}  {block.summary}{role}"),
-        "summary": _safe(f"{block.summary}{role}"),
+        "heading": _safe(f"{block.title}  {block.summary}"),
+        "summary": _safe(block.summary),
         "comment": _safe(block.comment),
         "place": _safe(f"{block.file}:{block.line}") if block.file else "",
         "optimized": block.size is None,
@@ -138,7 +117,7 @@ def _picture(block: BlockTable, picture: Grid, rows: Sequence[GridRow], summary:
     rectangles: list[Rectangle] = []
     notes: list[Note] = []
     offsets: list[tuple[int, int]] = []
-    y = _HEAD
+    y = HEAD
     for row in rows:
         if row.skipped:
             notes.append(Note(y + 15, f"... {row.skipped} more bytes of it ..."))

@@ -7,8 +7,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.output.registry import Format
 
 if TYPE_CHECKING:
+    from plcgen.output.results import Findings
+    from plcgen.output.view import View
     from plcgen.proof.checks import Check, CheckGroup, Verification
 
 _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -62,22 +65,23 @@ def _errors(diagnostics: Sequence[Diagnostic]) -> list[Diagnostic]:
     return [d for d in diagnostics if d.severity is Severity.ERROR]
 
 
-def diagnostics_junit(name: str, subjects: Sequence[tuple[str, Sequence[Diagnostic]]]) -> str:
-    """JUnit of ``check``: one test case per spec; warnings alone do not fail it."""
+def _findings(found: Findings, _view: View) -> str:
+    """One test case per subject; warnings alone do not fail it."""
     cases = []
-    for subject, diagnostics in subjects:
+    for subject, diagnostics in found.subjects:
         errors = _errors(diagnostics)
         body = ""
         if errors:
             body = _failure(errors[0].code, errors[0].message, _details(diagnostics))
         elif diagnostics:
             body = f"<system-out>{_text(_details(diagnostics))}</system-out>"
-        cases.append(_case(f"plcgen.{name}", subject, body))
-    return _document(f"plcgen {name}", [_suite(name, cases)])
+        cases.append(_case(f"plcgen.{found.verb}", subject, body))
+    return _document(f"plcgen {found.verb}", [_suite(found.verb, cases)])
 
 
-def verification_junit(verification: Verification, verb: str = "verify") -> str:
-    """JUnit of ``verify`` or ``audit``: one suite per group; a last suite holds errors that belong to no check."""
+def _verification(verification: Verification, _view: View) -> str:
+    """One suite per group; a last suite holds errors that belong to no check."""
+    verb = verification.verb
     suites = [_group(group, verb) for group in verification.groups]
     own = {check.diagnostic for check in verification.checks()}
     rest = [d for d in _errors(verification.diagnostics) if d not in own]
@@ -109,3 +113,6 @@ def _body(check: Check) -> str:
     if check.outcome.value == "warning":
         return f"<system-out>{_text(f'{line}: {check.verdict}')}</system-out>"
     return ""
+
+
+FORMAT = Format(name="junit", findings=_findings, verification=_verification)

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from plcgen.output.cells import clean, cut, pad, wrap
 from plcgen.output.cells import width as columns
-from plcgen.output.paint import paint
-from plcgen.output.text import DEFAULT_WIDTH, MIN_WIDTH, SourceLine, diagnostics_text
-from plcgen.trace.output.exchange import contact_text, value_text
+from plcgen.output.excerpts import diagnostics_text
+from plcgen.output.view import PLAIN, View
+from plcgen.trace.exchange import contact_text, value_text
 
 if TYPE_CHECKING:
     from plcgen.trace.model import Contact, JobResult, RecordCall, Signal, Step, Trace, Value
@@ -33,28 +33,27 @@ class _Row:
     details: list[tuple[str, str, str]] = field(default_factory=list)
 
 
-def trace_text(trace: Trace, lines: SourceLine, *, color: bool = False, width: int = DEFAULT_WIDTH) -> str:
+def trace_text(trace: Trace, view: View) -> str:
     """The whole report: what ran, the scans, misuse and problems, how every job ended, the summary."""
-    width = max(width, MIN_WIDTH)
     if not trace.scans:
-        return diagnostics_text(trace.diagnostics, lines, color=color, width=width)
+        return diagnostics_text(trace.diagnostics, view)
     head = ", ".join(clean(text) for text in (trace.project, trace.target) if text)
     what = f'OB "{clean(trace.main)}" every {trace.scan_time} ms'
-    out = [f"{head}: {clean(trace.folder)}", what, "", *_scans(trace, color=color, width=width), ""]
+    out = [f"{head}: {clean(trace.folder)}", what, "", *_scans(trace, view), ""]
     if trace.diagnostics:
-        out.append(diagnostics_text(trace.diagnostics, lines, color=color, width=width))
+        out.append(diagnostics_text(trace.diagnostics, view))
     for job in trace.jobs:
-        out += [*_job(job, color=color, width=width), ""]
-    return "\n".join([*out, summary(trace, color=color)]) + "\n"
+        out += [*_job(job, view), ""]
+    return "\n".join([*out, summary(trace, view)]) + "\n"
 
 
-def summary(trace: Trace, *, color: bool = False) -> str:
+def summary(trace: Trace, view: View = PLAIN) -> str:
     """``2 jobs: 1 done, 1 error; 35 scans, 350 ms``."""
     parts = []
     for ending, style in (("done", "ok"), ("error", "error"), ("running", "warning"), ("not started", "warning")):
         count = sum(job.ending == ending for job in trace.jobs)
         if count:
-            parts.append(paint(f"{count} {ending}", style, color=color))
+            parts.append(view.paint(f"{count} {ending}", style))
     jobs = f"{_count(len(trace.jobs), 'job')}: {', '.join(parts)}" if parts else "no job"
     why = {"stop": ", then the CPU went to STOP", "scans": ", then the run was ended"}.get(trace.ended, "")
     return f"{jobs}; {_count(trace.scans, 'scan')}, {trace.time} ms{why}"
@@ -195,27 +194,27 @@ def _telegram(contact: Contact) -> str:
     return f"{arrow} {contact.drive or 'drive'}: {contact.data[:_BYTES].hex(' ').upper()}{more}"
 
 
-def _scans(trace: Trace, *, color: bool, width: int) -> list[str]:
+def _scans(trace: Trace, view: View) -> list[str]:
     """Header and rows, as wide as their contents; what does not fit is left out from the least needed on."""
     rows = list(_Table(trace).rows())
     shown = [n for n in range(len(_HEADER)) if n < 2 or any(row.cells[n] for row in rows)]
     widths = [max([columns(_HEADER[n]), *(columns(row.cells[n]) for row in rows)]) for n in range(len(_HEADER))]
     for spare in (5, 2):
-        if _total(widths, shown) <= width or spare not in shown:
+        if _total(widths, shown) <= view.columns or spare not in shown:
             continue
         if spare == 5 or len(trace.jobs) <= 1:
             shown.remove(spare)
         else:
-            widths[spare] = max(8, widths[spare] - (_total(widths, shown) - width))
-    header = _line(_HEADER, shown, widths, "", color=False)
-    out = [paint(header, "dim", color=color)]
+            widths[spare] = max(8, widths[spare] - (_total(widths, shown) - view.columns))
+    header = _line(_HEADER, shown, widths, "", PLAIN)
+    out = [view.paint(header, "dim")]
     for row in rows:
         if not any(row.cells[3:]):
-            out += _plain(row, widths, width)
+            out += _plain(row, widths, view.columns)
             continue
-        out.append(_line(row.cells, shown, widths, row.style, color=color))
+        out.append(_line(row.cells, shown, widths, row.style, view))
         for first, text, style in row.details:
-            out += _detail(first, text, style, color=color, width=width)
+            out += _detail(first, text, style, view)
     return out
 
 
@@ -224,7 +223,7 @@ def _plain(row: _Row, widths: Sequence[int], width: int) -> list[str]:
     out = []
     cells = row.cells[:2]
     for first, text, _ in row.details:
-        head = _line((*cells, ""), range(2), widths, "", color=False)
+        head = _line((*cells, ""), range(2), widths, "", PLAIN)
         margin = widths[0] + widths[1] + 2 * _GAP
         lines = wrap(" ".join(filter(None, (clean(first), clean(text)))), width - margin)
         out += [f"{pad(head if not n else '', margin)}{line}" for n, line in enumerate(lines)]
@@ -236,34 +235,34 @@ def _total(widths: Sequence[int], shown: Sequence[int]) -> int:
     return sum(widths[n] for n in shown) + _GAP * (len(shown) - 1)
 
 
-def _line(cells: Sequence[str], shown: Sequence[int], widths: Sequence[int], style: str, *, color: bool) -> str:
+def _line(cells: Sequence[str], shown: Sequence[int], widths: Sequence[int], style: str, view: View) -> str:
     parts = []
     for n in shown:
         text = cut(cells[n], widths[n])
         filled = " " * (widths[n] - columns(text)) + text if n in _RIGHT else pad(text, widths[n])
-        parts.append(paint(filled, style, color=color) if style and n == shown[-1] else filled)
+        parts.append(view.paint(filled, style if n == shown[-1] else ""))
     return (" " * _GAP).join(parts).rstrip()
 
 
-def _detail(first: str, text: str, style: str, *, color: bool, width: int) -> list[str]:
+def _detail(first: str, text: str, style: str, view: View) -> list[str]:
     """Bytes and their meaning side by side if they fit, else below each other."""
-    room = width - _INDENT
+    room = view.columns - _INDENT
     if text and columns(first) + 3 + columns(text) <= room:
-        return [f"{' ' * _INDENT}{clean(first)}   {paint(clean(text), style, color=color)}"]
+        return [f"{' ' * _INDENT}{clean(first)}   {view.paint(clean(text), style)}"]
     arrow = 3 if first[:2] in {"->", "<-"} else 0
     out = [" " * (_INDENT + arrow * bool(n)) + line for n, line in enumerate(wrap(clean(first), room - arrow))]
     if not text:
-        return [paint(line, style, color=color) if style else line for line in out]
+        return [view.paint(line, style) for line in out]
     more = wrap(clean(text), room - arrow)
-    return [*out, *(" " * (_INDENT + arrow) + paint(line, style, color=color) for line in more)]
+    return [*out, *(" " * (_INDENT + arrow) + view.paint(line, style) for line in more)]
 
 
-def _job(job: JobResult, *, color: bool, width: int) -> list[str]:
+def _job(job: JobResult, view: View) -> list[str]:
     """How a job ended, and its values."""
     style = {"done": "ok", "error": "error"}.get(job.ending, "warning")
     figures = f"{_count(job.scan, 'scan')}, {job.time} ms, {_count(job.telegrams, 'telegram')}, {_retries(job.retries)}"
     status = f"{job.ending} {job.status:04X} {job.text}" if job.ending in {"done", "error"} else job.ending
-    out = [f"{paint(clean(job.key), 'bold', color=color)}: {paint(status, style, color=color)}"]
+    out = [f"{view.paint(clean(job.key), 'bold')}: {view.paint(status, style)}"]
     if job.ending == "not started":
         return out
     out.append(f"  {figures}")
@@ -271,7 +270,7 @@ def _job(job: JobResult, *, color: bool, width: int) -> list[str]:
         from plcgen.protocols.ds47.wire.status import explain
 
         text = f"last record call {job.record_status:08X}: {explain(job.record_status).text}"
-        out += [f"  {line}" for line in wrap(text, width - 2)]
+        out += [f"  {line}" for line in wrap(text, view.columns - 2)]
     label = max((columns(value.label) for value in job.values), default=0)
     member = max((columns(value.member) for value in job.values), default=0)
     for value in job.values:
@@ -284,9 +283,9 @@ def _job(job: JobResult, *, color: bool, width: int) -> list[str]:
             text, style = f"= {value_text(value.value)}{f' {value.unit}' if value.unit else ''}", ""
         else:
             continue
-        first, *more = wrap(clean(text), max(width - columns(head), _INDENT * 4))
-        out.append(head + (paint(first, style, color=color) if style else first))
-        out += [" " * columns(head) + (paint(line, style, color=color) if style else line) for line in more]
+        first, *more = wrap(clean(text), max(view.columns - columns(head), _INDENT * 4))
+        out.append(head + view.paint(first, style))
+        out += [" " * columns(head) + view.paint(line, style) for line in more]
     return out
 
 

@@ -1,0 +1,57 @@
+"""JSON for programs: the data of every result in the house style, no time stamps."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from plcgen.output.data import diagnostics_data, dump, verification_data
+from plcgen.output.registry import Format
+
+if TYPE_CHECKING:
+    from plcgen.output.results import Answer, Findings
+    from plcgen.output.view import View
+    from plcgen.proof.checks import Verification
+    from plcgen.review.compare.model import Comparison
+    from plcgen.review.layout.tables import LayoutResult
+    from plcgen.trace.model import Trace
+
+
+def _findings(found: Findings, _view: View) -> str:
+    return dump({**diagnostics_data(found.verb, found.diagnostics), **found.more})
+
+
+def _verification(verification: Verification, _view: View) -> str:
+    return dump(verification_data(verification))
+
+
+def _layout(result: LayoutResult, _view: View) -> str:
+    from plcgen.review.layout.data import layout_data
+
+    return dump(layout_data(result))
+
+
+def _comparison(comparison: Comparison, view: View) -> str:
+    from plcgen.review.compare.data import comparison_data
+
+    return dump(comparison_data(comparison, view.fail_on))
+
+
+def _trace(trace: Trace, _view: View) -> str:
+    from plcgen.trace.data import trace_data
+
+    return dump(trace_data(trace))
+
+
+def _answer(answer: Answer, _view: View) -> str:
+    return dump(answer.data)
+
+
+FORMAT = Format(
+    name="json",
+    findings=_findings,
+    verification=_verification,
+    layout=_layout,
+    comparison=_comparison,
+    trace=_trace,
+    answer=_answer,
+)

@@ -1,0 +1,61 @@
+"""Text for people: columns, colours, excerpts of sources. The large reports stand beside the results they show."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from plcgen.output.registry import Format
+
+if TYPE_CHECKING:
+    from plcgen.output.results import Answer, Findings
+    from plcgen.output.view import View
+    from plcgen.proof.checks import Verification
+    from plcgen.review.compare.model import Comparison
+    from plcgen.review.layout.tables import LayoutResult
+    from plcgen.trace.model import Trace
+
+
+def _findings(found: Findings, view: View) -> str:
+    from plcgen.output.excerpts import diagnostics_text
+
+    return diagnostics_text(found.diagnostics, view)
+
+
+def _verification(verification: Verification, view: View) -> str:
+    from plcgen.output.verification import verification_text
+
+    return verification_text(verification, view)
+
+
+def _layout(result: LayoutResult, view: View) -> str:
+    from plcgen.review.layout.text import layout_text
+
+    return layout_text(result.blocks, view)
+
+
+def _comparison(comparison: Comparison, view: View) -> str:
+    from plcgen.review.compare.text import comparison_text
+
+    return comparison_text(comparison, view)
+
+
+def _trace(trace: Trace, view: View) -> str:
+    from plcgen.trace.text import trace_text
+
+    return trace_text(trace, view)
+
+
+def _answer(answer: Answer, view: View) -> str:
+    return answer.text(view)
+
+
+FORMAT = Format(
+    name="text",
+    complete=False,
+    findings=_findings,
+    verification=_verification,
+    layout=_layout,
+    comparison=_comparison,
+    trace=_trace,
+    answer=_answer,
+)

@@ -1,0 +1,90 @@
+"""Output formats by name: one file each in ``plcgen.output.formats``, others as entry points of ``plcgen.outputs``.
+
+A format is imported when it is asked for; all of them only to list their names.
+"""
+
+from __future__ import annotations
+
+import pkgutil
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+
+from plcgen.output import formats
+from plcgen.output.view import View
+
+if TYPE_CHECKING:
+    from plcgen.output.results import Answer, Findings
+    from plcgen.proof.checks import Verification
+    from plcgen.review.compare.model import Comparison
+    from plcgen.review.layout.tables import LayoutResult
+    from plcgen.trace.model import Trace
+
+Result = TypeVar("Result")
+Renderer: TypeAlias = Callable[[Result, View], str]
+
+GROUP = "plcgen.outputs"
+"""Group of the entry points: name of the format = object of class Format."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Format:
+    """One output format: a pure function for every kind of result that it can show.
+
+    ``complete`` says that the diagnostics stand in its results; otherwise a verb tells them on stderr.
+    """
+
+    name: str
+    complete: bool = True
+    findings: Renderer[Findings] | None = None
+    verification: Renderer[Verification] | None = None
+    layout: Renderer[LayoutResult] | None = None
+    comparison: Renderer[Comparison] | None = None
+    trace: Renderer[Trace] | None = None
+    answer: Renderer[Answer] | None = None
+
+    def shows(self, kind: str) -> bool:
+        """Whether the format can show this kind of result."""
+        return kind in KINDS and getattr(self, kind) is not None
+
+    def render(self, kind: str, result: Any, view: View) -> str:
+        """The result as text. Raises ValueError if the format cannot show its kind."""
+        if not self.shows(kind):
+            raise ValueError(f"the format {self.name} does not show a {kind}")
+        text: str = getattr(self, kind)(result, view)
+        return text
+
+
+KINDS = tuple(field.name for field in fields(Format) if field.name not in {"name", "complete"})
+
+
+def find(name: str) -> Format | None:
+    """The format of a name, None if there is none. Raises TypeError if an entry point is no format."""
+    if name in _shipped():
+        found: Format = import_module(f"{formats.__name__}.{name}").FORMAT
+        return found
+    return _foreign().get(name)
+
+
+def names(kind: str) -> tuple[str, ...]:
+    """Names of all formats that show a kind of result: ``text`` first, then in alphabetical order."""
+    known = [find(name) for name in _shipped()] + list(_foreign().values())
+    return tuple(sorted((found.name for found in known if found and found.shows(kind)), key=lambda n: (n != "text", n)))
+
+
+def _shipped() -> list[str]:
+    return [module.name for module in pkgutil.iter_modules(formats.__path__)]
+
+
+def _foreign() -> dict[str, Format]:
+    """Formats of other distributions; the shipped names are taken."""
+    from importlib.metadata import entry_points
+
+    found: dict[str, Format] = {}
+    for point in entry_points(group=GROUP):
+        loaded = point.load()
+        if not isinstance(loaded, Format) or loaded.name != point.name:
+            raise TypeError(f"the entry point {point.name} of {GROUP} is no output format of that name: {point.value}")
+        found[point.name] = loaded
+    return found

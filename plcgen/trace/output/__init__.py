@@ -1,1 +1,0 @@
-"""A recorded run as text, JSON and VCD."""

@@ -1,0 +1,118 @@
+"""The registry: one file per format, others by entry point; a toy format from elsewhere works with every verb."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from projects import FAQ, ROOT
+
+from plcgen.output import formats, registry
+from plcgen.output.view import PLAIN
+
+TOY = '''"""A format of somebody else: counts."""
+
+from plcgen.output.registry import Format
+
+FORMAT = Format(
+    name="toy",
+    findings=lambda found, view: f"toy: {found.verb} found {len(found.diagnostics)}\\n",
+    verification=lambda result, view: f"toy: {len(list(result.checks()))} checks of {result.verb}\\n",
+)
+'''
+
+
+@pytest.fixture
+def toy(tmp_path, monkeypatch):
+    """Install a distribution with a toy format; returns how to install one with other contents."""
+
+    def install(text=TOY, entry="toy = toy_format:FORMAT"):
+        (tmp_path / "toy_format.py").write_text(text)
+        info = tmp_path / "toy_format-1.0.dist-info"
+        info.mkdir(exist_ok=True)
+        (info / "METADATA").write_text("Metadata-Version: 2.1\nName: toy-format\nVersion: 1.0\n")
+        (info / "entry_points.txt").write_text(f"[plcgen.outputs]\n{entry}\n")
+
+    install()
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "toy_format", raising=False)
+    yield install
+    sys.modules.pop("toy_format", None)
+
+
+@pytest.mark.parametrize(
+    ("kind", "names"),
+    [
+        ("findings", "text github json junit sarif"),
+        ("verification", "text github json junit sarif"),
+        ("layout", "text csv html json markdown svg"),
+        ("comparison", "text json markdown sarif"),
+        ("trace", "text json vcd"),
+        ("answer", "text json"),
+    ],
+)
+def test_formats_of_a_kind(kind, names):
+    """Which formats show what, and the page about the command line says so."""
+    assert list(registry.names(kind)) == names.split()
+    assert " ".join(f"`{name}`" for name in names.split()) in (ROOT / "docs" / "cli.md").read_text("utf-8")
+
+
+def test_one_file_per_format():
+    """The name of the file is the name of the format, and each shows something."""
+    files = {path.stem for path in Path(formats.__file__).parent.glob("*.py")} - {"__init__"}
+    known = {name: registry.find(name) for name in files}
+    assert all(found.name == name and any(map(found.shows, registry.KINDS)) for name, found in known.items())
+    assert registry.find("nope") is None
+
+
+def test_a_kind_that_is_not_shown():
+    """A format says what it cannot show."""
+    with pytest.raises(ValueError, match="the format vcd does not show a layout"):
+        registry.find("vcd").render("layout", None, PLAIN)
+
+
+@pytest.mark.usefixtures("toy")
+def test_a_toy_format_works(plcgen, tmp_path):
+    """Check and verify offer it, take it and show it in their help; verbs whose results it cannot show do not."""
+    (tmp_path / "job.yaml").write_text(FAQ.read_text("utf-8"), "utf-8")
+    assert plcgen("check", "job.yaml", "--format", "toy").out == "toy: check found 0\n"
+    assert plcgen("verify", "job.yaml", "--faults", "none", "-f", "toy").out.startswith("toy: ")
+    assert "junit, sarif, toy." in plcgen("verify", "--help").out
+    assert "toy" not in plcgen("layout", "--help").out
+    refused = plcgen("layout", "job.yaml", "--format", "toy")
+    assert (refused.code, refused.out) == (2, "")
+    assert "'toy' is not one of 'text', 'csv', 'html'" in refused.err
+
+
+@pytest.mark.usefixtures("toy")
+def test_completion(plcgen, monkeypatch):
+    """The Tab key knows it as well."""
+    monkeypatch.setenv("COMP_WORDS", "plcgen check --format t")
+    monkeypatch.setenv("COMP_CWORD", "3")
+    monkeypatch.setenv("_PLCGEN_COMPLETE", "bash_complete")
+    assert plcgen().out.split() == ["plain,text", "plain,toy"]
+
+
+def test_entry_points_that_are_no_format(toy):
+    """Said by name: an object of another class, a format of another name. Shipped names are taken."""
+    toy("FORMAT = 1\n")
+    with pytest.raises(TypeError, match=r"the entry point toy of plcgen.outputs is no output format .*toy_format"):
+        registry.find("toy")
+    sys.modules.pop("toy_format")
+    toy(TOY, "other = toy_format:FORMAT")
+    with pytest.raises(TypeError, match="entry point other"):
+        registry.names("findings")
+    toy(TOY, "json = toy_format:FORMAT")
+    assert registry.find("json").layout is not None
+
+
+def test_formats_are_imported_when_asked_for():
+    """A run in text imports no other format."""
+    code = (
+        "import sys; from plcgen.cli.main import run; run(['check', sys.argv[1]]);"
+        "print([name for name in sys.modules if name.startswith('plcgen.output.formats.')])"
+    )
+    out = subprocess.run([sys.executable, "-c", code, FAQ], capture_output=True, text=True, check=True).stdout
+    assert out == "['plcgen.output.formats.text']\n"
