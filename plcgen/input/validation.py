@@ -9,16 +9,25 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from types import UnionType
 from typing import Annotated, Any, Generic, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, RootModel, ValidationError
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    RootModel,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+)
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from plcgen.diagnostics import Diagnostic, Report, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.input.yaml import Node, parse_yaml, resolve_plain
+from plcgen.input.yaml import Node, parse_yaml, plain_node, resolve_plain
 
 Path = tuple[str | int, ...]
 Model = TypeVar("Model", bound=BaseModel)
@@ -35,7 +44,7 @@ class Document(Generic[Model]):
     """A kind of file.
 
     ``what`` names its top level in messages ("the spec"), ``shape`` says what stands there, ``help`` how to get one.
-    ``keys`` overrides where the keys of a message come from.
+    ``keys`` overrides where the keys of a message come from. ``prepare`` widens short forms of the tree.
     """
 
     model: Callable[[Node], type[Model]] | type[Model]
@@ -43,6 +52,7 @@ class Document(Generic[Model]):
     shape: str
     help: str = ""
     keys: Callable[[Path], list[str]] | None = None
+    prepare: Callable[[Node], Node] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +74,8 @@ def read_document(
     root = parse_yaml(text, file, own)
     if root is None and not own.has_errors:
         own.add(Diagnostic("PG101", "the file is empty", Span(file, 1, 1, 1, 1), help=document.help))
+    if root is not None and document.prepare is not None:
+        root = document.prepare(root)
     valid = None if root is None else validate(root, document, own, context)
     report.extend(own)
     return None if root is None or valid is None or own.has_errors else Loaded(valid, root)
@@ -103,6 +115,21 @@ def validate(
         return None
 
 
+def validate_option(
+    entry: Mapping[str, Any], option: str, document: Document[Model], context: Mapping[str, Any] | None = None
+) -> Model:
+    """Validate what an option of the command line says, ``option`` as it was typed.
+
+    Raises:
+        DiagnosticError: PG901 for everything wrong.
+    """
+    report = Report()
+    valid = validate(plain_node(entry, Span(option)), document, report, context)
+    if valid is None:
+        raise DiagnosticError(replace(found, code="PG901") for found in report)
+    return valid
+
+
 _CUSTOM = "problem"
 
 
@@ -121,10 +148,55 @@ class Problems:
         """Note a problem."""
         self.found.append(InitErrorDetails(type=error, loc=path, input=None))
 
+    @contextmanager
+    def at(self, *path: str | int) -> Iterator[None]:
+        """Note what is raised meanwhile as a problem at a path."""
+        try:
+            yield
+        except PydanticCustomError as error:
+            self.add(error, *path)
+
+    def add_all(self, invalid: ValidationError) -> None:
+        """Note what another validation found."""
+        for error in invalid.errors(include_url=False):
+            words = {**error.get("ctx", {}), "message": error["msg"]}
+            self.add(PydanticCustomError(error["type"], "{message}", words), *error["loc"])
+
     def raise_any(self) -> None:
         """Raise what was noted, if anything was."""
         if self.found:
             raise ValidationError.from_exception_data("problems", self.found)
+
+
+def unique(key: str, message: str, default: Any = None) -> WrapValidator:
+    """Validator of a list of mappings that differ in ``key``: ``message`` gets the value that comes twice."""
+
+    def check(entries: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+        problems, seen, valid = Problems(), set[str](), None
+        try:
+            valid = handler(entries)
+        except ValidationError as invalid:
+            problems.add_all(invalid)
+        for index, entry in enumerate(entries if isinstance(entries, tuple) else ()):
+            value = entry.get(key, default) if isinstance(entry, dict) else None
+            if isinstance(value, int | str) and str(value) in seen:
+                problems.add(problem(message.format(value)), index, key)
+            seen.add(str(value))
+        problems.raise_any()
+        return valid
+
+    return WrapValidator(check)
+
+
+def _octets(text: object) -> object:
+    try:
+        return bytes.fromhex(text) if isinstance(text, str) else text
+    except ValueError:
+        raise problem("bytes are hexadecimal text", help_='for example "01 0A FF"') from None
+
+
+Octets = Annotated[bytes, BeforeValidator(_octets)]
+"""Bytes, written as hexadecimal text."""
 
 
 def keys_at(model: type[BaseModel], path: Iterable[str | int]) -> list[str]:
@@ -172,7 +244,7 @@ _RANGE_ERRORS = (
 _EXPECTED = {
     "string_type": "text", "int_type": "a whole number", "int_from_float": "a whole number", "float_type": "a number",
     "bool_type": "true or false", "dict_type": "a mapping", "model_type": "a mapping", "tuple_type": "a list",
-    "list_type": "a list", "frozen_set_type": "a list",
+    "list_type": "a list", "bytes_type": "hexadecimal text in quotes",
 }  # fmt: skip
 
 
@@ -187,7 +259,11 @@ class _Teller:
     def diagnostics(self, errors: Iterable[Any]) -> list[Diagnostic]:
         """One diagnostic per value: the alternatives of a union are one problem, not several."""
         by_value: dict[tuple[int, str], list[Any]] = {}
+        errors = list(errors)
+        above = {error["loc"][:depth] for error in errors for depth in range(len(error["loc"]))}
         for error in errors:
+            if error["type"] == "too_short" and error["loc"] in above:
+                continue  # pydantic does not count elements that are wrong
             named = error["type"] in {"extra_forbidden", "missing", _CUSTOM}
             detail = f"{error['type']} {error['loc'][-1:]} {error['msg']}" if named else ""
             by_value.setdefault((id(self.root.find(error["loc"])), detail), []).append(error)

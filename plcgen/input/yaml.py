@@ -8,7 +8,7 @@ into something else (``NO``, ``010``, ``12:30``, ``1_000``) is refused with the 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
@@ -68,6 +68,16 @@ class Node:
         if self.kind == "seq":
             return tuple(item.data() for item in self.items)
         return self.value
+
+
+def plain_node(data: Any, span: Span) -> Node:
+    """Wrap plain data as nodes that all stand at one place."""
+    if isinstance(data, Mapping):
+        pairs = {str(key): (Node("scalar", span, str(key)), plain_node(value, span)) for key, value in data.items()}
+        return Node("map", span, pairs=pairs)
+    if isinstance(data, list | tuple):
+        return Node("seq", span, items=[plain_node(item, span) for item in data])
+    return Node("scalar", span, data, str(data))
 
 
 _INT = re.compile(r"[-+]?(?:0|[1-9][0-9]*)\Z")

@@ -8,6 +8,7 @@ from pathlib import Path
 from plcgen.cpu.folder import load_folder
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.input.options import usage
 from plcgen.input.text import read_text
 from plcgen.project.model import PlannedDrive, Project
 from plcgen.protocols.ds47.proof.bench import build_drive
@@ -15,7 +16,7 @@ from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.load import load_drive
 from plcgen.s7.blocks import BlockKind
 from plcgen.scl.dialect import Dialect
-from plcgen.trace.settings import FaultPlan, usage
+from plcgen.trace.settings import FaultPlan
 
 _START_UP = frozenset({"OB100", "STARTUP"})
 

@@ -11,6 +11,7 @@ from plcgen.cpu.cpu import Family, Misuse
 from plcgen.cpu.system.bus import Bus
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.input.options import usage
 from plcgen.project.model import PlannedJob, Project
 from plcgen.proof.folder import DIALECTS
 from plcgen.protocols.ds47.words import DRAIN_MS
@@ -18,7 +19,7 @@ from plcgen.trace.jobs import JobWatch, job_signals, token_signals
 from plcgen.trace.model import RecordCall, Signal, Step, Trace, Value
 from plcgen.trace.program import connect, load_program
 from plcgen.trace.recorder import RecordingCpu, Watched, name_drives, signal
-from plcgen.trace.settings import Assignment, parse_assignment, parse_time, plan_faults, usage
+from plcgen.trace.settings import Assignment, parse_assignment, parse_time, plan_faults
 from plcgen.trace.values import assign, full_path
 
 Progress = Callable[[str, int, int], None]

@@ -4,29 +4,27 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.input.text import read_text
-from plcgen.input.yaml import Node, load_yaml, resolve_plain
-from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
-from plcgen.protocols.ds47.sim.load import faults_from
+from pydantic import ValidationInfo, field_validator
 
-USAGE = "PG901"
+from plcgen.diagnostics import Diagnostic, DiagnosticError
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.input.options import read_fault, usage
+from plcgen.input.text import read_text
+from plcgen.input.validation import Document, StrictModel, load_document, problem, validate_option
+from plcgen.input.yaml import Node, resolve_plain
+from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
+from plcgen.protocols.ds47.sim.load import FaultKeys
+
 _TIME = re.compile(r"([0-9]+(?:\.[0-9]+)?)\s*(ms|s)?", re.ASCII)
 _HEX = re.compile(r"(?=.*[A-Fa-f])[0-9A-Fa-f]{2,8}|[0-9A-Fa-f]{2,8}h|[0-9A-Fa-f]{8}", re.ASCII)
 _SET = re.compile(r"(?P<path>[^=]+?)\s*=\s*(?P<value>.*?)(?:@(?P<scan>[0-9]+))?", re.DOTALL)
 _HEX_KEYS = frozenset({"status", "code", "number", "value"})
 LONGEST_SCAN = 60_000
-
-
-def usage(option: str, message: str, text: str = "") -> DiagnosticError:
-    """Build the error of an argument that makes no sense; ``option`` is quoted as the place."""
-    return DiagnosticError([Diagnostic(USAGE, message, Span(option), help=text)])
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,37 +79,62 @@ def plan_faults(texts: Sequence[str], file: Path | None, drives: Sequence[str]) 
     """Faults of the command line and of a YAML file. Raises DiagnosticError with every problem."""
     plan = FaultPlan()
     problems: list[Diagnostic] = []
+    faults: list[_Fault] = []
     for text in texts:
         try:
-            plan.add(*_typed(text, drives))
-        except DiagnosticError as problem:
-            problems += problem.diagnostics
+            faults.append(_typed(text, drives))
+        except DiagnosticError as wrong:
+            problems += wrong.diagnostics
     if file is not None:
-        for node in _entries(load_yaml(read_text(file), str(file)), str(file)):
-            try:
-                plan.add(*_listed(node, str(file), drives))
-            except DiagnosticError as problem:
-                problems += [replace(d, span=d.span if d.span.line else node.span) for d in problem.diagnostics]
+        try:
+            faults += load_document(read_text(file), str(file), _FILE, {"drives": drives}).model.faults
+        except DiagnosticError as wrong:
+            problems += wrong.diagnostics
+    for fault in faults:
+        plan.add(fault.drive, [fault.fault()])
     if problems:
         raise DiagnosticError(problems)
     return plan
 
 
-def _typed(text: str, drives: Sequence[str]) -> tuple[str | None, list[Fault]]:
+class _Fault(FaultKeys):
+    """A fault of ``simulate``: for one drive, or for all."""
+
+    drive: str | None = None
+
+    @field_validator("drive")
+    @classmethod
+    def _exists(cls, drive: str | None, info: ValidationInfo) -> str | None:
+        drives = info.context["drives"] if info.context else ()
+        if drive is not None and drive not in drives:
+            hint = did_you_mean(drive, drives) or f"drives: {', '.join(drives)}"
+            raise problem(f'there is no drive "{drive}"', help_=hint)
+        return drive
+
+
+class _Faults(StrictModel):
+    """A file of faults."""
+
+    faults: tuple[_Fault, ...]
+
+
+def _with_key(root: Node) -> Node:
+    """Widen a file that is the list of faults itself."""
+    if root.kind != "seq":
+        return root
+    return Node("map", root.span, pairs={"faults": (Node("scalar", root.span, "faults"), root)})
+
+
+_SHAPE = "a list of faults is needed, or a mapping with the key faults"
+_FILE = Document(_Faults, "the file", _SHAPE, prepare=_with_key)
+_OPTION = Document(_Fault, "the fault", _SHAPE)
+
+
+def _typed(text: str, drives: Sequence[str]) -> _Fault:
     """One ``KIND[:KEY=VALUE,...]`` of the command line."""
     option = f"--fault {text}"
-    kind, _, rest = text.partition(":")
-    known = [item.value for item in FaultKind]
-    if kind.strip() not in known:
-        hint = did_you_mean(kind.strip(), known)
-        raise usage(option, f'there is no fault "{kind.strip()}"', hint or f"faults: {', '.join(known)}")
-    entry: dict[str, Any] = {"kind": kind.strip()}
-    for pair in filter(None, (part.strip() for part in rest.split(","))):
-        key, equals, value = (part.strip() for part in pair.partition("="))
-        if not equals or not value:
-            raise usage(option, f'"{pair}" has no value', f"for example {kind.strip()}:times=2")
-        entry[key] = _plain(key, value)
-    return _build(entry, option, drives, code=USAGE)
+    entry = read_fault(text, option, [item.value for item in FaultKind], _plain)
+    return validate_option(entry, option, _OPTION, {"drives": drives})
 
 
 def _plain(key: str, text: str) -> Any:
@@ -121,34 +144,3 @@ def _plain(key: str, text: str) -> Any:
     if key in _HEX_KEYS and _HEX.fullmatch(text):
         return int(text.rstrip("h"), 16)
     return resolve_plain(text)
-
-
-def _entries(root: Node, file: str) -> list[Node]:
-    """The list of faults: the document itself or its key ``faults``."""
-    found = root.get("faults") if root.kind == "map" else root
-    if found is None or found.kind != "seq":
-        text = "a list of faults is needed, or a mapping with the key faults"
-        raise DiagnosticError([Diagnostic("PG106", text, root.span if root.span.line else Span(file))])
-    return found.items
-
-
-def _listed(node: Node, file: str, drives: Sequence[str]) -> tuple[str | None, list[Fault]]:
-    """One fault of a YAML file."""
-    if node.kind != "map":
-        raise DiagnosticError([Diagnostic("PG106", "a fault is a mapping", node.span)])
-    return _build({key: value.value for key, (_, value) in node.pairs.items()}, file, drives)
-
-
-def _build(
-    entry: Mapping[str, Any], where: str, drives: Sequence[str], code: str = ""
-) -> tuple[str | None, list[Fault]]:
-    """Build one fault and say for which drive it is; ``code`` replaces those of a file."""
-    chosen = {key: value for key, value in entry.items() if key != "drive"}
-    drive = None if entry.get("drive") is None else str(entry["drive"])
-    if drive is not None and drive not in drives:
-        hint = did_you_mean(drive, drives) or f"drives: {', '.join(drives)}"
-        raise DiagnosticError([Diagnostic(code or "PG107", f'there is no drive "{drive}"', Span(where), help=hint)])
-    try:
-        return drive, faults_from([chosen], where)
-    except DiagnosticError as problem:
-        raise DiagnosticError(replace(d, code=code or d.code) for d in problem.diagnostics) from None

@@ -5,13 +5,14 @@ from __future__ import annotations
 from plcgen.cpu.cpu import Cpu
 from plcgen.diagnostics import DiagnosticError
 from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.input.options import usage
 from plcgen.project.model import Project
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.layout import layout_block
 from plcgen.s7.literals import LiteralError, parse_literal
 from plcgen.s7.types import Elementary, StringType
 from plcgen.trace.recorder import watch
-from plcgen.trace.settings import Assignment, usage
+from plcgen.trace.settings import Assignment
 
 
 def full_path(cpu: Cpu, path: str, project: Project, option: str) -> str:

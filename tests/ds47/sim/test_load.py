@@ -7,11 +7,12 @@ import pytest
 
 from plcgen.diagnostics import DiagnosticError
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
-from plcgen.protocols.ds47.sim.load import drive_from_mapping, faults_from, load_drive
+from plcgen.protocols.ds47.sim.habits import Habits
+from plcgen.protocols.ds47.sim.load import load_drive
 from plcgen.protocols.ds47.sim.parameters import Condition, Limits
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "drive-yaml.md"
-MINIMAL = {"objects": [{"number": 1, "parameters": [{"pnu": 1, "type": "Unsigned16", "value": 5}]}]}
+MINIMAL = "objects: [{number: 1, parameters: [{pnu: 1, type: Unsigned16, value: 5}]}]\n"
 
 
 def example():
@@ -48,9 +49,10 @@ def test_every_kind_is_documented(kind):
     assert f"`{kind.value}`" in DOCUMENT.read_text(encoding="utf-8")
 
 
-def test_mapping():
-    """A plain mapping makes the same drive; the defaults are the documented ones."""
-    drive = drive_from_mapping(MINIMAL)
+def test_defaults():
+    """The smallest file makes a drive with the documented defaults."""
+    drive = load_drive(MINIMAL)
+    assert drive.habits == Habits()
     assert drive.objects[1].parameters[1].values == [5]
     assert (drive.habits.error_words, drive.habits.strict_length, drive.habits.error_table) == (
         2,
@@ -61,15 +63,14 @@ def test_mapping():
 
 def test_faults():
     """Fault keys arrive in the fault: for ever, hexadecimal data, wrong values, one word."""
-    found = faults_from(
-        [
-            {"kind": "junk", "data": "01 FF", "times": "forever"},
-            {"kind": "status", "call": "write", "status": 0xDF80A100, "times": 3, "after": 1},
-            {"kind": "count", "value": 9},
-            {"kind": "error", "number": 0x6B, "position": 2, "words": 1},
-        ]
-    )
-    assert found == [
+    text = """\
+faults:
+  - {kind: junk, data: "01 FF", times: forever}
+  - {kind: status, call: write, status: 16#DF80A100, times: 3, after: 1}
+  - {kind: count, value: 9}
+  - {kind: error, number: 16#6B, position: 2, words: 1}
+"""
+    assert load_drive(MINIMAL + text).faults == [
         Fault(FaultKind.JUNK, times=None, data=b"\x01\xff"),
         Fault(FaultKind.STATUS, times=3, after=1, call="write", status=0xDF80A100),
         Fault(FaultKind.COUNT, value=9),
@@ -79,8 +80,8 @@ def test_faults():
 
 def test_octets():
     """Octets are hexadecimal text."""
-    data = {"objects": [{"number": 1, "parameters": [{"pnu": 965, "type": "OctetString", "value": "03 2A"}]}]}
-    assert drive_from_mapping(data).objects[1].parameters[965].values == [b"\x03\x2a"]
+    text = 'objects: [{number: 1, parameters: [{pnu: 965, type: OctetString, value: "03 2A"}]}]'
+    assert load_drive(text).objects[1].parameters[965].values == [b"\x03\x2a"]
 
 
 def problems(text):
@@ -97,12 +98,13 @@ HEAD = "objects:\n  - number: 1\n    parameters:\n"
     ("text", "code", "line", "message"),
     [
         ("habit: 1\n" + HEAD, "PG104", 1, 'unknown key "habit"'),
-        ("habits: {}\n", "PG105", 0, "at least one drive object"),
+        ("habits: {}\n", "PG105", 1, 'the drive lacks the key "objects"'),
+        ("objects: []\n", "PG107", 1, '"objects": must have at least 1 item'),
         ("- 1\n", "PG106", 1, "a drive is a mapping"),
-        ("objects: 5\n", "PG106", 1, '"objects" of a drive is a list'),
+        ("objects: 5\n", "PG106", 1, 'expected a list instead of "5"'),
         ("objects:\n  - state: ready\n", "PG105", 2, 'lacks the key "number"'),
-        ("objects:\n  - number: 256\n", "PG107", 2, "0 to 255"),
-        ("objects:\n  - number: 1\n  - number: 1\n", "PG107", 1, "drive object 1 appears twice"),
+        ("objects:\n  - number: 256\n", "PG107", 2, '"number": must be less than or equal to 255, not "256"'),
+        ("objects:\n  - number: 1\n  - number: 1\n", "PG107", 3, "drive object 1 appears twice"),
         (HEAD + "      - {type: Unsigned16, value: 1}\n", "PG105", 4, 'lacks the key "pnu"'),
         (HEAD + "      - {pnu: 1, value: 1}\n", "PG105", 4, 'lacks the key "type"'),
         (HEAD + "      - {pnu: 1, type: Unsigned16}\n", "PG105", 4, 'needs "value" or "values"'),
@@ -113,7 +115,7 @@ HEAD = "objects:\n  - number: 1\n    parameters:\n"
             HEAD + "      - {pnu: 1, type: Unsigned8, value: 1, low: x}\n",
             "PG106",
             4,
-            '"low" of parameter 1 is a number',
+            'expected a number instead of "x"',
         ),
         (HEAD + "      - {pnu: 1, type: OctetString, value: xyz}\n", "PG107", 4, "no hexadecimal text"),
         (
@@ -123,8 +125,8 @@ HEAD = "objects:\n  - number: 1\n    parameters:\n"
             "is no array",
         ),
         (HEAD + "      - {pnu: 1, type: Unsigned8, value: 1, read_only: 1}\n", "PG106", 4, "true or false"),
-        (HEAD + "      - {pnu: 1, type: Unsigned8, value: 1, name: 1}\n", "PG106", 4, "is text"),
-        (HEAD + "      - {pnu: 1, type: Unsigned8, value: 1, texts: [1]}\n", "PG106", 4, "list of texts"),
+        (HEAD + "      - {pnu: 1, type: Unsigned8, value: 1, name: 1}\n", "PG106", 4, "expected text"),
+        (HEAD + "      - {pnu: 1, type: Unsigned8, value: 1, texts: [1]}\n", "PG106", 4, "expected text"),
         (
             HEAD + "      - {pnu: 1, type: Unsigned8, value: 1, refuse: [{error: 17}]}\n",
             "PG105",
@@ -135,15 +137,20 @@ HEAD = "objects:\n  - number: 1\n    parameters:\n"
             HEAD + "      - {pnu: 1, type: Unsigned8, value: 1, saves: x}\n",
             "PG107",
             4,
-            "one of: object, unit",
+            '"x" is not a value of "saves"',
         ),
-        (HEAD + "      - {pnu: 1, type: Unsigned8, value: 1, state_limits: 5}\n", "PG106", 4, "is a mapping"),
-        (HEAD + "      - {pnu: 1.5, type: Unsigned8, value: 1}\n", "PG106", 4, "is a whole number"),
-        (HEAD + "      - &p {pnu: 1, type: Unsigned8, value: 1}\n      - *p\n", "PG107", 4, "appears twice"),
-        (HEAD + "habits: {error_words: 3}\n", "PG107", 4, "one of: 1, 2"),
+        (HEAD + "      - {pnu: 1, type: Unsigned8, value: 1, state_limits: 5}\n", "PG106", 4, "expected a mapping"),
+        (HEAD + "      - {pnu: 1.5, type: Unsigned8, value: 1}\n", "PG106", 4, "expected a whole number"),
+        (
+            HEAD + "      - &p {pnu: 1, type: Unsigned8, value: 1}\n      - *p\n",
+            "PG107",
+            4,
+            "parameter 1 appears twice",
+        ),
+        (HEAD + "habits: {error_words: 3}\n", "PG107", 4, '"3" is not a value of "error_words"'),
         (HEAD + "habits: {aliases: {x: 1}}\n", "PG107", 4, "no drive object number"),
-        (HEAD + "habits: {aliases: 5}\n", "PG106", 4, "the aliases is a mapping"),
-        (HEAD + "faults: [{kind: lazy}]\n", "PG107", 4, "one of: status, busy"),
+        (HEAD + "habits: {aliases: 5}\n", "PG106", 4, "expected a mapping"),
+        (HEAD + "faults: [{kind: lazy}]\n", "PG107", 4, '"lazy" is not a value of "kind"'),
         (HEAD + "faults: [{times: 1}]\n", "PG105", 4, 'lacks the key "kind"'),
         (HEAD + "faults: [{kind: status}]\n", "PG105", 4, 'lacks the key "status"'),
         (HEAD + "faults: [{kind: junk, data: xx}]\n", "PG107", 4, "hexadecimal text"),
@@ -163,10 +170,3 @@ def test_all_problems_at_once():
         ("PG107", 4, 42),
         ("PG104", 4, 47),
     ]
-
-
-def test_mapping_problems_have_no_position():
-    """A mapping without text reports the file as a whole."""
-    with pytest.raises(DiagnosticError) as caught:
-        drive_from_mapping({"objects": []})
-    assert str(caught.value.diagnostics[0].span) == "<mapping>"

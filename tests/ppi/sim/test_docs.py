@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from plcgen.protocols.ppi.sim.faults import FaultKind
-from plcgen.protocols.ppi.sim.load import STATION_KEYS, load_bus
+from plcgen.protocols.ppi.sim.load import SingleKeys, load_bus
 from plcgen.protocols.ppi.sim.profiles import profiles
 
 PAGE = (Path(__file__).parents[3] / "docs" / "s7-200.md").read_text("utf-8")
@@ -22,6 +22,6 @@ def test_the_file_of_the_page_loads() -> None:
 
 def test_every_key_fault_and_cpu_is_described() -> None:
     named = set(re.findall(r"`([a-z_]+)`", PAGE))
-    assert set(STATION_KEYS) <= named
+    assert set(SingleKeys.model_fields) <= named
     assert {kind.value for kind in FaultKind} <= named
     assert all(key in PAGE for key in profiles())

@@ -231,9 +231,9 @@ def test_faults_as_text() -> None:
     [
         ("sillence", 'there is no fault "sillence"'), ("silence:times", "has no value"),
         ("silence:tims=2", "unknown key"),
-        ("silence:times=0", "allowed: 1 to"), ("item:code=FF", "allowed: 1 to 254"),
+        ("silence:times=0", "greater than or equal to 1"), ("item:code=FF", "is 1 to 254"),
         ("header:code=xyz", "whole number"),
-        ("garbage:data=1", "hexadecimal"), ("fcs:at=later", "is one of"), ("", "there is no fault"),
+        ("garbage:data=1", "hexadecimal"), ("fcs:at=later", "is not a value of"), ("", "there is no fault"),
     ],
 )  # fmt: skip
 def test_faults_that_are_none(text: str, words: str) -> None:

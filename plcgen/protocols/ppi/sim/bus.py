@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from plcgen.protocols.ppi.sim.cpu import BUSY
-from plcgen.protocols.ppi.sim.fault_text import parse_fault
 from plcgen.protocols.ppi.sim.faults import BEFORE, SPOILING, Fault, FaultKind, before, can_spoil, spoil
 from plcgen.protocols.ppi.sim.station import Interference, Station
 from plcgen.protocols.ppi.wire.fdl import encode_frame, examine_frame
@@ -22,6 +21,13 @@ GAP = 200
 _JOURNAL = 10_000
 _REFUSED_ITEM, _NO_RESOURCE = 0x05, 0x02
 _REFUSALS = frozenset({0x01, 0x02, 0x03})
+
+
+def _fault(text: str) -> Fault:
+    """Read a fault; only texts need the reader and its libraries."""
+    from plcgen.protocols.ppi.sim.fault_text import parse_fault
+
+    return parse_fault(text)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +61,7 @@ class Bus:
         self.stations: dict[int, Station] = {}
         for station in stations:
             self.add(station)
-        self.faults = [parse_fault(fault) if isinstance(fault, str) else fault for fault in faults]
+        self.faults = [_fault(fault) if isinstance(fault, str) else fault for fault in faults]
         self.journal: deque[Traffic] = deque(maxlen=_JOURNAL)
         self.listener = listener
         self._splitter = Splitter()

@@ -1,45 +1,36 @@
 """Read an S7-200 bus from YAML: stations with their values, faults.
 
-The file is described in docs/s7-200.md. Every problem is collected with its position: PG104 unknown key, PG105 missing
-key, PG106 wrong kind of value, PG107 value out of range, PG71x what is no address, PG724 what is beyond the CPU.
+The file is described in docs/s7-200.md. The checks of one key see the keys before it, so that one run finds every
+problem, each at its place.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Annotated, Any
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, field_validator
+from pydantic_core import PydanticCustomError
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.input.keys import Reader
-from plcgen.input.yaml import Node, load_yaml, resolve_plain
+from plcgen.input.options import USAGE, usage
+from plcgen.input.validation import Document, Problems, StrictModel, load_document, problem, unique
+from plcgen.input.yaml import Node, resolve_plain
 from plcgen.protocols.ppi.sim.bus import Bus
-from plcgen.protocols.ppi.sim.cpu import BY_LEVEL, Mode, Service, Switch
-from plcgen.protocols.ppi.sim.fault_text import read_fault
+from plcgen.protocols.ppi.sim.cpu import BY_LEVEL, LEAST_PDU, Mode, Service, Switch
+from plcgen.protocols.ppi.sim.fault_text import MOST, FaultKeys
 from plcgen.protocols.ppi.sim.memory import Memory
-from plcgen.protocols.ppi.sim.profiles import Profile, profiles
+from plcgen.protocols.ppi.sim.profiles import profile, profiles
 from plcgen.protocols.ppi.sim.station import FrameCountRule, Station
 from plcgen.protocols.ppi.sim.values import encode_value
 from plcgen.protocols.ppi.wire.address import AddressError, parse_address
 from plcgen.protocols.ppi.wire.areas import PDU_LIMIT, ReturnCode
+from plcgen.protocols.ppi.wire.model import Item
 
-USAGE, BEYOND = "PG901", "PG724"
-STATION_KEYS = (
-    "cpu", "address", "mode", "switch", "type", "pdu", "not_ready", "frame_count", "password", "write_inputs",
-    "experimental", "symbols", "values",
-)  # fmt: skip
-_FRAME_COUNT: Mapping[Any, FrameCountRule] = {"standard": "standard", "strict": "strict", "ignore": "ignore"}
-_MOST = 1_000_000
-
-
-@dataclass(frozen=True, slots=True)
-class _Given:
-    """What stands outside the file: CPU and address of a single station, symbols of all."""
-
-    cpu: str | None
-    address: int | None
-    symbols: Mapping[str, str]
+BEYOND = "PG724"
+FIRST_CPU, FIRST_ADDRESS = "224", 2
+"""CPU and address of a station that says nothing."""
 
 
 def load_bus(
@@ -54,11 +45,26 @@ def load_bus(
     ``cpu`` and ``address`` replace those of a file that describes a single station; ``symbols`` are names of addresses
     for every station, beside those of the file.
     """
-    root = load_yaml(text, file)
-    report = Report()
-    bus = _bus(Reader(root, report, "the bus"), _Given(cpu, address, symbols or {}))
-    report.raise_on_errors()
-    return bus
+    given = {"cpu": cpu, "address": address}
+    document: Document[SingleKeys | BusKeys] = Document(
+        lambda root: BusKeys if "stations" in root.pairs else SingleKeys,
+        "the station",
+        "a bus is a mapping with stations, or the keys of a single station",
+        "docs/s7-200.md describes it",
+        prepare=lambda root: _with_options(root, {key: value for key, value in given.items() if value is not None}),
+    )
+    return load_document(text, file, document, {"symbols": symbols or {}}).model.bus(symbols or {})
+
+
+def _with_options(root: Node, given: Mapping[str, Any]) -> Node:
+    """Put what the command line says about a single station into its file."""
+    if given and "stations" in root.pairs:
+        message = "--cpu and --station are for a single station, the file has several"
+        raise DiagnosticError([Diagnostic(USAGE, message, root.key_span("stations"))])
+    for key, value in given.items():
+        place = Span("--station" if key == "address" else f"--{key}")
+        root.pairs[key] = (Node("scalar", place, key, key), Node("scalar", place, value, str(value)))
+    return root
 
 
 def assign(bus: Bus, text: str) -> None:
@@ -66,7 +72,6 @@ def assign(bus: Bus, text: str) -> None:
 
     Without a station the first one is meant. Several elements take numbers with commas: ``VB300[3]=1,2,3``.
     """
-    option = Span(f"--set {text}")
     name, equals, value = (part.strip() for part in text.partition("="))
     number, colon, rest = (part.strip() for part in name.partition(":"))
     address = int(number) if colon and number.isascii() and number.isdecimal() and len(number) < 4 else None
@@ -75,151 +80,176 @@ def assign(bus: Bus, text: str) -> None:
         known = ", ".join(str(number) for number in bus.stations)
         what = "an address and its value are needed" if station is not None else f"there is no station {number}"
         help_ = "for example VW100=1234" if station is not None else f"stations: {known}"
-        raise DiagnosticError([Diagnostic(USAGE, what, option, help=help_)])
-    node = Node("map", option)
-    node.pairs[rest if colon else name] = (Node("scalar", option), _typed(value, option))
-    report = Report()
-    _values(Reader(node, report, "the values"), station)
-    if report.has_errors:
-        raise DiagnosticError([Diagnostic(USAGE, found.message, option, help=found.help) for found in report])
-
-
-def _typed(value: str, option: Span) -> Node:
-    """The node of a value typed behind --set: numbers with commas are a list, as for ``ppi write``."""
-    pieces = [piece.strip() for piece in value.split(",")]
-    plain = [resolve_plain(piece) for piece in pieces]
-    if len(pieces) == 1 or any(isinstance(piece, str) or piece is None for piece in plain):
-        return Node("scalar", option, resolve_plain(value), value)
-    node = Node("seq", option)
-    node.items.extend(Node("scalar", option, *pair) for pair in zip(plain, pieces, strict=True))
-    return node
-
-
-def _bus(reader: Reader, given: _Given) -> Bus:
-    if reader.node.get("stations") is not None:
-        reader.only("stations", "faults")
-        if given.cpu is not None or given.address is not None:
-            where = reader.node.key_span("stations")
-            reader.error(USAGE, "--cpu and --station are for a single station, the file has several", where)
-        stations = [_station(child, given) for child in reader.children("stations", "a station")]
-        if not stations:
-            reader.error("PG105", "a bus needs at least one station", reader.node.key_span("stations"))
-    else:
-        reader.what = "the station"
-        reader.only(*STATION_KEYS, "faults")
-        stations = [_station(reader, given)]
-    addresses = [station.address for station in stations]
-    faults = [read_fault(child, addresses) for child in reader.children("faults", "a fault")]
-    bus = Bus((), faults)
-    for station in stations:
-        if station.address in bus.stations:
-            reader.error("PG107", f"two stations have the address {station.address}", reader.node.key_span("stations"))
-        else:
-            bus.add(station)
-    return bus
-
-
-def _station(reader: Reader, given: _Given) -> Station:
-    if reader.node.get("faults") is None:
-        reader.only(*STATION_KEYS)
-    chosen = _profile(reader, given.cpu)
-    station = Station(
-        chosen.key,
-        reader.number("address", 2, 0, 126) if given.address is None else given.address,
-        mode=reader.choice("mode", Mode.RUN, {mode.value: mode for mode in Mode}),
-        switch=reader.choice("switch", Switch.TERM, {switch.value: switch for switch in Switch}),
-        type_=_type(reader),
-        pdu_limit=reader.number("pdu", PDU_LIMIT, 32, PDU_LIMIT),
-        not_ready=reader.number("not_ready", 0, 0, _MOST),
-        frame_count=reader.choice("frame_count", "standard", _FRAME_COUNT),
-        protected=_protected(reader.child("password", "the password")),
-        write_inputs=reader.flag("write_inputs", default=True),
-        experimental=reader.flag("experimental"),
-    )
-    station.symbols.update(given.symbols)
-    station.symbols.update(_symbols(reader.child("symbols", "the key symbols"), station.cpu.memory))
-    _values(reader.child("values", "the key values"), station)
-    return station
-
-
-def _profile(reader: Reader, cpu: str | None) -> Profile:
-    known = profiles()
-    node = reader.node.get("cpu")
-    name = cpu if cpu is not None else "224" if node is None else str(node.raw or node.value)
-    found = known.get(name.upper().removeprefix("CPU").strip())
-    if found is None:
-        span = reader.node.span if node is None else node.span
-        hint = did_you_mean(name.upper(), list(known))
-        reader.error("PG107", f'there is no CPU "{name}"', span, hint or f"CPUs: {', '.join(known)}")
-        return known["224"]
-    return found
-
-
-def _type(reader: Reader) -> str | None:
-    node = reader.node.get("type")
-    text = reader.text("type")
-    if node is not None and (len(text) > 20 or not text.isascii()):
-        reader.error("PG107", f'"type" of {reader.what} is at most 20 ASCII characters', node.span)
-    return text if node is not None else None
-
-
-def _protected(reader: Reader) -> frozenset[Service]:
-    reader.only("level", "protects")
-    level = reader.number("level", 1, 1, 4)
-    if reader.node.get("protects") is None:
-        return BY_LEVEL[level]
-    known = {service.value: service for service in Service}
-    found = set()
-    for node in reader.items("protects"):
-        if node.value in known:
-            found.add(known[str(node.value)])
-        else:
-            reader.error("PG107", f'"{node.raw}" cannot be protected', node.span, f"services: {', '.join(known)}")
-    return frozenset(found)
-
-
-def _symbols(reader: Reader, memory: Memory) -> dict[str, str]:
-    if reader.node.kind != "map":
-        reader.only()
-        return {}
-    found = {}
-    for name, (_, node) in reader.node.pairs.items():
-        if _known(reader, str(node.raw), node.span, memory):
-            found[name] = str(node.raw)
-    return found
-
-
-def _known(reader: Reader, text: str, span: Span, memory: Memory) -> bool:
-    """Whether an address makes sense and the CPU has it; problems go to the report."""
+        raise usage(f"--set {text}", what, help_)
     try:
-        code = memory.check(parse_address(text))
-    except AddressError as problem:
-        reader.error(problem.code, problem.message, span, problem.help)
-        return False
+        target = rest if colon else name
+        _check_value(station.cpu.memory, target, station.symbols.get(target, target), _typed(value))
+        station[target] = _typed(value)
+    except PydanticCustomError as wrong:
+        words = wrong.context or {}
+        raise usage(f"--set {text}", words["message"], words["help"]) from None
+
+
+def _typed(value: str) -> Any:
+    """A value typed behind --set: numbers with commas are a list, as for ``ppi write``."""
+    plain = [resolve_plain(piece.strip()) for piece in value.split(",")]
+    if len(plain) == 1 or any(isinstance(piece, str) or piece is None for piece in plain):
+        return resolve_plain(value)
+    return plain
+
+
+def _cpu(name: object) -> str:
+    text = str(name).upper().removeprefix("CPU").strip()
+    if not isinstance(name, str | int) or text not in profiles():
+        hint = did_you_mean(text, list(profiles())) or f"CPUs: {', '.join(profiles())}"
+        raise problem(f'there is no CPU "{name}"', help_=hint)
+    return text
+
+
+def _type(text: str) -> str:
+    if len(text) > 20 or not text.isascii():
+        raise problem("a type is at most 20 ASCII characters")
+    return text
+
+
+def _item(memory: Memory, text: str, *, at_key: bool) -> Item:
+    """Item of an address that this CPU has."""
+    try:
+        item = parse_address(text)
+        code = memory.check(item)
+    except AddressError as wrong:
+        raise problem(wrong.message, code=wrong.code, help_=wrong.help, at_key=at_key) from None
     if code != ReturnCode.OK:
-        reader.error(BEYOND, f"{text} is beyond the memory of a {memory.profile.title}", span, _sizes(memory.profile))
-    return code == ReturnCode.OK
+        sizes = ", ".join(f"{area.name} 0..{size - 1}" for area, size in memory.profile.sizes.items())
+        message = f"{text} is beyond the memory of a {memory.profile.title}"
+        raise problem(message, code=BEYOND, help_=sizes, at_key=at_key)
+    return item
 
 
-def _sizes(profile: Profile) -> str:
-    return ", ".join(f"{area.name} 0..{size - 1}" for area, size in profile.sizes.items())
+def _check_value(memory: Memory, name: str, address: str, value: Any) -> None:
+    """Check an address and the value that it gets."""
+    item = _item(memory, address, at_key=True)
+    try:
+        encode_value(item, value)
+    except ValueError as wrong:
+        raise problem(f"{name}: {wrong}") from None
 
 
-def _values(reader: Reader, station: Station) -> None:
-    if reader.node.kind != "map":
-        reader.only()
-        return
-    for name, (key, node) in reader.node.pairs.items():
-        address = station.symbols.get(name, name)
-        if not _known(reader, address, key.span, station.cpu.memory):
-            continue
-        item = station.item(name)
-        try:
-            station.cpu.memory.put(item, encode_value(item, _plain(node)))
-        except ValueError as problem:
-            reader.error("PG107", f"{name}: {problem}", node.span)
+class Password(StrictModel):
+    """Key ``password``: what needs one."""
+
+    level: int = Field(1, ge=1, le=4)
+    protects: tuple[Annotated[Service, Field(strict=False)], ...] | None = None
+
+    def services(self) -> frozenset[Service]:
+        """Services that are refused."""
+        return BY_LEVEL[self.level] if self.protects is None else frozenset(self.protects)
 
 
-def _plain(node: Node) -> Any:
-    data = node.data()
-    return list(data) if isinstance(data, tuple) else data
+class StationKeys(StrictModel):
+    """One station."""
+
+    cpu: Annotated[str, BeforeValidator(_cpu)] = FIRST_CPU
+    address: int = Field(FIRST_ADDRESS, ge=0, le=126)
+    mode: Annotated[Mode, Field(strict=False)] = Mode.RUN
+    switch: Annotated[Switch, Field(strict=False)] = Switch.TERM
+    type: Annotated[str, AfterValidator(_type)] | None = None
+    pdu: int = Field(PDU_LIMIT, ge=LEAST_PDU, le=PDU_LIMIT)
+    not_ready: int = Field(0, ge=0, le=MOST)
+    frame_count: FrameCountRule = "standard"
+    password: Password = Password()
+    write_inputs: bool = True
+    experimental: bool = False
+    symbols: dict[str, str] = Field(default_factory=dict)
+    values: dict[str, Any] = Field(default_factory=dict)
+
+    @field_validator("symbols")
+    @classmethod
+    def _have_addresses(cls, symbols: dict[str, str], info: ValidationInfo) -> dict[str, str]:
+        problems, memory = Problems(), _memory(info)
+        for name, address in symbols.items():
+            with problems.at(name):
+                _item(memory, address, at_key=False)
+        problems.raise_any()
+        return symbols
+
+    @field_validator("values")
+    @classmethod
+    def _fit(cls, values: dict[str, Any], info: ValidationInfo) -> dict[str, Any]:
+        if "symbols" not in info.data:
+            return values  # a name might be one of them
+        problems, memory = Problems(), _memory(info)
+        symbols = {**(info.context or {}).get("symbols", {}), **info.data["symbols"]}
+        for name, value in values.items():
+            with problems.at(name):
+                _check_value(memory, name, symbols.get(name, name), value)
+        problems.raise_any()
+        return values
+
+    def station(self, symbols: Mapping[str, str]) -> Station:
+        """Build the station; ``symbols`` are those of every station."""
+        return Station(
+            self.cpu,
+            self.address,
+            values=self.values,
+            symbols={**symbols, **self.symbols},
+            mode=self.mode,
+            switch=self.switch,
+            type_=self.type,
+            pdu_limit=self.pdu,
+            not_ready=self.not_ready,
+            frame_count=self.frame_count,
+            protected=self.password.services(),
+            write_inputs=self.write_inputs,
+            experimental=self.experimental,
+        )
+
+
+def _memory(info: ValidationInfo) -> Memory:
+    """Memory of the station's CPU, of the usual one if the file names none that exists."""
+    return Memory(profile(info.data.get("cpu", FIRST_CPU)))
+
+
+def _name_stations(faults: tuple[FaultKeys, ...], known: Iterable[int]) -> tuple[FaultKeys, ...]:
+    """Check that faults name stations of the file."""
+    problems, known = Problems(), list(known)
+    for index, fault in enumerate(faults):
+        if fault.station is not None and fault.station not in known:
+            help_ = f"stations: {', '.join(map(str, known))}"
+            problems.add(problem(f"there is no station {fault.station}", help_=help_), index, "station")
+    problems.raise_any()
+    return faults
+
+
+class SingleKeys(StationKeys):
+    """A file with one station."""
+
+    faults: tuple[FaultKeys, ...] = ()
+
+    @field_validator("faults")
+    @classmethod
+    def _strike_it(cls, faults: tuple[FaultKeys, ...], info: ValidationInfo) -> tuple[FaultKeys, ...]:
+        return _name_stations(faults, [info.data["address"]]) if "address" in info.data else faults
+
+    def bus(self, symbols: Mapping[str, str]) -> Bus:
+        """Build the bus."""
+        return Bus([self.station(symbols)], [keys.fault() for keys in self.faults])
+
+
+class BusKeys(StrictModel):
+    """A file with several stations."""
+
+    stations: Annotated[
+        tuple[StationKeys, ...], unique("address", "two stations have the address {}", FIRST_ADDRESS)
+    ] = Field(min_length=1)
+    faults: tuple[FaultKeys, ...] = ()
+
+    @field_validator("faults")
+    @classmethod
+    def _strike_one(cls, faults: tuple[FaultKeys, ...], info: ValidationInfo) -> tuple[FaultKeys, ...]:
+        stations = info.data.get("stations")
+        return faults if stations is None else _name_stations(faults, (keys.address for keys in stations))
+
+    def bus(self, symbols: Mapping[str, str]) -> Bus:
+        """Build the bus."""
+        return Bus([keys.station(symbols) for keys in self.stations], [keys.fault() for keys in self.faults])
