@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+from plcgen.scl.classic import Spelling
+
 RAW = "text/raw.j2"
 """The template of a text that is finished: its view has it as ``text``."""
 
@@ -16,7 +18,8 @@ class Document:
 
     ``path`` is relative to the output folder, with forward slashes; ``encoding`` a Python codec name;
     ``newline`` the line ending; ``experimental`` why the file was never seen in a real import ("" if it was);
-    ``twins`` makes further documents from the finished text of this one.
+    ``twins`` makes further documents from the finished text of this one; ``spelling`` says for which compiler the
+    template is rewritten.
     """
 
     path: str
@@ -26,3 +29,4 @@ class Document:
     newline: str = "\n"
     experimental: str = ""
     twins: Callable[[str], Iterator[Document]] | None = field(default=None, repr=False)
+    spelling: Spelling = Spelling.TIA

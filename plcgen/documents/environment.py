@@ -1,20 +1,25 @@
-"""The one Jinja environment; the only importer of jinja2.
+"""The Jinja environments, one a spelling; the only importer of jinja2.
 
 Output depends on the view alone: undefined names are errors, and no clock, user, path or locale is within reach.
+Templates are TIA SCL. For an older compiler a template is rewritten once, when it is loaded: rendering costs the same
+on every target, and what a view puts into the text is never touched.
 """
 
 from __future__ import annotations
 
 import functools
+import re
 import zlib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import jinja2
+import jinja2.ext
 
 from plcgen.documents.document import Document
 from plcgen.resources import templates_dir
+from plcgen.scl.classic import Spelling, respell
 
 MAX_PLAIN = 256 * 1024 * 1024
 """Bytes of a project that are kept as they are; what goes beyond is kept compressed until it is written."""
@@ -46,10 +51,37 @@ class RenderedFile:
 _MARKUP = (".xml.j2", ".html.j2", ".svg.j2")
 
 
+_SOURCES = (".scl.j2", ".udt.j2", ".db.j2")
+_JINJA = re.compile(r"\{\{.*?\}\}|\{%.*?%\}|\{#.*?#\}", re.DOTALL)
+_LETTER = "\ua4d0"
+"""A letter that no template contains: it makes a word of what Jinja will replace."""
+_PLACE = re.compile(rf"\(\*{_LETTER}(\d+){_LETTER}\*\)|{_LETTER}(\d+){_LETTER}")
+
+
+def respell_template(source: str, spelling: Spelling) -> str:
+    """Rewrite the SCL of a template; a ``{{ }}`` counts as a word or part of one, other tags as comments."""
+    tags: list[str] = []
+
+    def hide(match: re.Match[str]) -> str:
+        tags.append(match[0])
+        word = f"{_LETTER}{len(tags) - 1}{_LETTER}"
+        return word if match[0].startswith("{{") else f"(*{word}*)"
+
+    return _PLACE.sub(lambda place: tags[int(place[1] or place[2])], respell(_JINJA.sub(hide, source), spelling))
+
+
+class _Respelled(jinja2.ext.Extension):
+    """Rewrites the sources among the templates before Jinja compiles them."""
+
+    def preprocess(self, source: str, name: str | None, filename: str | None = None) -> str:  # noqa: ARG002 - Jinja's
+        spelling: Spelling = self.environment.globals["spelling"]
+        return respell_template(source, spelling) if (name or "").endswith(_SOURCES) else source
+
+
 @functools.cache
-def environment() -> jinja2.Environment:
+def environment(spelling: Spelling = Spelling.TIA) -> jinja2.Environment:
     """Environment for the shipped templates: no user templates, templates of markup escape by default."""
-    return jinja2.Environment(
+    made = jinja2.Environment(
         loader=jinja2.FileSystemLoader(templates_dir()),
         undefined=jinja2.StrictUndefined,
         autoescape=lambda name: name is not None and name.endswith(_MARKUP),  # noqa: S701 - SCL is no markup
@@ -58,22 +90,25 @@ def environment() -> jinja2.Environment:
         keep_trailing_newline=True,
         auto_reload=False,
         cache_size=-1,
+        extensions=[_Respelled],
     )
+    made.globals["spelling"] = spelling
+    return made
 
 
 @functools.cache
-def _template(name: str) -> jinja2.Template:
-    return environment().get_template(name)
+def _template(name: str, spelling: Spelling) -> jinja2.Template:
+    return environment(spelling).get_template(name)
 
 
-def render_text(template: str, view: dict[str, Any]) -> str:
+def render_text(template: str, view: dict[str, Any], spelling: Spelling = Spelling.TIA) -> str:
     """Render one template."""
-    return _template(template).render(view)
+    return _template(template, spelling).render(view)
 
 
 def render(document: Document) -> RenderedFile:
     """Render one document to bytes; characters were checked before, what is left over becomes ``?``."""
-    return _finished(document, render_text(document.template, document.view))
+    return _finished(document, render_text(document.template, document.view, document.spelling))
 
 
 def _finished(document: Document, text: str) -> RenderedFile:
@@ -92,7 +127,7 @@ def render_all(
     files: list[RenderedFile] = []
     plain = 0
     for number, document in enumerate(documents, 1):
-        text = render_text(document.template, document.view)
+        text = render_text(document.template, document.view, document.spelling)
         made = [_finished(document, text)]
         if document.twins is not None:
             made += [render(twin) for twin in document.twins(text)]

@@ -8,7 +8,7 @@ from typing import Any
 from plcgen.documents.document import Document
 from plcgen.documents.spelling import type_words
 from plcgen.project.model import BlockRef, PlannedJob, Project
-from plcgen.protocols.ds47.views.jobs import common, interface_row, newline, title
+from plcgen.protocols.ds47.views.jobs import interface_row, source, title
 from plcgen.protocols.ds47.views.rows import telegram_rows
 
 DIAGNOSTICS: tuple[tuple[str, str, str], ...] = (
@@ -33,15 +33,15 @@ def extension(project: Project, kind: str) -> str:
 
 
 def document(project: Project, path: str, template: str, view: dict[str, Any]) -> Document:
-    """A source document with what every source template needs."""
-    return Document(path, template, {**common(project), **view}, project.target.encoding, newline(project))
+    """A source document of drive jobs."""
+    return source(project, path, template, {"family": "DS47", **view})
 
 
 def shared_documents(project: Project) -> Iterator[Document]:
     """Types and tokens that every job of the project uses."""
     for block, rows in ((project.diagnostics_type, DIAGNOSTICS), (project.token_type, TOKEN)):
         shared: dict[str, Any] = {"name": block.name, "fields": _rows(project, rows)}
-        yield document(project, f"udt/{block.name}.{extension(project, 'udt')}", "db/udt.j2", shared)
+        yield document(project, f"udt/{block.name}.{extension(project, 'udt')}", "shared/type.udt.j2", shared)
     for token, drives in project.tokens:
         view: dict[str, Any] = {
             "name": token.name,
@@ -49,7 +49,7 @@ def shared_documents(project: Project) -> Iterator[Document]:
             "fields": _rows(project, TOKEN),
             "assignments": (),
         }
-        yield document(project, f"db/{token.name}.{extension(project, 'db')}", "db/buffer.j2", view)
+        yield document(project, f"db/{token.name}.{extension(project, 'db')}", "shared/data.db.j2", view)
 
 
 def _rows(project: Project, rows: tuple[tuple[str, str, str], ...]) -> list[dict[str, str]]:
@@ -67,7 +67,7 @@ def job_documents(project: Project, job: PlannedJob) -> Iterator[Document]:
             ("Response", telegram.response_db, telegram.response_type, response),
         ):
             path = f"udt/{type_block.name}.{extension(project, 'udt')}"
-            yield document(project, path, "db/udt.j2", {"name": type_block.name, "fields": rows})
+            yield document(project, path, "shared/type.udt.j2", {"name": type_block.name, "fields": rows})
             view = {
                 "name": block.name,
                 "title": f"{which}: {label}",
@@ -76,7 +76,7 @@ def job_documents(project: Project, job: PlannedJob) -> Iterator[Document]:
                     {"path": f"{row.name}[{index}]", "value": text} for row in rows for index, text in row.subs
                 ],
             }
-            yield document(project, f"db/{block.name}.{extension(project, 'db')}", "db/buffer.j2", view)
+            yield document(project, f"db/{block.name}.{extension(project, 'db')}", "shared/data.db.j2", view)
     yield _instance(project, job.instance, f'"{job.block.name}"')
     if job.record_instances:
         yield _instance(project, job.record_instances[0], "SFB53")
@@ -85,7 +85,12 @@ def job_documents(project: Project, job: PlannedJob) -> Iterator[Document]:
 
 def _instance(project: Project, block: BlockRef, of: str) -> Document:
     path = f"db/{block.name}.{extension(project, 'db')}"
-    return document(project, path, "db/instance.j2", {"name": block.name, "of": of})
+    return document(project, path, instance_template(project), {"name": block.name, "of": of})
+
+
+def instance_template(project: Project) -> str:
+    """Template of an instance DB."""
+    return "shared/instance_v5.db.j2" if project.target.v5 else "shared/instance.db.j2"
 
 
 def control_document(project: Project) -> Document:
@@ -95,7 +100,8 @@ def control_document(project: Project) -> Document:
         {"member": job.member, "title": title(project, job), "fields": control_fields(project, job)}
         for job in project.jobs
     ]
-    return document(project, path, "db/control.j2", {"name": project.control_db.name, "jobs": jobs})
+    view = {"name": project.control_db.name, "title": "Commands and results of all drive jobs", "jobs": jobs}
+    return document(project, path, "shared/control.db.j2", view)
 
 
 def control_fields(project: Project, job: PlannedJob) -> list[dict[str, str]]:
@@ -133,11 +139,11 @@ def main_document(project: Project) -> Document:
         jobs.append(
             {
                 "title": title(project, job),
-                "fb": job.block.name,
+                "block": job.block.name,
                 "instance": job.instance.name,
-                "execute": place("execute"),
-                "inputs": [{"name": use.member, "value": place(use.member)} for use in job.inputs],
-                "outputs": [{"name": name, "value": place(name)} for name in outputs],
+                "begin": "",
+                "inputs": [f"{name} := {place(name)}" for name in ("execute", *(use.member for use in job.inputs))],
+                "outputs": [(name, place(name)) for name in outputs],
             }
         )
     masters: list[dict[str, Any]] = []
@@ -145,7 +151,15 @@ def main_document(project: Project) -> Document:
         from plcgen.protocols.ppi.views.blocks import calls
 
         masters = calls(project)
-    return document(project, "scl/Main.scl", "scl/main.j2", {"jobs": jobs, "masters": masters})
+    view = {
+        "block": "OB1" if project.target.v5 else '"Main"',
+        "title": f"Example: calls of all {'drive jobs' if not masters else 'jobs'}",
+        "family": "DS47" if jobs else "PPI",
+        "start_information": project.target.classic,
+        "calls": [*jobs, *masters],
+        "call_form": "shared/call_v5.scl.j2" if project.target.v5 else "shared/call.scl.j2",
+    }
+    return document(project, "scl/Main.scl", "shared/main.scl.j2", view)
 
 
 def flag_name(job: PlannedJob, signal: str) -> str:

@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import Any
 
 from plcgen.documents.document import Document
-from plcgen.documents.spelling import comment_text, elements, encodable, literal, one_line, type_text, type_words
+from plcgen.documents.spelling import comment_text, elements, encodable, literal, one_line, type_text
 from plcgen.project.model import Field, Part, PlannedJob, Project, Telegram, Use
 from plcgen.project.target import element_type
 from plcgen.protocols.ds47.plan.fields import interface_type
@@ -14,6 +14,7 @@ from plcgen.protocols.ds47.wire.formats import generic_of, padded
 from plcgen.protocols.ds47.wire.model import RequestId
 from plcgen.protocols.ds47.words import DRAIN_MS, HEARTBEATS, LEASE_MS, STATES, STATUS_WORDS
 from plcgen.s7.types import ArrayType, DataType, Elementary
+from plcgen.scl.classic import Spelling
 
 _MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
 """What would begin or end something else in a TITLE line."""
@@ -22,9 +23,12 @@ _MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
 def job_document(project: Project, job: PlannedJob) -> Document:
     """The function block of a job as a document."""
     where = project.target
+    made = _job(project, job)
     view = {
         **common(project),
-        "job": _job(project, job),
+        "job": made,
+        "telegram": made["telegrams"][0],
+        "record_index_type": "DInt" if where.t15 else "Int",
         "token": job.drive.token.name,
         "input_id": "hardwareId" if where.t15 else "driveAddress",
         "stat_id": "statHardwareId" if where.t15 else "statDriveAddress",
@@ -32,22 +36,23 @@ def job_document(project: Project, job: PlannedJob) -> Document:
         "states": STATES,
         "statuses": [(n, f"W#16#{v:04X}", text) for n, v, text in STATUS_WORDS if n not in _unused(project, job)],
     }
-    return Document(f"scl/{job.block.name}.scl", "scl/job.scl.j2", view, where.encoding, newline(project))
+    return source(project, f"scl/{job.block.name}.scl", "ds47/job.scl.j2", view)
 
 
 @lru_cache(maxsize=4)
 def common(project: Project) -> dict[str, Any]:
-    """What every source template needs: dialect switches and type spelling."""
+    """What every source template may ask: the CPU, and the folders with what differs in substance."""
     where = project.target
-    words = type_words(tia=not where.v5)
-    return {
-        "v5": where.v5,
-        "t15": where.t15,
-        "regions": where.t15 and not where.toolchain.startswith("tia-v13"),
-        "h": "" if where.v5 else "#",
-        "t": {**words, "RECORD_INDEX": words["DINT"] if where.t15 else words["INT"]},
-        "project": project.name,
-    }
+    system = "s7-1500" if where.t15 else "s7-300"
+    return {"s7_1500": where.t15, "system": system, "calls": "step7-v5" if where.v5 else system}
+
+
+def source(project: Project, path: str, template: str, view: dict[str, Any]) -> Document:
+    """A source text in the target's spelling, encoding and line ends."""
+    where = project.target
+    regions = where.t15 and not where.toolchain.startswith("tia-v13")
+    spelling = Spelling.STEP7_V5 if where.v5 else Spelling.TIA if regions else Spelling.NO_REGIONS
+    return Document(path, template, {**common(project), **view}, where.encoding, newline(project), spelling=spelling)
 
 
 def newline(project: Project) -> str:
@@ -214,7 +219,7 @@ def _telegram(project: Project, telegram: Telegram, first: int, *, many: bool) -
     build = [
         {
             "target": f'"{request_db.name}".{reference}',
-            "source": f"{'' if project.target.v5 else '#'}statReference",
+            "source": "#statReference",
         }
     ]
     store: list[dict[str, str]] = []
@@ -265,7 +270,7 @@ def _copies(project: Project, job: PlannedJob, *, response: bool) -> list[dict[s
 
 def _copy(project: Project, field: Field, part: Part, member: str, *, response: bool) -> dict[str, Any]:
     """One move; ``shift`` is what the interface's index is ahead of the buffer's index in a split array."""
-    own = ("" if project.target.v5 else "#") + part.use.member
+    own = part.use.member
     view: dict[str, Any] = {"bool": _single_bool(part.use), "loop": False, "shift": ""}
     if isinstance(field.type, Elementary) and part.use.count > 1:
         own = f"{own}[{part.subindex}]"

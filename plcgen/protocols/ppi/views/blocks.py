@@ -10,7 +10,7 @@ from plcgen.documents.code import block_twins
 from plcgen.documents.document import RAW, Document
 from plcgen.documents.spelling import type_words
 from plcgen.project.model import BlockRef, Project
-from plcgen.protocols.ds47.views.blocks import document, extension
+from plcgen.protocols.ds47.views.blocks import document, extension, instance_template
 from plcgen.protocols.ds47.views.rows import Row
 from plcgen.protocols.ds47.views.tables import csv_text
 from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedPpiJob, PpiTelegram
@@ -46,7 +46,9 @@ def ppi_documents(project: Project) -> Iterator[Document]:
     words = type_words(tia=not project.target.v5)
     fields = [{"name": name, "type": words[type_], "text": text, "start": ""} for name, type_, text in DIAGNOSTICS]
     name = plan.diagnostics_type.name
-    yield document(project, f"udt/{name}.{extension(project, 'udt')}", "db/udt.j2", {"name": name, "fields": fields})
+    yield document(
+        project, f"udt/{name}.{extension(project, 'udt')}", "shared/type.udt.j2", {"name": name, "fields": fields}
+    )
     for master in plan.masters:
         for telegram in master.telegrams:
             yield from _telegram_documents(project, master, telegram)
@@ -68,18 +70,18 @@ def _telegram_documents(project: Project, master: PlannedMaster, telegram: PpiTe
     rows = table_rows(project, telegram)
     type_ = telegram.request_type.name
     udt, db = extension(project, "udt"), extension(project, "db")
-    yield document(project, f"udt/{type_}.{udt}", "db/udt.j2", {"name": type_, "fields": rows})
+    yield document(project, f"udt/{type_}.{udt}", "shared/type.udt.j2", {"name": type_, "fields": rows})
     block = telegram.request_db.name
     title = telegram_title(project, master, telegram, "Telegram table")
     view: dict[str, Any] = {"name": block, "title": title, "type": type_, "assignments": start_values(rows)}
-    yield document(project, f"db/{block}.{db}", "db/ppi_table.j2", {**view, "family": "PPI"})
+    yield document(project, f"db/{block}.{db}", "ppi/table.db.j2", {**view, "family": "PPI"})
     if telegram.response_db is None or telegram.response_type is None:
         return
     rows = answer_rows(project, telegram)
     type_, block = telegram.response_type.name, telegram.response_db.name
-    yield document(project, f"udt/{type_}.{udt}", "db/udt.j2", {"name": type_, "fields": rows})
+    yield document(project, f"udt/{type_}.{udt}", "shared/type.udt.j2", {"name": type_, "fields": rows})
     view = {"name": block, "title": telegram_title(project, master, telegram, "Response"), "fields": rows}
-    yield document(project, f"db/{block}.{db}", "db/buffer.j2", {**view, "assignments": (), "family": "PPI"})
+    yield document(project, f"db/{block}.{db}", "shared/data.db.j2", {**view, "assignments": (), "family": "PPI"})
 
 
 def start_values(rows: list[Row]) -> list[dict[str, str]]:
@@ -99,7 +101,7 @@ def _own_documents(project: Project, master: PlannedMaster) -> Iterator[Document
         view = {"name": master.buffer.name, "title": f"Frames: {master_title(project, master)}", "assignments": ()}
         fields = [{**row, "start": ""} for row in buffer_rows(project)]
         path = f"db/{master.buffer.name}.{db}"
-        yield document(project, path, "db/buffer.j2", {**view, "fields": fields, "family": "PPI"})
+        yield document(project, path, "shared/data.db.j2", {**view, "fields": fields, "family": "PPI"})
     yield _instance(project, master.instance, f'"{master.block.name}"')
     if master.module_instances is not None:
         yield _instance(project, master.module_instances[0], '"P_SND_RK"')
@@ -118,7 +120,7 @@ def buffer_rows(project: Project) -> list[dict[str, str]]:
 
 def _instance(project: Project, block: BlockRef, of: str) -> Document:
     path = f"db/{block.name}.{extension(project, 'db')}"
-    return document(project, path, "db/instance.j2", {"name": block.name, "of": of, "family": "PPI"})
+    return document(project, path, instance_template(project), {"name": block.name, "of": of, "family": "PPI"})
 
 
 def control_document(project: Project) -> Document:
@@ -130,7 +132,7 @@ def control_document(project: Project) -> Document:
         for _, job, member in control_jobs(project)
     ]
     view = {"name": name, "jobs": jobs, "title": "Commands and results of all PPI jobs", "family": "PPI"}
-    return document(project, f"db/{name}.{extension(project, 'db')}", "db/control.j2", view)
+    return document(project, f"db/{name}.{extension(project, 'db')}", "shared/control.db.j2", view)
 
 
 def control_jobs(project: Project) -> list[tuple[PlannedMaster, PlannedPpiJob, str]]:
@@ -190,15 +192,16 @@ def calls(project: Project) -> list[dict[str, Any]]:
             if owner is not master:
                 continue
             names = ["execute", *(value.member for value in job.inputs)]
-            inputs += [{"name": job.pin(name), "value": place(project, job, member, name)} for name in names]
+            inputs += [f"{job.pin(name)} := {place(project, job, member, name)}" for name in names]
             names = ["busy", "done", "error", "status", *(value.member for value in job.outputs)]
             names += ["errors"] if job.values else []
-            outputs += [{"name": job.pin(name), "value": place(project, job, member, name)} for name in names]
+            outputs += [(job.pin(name), place(project, job, member, name)) for name in names]
         found.append(
             {
                 "title": master_title(project, master),
-                "fb": master.block.name,
+                "block": master.block.name,
                 "instance": master.instance.name,
+                "begin": "\n    ",
                 "inputs": inputs,
                 "outputs": outputs,
             }

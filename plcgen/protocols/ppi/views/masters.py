@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from plcgen.documents.document import Document
-from plcgen.documents.spelling import comment_text, elements, encodable, literal, one_line, type_text
+from plcgen.documents.spelling import comment_text, elements, encodable, literal, one_line, type_text, type_words
 from plcgen.project.model import Project
-from plcgen.protocols.ds47.views.jobs import clean_title, common, newline
+from plcgen.protocols.ds47.views.jobs import clean_title, source
 from plcgen.protocols.ppi.plan.fields import value_length
 from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedPpiJob, PpiTelegram, PpiValue, WireItem
 from plcgen.protocols.ppi.views.values import into_response, into_table, output_moves, stat_name
@@ -26,9 +26,13 @@ VERBS = {"read": "Read", "write": "Write", "run": "Switch to RUN", "stop": "Swit
 def master_document(project: Project, master: PlannedMaster) -> Document:
     """The function block of a master as a document."""
     assert project.ppi is not None  # noqa: S101 - there is a master
-    view = {**common(project), "m": _Views(project, master).view()}
-    where = project.target
-    return Document(f"scl/{master.block.name}.scl", "scl/ppi_master.scl.j2", view, where.encoding, newline(project))
+    buffer = f'"{master.buffer.name}"' if master.buffer else ""
+    view = {
+        "m": _Views(project, master).view(),
+        "receive": f"{buffer}.receive" if buffer else "#statReceive",
+        "table": f"{buffer}.send" if buffer else "#statTable",
+    }
+    return source(project, f"scl/{master.block.name}.scl", "ppi/master.scl.j2", view)
 
 
 def master_title(project: Project, master: PlannedMaster) -> str:
@@ -72,8 +76,7 @@ class _Views:
     def __init__(self, project: Project, master: PlannedMaster) -> None:
         self.project, self.master = project, master
         self.where = project.target
-        self.h = "" if project.target.v5 else "#"
-        self.t = common(project)["t"]
+        self.t = type_words(tia=not project.target.v5)
         self.syncs = {telegram.station.key: telegram.number for telegram in master.syncs}
 
     def names(self) -> dict[str, Any]:
