@@ -19,17 +19,17 @@ from plcgen.resources import templates_dir
 
 PLC = "plc: {name: a, family: s7-300, toolchain: tia-v16}\n"
 DRIVE = "drives: {d: {device: sinamics-dcm, address: 256}}\n"
-_DECLARED = re.compile(r"^\s*(?:\{\{ )?([A-Za-z]\w*)(?: \{InstructionName[^}]*\})?(?: AT \w+)?\s*:(?!=)", re.MULTILINE)
-_CONSTANT = re.compile(r'constant\("([A-Z_]+)"')
+_DECLARED = re.compile(r"^\s*([A-Za-z]\w*)(?: \{InstructionName[^}]*\})?(?: AT \w+)?\s*:(?!=)", re.MULTILINE)
 
 
 def _block_names() -> list[str]:
-    """Every name the job template declares, and every constant."""
-    template = (templates_dir() / "scl" / "job.scl.j2").read_text("utf-8").split("BEGIN")[0]
-    parts = (templates_dir() / "scl" / "parts.j2").read_text("utf-8")
-    declared = _DECLARED.findall("\n".join(line.split("//")[0] for line in template.splitlines()))
+    """Every name the job template declares, instances and constants included."""
+    folder = templates_dir() / "ds47"
+    texts = [(folder / "job.scl.j2").read_text("utf-8").split("BEGIN")[0]]
+    texts += [path.read_text("utf-8") for path in folder.glob("*/instances.scl.j2")]
+    declared = _DECLARED.findall("\n".join(line.split("//")[0] for text in texts for line in text.splitlines()))
     words = [name for name, _, _ in (*STATES, *STATUS_WORDS)]
-    return sorted({*declared, *_CONSTANT.findall(parts), *words})
+    return sorted({*declared, *words} - {"AUTHOR", "FAMILY", "VERSION"})
 
 
 def _check(jobs: str, tmp_path: Path, head: str = PLC + DRIVE) -> tuple[Diagnostic, ...]:

@@ -44,6 +44,6 @@ def test_demo_runs_from_the_wheel(unpacked: Path, tmp_path: Path) -> None:
 def test_the_wheel_holds_what_it_needs_and_nothing_else(unpacked: Path) -> None:
     """Type marker, licence, templates, specs; no tests, no examples."""
     files = {p.relative_to(unpacked).as_posix() for p in unpacked.rglob("*") if p.is_file()}
-    assert {"plcgen/py.typed", "plcgen/_templates/scl/job.scl.j2", "plcgen/_specs/devices/sinamics-dcm.yaml"} <= files
+    assert {"plcgen/py.typed", "plcgen/_templates/ds47/job.scl.j2", "plcgen/_specs/devices/sinamics-dcm.yaml"} <= files
     assert any(name.endswith("LICENSE") for name in files)
     assert not any(name.startswith(("tests/", "examples/", "bench/")) for name in files)

@@ -74,7 +74,7 @@ class _Respelled(jinja2.ext.Extension):
     """Rewrites the sources among the templates before Jinja compiles them."""
 
     def preprocess(self, source: str, name: str | None, filename: str | None = None) -> str:  # noqa: ARG002 - Jinja's
-        spelling: Spelling = self.environment.globals["spelling"]
+        spelling = Spelling(self.environment.globals["spelling"])
         return respell_template(source, spelling) if (name or "").endswith(_SOURCES) else source
 
 

@@ -8,12 +8,20 @@ from plcgen.project.target import Target
 from plcgen.s7.literals import format_literal
 from plcgen.s7.types import ArrayType, DataType, Elementary
 from plcgen.s7.values import unpack_value
+from plcgen.scl.classic import Spelling
 
 _TIA = {
     "BOOL": "Bool", "BYTE": "Byte", "WORD": "Word", "DWORD": "DWord", "LWORD": "LWord", "CHAR": "Char", "INT": "Int",
     "DINT": "DInt", "LINT": "LInt", "SINT": "SInt", "USINT": "USInt", "UINT": "UInt", "UDINT": "UDInt",
     "ULINT": "ULInt", "REAL": "Real", "LREAL": "LReal", "ARRAY": "Array", "OF": "of", "TIME": "Time",
 }  # fmt: skip
+
+
+def spelling_of(where: Target) -> Spelling:
+    """How sources are spelled for a target."""
+    if where.v5:
+        return Spelling.STEP7_V5
+    return Spelling.TIA if where.t15 and not where.toolchain.startswith("tia-v13") else Spelling.NO_REGIONS
 
 
 @lru_cache(maxsize=4)

@@ -149,9 +149,10 @@ class _Step7:
         elif kind == ":" and self.constants:
             value = self.tokens.kinds.index(":=", index)
             yield self.tokens.end(index - 1), self.tokens.starts[value], " "
-        elif (kind in KEYWORDS and not text.isupper()) or (
-            kind == NAME and before in {":", "OF"} and text.upper() in ELEMENTARY and not self.constants
-        ):
+        elif not text.isupper() and (kind in KEYWORDS or self._type(text, before)):
             yield start, end, text.upper()
         elif kind == NAME and text in FUNCTIONS:
             yield start, end, FUNCTIONS[text]
+
+    def _type(self, text: str, before: str) -> bool:
+        return before in {":", "OF"} and not self.constants and text.upper() in ELEMENTARY

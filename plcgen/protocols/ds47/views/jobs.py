@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import Any
 
 from plcgen.documents.document import Document
-from plcgen.documents.spelling import comment_text, elements, encodable, literal, one_line, type_text
+from plcgen.documents.spelling import comment_text, elements, encodable, literal, one_line, spelling_of, type_text
 from plcgen.project.model import Field, Part, PlannedJob, Project, Telegram, Use
 from plcgen.project.target import element_type
 from plcgen.protocols.ds47.plan.fields import interface_type
@@ -14,7 +14,6 @@ from plcgen.protocols.ds47.wire.formats import generic_of, padded
 from plcgen.protocols.ds47.wire.model import RequestId
 from plcgen.protocols.ds47.words import DRAIN_MS, HEARTBEATS, LEASE_MS, STATES, STATUS_WORDS
 from plcgen.s7.types import ArrayType, DataType, Elementary
-from plcgen.scl.classic import Spelling
 
 _MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
 """What would begin or end something else in a TITLE line."""
@@ -50,9 +49,8 @@ def common(project: Project) -> dict[str, Any]:
 def source(project: Project, path: str, template: str, view: dict[str, Any]) -> Document:
     """A source text in the target's spelling, encoding and line ends."""
     where = project.target
-    regions = where.t15 and not where.toolchain.startswith("tia-v13")
-    spelling = Spelling.STEP7_V5 if where.v5 else Spelling.TIA if regions else Spelling.NO_REGIONS
-    return Document(path, template, {**common(project), **view}, where.encoding, newline(project), spelling=spelling)
+    view = {**common(project), **view}
+    return Document(path, template, view, where.encoding, newline(project), spelling=spelling_of(where))
 
 
 def newline(project: Project) -> str:
