@@ -5,8 +5,6 @@ The names in ``__all__`` are the public API; they are imported when first used, 
 
 from __future__ import annotations
 
-import sys
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from plcgen._version import __version__
@@ -37,17 +35,19 @@ if TYPE_CHECKING:
         simulate,
         verify,
     )
-    from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+    from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, PlcgenError, Severity, Span
 
 __all__ = [
     "CheckResult",
     "ConvertResult",
     "Diagnostic",
+    "DiagnosticError",
     "EncodeResult",
     "EncodedTelegram",
     "GenerateResult",
     "LayoutResult",
     "Note",
+    "PlcgenError",
     "Severity",
     "Span",
     "__version__",
@@ -70,7 +70,7 @@ __all__ = [
     "verify",
 ]
 
-_DIAGNOSTICS = frozenset({"Diagnostic", "Note", "Severity", "Span"})
+_DIAGNOSTICS = frozenset({"Diagnostic", "DiagnosticError", "Note", "PlcgenError", "Severity", "Span"})
 
 
 def __getattr__(name: str) -> Any:
@@ -83,14 +83,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted({*globals(), *__all__})
-
-
-class _Package(ModuleType):
-    """Keeps ``plcgen.proof`` and ``plcgen.review.audit`` functions: importing the packages must not replace them."""
-
-    def __setattr__(self, name: str, value: object) -> None:
-        if name not in {"verify", "audit"}:
-            super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package

@@ -1,21 +1,27 @@
 """The public Python API: its names are a promise, its functions return results and never print."""
 
+import importlib
+import pkgutil
 import subprocess
 import sys
+import types
 
 import pytest
 
 import plcgen
+from plcgen.scl.cursor import Halt
 
 PUBLIC = [
     "CheckResult",
     "ConvertResult",
     "Diagnostic",
+    "DiagnosticError",
     "EncodeResult",
     "EncodedTelegram",
     "GenerateResult",
     "LayoutResult",
     "Note",
+    "PlcgenError",
     "Severity",
     "Span",
     "__version__",
@@ -55,15 +61,32 @@ def test_import_is_free():
     assert set(done.stdout.split()) == {"plcgen", "plcgen._version"}
 
 
-def test_verify_is_the_function_whatever_was_imported():
-    """Importing the package of the same name does not replace the function."""
-    from plcgen.proof import checks as model
-    from plcgen.review.audit import model as audited
+def modules():
+    """Every module of the package, imported; those of serial lines only where pyserial is."""
+    for module in pkgutil.walk_packages(plcgen.__path__, "plcgen."):
+        if module.name != "plcgen.__main__":
+            yield importlib.import_module(module.name)
 
-    assert audited.Match is not None
-    assert callable(plcgen.review.audit)
-    assert callable(plcgen.proof)
-    assert model.Outcome.OK == "ok"
+
+def test_no_name_is_a_module_too():
+    """Importing everything there is replaces no function by a module."""
+    assert list(modules())
+    assert {name for name in plcgen.__all__ if isinstance(getattr(plcgen, name), types.ModuleType)} == set()
+    assert {name for name in plcgen.__all__ if name in vars(plcgen) and name != "__version__"} == set()
+
+
+def test_one_root_of_exceptions():
+    """Every exception that a caller may see derives from PlcgenError: all but those inside the parser and the verbs."""
+    found = {
+        value
+        for module in modules()
+        if not module.__name__.startswith("plcgen.cli")
+        for name, value in vars(module).items()
+        if isinstance(value, type) and issubclass(value, Exception) and value.__module__.startswith("plcgen.")
+        if not name.startswith("_")
+    }
+    assert {e for e in found if not issubclass(e, (plcgen.PlcgenError, Halt))} == set()
+    assert len(found) > 15
 
 
 def test_nothing_is_printed(tmp_path, capsys):

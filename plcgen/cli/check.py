@@ -159,4 +159,4 @@ def _summary(out: Console, found: Findings, blocks: int | None) -> None:
     kind = "specs" if blocks is None else "files"
     where = found.subjects[0][0] if len(found.subjects) == 1 else f"{len(found.subjects)} {kind}"
     inside = "" if blocks is None else f" ({blocks} block{'' if blocks == 1 else 's'})"
-    out.say(summary_text(found.diagnostics, where + inside, out.view()))
+    out.say(summary_text(found.diagnostics, where + inside))

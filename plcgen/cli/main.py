@@ -132,10 +132,13 @@ def _usage(problem: click.UsageError) -> int:
 
 def _unexpected(problem: Exception) -> int:
     """Tell a user's problem (diagnostics, files) from a bug."""
-    from plcgen.diagnostics import DiagnosticError
+    from plcgen.diagnostics import DiagnosticError, PluginError
 
     if isinstance(problem, DiagnosticError):
         output.Console().complain(problem.diagnostics)
+        return output.PROBLEMS
+    if isinstance(problem, PluginError):
+        output.error_line(str(problem))
         return output.PROBLEMS
     if os.environ.get("PLCGEN_DEBUG") == "1":
         import traceback

@@ -23,6 +23,7 @@ from plcgen.cpu.system.record import RecordBlock
 from plcgen.cpu.system.timers import counter, edge, timer
 from plcgen.diagnostics import DiagnosticError
 from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.errors import UnknownPathError
 from plcgen.s7.image import Tree
 from plcgen.s7.layout import layout_block
 
@@ -170,13 +171,13 @@ class Cpu:
         self._next(milliseconds)
         entry = self.program.link.find(name)
         if entry is None:
-            raise KeyError(f"there is no block {name}")
+            raise UnknownPathError(f"there is no block {name}")
         for member, value in inputs.items():
             self[f'"{entry.name}".{member}'] = value
         if entry.block.kind is BlockKind.DB:
             block = self.program.link.find(self.program.link.instance_type(entry) or "?")
             if block is None:
-                raise KeyError(f"{name} is no instance of a block of the program")
+                raise UnknownPathError(f"{name} is no instance of a block of the program")
             self._run(block, (self._blocks[entry.index],))
         else:
             self._run(entry, ())
@@ -240,7 +241,7 @@ class Cpu:
         """The Python function of a block: an FB takes the bytes of its instance. Raises KeyError."""
         entry = self.program.link.find(name)
         if entry is None or f"b{entry.index}" not in self._names:
-            raise KeyError(f"there is no code block {name}")
+            raise UnknownPathError(f"there is no code block {name}")
         function: Callable[..., Any] = self._names[f"b{entry.index}"]
         return function
 
@@ -250,7 +251,7 @@ class Cpu:
             return self._numbers[which]
         entry = self.program.link.find(which)
         if entry is None or entry.index not in self._blocks:
-            raise KeyError(f"there is no data block {which}")
+            raise UnknownPathError(f"there is no data block {which}")
         return self._blocks[entry.index]
 
     @property

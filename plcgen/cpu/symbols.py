@@ -9,6 +9,7 @@ from plcgen.cpu.compiler.places import AREAS
 from plcgen.cpu.linkage import Linkage
 from plcgen.cpu.memory import Memory
 from plcgen.s7.address import AddressError, parse_address
+from plcgen.s7.errors import UnfitValueError, UnknownPathError
 from plcgen.s7.image import Tree, read_member, write_member
 from plcgen.s7.layout import Layout, locate, split_path
 from plcgen.s7.types import ELEMENTARY, Elementary
@@ -41,7 +42,7 @@ class Symbols:
         if layout is not None:
             self._write_tree(memory, layout, rest, value)
         elif type_ is None:
-            raise ValueError(f"{path} is a whole data block: name a member")
+            raise UnfitValueError(f"{path} is a whole data block: name a member")
         elif type_.name == "BOOL":
             mask = 1 << offset % 8
             memory[offset // 8] = memory[offset // 8] | mask if value else memory[offset // 8] & 255 - mask
@@ -89,7 +90,7 @@ class Symbols:
                 locate(layout, rest)
             except KeyError as problem:
                 if not compact.startswith("DB"):
-                    raise KeyError(f"{path}: {problem.args[0]}") from None
+                    raise UnknownPathError(f"{path}: {problem.args[0]}") from None
             else:
                 return memory, layout, rest, 0, None
         memory, offset = self._address(compact, path)
@@ -100,12 +101,12 @@ class Symbols:
         try:
             address = parse_address(text)
         except AddressError:
-            raise KeyError(f"{path}: there is no such data block, tag or address") from None
+            raise UnknownPathError(f"{path}: there is no such data block, tag or address") from None
         if address.area != "DB":
             return self.areas[AREAS[address.area]], address.offset
         entry = self.link.data_block(address.db or 0)
         if entry is None or entry.index not in self.blocks:
-            raise KeyError(f"{path}: there is no DB{address.db}")
+            raise UnknownPathError(f"{path}: there is no DB{address.db}")
         return self.blocks[entry.index], address.offset
 
 

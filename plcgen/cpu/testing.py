@@ -13,9 +13,13 @@ from plcgen.cpu.cpu import Cpu, Family
 from plcgen.cpu.folder import load_folder
 from plcgen.cpu.program import Program, Source
 from plcgen.cpu.system.bus import Bus
-from plcgen.diagnostics import DiagnosticError
+from plcgen.diagnostics import DiagnosticError, PlcgenError
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.scl.dialect import BY_NAME, Dialect
+
+
+class ConditionError(PlcgenError, AssertionError):
+    """What a test waited for did not come."""
 
 
 class Bench:
@@ -43,12 +47,12 @@ class Bench:
         self.cpu.scan(milliseconds, count)
 
     def until(self, condition: Callable[[Cpu], object], *, scans: int = 1000, milliseconds: int = 10) -> int:
-        """Run scans until a condition holds and return how many. Raises AssertionError if it never does."""
+        """Run scans until a condition holds and return how many. Raises ConditionError if it never does."""
         for number in range(1, scans + 1):
             self.cpu.scan(milliseconds)
             if condition(self.cpu):
                 return number
-        raise AssertionError(f"the condition did not hold within {scans} scans")
+        raise ConditionError(f"the condition did not hold within {scans} scans")
 
     def attach(self, address: int, drive: Drive) -> None:
         """Put a simulated drive at a logical address or hardware identifier."""

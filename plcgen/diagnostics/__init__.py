@@ -7,9 +7,11 @@ from plcgen.diagnostics.model import (
     Diagnostic,
     DiagnosticError,
     Note,
+    PlcgenError,
+    PluginError,
     Report,
     Severity,
     Span,
 )
 
-__all__ = ["Diagnostic", "DiagnosticError", "Note", "Report", "Severity", "Span"]
+__all__ = ["Diagnostic", "DiagnosticError", "Note", "PlcgenError", "PluginError", "Report", "Severity", "Span"]

@@ -80,7 +80,15 @@ class Diagnostic:
         return (self.span.file, self.span.line, self.span.column, self.code, self.message)
 
 
-class DiagnosticError(Exception):
+class PlcgenError(Exception):
+    """Root of every exception that plcgen raises on purpose: what the caller gave cannot be used."""
+
+
+class PluginError(PlcgenError):
+    """What another distribution registers under an entry point cannot be used; the message names it."""
+
+
+class DiagnosticError(PlcgenError):
     """Carries diagnostics out of a step that could not go on: a user's problem, never a bug."""
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:

@@ -66,9 +66,6 @@ def count_text(diagnostics: Sequence[Diagnostic]) -> str:
     return ", ".join(parts) or "no problems"
 
 
-def summary_text(diagnostics: Sequence[Diagnostic], subject: str, view: View) -> str:
+def summary_text(diagnostics: Sequence[Diagnostic], subject: str) -> str:
     """``2 errors, 1 warning in specs/x.yaml``."""
-    errors = any(d.severity is Severity.ERROR for d in diagnostics)
-    warnings = any(d.severity is Severity.WARNING for d in diagnostics)
-    style = "error" if errors else "warning" if warnings else "ok"
-    return f"{view.paint(count_text(diagnostics), style)} in {clean(subject)}"
+    return f"{count_text(diagnostics)} in {clean(subject)}"

@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
+from plcgen.diagnostics import PluginError
 from plcgen.output import formats
 from plcgen.output.view import View
 
@@ -60,7 +61,7 @@ KINDS = tuple(field.name for field in fields(Format) if field.name not in {"name
 
 
 def find(name: str) -> Format | None:
-    """The format of a name, None if there is none. Raises TypeError if an entry point is no format."""
+    """The format of a name, None if there is none. Raises PluginError if an entry point is none."""
     if name in _shipped():
         found: Format = import_module(f"{formats.__name__}.{name}").FORMAT
         return found
@@ -83,8 +84,11 @@ def _foreign() -> dict[str, Format]:
 
     found: dict[str, Format] = {}
     for point in entry_points(group=GROUP):
-        loaded = point.load()
+        try:
+            loaded = point.load()
+        except Exception as problem:
+            raise PluginError(f"the format {point.name} ({point.value}) cannot be loaded: {problem}") from problem
         if not isinstance(loaded, Format) or loaded.name != point.name:
-            raise TypeError(f"the entry point {point.name} of {GROUP} is no output format of that name: {point.value}")
+            raise PluginError(f"{point.value} in {GROUP} is no output format called {point.name}")
         found[point.name] = loaded
     return found

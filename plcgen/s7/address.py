@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from plcgen.diagnostics import PlcgenError
+
 AREAS = {"I": 0x81, "Q": 0x82, "M": 0x83, "DB": 0x84, "P": 0x80}
 """Memory areas by international mnemonic with their code in area pointers."""
 
@@ -27,7 +29,7 @@ _POINTER = re.compile(
 )
 
 
-class AddressError(ValueError):
+class AddressError(PlcgenError, ValueError):
     """A text that is no absolute address; ``text`` as given, ``reason`` says why."""
 
     def __init__(self, text: str, reason: str) -> None:

@@ -10,6 +10,8 @@ import datetime as dt
 import re
 from decimal import Decimal
 
+from plcgen.s7.errors import UnfitValueError
+
 _UNITS = {"D": 86_400_000_000_000, "H": 3_600_000_000_000, "M": 60_000_000_000, "S": 1_000_000_000}
 _UNITS |= {"MS": 1_000_000, "US": 1_000, "NS": 1}
 _CEILING = {"H": 24, "M": 60, "S": 60, "MS": 1000, "US": 1000, "NS": 1000}
@@ -30,15 +32,15 @@ def parse_duration(text: str) -> int:
     while match := _PART.match(rest, position):
         number, unit = Decimal(match[1].replace("_", "")), match[2].upper()
         if last and order.index(unit) <= order.index(last):
-            raise ValueError(f"{unit.lower()} after {last.lower()}: units go from large to small")
+            raise UnfitValueError(f"{unit.lower()} after {last.lower()}: units go from large to small")
         if last and number >= _CEILING[unit]:
-            raise ValueError(f"{number}{unit.lower()}: only the first unit may exceed its range")
+            raise UnfitValueError(f"{number}{unit.lower()}: only the first unit may exceed its range")
         if "." in match[1] and match.end() != len(rest):
-            raise ValueError("only the last unit may have decimals")
+            raise UnfitValueError("only the last unit may have decimals")
         total += int(number * _UNITS[unit])
         position, last = match.end(), unit
     if not last or position != len(rest):
-        raise ValueError("a duration looks like 1d_2h_3m_4s_5ms")
+        raise UnfitValueError("a duration looks like 1d_2h_3m_4s_5ms")
     return sign * total
 
 
@@ -57,7 +59,7 @@ def parse_date(text: str) -> dt.date:
     """``2026-11-21``, or with a two-digit year: 90..99 are 19xx, 00..89 are 20xx."""
     match = _DATE.fullmatch(text)
     if match is None:
-        raise ValueError("a date looks like 2026-11-21")
+        raise UnfitValueError("a date looks like 2026-11-21")
     year = int(match[1])
     if len(match[1]) == 2:
         year += 1900 if year >= 90 else 2000
@@ -68,13 +70,13 @@ def parse_clock(text: str, digits: int) -> int:
     """Nanoseconds since midnight of ``12:30:15.250`` with at most ``digits`` decimals."""
     match = _CLOCK.fullmatch(text)
     if match is None:
-        raise ValueError("a time of day looks like 12:30:15.250")
+        raise UnfitValueError("a time of day looks like 12:30:15.250")
     hour, minute, second = (int(match[i]) for i in (1, 2, 3))
     if hour > 23 or minute > 59 or second > 59:
-        raise ValueError("no such time of day")
+        raise UnfitValueError("no such time of day")
     fraction = match[4] or ""
     if len(fraction.rstrip("0")) > digits:
-        raise ValueError(f"at most {digits} decimals")
+        raise UnfitValueError(f"at most {digits} decimals")
     seconds = hour * 3600 + minute * 60 + second
     return seconds * _UNITS["S"] + int(fraction.ljust(9, "0") or 0)
 
@@ -98,7 +100,7 @@ def to_s5time(milliseconds: int) -> int:
         count = milliseconds // base
         if count <= 999:
             return code << 12 | to_bcd(count)
-    raise ValueError("S5TIME ends at 2h_46m_30s")
+    raise UnfitValueError("S5TIME ends at 2h_46m_30s")
 
 
 def from_s5time(word: int) -> int:
@@ -119,7 +121,7 @@ def from_bcd(value: int) -> int:
 def pack_dt(value: dt.datetime) -> bytes:
     """DATE_AND_TIME: 8 bytes BCD, year 1990..2089, milliseconds, weekday 1 = Sunday."""
     if not 1990 <= value.year <= 2089:
-        raise ValueError("DATE_AND_TIME runs from 1990 to 2089")
+        raise UnfitValueError("DATE_AND_TIME runs from 1990 to 2089")
     fields = (value.year % 100, value.month, value.day, value.hour, value.minute, value.second)
     milliseconds = value.microsecond // 1000
     weekday = value.isoweekday() % 7 + 1
@@ -140,7 +142,7 @@ def pack_dtl(nanoseconds: int) -> bytes:
     days, rest = divmod(nanoseconds, NS_PER_DAY)
     date = EPOCH.date() + dt.timedelta(days=days)
     if not 1970 <= date.year <= 2262:
-        raise ValueError("DTL runs from 1970 to 2262")
+        raise UnfitValueError("DTL runs from 1970 to 2262")
     seconds, fraction = divmod(rest, _UNITS["S"])
     clock = (seconds // 3600, seconds // 60 % 60, seconds % 60)
     head = date.year.to_bytes(2) + bytes((date.month, date.day, date.isoweekday() % 7 + 1, *clock))

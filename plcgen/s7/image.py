@@ -6,6 +6,7 @@ import datetime as dt
 import math
 from typing import TYPE_CHECKING, TypeAlias
 
+from plcgen.s7.errors import UnfitValueError
 from plcgen.s7.initializers import Group, Item, Node, flatten, parse_initializer
 from plcgen.s7.layout import Entry, Layout, layout_block, locate
 from plcgen.s7.literals import LiteralError, pack_literal
@@ -93,7 +94,7 @@ def write_member(memory: bytearray, layout: Layout, path: str, value: Value) -> 
 def _scalar(entry: Entry) -> Elementary | StringType:
     if isinstance(entry.type, Elementary | StringType):
         return entry.type
-    raise ValueError(f"{entry.path} is not elementary")
+    raise UnfitValueError(f"{entry.path} is not elementary")
 
 
 class _Builder:

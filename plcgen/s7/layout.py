@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import DiagnosticError, Span
 from plcgen.s7.blocks import Block, SectionKind
+from plcgen.s7.errors import UnknownPathError
 from plcgen.s7.shapes import MAX_BYTES, MAX_ENTRIES, Field, Shape, ShapeBuilder
 from plcgen.s7.types import ArrayType, DataType, Member, StructType
 
@@ -118,16 +119,16 @@ def locate(layout: Layout, path: str) -> Entry:
     for step in split_path(path):
         if isinstance(step, tuple):
             if entry is None:
-                raise KeyError(f"{path}: an index needs an array before it")
+                raise UnknownPathError(f"{path}: an index needs an array before it")
             entry = _index(entry, step, path)
         else:
             found = shape.index.get(step.upper())
             if found is None:
-                raise KeyError(f"{path}: there is no member {step}")
+                raise UnknownPathError(f"{path}: there is no member {step}")
             entry = _child(found, entry)
         shape = entry.shape
     if entry is None:
-        raise KeyError("the path is empty")
+        raise UnknownPathError("the path is empty")
     return entry
 
 
@@ -145,7 +146,7 @@ def split_path(path: str) -> list[str | tuple[int, ...]]:
     while position < len(text):
         match = _STEP.match(text, position)
         if match is None or (match["index"] is None and bool(steps) != bool(match["dot"])):
-            raise KeyError(f"{path}: not a member path")
+            raise UnknownPathError(f"{path}: not a member path")
         if match["index"] is not None:
             index = tuple(int(part) for part in match["index"].split(","))
             previous = steps[-1] if steps else ""
@@ -163,14 +164,14 @@ def _index(entry: Entry, indices: tuple[int, ...], path: str) -> Entry:
     """One element of an array; further indices go on into arrays of arrays."""
     shape = entry.shape
     if not isinstance(shape.type, ArrayType) or shape.element is None:
-        raise KeyError(f"{path}: {entry.path} is not an array")
+        raise UnknownPathError(f"{path}: {entry.path} is not an array")
     bounds = shape.type.bounds
     here, rest = indices[: len(bounds)], indices[len(bounds) :]
     if len(here) < len(bounds):
-        raise KeyError(f"{path}: {entry.path} needs {len(bounds)} indices")
+        raise UnknownPathError(f"{path}: {entry.path} needs {len(bounds)} indices")
     for value, (low, high) in zip(here, bounds, strict=True):
         if not low <= value <= high:
-            raise KeyError(f"{path}: index {value} is outside {low}..{high}")
+            raise UnknownPathError(f"{path}: index {value} is outside {low}..{high}")
     element = _element(entry, here)
     return _index(element, rest, path) if rest else element
 

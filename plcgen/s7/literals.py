@@ -6,6 +6,7 @@ import datetime as dt
 import math
 import re
 
+from plcgen.diagnostics import PlcgenError
 from plcgen.s7 import durations
 from plcgen.s7.address import parse_pointer
 from plcgen.s7.spelling import single, spell
@@ -27,7 +28,7 @@ _TEXT = frozenset({"CHAR", "WCHAR"})
 _INTEGERS = SIGNED | UNSIGNED | NUMBERS
 
 
-class LiteralError(ValueError):
+class LiteralError(PlcgenError, ValueError):
     """A text that is no constant of the wanted type; ``reason`` says why."""
 
     def __init__(self, text: str, type_name: str, reason: str) -> None:

@@ -15,6 +15,7 @@ from typing import TypeAlias
 
 from plcgen.s7 import durations
 from plcgen.s7.address import Pointer, unpack_pointer
+from plcgen.s7.errors import UnfitValueError
 from plcgen.s7.types import ELEMENTARY, HARDWARE, Elementary, StringType
 
 Value: TypeAlias = "bool | int | float | str | dt.date | dt.datetime | Pointer | None"
@@ -64,9 +65,9 @@ def pack_value(value: Value, type_: Elementary | StringType) -> bytes:
     if name == "DATE" and isinstance(value, dt.date):
         days = (value - durations.DAY_ZERO).days
         if not 0 <= days <= 0xFFFF:
-            raise ValueError("DATE runs from 1990-01-01 to 2169-06-06")
+            raise UnfitValueError("DATE runs from 1990-01-01 to 2169-06-06")
         return days.to_bytes(2)
-    raise ValueError(f"{value!r} is no value for {name}")
+    raise UnfitValueError(f"{value!r} is no value for {name}")
 
 
 def unpack_value(data: bytes, type_: Elementary | StringType) -> Value:
@@ -99,36 +100,36 @@ def unpack_value(data: bytes, type_: Elementary | StringType) -> Value:
 
 def _integer(value: Value, name: str) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"{value!r} is no value for {name}")  # noqa: TRY004 - one error kind for bad values
+        raise UnfitValueError(f"{value!r} is no value for {name}")
     return value
 
 
 def _text(value: Value) -> str:
     if not isinstance(value, str):
-        raise ValueError(f"{value!r} is no text")  # noqa: TRY004 - one error kind for bad values
+        raise UnfitValueError(f"{value!r} is no text")
     return value
 
 
 def _pack_int(value: int, name: str, size: int) -> bytes:
     low, high = RANGES[name]
     if not low <= value <= high:
-        raise ValueError(f"{value} is outside {low}..{high}")
+        raise UnfitValueError(f"{value} is outside {low}..{high}")
     return (durations.to_s5time(value) if name == "S5TIME" else value).to_bytes(size, signed=low < 0)
 
 
 def _pack_float(value: Value, name: str) -> bytes:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{value!r} is no value for {name}")  # noqa: TRY004 - as above
+        raise UnfitValueError(f"{value!r} is no value for {name}")
     try:
         return struct.pack(">f" if name == "REAL" else ">d", value)
     except OverflowError:
-        raise ValueError(f"{value} is too large for {name}") from None
+        raise UnfitValueError(f"{value} is too large for {name}") from None
 
 
 def _pack_char(text: str, name: str) -> bytes:
     data = _encode(text, wide=name == "WCHAR")
     if len(data) != (2 if name == "WCHAR" else 1):
-        raise ValueError(f"{name} holds exactly one character")
+        raise UnfitValueError(f"{name} holds exactly one character")
     return data
 
 
@@ -136,7 +137,7 @@ def _encode(text: str, *, wide: bool) -> bytes:
     try:
         return text.encode("utf-16-be", "surrogatepass") if wide else text.encode("latin-1")
     except UnicodeEncodeError as error:
-        raise ValueError(f"character {text[error.start]!r} needs a WSTRING") from None
+        raise UnfitValueError(f"character {text[error.start]!r} needs a WSTRING") from None
 
 
 def _pack_string(text: str, type_: StringType) -> bytes:
@@ -144,7 +145,7 @@ def _pack_string(text: str, type_: StringType) -> bytes:
     data = _encode(text, wide=wide)
     length = len(data) // 2 if wide else len(data)
     if length > type_.length:
-        raise ValueError(f"{length} characters do not fit {type_.name}[{type_.length}]")
+        raise UnfitValueError(f"{length} characters do not fit {type_.name}[{type_.length}]")
     unit = 2 if wide else 1
     return type_.length.to_bytes(unit) + length.to_bytes(unit) + data.ljust(type_.length * unit, b"\x00")
 

@@ -14,6 +14,7 @@ from plcgen.cpu.system.bus import Bus
 from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.cpu.system.record import RecordBlock
 from plcgen.protocols.ds47.sim.drive import Drive
+from plcgen.s7.errors import UnfitValueError
 from plcgen.s7.layout import layout_block, locate
 from plcgen.s7.types import ArrayType, DataType, Elementary
 from plcgen.s7.values import SIGNED, UNSIGNED
@@ -132,7 +133,7 @@ def watch(cpu: Cpu, path: str) -> tuple[Watched, DataType]:
     """Find a member, tag or address. Raises KeyError if there is none, ValueError if it is a whole data block."""
     memory, layout, rest, offset, type_ = cpu.symbols.find(path)
     if layout is None and type_ is None:
-        raise ValueError(f"{path} is a whole data block: name a member")
+        raise UnfitValueError(f"{path} is a whole data block: name a member")
     declared: DataType
     if layout is not None:
         entry = locate(layout, rest)

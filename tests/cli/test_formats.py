@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from projects import FAQ, ROOT
 
+from plcgen.diagnostics import PluginError
 from plcgen.output import formats, registry
 from plcgen.output.view import PLAIN
 
@@ -95,15 +96,20 @@ def test_completion(plcgen, monkeypatch):
     assert plcgen().out.split() == ["plain,text", "plain,toy"]
 
 
-def test_entry_points_that_are_no_format(toy):
+def test_entry_points_that_are_no_format(toy, plcgen):
     """Said by name: an object of another class, a format of another name. Shipped names are taken."""
     toy("FORMAT = 1\n")
-    with pytest.raises(TypeError, match=r"the entry point toy of plcgen.outputs is no output format .*toy_format"):
+    with pytest.raises(PluginError, match=r"toy_format:FORMAT in plcgen.outputs is no output format called toy"):
         registry.find("toy")
     sys.modules.pop("toy_format")
     toy(TOY, "other = toy_format:FORMAT")
-    with pytest.raises(TypeError, match="entry point other"):
+    with pytest.raises(PluginError, match="no output format called other"):
         registry.names("findings")
+    sys.modules.pop("toy_format")
+    toy("import nowhere\n", "other = toy_format:FORMAT")
+    refused = plcgen("check", "--help")
+    assert (refused.code, refused.out) == (1, "")
+    assert refused.err == ("error: the format other (toy_format:FORMAT) cannot be loaded: No module named 'nowhere'\n")
     toy(TOY, "json = toy_format:FORMAT")
     assert registry.find("json").layout is not None
 

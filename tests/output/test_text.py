@@ -103,8 +103,8 @@ def test_summary():
     """Errors and warnings are counted, notes are no problems."""
     note = Diagnostic("PG101", "m", Span("x"), Severity.NOTE)
     found = [results.LIMIT, results.LIMIT, results.WARNING, note]
-    assert summary_text(found, "specs/x.yaml", PLAIN) == "2 errors, 1 warning in specs/x.yaml"
-    assert summary_text([note], "specs/x.yaml", PLAIN) == "no problems in specs/x.yaml"
+    assert summary_text(found, "specs/x.yaml") == "2 errors, 1 warning in specs/x.yaml"
+    assert summary_text([note], "specs/x.yaml") == "no problems in specs/x.yaml"
     assert diagnostics_text([], PLAIN) == ""
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from plcgen.cpu.memory import AREA_L, CODECS, Memory, Reference, codec_functions
+from plcgen.diagnostics import PlcgenError
 
 _CODES = {0x80: "P", 0x81: "I", 0x82: "Q", 0x83: "M", 0x84: "DB", 0x85: "DB", 0x86: "L"}
 _AREA_CODES = {"P": 0x80, "I": 0x81, "Q": 0x82, "M": 0x83, "DB": 0x84, "L": 0x86}
@@ -15,7 +16,7 @@ _SIZES = {2: 1, 3: 1, 4: 2, 5: 2, 6: 4, 7: 4, 8: 4, 9: 2, 10: 4, 11: 4, 12: 2, 1
 Report = Callable[[str, str], None]
 
 
-class AccessFaultError(Exception):
+class AccessFaultError(PlcgenError):
     """An access that stops the block, as in a CPU without an error OB."""
 
     def __init__(self, code: str, message: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from plcgen.diagnostics import PlcgenError
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.protocols.ds47.plan.references import parse_type
 from plcgen.protocols.ds47.wire import formats
@@ -19,7 +20,7 @@ _PLC_TYPES = {
 """What people write who think of the PLC's types, and what the drive calls it."""
 
 
-class TypeTextError(ValueError):
+class TypeTextError(PlcgenError, ValueError):
     """A text is no data type of a parameter; ``help`` says which there are."""
 
     def __init__(self, message: str, help_: str = "") -> None:

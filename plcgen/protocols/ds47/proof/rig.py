@@ -13,7 +13,7 @@ from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.folder import load_folder
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Bus
-from plcgen.diagnostics import DiagnosticError
+from plcgen.diagnostics import DiagnosticError, PlcgenError
 from plcgen.project.model import PlannedJob, Project, Telegram, Use
 from plcgen.proof.folder import DIALECTS
 from plcgen.protocols.ds47.proof.bench import build_drive
@@ -29,7 +29,7 @@ _GARBAGE = {"0": "0xA0", "0.0": "1e30", "False": "True"}
 VALUE_SETS = 3
 
 
-class ScenarioError(Exception):
+class ScenarioError(PlcgenError):
     """The block did not do what the scenario demands."""
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from plcgen.diagnostics import PlcgenError
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.model import (
     HEADER_SIZE,
@@ -42,7 +43,7 @@ class Problem:
     message: str
 
 
-class TelegramError(ValueError):
+class TelegramError(PlcgenError, ValueError):
     """Bytes that are no valid telegram, or a value that makes none: all violations in order."""
 
     def __init__(self, offset: int, message: str, problems: Iterable[Problem] = ()) -> None:

@@ -20,13 +20,15 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, TypeAlias
 
+from plcgen.diagnostics import PlcgenError
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 Value: TypeAlias = bool | int | float | str | bytes
 
 
-class FormatValueError(ValueError):
+class FormatValueError(PlcgenError, ValueError):
     """A Python value does not fit a format; the message says the allowed range."""
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plcgen.diagnostics import PlcgenError
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.protocols.ppi.client.values import ItemValueError, check_type, default_type, pack, parse, unpack
 from plcgen.protocols.ppi.wire.address import AddressError, address_text, parse_address
@@ -21,7 +22,7 @@ ADDRESS, VALUE, LIMIT = "PG711", "PG716", "PG715"
 BEYOND = "PG713"
 
 
-class PlaceError(ValueError):
+class PlaceError(PlcgenError, ValueError):
     """A place or a value that cannot be used: diagnostic code, what is wrong, how to write it."""
 
     def __init__(self, code: str, message: str, help_: str = "") -> None:

@@ -12,6 +12,7 @@ import struct
 from collections.abc import Sequence
 from typing import TypeAlias
 
+from plcgen.diagnostics import PlcgenError
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.protocols.ppi.wire.address import address_text
 from plcgen.protocols.ppi.wire.areas import OCTETS, Area, TransportSize
@@ -42,7 +43,7 @@ _LONGEST = 40
 _PREFIXES = (("16#", 16), ("0x", 16), ("8#", 8), ("2#", 2), ("$", 16))
 
 
-class ItemValueError(ValueError):
+class ItemValueError(PlcgenError, ValueError):
     """A value or a type that does not suit an item: what is wrong and how to write it."""
 
     def __init__(self, message: str, help_: str = "") -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 
+from plcgen.diagnostics import PlcgenError
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.protocols.ppi.wire.areas import ELEMENT_SIZES, Area, TransportSize
 from plcgen.protocols.ppi.wire.model import Item
@@ -31,7 +32,7 @@ _LONGEST = 40
 _SPELLINGS = "write VB100, VW100, VD100, V100.3, M0.0, SMB34, AIW0, T32, C5, HC0 or VB100[20]"
 
 
-class AddressError(ValueError):
+class AddressError(PlcgenError, ValueError):
     """Text that is no S7-200 address: diagnostic code, what is wrong, how to write it."""
 
     def __init__(self, code: str, message: str, help_: str = _SPELLINGS) -> None:

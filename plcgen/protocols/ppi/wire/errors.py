@@ -6,6 +6,8 @@ import enum
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from plcgen.diagnostics import PlcgenError
+
 
 class Kind(enum.StrEnum):
     """What a violation is about: stable names for tests and tools."""
@@ -64,7 +66,7 @@ class Violation:
     message: str
 
 
-class PpiError(ValueError):
+class PpiError(PlcgenError, ValueError):
     """Bytes that are no valid telegram, or values that make none: every violation, in order of the offsets."""
 
     def __init__(self, violations: Iterable[Violation]) -> None:
