@@ -1,16 +1,23 @@
-# Every target sets itself up in .venv from requirements.lock; nothing else is needed but Python 3.11+, pip and make.
+# Every target sets itself up in $(VENV) from requirements.lock; nothing else is needed but Python 3.11+, pip and make.
 PYTHON ?= python3
-BIN := .venv/bin
-READY := .venv/.ready
+VENV ?= .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test lint bench mutate deletions examples docs lock clean
+.PHONY: demo test fast coverage lint bench mutate deletions examples docs lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
 
 test: $(READY)
 	$(BIN)/python -m pytest -n auto -q
+
+fast: $(READY)
+	$(BIN)/python -m pytest -n auto -q -m "not slow"
+
+coverage: $(READY)
+	$(BIN)/python -m pytest -n auto -q -m "not slow" --cov --cov-report=term:skip-covered
 
 lint: $(READY)
 	$(BIN)/ruff check .
@@ -36,14 +43,14 @@ docs: $(READY)
 lock:
 	$(BIN)/pip install --quiet pip-tools
 	$(BIN)/pip-compile --quiet --extra dev --generate-hashes --allow-unsafe --strip-extras --no-header --no-annotate \
-	  --no-emit-index-url --no-emit-trusted-host -o requirements.lock pyproject.toml
+	  --no-emit-index-url --no-emit-trusted-host --no-emit-find-links -o requirements.lock pyproject.toml
 
 $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "plcgen needs Python 3.11 or newer; try make PYTHON=python3.12")'
-	@test -x $(BIN)/python || $(PYTHON) -m venv .venv || { echo "python3 has no venv: install python3-venv"; exit 1; }
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) || { echo "python3 has no venv: install python3-venv"; exit 1; }
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@
 
 clean:
-	rm -rf .venv .demo build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf .venv .venv-* .coverage .demo build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

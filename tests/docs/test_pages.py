@@ -38,6 +38,7 @@ def runs(block: Block) -> bool:
     return block.language in {"console", "python"} or bool(block.notes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", [page for page in PAGES if any(map(runs, blocks(page)))], ids=named)
 def test_page_does_what_it_says(page: Path, session: Session) -> None:
     """Commands end as they should and print what is shown; Python blocks and the tests in them pass."""

@@ -42,21 +42,26 @@ def test_two_runs_give_identical_bytes(target: str, tmp_path: Path) -> None:
     assert not any(str(tmp_path).encode() in data for data in tree(first).values())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 @pytest.mark.parametrize("spec", [FAQ, MM4], ids=lambda p: p.stem)
 def test_the_same_job_generates_for_every_toolchain(spec: Path, target: str, tmp_path: Path) -> None:
-    """The seeds' jobs for STEP 7 V5, S7-400, S7-1200 and S7-1500: the sources parse in the target's dialect."""
+    """The seeds' jobs for STEP 7 V5, S7-400, S7-1200 and S7-1500: the sources parse in the target's dialect and run.
+
+    Runs with faults are the matter of tests/proof.
+    """
     out = generated(retargeted(spec, target), tmp_path)
-    result = api.verify(tmp_path / "job.yaml", out)
+    result = api.verify(tmp_path / "job.yaml", out, faults="none")
     assert [c.verdict for c in result.checks() if c.outcome.value in {"error", "warning"}] == []
     assert result.ok
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_every_data_type_verifies_on_every_target(target: str, tmp_path: Path) -> None:
     """Every DS47 type as single value and array, constant and input, in split and unsplit jobs."""
     out = generated(every_type(target), tmp_path)
-    result = api.verify(tmp_path / "job.yaml", out)
+    result = api.verify(tmp_path / "job.yaml", out, faults="none")
     assert [f"{c.subject}: {c.verdict}" for c in result.checks() if c.outcome.value in {"error", "warning"}] == []
 
 

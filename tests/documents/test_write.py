@@ -277,6 +277,7 @@ def test_two_writers_take_turns(tmp_path: Path) -> None:
         pass
 
 
+@pytest.mark.slow
 def test_parallel_processes_leave_a_complete_folder(tmp_path: Path) -> None:
     """Four generations into one folder at once: all succeed and nothing is missing."""
     command = [sys.executable, "-m", "plcgen", "generate", str(FAQ), "--out", str(tmp_path / "out"), "--quiet"]
