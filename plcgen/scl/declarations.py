@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
+from difflib import get_close_matches
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.diagnostics.suggest import did_you_mean
@@ -23,13 +24,9 @@ from plcgen.s7.types import (
 from plcgen.scl import ast
 from plcgen.scl.constants import evaluate, type_of
 from plcgen.scl.cursor import MAX_ERRORS
+from plcgen.scl.dialect import Dialect
+from plcgen.scl.parser import ParseResult
 from plcgen.scl.system_types import SYSTEM_TYPES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from plcgen.scl.dialect import Dialect
-    from plcgen.scl.parser import ParseResult
 
 _NUMBERED = re.compile(r"(?i:(UDT|S?FB|S?FC|DB|OB)0*([0-9]{1,5}))")
 _KINDS = {
@@ -264,8 +261,6 @@ class _Builder:
 
     def is_misspelt(self, name: str) -> bool:
         """Whether the name of a type is about one letter away from an elementary one; a few names per file."""
-        from difflib import get_close_matches
-
         if not name.isalpha() or len(name) > _LONGEST or self.compared >= MAX_ERRORS:
             return False
         self.compared += 1

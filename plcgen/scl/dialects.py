@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
+from collections.abc import Iterator, Sequence
 from itertools import islice
-from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity
 from plcgen.scl import ast
 from plcgen.scl.cursor import MAX_ERRORS
 from plcgen.scl.dialect import Dialect
-from plcgen.scl.dialects_tree import tree
+from plcgen.scl.dialects_tree import Refusal, tree
 from plcgen.scl.lexer import ADDRESS, LOCAL, REAL, TYPED, Tokens
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from plcgen.scl.dialects_tree import Refusal
 
 _V5, _T3, _T15 = Dialect.STEP7_V5, Dialect.TIA_300_400, Dialect.TIA_1200_1500
 _CLASSIC = frozenset({_V5, _T3})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 from plcgen.diagnostics import Severity
 from plcgen.s7.types import elementary
@@ -11,9 +11,6 @@ from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.lexer import KEYWORDS, QUOTED, Tokens
 from plcgen.scl.system_types import SYSTEM_TYPES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
 
 Refusal = tuple[int, int, str, str, Severity]
 """Start and end offset, what is refused, how to write it instead, and how bad it is."""
@@ -91,13 +88,7 @@ def tree(units: Sequence[ast.Unit], tokens: Tokens, dialect: Dialect) -> Iterato
                     text = "make the variable below at least as wide"
                     yield node.start, node.end, "a view with AT that is wider than its variable", text, Severity.ERROR
             elif isinstance(node, ast.Assign) and node.also and dialect in _CLASSIC:
-                yield (
-                    node.start,
-                    node.end,
-                    "several targets in one assignment",
-                    "write one each",
-                    Severity.ERROR,
-                )
+                yield node.start, node.end, "several targets in one assignment", "write one each", Severity.ERROR
 
 
 def _header(unit: ast.Unit, dialect: Dialect) -> Iterator[Refusal]:

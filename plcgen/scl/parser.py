@@ -73,13 +73,16 @@ def _grammar(cursor: Cursor, *, bodies: bool) -> Units:
     mistakes, foreign = Mistakes(cursor), Foreign(cursor)
     expressions = Expressions(cursor, mistakes)
     values = InitialValues(cursor, expressions)
-    labels = CaseLabels(cursor, expressions)
-    statements = Statements(cursor, expressions, values, labels, mistakes, foreign)
+    kinds = cursor.kinds
+    jump_labels = frozenset(cursor.texts[i + 1].upper() for i, kind in enumerate(kinds) if kind == "GOTO")
+    labels = CaseLabels(cursor, expressions, jump_labels)
+    statements = Statements(cursor, expressions, values, labels, mistakes, foreign, "END_REGION" in kinds)
     branches = Branches(cursor, expressions, statements, mistakes)
     cases = Cases(cursor, expressions, labels, statements)
     statements.compound |= {
         "IF": branches.if_statement, "FOR": branches.for_statement, "WHILE": branches.while_statement,
         "REPEAT": branches.repeat_statement, "CASE": cases.case_statement, "REGION": cases.region,
+        "EXIT": statements.jump, "CONTINUE": statements.jump, "RETURN": statements.jump, "GOTO": statements.goto,
     }  # fmt: skip
     declarations = Declarations(cursor, expressions, values, foreign)
     return Units(cursor, declarations, values, statements, mistakes, foreign, bodies=bodies)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from plcgen.cpu.compiler.context import Context
-from plcgen.cpu.compiler.listing import Listing
+from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.scope import scalar_name
 from plcgen.cpu.compiler.values import Place, Val
 from plcgen.cpu.memory import CODECS

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from plcgen.cpu.compiler.access import Access
-from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.conversions import Conversions
 from plcgen.cpu.compiler.expressions import Expressions
-from plcgen.cpu.compiler.listing import Listing
-from plcgen.cpu.compiler.operands import Operands
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.scope import bare_shape, scalar_name
 from plcgen.cpu.compiler.values import UNKNOWN, Place, Val
@@ -34,7 +32,6 @@ class Assignments:
     expressions: Expressions
     conversions: Conversions
     places: Places
-    operands: Operands
 
     def assign(self, node: ast.Assign) -> None:
         """``target := value``, also combined and chained."""
@@ -55,9 +52,9 @@ class Assignments:
 
     def target(self, node: ast.Expression) -> Place | None:
         """Place left of ``:=``; PG823 if it must not be written. Computed offsets are evaluated first."""
-        if isinstance(node, ast.Name) and node.name.upper() in {"ENO", "OK"} and self.places.symbol(node) is None:
-            value = self.operands.name(node)
-            return Place(_BOOL, local=value.code)
+        if isinstance(node, ast.Name) and node.name.upper() in {"ENO", "OK"} and self.places.undeclared(node):
+            self.context.uses_eno = True
+            return Place(_BOOL, local="E[0]")
         place = self.places.place(node)
         if place is None:
             return None
@@ -85,7 +82,7 @@ class Assignments:
         if place is None or value.type == UNKNOWN:
             return
         old = self.access.load(place)
-        part = self.operands.slice_type(node, old)
+        part = self.places.slice_type(node, old)
         if part is None:
             return
         bits, type_ = part

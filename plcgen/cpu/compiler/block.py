@@ -9,13 +9,11 @@ from plcgen.cpu.compiler.arguments import Arguments
 from plcgen.cpu.compiler.assignments import Assignments
 from plcgen.cpu.compiler.branches import Branches
 from plcgen.cpu.compiler.calls import Calls
-from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.conversions import Conversions
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.functions import Functions
-from plcgen.cpu.compiler.labels import Labels, has_labels
-from plcgen.cpu.compiler.listing import Listing
-from plcgen.cpu.compiler.loops import Loops
+from plcgen.cpu.compiler.loops import Labels, Loops, Watchdog, has_labels
 from plcgen.cpu.compiler.moves import Moves
 from plcgen.cpu.compiler.operands import Operands
 from plcgen.cpu.compiler.operators import Operators
@@ -24,7 +22,6 @@ from plcgen.cpu.compiler.references import References
 from plcgen.cpu.compiler.scope import Scope, function_parameters
 from plcgen.cpu.compiler.statements import Statements
 from plcgen.cpu.compiler.values import Symbol
-from plcgen.cpu.compiler.watchdog import Watchdog
 from plcgen.cpu.linkage import Compiled, Linkage, ProgramBlock
 from plcgen.cpu.memory import CODECS
 from plcgen.diagnostics import Diagnostic, Severity, Span
@@ -70,7 +67,7 @@ def _frame(context: Context) -> _Frame:
     references = References(context, out, access, expressions, conversions, places)
     operators = Operators(context, access, expressions, conversions)
     operands = Operands(context, access, expressions, places, references)
-    assignments = Assignments(context, out, access, expressions, conversions, places, operands)
+    assignments = Assignments(context, out, access, expressions, conversions, places)
     arguments = Arguments(context, access, expressions, places, references, assignments)
     functions = Functions(context, expressions, conversions)
     moves = Moves(context, out, access, expressions, conversions, places, references, assignments, functions)

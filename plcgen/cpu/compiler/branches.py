@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from plcgen.cpu.compiler.access import Access, Key
-from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.conversions import Conversions
 from plcgen.cpu.compiler.expressions import Expressions
-from plcgen.cpu.compiler.listing import Listing
 from plcgen.cpu.compiler.statements import Statements
 from plcgen.cpu.compiler.values import UNKNOWN
 from plcgen.cpu.type_rules import BITS, INT_CONST, INTEGERS, limits

@@ -7,17 +7,16 @@ from dataclasses import dataclass
 from plcgen.cpu.compiler.access import Access
 from plcgen.cpu.compiler.arguments import Arguments
 from plcgen.cpu.compiler.assignments import Assignments
-from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.conversions import Conversions
 from plcgen.cpu.compiler.expressions import Expressions
-from plcgen.cpu.compiler.functions import Functions
-from plcgen.cpu.compiler.listing import Listing
+from plcgen.cpu.compiler.functions import Functions, Reported
+from plcgen.cpu.compiler.loops import Watchdog
 from plcgen.cpu.compiler.moves import Moves, is_move
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.references import References
 from plcgen.cpu.compiler.scope import function_parameters
 from plcgen.cpu.compiler.values import UNKNOWN, Place, Val, unknown
-from plcgen.cpu.compiler.watchdog import Watchdog
 from plcgen.cpu.linkage import ProgramBlock
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.diagnostics.suggest import did_you_mean
@@ -51,7 +50,10 @@ class Calls:
 
     def instruction(self, node: ast.Call, name: str) -> Val | None:
         """Compile a function of the language, None if there is none of that name."""
-        return (self.moves if is_move(name) else self.functions).compile(node, name)
+        try:
+            return (self.moves if is_move(name) else self.functions).compile(node, name)
+        except Reported:
+            return unknown()
 
     def call_value(self, node: ast.Call) -> Val:
         """Compile a call inside an expression."""

@@ -40,6 +40,10 @@ _TEXT_FUNCTIONS = {
 _TIMES = frozenset({"TIME", "LTIME", "DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "LDT"})
 
 
+class Reported(Exception):  # noqa: N818 - control flow inside the compiler, never seen outside
+    """A call cannot be compiled, and a diagnostic says why: its value is UNKNOWN."""
+
+
 @dataclass(slots=True, eq=False)
 class Functions:
     """Functions that only compute."""
@@ -77,7 +81,7 @@ class Functions:
         return None
 
     def bind(self, node: ast.Call, names: tuple[str, ...], optional: tuple[str, ...] = ()) -> dict[str, ast.Expression]:
-        """Arguments by name, given with names or in order; PG822 about the rest."""
+        """Arguments by name, given with names or in order; PG822 about the rest, Reported if one is missing."""
         found: dict[str, ast.Expression] = {}
         allowed = (*names, *optional)
         for position, argument in enumerate(node.arguments):
@@ -92,7 +96,8 @@ class Functions:
         missing = [name for name in names if name not in found]
         if missing:
             self.context.error("PG822", f"{missing[0]} is missing", node)
-        return {} if missing else found
+            raise Reported
+        return found
 
     def several(self, node: ast.Call) -> list[tuple[str, ast.Expression]]:
         """Arguments of a function with any number of inputs."""
@@ -103,8 +108,6 @@ class Functions:
     def mathematics(self, node: ast.Call, name: str) -> Val:
         """Functions of REAL and LREAL."""
         bound = self.bind(node, ("IN",))
-        if not bound:
-            return unknown()
         value = self.expressions.value(bound["IN"])
         type_ = "LREAL" if value.type == "LREAL" else "REAL"
         if value.type in INTEGERS and name == "SQR":
@@ -116,8 +119,6 @@ class Functions:
     def absolute_value(self, node: ast.Call) -> Val:
         """ABS keeps the type."""
         bound = self.bind(node, ("IN",))
-        if not bound:
-            return unknown()
         value = self.expressions.value(bound["IN"])
         if value.type not in NUMERIC:
             return self.refuse(node, "ABS", value)
@@ -135,8 +136,6 @@ class Functions:
     def rounding(self, node: ast.Call, name: str) -> Val:
         """REAL to DINT."""
         bound = self.bind(node, ("IN",))
-        if not bound:
-            return unknown()
         value = self.expressions.value(bound["IN"])
         type_ = "LREAL" if value.type == "LREAL" else "REAL"
         return Val(
@@ -148,8 +147,6 @@ class Functions:
     def shift(self, node: ast.Call, name: str) -> Val:
         """SHL, SHR, ROL, ROR of bit strings, and of integers on S7-1200/1500."""
         bound = self.bind(node, ("IN", "N"))
-        if not bound:
-            return unknown()
         value, count = self.expressions.value(bound["IN"]), self.expressions.value(bound["N"])
         type_ = "WORD" if value.type == INT_CONST else value.type
         if type_ not in BITS and (type_ not in INTEGERS or self.context.classic):
@@ -172,8 +169,6 @@ class Functions:
     def limit(self, node: ast.Call) -> Val:
         """LIMIT(MN, IN, MX)."""
         bound = self.bind(node, ("MN", "IN", "MX"))
-        if not bound:
-            return unknown()
         values = [(self.expressions.value(bound[name]), bound[name]) for name in ("MN", "IN", "MX")]
         return self.common_call(node, "limit", values)
 
@@ -210,7 +205,7 @@ class Functions:
     def swap(self, node: ast.Call) -> Val:
         """Change the order of bytes."""
         bound = self.bind(node, ("IN",))
-        value = self.expressions.value(bound["IN"]) if bound else unknown()
+        value = self.expressions.value(bound["IN"])
         if value.type not in BITS:
             return self.refuse(node, "SWAP", value)
         size = BITS[value.type] // 8
@@ -219,8 +214,6 @@ class Functions:
     def text_function(self, node: ast.Call, name: str) -> Val:
         """LEN, CONCAT, LEFT, RIGHT, MID, FIND, DELETE, INSERT, REPLACE."""
         bound = self.bind(node, _TEXT_FUNCTIONS[name])
-        if not bound:
-            return unknown()
         codes, wide, pure = [], False, True
         for parameter, expression in bound.items():
             value = self.expressions.value(expression)
@@ -249,8 +242,6 @@ class Functions:
             self.context.error("PG820", f"{self.context.link.dialect.label} has no function {name}", node)
             return unknown()
         bound = self.bind(node, ("IN",))
-        if not bound:
-            return unknown()
         value = self.expressions.value(bound["IN"])
         code = self.conversions.coerce(value, source, bound["IN"])
         return Val(convert_code(code, source, target), target, pure=value.pure)
@@ -258,8 +249,6 @@ class Functions:
     def bcd(self, node: ast.Call, name: str) -> Val:
         """BCD words and integers."""
         bound = self.bind(node, ("IN",))
-        if not bound:
-            return unknown()
         double = "DINT" in name or "DWORD" in name
         value = self.expressions.value(bound["IN"])
         if name.endswith(("_TO_INT", "_TO_DINT")):

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 from plcgen.cpu.compiler.access import Access
 from plcgen.cpu.compiler.assignments import Assignments
-from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.conversions import Conversions
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.functions import Functions
-from plcgen.cpu.compiler.listing import Listing
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.references import References
 from plcgen.cpu.compiler.scope import scalar_name
@@ -60,8 +59,6 @@ class Moves:
         """``BLKMOV(SRCBLK := a, DSTBLK => b)`` and FILL; RET_VAL may be a parameter too."""
         names = ("SRCBLK", "DSTBLK") if name in _MOVES else ("BVAL", "BLK")
         bound = self.functions.bind(node, names, ("RET_VAL",))
-        if not bound:
-            return unknown()
         source, target = self.references.reference(bound[names[0]]), self.references.reference(bound[names[1]])
         result = self.out.temporary()
         self.out.emit(f"{result}={(_MOVES | _FILLS)[name]}({source},{target})")
@@ -90,8 +87,6 @@ class Moves:
     def move_elements(self, node: ast.Call, name: str) -> Val:
         """``MOVE_BLK(IN := a[0], COUNT := n, OUT => b[0])`` and FILL_BLK."""
         bound = self.functions.bind(node, ("IN", "COUNT", "OUT"))
-        if not bound:
-            return unknown()
         count = self.expressions.value(bound["COUNT"]).wrapped
         target = self.tail(bound["OUT"])
         if name.endswith("FILL_BLK"):
@@ -120,8 +115,6 @@ class Moves:
         bit = ("BITOFFSET",) if name.endswith("_BOOL") else ()
         value = ("VALUE",) if name.startswith("POKE") else ()
         bound = self.functions.bind(node, ("AREA", "DBNUMBER", "BYTEOFFSET", *bit, *value))
-        if not bound:
-            return unknown()
         codes = [self.number(bound[key]) for key in ("AREA", "DBNUMBER", "BYTEOFFSET", *bit)]
         place = ",".join(codes)
         if name in _PEEKS:
@@ -154,9 +147,8 @@ class Moves:
         """POKE_BLK copies between areas."""
         names = ("AREA_SRC", "DBNUMBER_SRC", "BYTEOFFSET_SRC", "AREA_DEST", "DBNUMBER_DEST", "BYTEOFFSET_DEST", "COUNT")
         bound = self.functions.bind(node, names)
-        if bound:
-            self.out.emit(f"poke_block({','.join(self.number(bound[key]) for key in names)})")
-            self.access.forget()
+        self.out.emit(f"poke_block({','.join(self.number(bound[key]) for key in names)})")
+        self.access.forget()
         return Val("", "")
 
     def serialize(self, node: ast.Call, name: str) -> Val:
@@ -164,8 +156,6 @@ class Moves:
         reading = name.startswith("READ")
         names = ("SRC_ARRAY", "DEST_VARIABLE", "POS") if reading else ("SRC_VARIABLE", "DEST_ARRAY", "POS")
         bound = self.functions.bind(node, names)
-        if not bound:
-            return unknown()
         array = self.references.reference(bound["SRC_ARRAY" if reading else "DEST_ARRAY"])
         variable = bound["DEST_VARIABLE" if reading else "SRC_VARIABLE"]
         position = self.places.place(bound["POS"])

@@ -10,8 +10,7 @@ from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.literals import classify, source_of
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.references import References
-from plcgen.cpu.compiler.values import UNKNOWN, Val, unknown
-from plcgen.cpu.type_rules import REALS, WIDTHS
+from plcgen.cpu.compiler.values import Val, unknown
 from plcgen.scl import ast
 
 
@@ -30,7 +29,7 @@ class Operands:
         symbol = self.places.symbol(node)
         if symbol is not None and symbol.constant is not None:
             return symbol.constant
-        if node.scope == "bare" and symbol is None and node.name.upper() in {"ENO", "OK", "EN", "NULL", "NIL"}:
+        if node.name.upper() in {"ENO", "OK", "EN", "NULL", "NIL"} and self.places.undeclared(node):
             if node.name.upper() in {"NULL", "NIL"}:
                 return Val("(None,0,0)", "ANY")
             self.context.uses_eno = True
@@ -52,23 +51,11 @@ class Operands:
     def slice(self, node: ast.Slice) -> Val:
         """``x.%X3``: part of a bit string or integer."""
         value = self.expressions.value(node.base)
-        part = self.slice_type(node, value)
+        part = self.places.slice_type(node, value)
         if part is None:
             return unknown()
         bits, type_ = part
-        code = value.wrapped
-        return Val(f"({code}>>{node.index * bits}&{(1 << bits) - 1})", type_, pure=value.pure)
-
-    def slice_type(self, node: ast.Slice, value: Val) -> tuple[int, str] | None:
-        """Width and type of a slice; PG824 if it lies outside."""
-        if value.type == UNKNOWN:
-            return None
-        bits, type_ = {"X": (1, "BOOL"), "B": (8, "BYTE"), "W": (16, "WORD"), "D": (32, "DWORD")}[node.width]
-        whole = WIDTHS.get(value.type, 0)
-        if (node.index + 1) * bits > whole or value.type in REALS:
-            self.context.error("PG824", f".%{node.width}{node.index} lies outside {value.type or 'a structure'}", node)
-            return None
-        return bits, type_
+        return Val(f"({value.wrapped}>>{node.index * bits}&{(1 << bits) - 1})", type_, pure=value.pure)
 
     def variable(self, node: ast.Expression) -> Val:
         """Value of a path or an address."""

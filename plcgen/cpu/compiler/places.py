@@ -6,15 +6,14 @@ import re
 from dataclasses import dataclass
 
 from plcgen.cpu.compiler.access import Access
-from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.conversions import integer_code
 from plcgen.cpu.compiler.expressions import Expressions
-from plcgen.cpu.compiler.listing import Listing
 from plcgen.cpu.compiler.scope import bare_shape, scalar_name
-from plcgen.cpu.compiler.values import UNKNOWN, Place, Symbol
+from plcgen.cpu.compiler.values import UNKNOWN, Place, Symbol, Val
 from plcgen.cpu.linkage import ProgramBlock
 from plcgen.cpu.system.interfaces import system_fbs
-from plcgen.cpu.type_rules import BITS, INT_CONST, INTEGERS, canonical
+from plcgen.cpu.type_rules import BITS, INT_CONST, INTEGERS, REALS, WIDTHS, canonical
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.blocks import BlockKind
@@ -66,6 +65,10 @@ class Places:
         if node.scope == "quoted":
             return None
         return self.context.scope.symbols.get(node.name.upper())
+
+    def undeclared(self, node: ast.Name) -> bool:
+        """Whether a name without ``#`` and quotes is none of the block: then it may be a word of the language."""
+        return node.scope == "bare" and node.name.upper() not in self.context.scope.symbols
 
     def named(self, node: ast.Name) -> Place | None:
         """Place of a local variable, tag or data block."""
@@ -198,6 +201,17 @@ class Places:
                 place.off = 0
             place.dyn = f"{base.dyn}+{terms}" if base.dyn else terms
         return place
+
+    def slice_type(self, node: ast.Slice, value: Val) -> tuple[int, str] | None:
+        """Width and type of a slice; PG824 if it lies outside."""
+        if value.type == UNKNOWN:
+            return None
+        bits, type_ = {"X": (1, "BOOL"), "B": (8, "BYTE"), "W": (16, "WORD"), "D": (32, "DWORD")}[node.width]
+        whole = WIDTHS.get(value.type, 0)
+        if (node.index + 1) * bits > whole or value.type in REALS:
+            self.context.error("PG824", f".%{node.width}{node.index} lies outside {value.type or 'a structure'}", node)
+            return None
+        return bits, type_
 
     def absolute(self, node: ast.Address) -> Place | None:
         """``%DB3.DBW6``, ``M50.0``."""

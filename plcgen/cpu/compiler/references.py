@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from plcgen.cpu.compiler.access import Access
-from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.conversions import Conversions
 from plcgen.cpu.compiler.expressions import Expressions
-from plcgen.cpu.compiler.listing import Listing
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.scope import scalar_name
 from plcgen.cpu.compiler.values import UNKNOWN, Val, unknown

@@ -6,8 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from plcgen.cpu.compiler.context import Context
-from plcgen.cpu.compiler.listing import Listing
+from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.scl import ast
 
 MAX_INDENT = 90

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from plcgen.scl import ast
 from plcgen.scl.cursor import Cursor, Fault
 from plcgen.scl.grammar.expressions import Expressions
@@ -10,14 +12,14 @@ from plcgen.scl.grammar.statements import Statements
 from plcgen.scl.grammar.words import CODE
 
 
+@dataclass(slots=True, eq=False)
 class Branches:
     """IF, FOR, WHILE, REPEAT; each begins at its keyword."""
 
-    def __init__(self, cursor: Cursor, expressions: Expressions, statements: Statements, mistakes: Mistakes) -> None:
-        self.cursor = cursor
-        self.expressions = expressions
-        self.statements = statements
-        self.mistakes = mistakes
+    cursor: Cursor
+    expressions: Expressions
+    statements: Statements
+    mistakes: Mistakes
 
     def if_statement(self) -> ast.Statement:
         """IF .. THEN .. ELSIF .. ELSE .. END_IF."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from plcgen.scl import ast
 from plcgen.scl.cursor import Cursor, Fault
 from plcgen.scl.grammar.expressions import Expressions
@@ -10,16 +12,16 @@ from plcgen.scl.grammar.statements import Statements
 from plcgen.scl.grammar.words import CODE, STOPS
 
 
+@dataclass(slots=True, eq=False)
 class Cases:
     """CASE and REGION; ``case_depth`` is the depth of the innermost CASE, whose ``open_regions`` wait for their END."""
 
-    def __init__(self, cursor: Cursor, expressions: Expressions, labels: CaseLabels, statements: Statements) -> None:
-        self.cursor = cursor
-        self.expressions = expressions
-        self.labels = labels
-        self.statements = statements
-        self.case_depth = -1
-        self.open_regions = 0
+    cursor: Cursor
+    expressions: Expressions
+    labels: CaseLabels
+    statements: Statements
+    case_depth: int = -1
+    open_regions: int = 0
 
     def case_statement(self) -> ast.Statement:
         """CASE .. OF labels: statements .. ELSE .. END_CASE."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from plcgen.scl import ast
 from plcgen.scl.cursor import Cursor, Fault, unquote
@@ -22,14 +22,14 @@ _JOINED = {"VAR_CONSTANT": "CONSTANT", "VAR_STAT": "", "VAR_STATIC": "", "VAR_RE
 _NUMBERED = frozenset({"UDT", "FB", "SFB", "FC", "SFC", "DB", "OB"})
 
 
+@dataclass(slots=True, eq=False)
 class Declarations:
     """Everything between the header and BEGIN."""
 
-    def __init__(self, cursor: Cursor, expressions: Expressions, values: InitialValues, foreign: Foreign) -> None:
-        self.cursor = cursor
-        self.expressions = expressions
-        self.values = values
-        self.foreign = foreign
+    cursor: Cursor
+    expressions: Expressions
+    values: InitialValues
+    foreign: Foreign
 
     def section(self) -> ast.Section:
         """One section with its END; faults inside cost one declaration each."""

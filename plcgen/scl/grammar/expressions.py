@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from plcgen.scl import ast
 from plcgen.scl.cursor import MAX_OPERATORS, Cursor, unquote
@@ -32,14 +32,14 @@ _SPACED = frozenset(area + width for area in ("I", "Q", "E", "A", "M", "D", "DB"
 """Areas that may have a blank before their number, as in statement lists."""
 
 
+@dataclass(slots=True, eq=False)
 class Expressions:
     """Operands, operators and calls."""
 
-    def __init__(self, cursor: Cursor, mistakes: Mistakes) -> None:
-        self.cursor = cursor
-        self.mistakes = mistakes
-        self.operators = 0
-        self.call_depth = 0
+    cursor: Cursor
+    mistakes: Mistakes
+    operators: int = 0
+    call_depth: int = 0
 
     def read(self) -> ast.Expression:
         """One complete expression with its own budget of operators."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from plcgen.scl.cursor import Cursor
 from plcgen.scl.lexer import EOF, NAME, QUOTED, WORDS
 
@@ -14,11 +16,11 @@ _BLOCKS = frozenset({"END_FUNCTION_BLOCK", "END_FUNCTION", "END_DATA_BLOCK", "EN
 _HELP = "that is the language of SIMATIC AX or CODESYS; plcgen reads the SCL of STEP 7 V5 and the TIA Portal"
 
 
+@dataclass(slots=True, eq=False)
 class Foreign:
     """Recognises what no STEP 7 compiler knows and steps over it."""
 
-    def __init__(self, cursor: Cursor) -> None:
-        self.cursor = cursor
+    cursor: Cursor
 
     def refuse(self, index: int) -> None:
         """PG801 at a word of another dialect."""

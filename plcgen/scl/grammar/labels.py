@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from plcgen.scl import ast
 from plcgen.scl.cursor import Cursor
 from plcgen.scl.grammar.expressions import Expressions
@@ -18,14 +20,13 @@ _LONGEST = 64
 """Tokens of the longest label that is looked for."""
 
 
+@dataclass(slots=True, eq=False)
 class CaseLabels:
-    """Labels of CASE: constants, ranges, and names told apart from jump labels and statements."""
+    """Labels of CASE: constants, ranges, and names told apart from statements and from ``jump_labels`` (upper case)."""
 
-    def __init__(self, cursor: Cursor, expressions: Expressions) -> None:
-        self.cursor = cursor
-        self.expressions = expressions
-        gotos = (index + 1 for index, kind in enumerate(cursor.kinds) if kind == "GOTO")
-        self.jump_labels = frozenset(cursor.texts[index].upper() for index in gotos)
+    cursor: Cursor
+    expressions: Expressions
+    jump_labels: frozenset[str]
 
     def read(self) -> ast.CaseRange:
         """One value or ``low..high``."""

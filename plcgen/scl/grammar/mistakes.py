@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from difflib import get_close_matches
 
 from plcgen.scl.cursor import Cursor, Fault
@@ -45,11 +46,11 @@ def _meant(word: str, keywords: list[str]) -> str:
     return near[0] if near else ""
 
 
+@dataclass(slots=True, eq=False)
 class Mistakes:
     """Goes on as if the right word stood there."""
 
-    def __init__(self, cursor: Cursor) -> None:
-        self.cursor = cursor
+    cursor: Cursor
 
     def rename(self, index: int, keyword: str) -> None:
         """Report a misspelt keyword and take it for the right one."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 
 from plcgen.diagnostics import Note
 from plcgen.scl import ast
@@ -22,35 +23,27 @@ _NAME_FOLLOWS = frozenset({":=", "."})
 """Behind a keyword they show that it is the name of a member, as in the assignments of a data block."""
 
 
+@dataclass(slots=True, eq=False)
 class Statements:
     """Lists of statements, and the statements without others inside.
 
     ``compound`` maps a keyword to what reads the statement it begins; ``data`` says that the statements are those
-    of a data block: start values, not expressions. ``else_if``: the open IF has an ELSE with another IF on its line.
+    of a data block: start values, not expressions. ``has_regions``: the file has an END_REGION, so that the title of a
+    REGION may begin with any sign. ``else_if``: the open IF has an ELSE with another IF on its line. ``open`` are the
+    ENDs that are still to come.
     """
 
-    def __init__(
-        self,
-        cursor: Cursor,
-        expressions: Expressions,
-        values: InitialValues,
-        labels: CaseLabels,
-        mistakes: Mistakes,
-        foreign: Foreign,
-    ) -> None:
-        self.cursor = cursor
-        self.expressions = expressions
-        self.values = values
-        self.labels = labels
-        self.mistakes = mistakes
-        self.foreign = foreign
-        self.compound: dict[str, Callable[[], ast.Statement]] = {
-            "EXIT": self.jump, "CONTINUE": self.jump, "RETURN": self.jump, "GOTO": self.goto,
-        }  # fmt: skip
-        self.data = False
-        self.else_if = False
-        self.open: list[str] = []
-        self.has_regions = "END_REGION" in cursor.kinds
+    cursor: Cursor
+    expressions: Expressions
+    values: InitialValues
+    labels: CaseLabels
+    mistakes: Mistakes
+    foreign: Foreign
+    has_regions: bool
+    compound: dict[str, Callable[[], ast.Statement]] = field(default_factory=dict)
+    data: bool = False
+    else_if: bool = False
+    open: list[str] = field(default_factory=list)
 
     def body(self, *, in_case: bool = False) -> ast.Body:
         """Statements up to a keyword that closes something, or up to the next label of a CASE."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 from plcgen.scl import ast
 from plcgen.scl.cursor import Abort, Cursor, Fault, unquote
@@ -27,29 +27,19 @@ _NAMESPACES = frozenset({"NAMESPACE", "USING", "END_NAMESPACE"})
 _NUMBERED = frozenset({"DB", "FB", "FC", "OB", "UDT", "SFB", "SFC"})
 
 
+@dataclass(slots=True, eq=False)
 class Units:
     """All of a source; ``bodies=False`` reads declarations and skips code (for STL sources)."""
 
-    def __init__(
-        self,
-        cursor: Cursor,
-        declarations: Declarations,
-        values: InitialValues,
-        statements: Statements,
-        mistakes: Mistakes,
-        foreign: Foreign,
-        *,
-        bodies: bool,
-    ) -> None:
-        self.cursor = cursor
-        self.declarations = declarations
-        self.values = values
-        self.statements = statements
-        self.mistakes = mistakes
-        self.foreign = foreign
-        self.bodies = bodies
-        self.comment_lines: list[str] = []
-        self.code_start = 0
+    cursor: Cursor
+    declarations: Declarations
+    values: InitialValues
+    statements: Statements
+    mistakes: Mistakes
+    foreign: Foreign
+    bodies: bool
+    comment_lines: list[str] = field(default_factory=list)
+    code_start: int = 0
 
     def read(self) -> tuple[ast.Unit, ...]:
         """Units up to the end of the file."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from plcgen.scl import ast
 from plcgen.scl.cursor import Cursor, unquote
@@ -13,12 +13,12 @@ _NUMBERED = frozenset({"T", "Z", "C", "DB", "FB", "FC", "SDB"})
 """Timers, counters and blocks as start values; statement lists put a blank before the number."""
 
 
+@dataclass(slots=True, eq=False)
 class InitialValues:
     """Expressions, aggregates, repetitions, and the bare lists of STEP 7 V5."""
 
-    def __init__(self, cursor: Cursor, expressions: Expressions) -> None:
-        self.cursor = cursor
-        self.expressions = expressions
+    cursor: Cursor
+    expressions: Expressions
 
     def read(self) -> ast.Expression:
         """Read an initial value: an expression, an aggregate, or a bare list of STEP 7 V5."""
