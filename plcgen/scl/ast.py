@@ -1,4 +1,4 @@
-"""The syntax tree: frozen nodes with character offsets; ``Tokens.span(node.start, node.end)`` gives the span.
+"""The syntax tree: nodes with character offsets; ``Tokens.span(node.start, node.end)`` gives the span.
 
 Offsets take no part in comparisons: two trees are equal if they say the same.
 """

@@ -79,9 +79,8 @@ class Arguments:
         kind = allowed.get(upper)
         if kind is None:
             shown = argument.name or self.context.text(argument)
-            self.context.error(
-                "PG822", f"the block has no parameter {shown}", argument, did_you_mean(shown, list(allowed))
-            )
+            near = did_you_mean(shown, list(allowed))
+            self.context.error("PG822", f"the block has no parameter {shown}", argument, near)
             return None
         if upper in seen:
             self.context.error("PG822", f"{argument.name} is given twice", argument)

@@ -38,23 +38,19 @@ def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False) 
     context = Context(owner, scope, link, out, dynamic)
     name = f"b{owner.index}{'o' if dynamic else ''}"
     file = owner.result.tokens.file
+    source, code = "", None
     try:
         _frame(context).compile(name)
         out.tidy()
         source = "\n".join(out.lines)
-        result = Compiled(owner.name, name, source, out.map, file)
         if all(found.severity is not Severity.ERROR for found in context.diagnostics):
-            result.code = compile(source, f"<{file}>", "exec", dont_inherit=True, optimize=1)
+            code = compile(source, f"<{file}>", "exec", dont_inherit=True, optimize=1)
     except (RecursionError, SyntaxError, MemoryError, OverflowError):
-        result = Compiled(owner.name, name, "", [], file)
+        source, out.map = "", []
         span = owner.block.span or Span(file)
         context.diagnostics.append(Diagnostic("PG827", f"{owner.name} is nested too deeply for the soft CPU", span))
-    result.diagnostics = context.diagnostics
-    for problem in scope.problems:
-        result.diagnostics += problem.diagnostics
-    result.calls = context.calls
-    result.moving = context.moving
-    return result
+    diagnostics = [*context.diagnostics, *(found for problem in scope.problems for found in problem.diagnostics)]
+    return Compiled(owner.name, name, source, out.map, file, code, diagnostics, context.calls, context.moving)
 
 
 def _frame(context: Context) -> _Frame:

@@ -78,11 +78,9 @@ class Calls:
     def is_data(self, target: ast.Member) -> bool:
         """Whether a path such as ``%DB1.DW`` begins with a data block instead of an FB."""
         base = target.base
-        found = (
-            self.context.link.find(base.name)
-            if isinstance(base, ast.Name) and self.places.symbol(base) is None
-            else None
-        )
+        if not isinstance(base, ast.Name) or self.places.symbol(base) is not None:
+            return False
+        found = self.context.link.find(base.name)
         named = found is not None and found.block.kind is BlockKind.DB
         return named and target.name.upper() in {"DW", "DB", "DD", "DX", "DBW", "DBB", "DBD", "DBX"}
 
@@ -130,11 +128,8 @@ class Calls:
             if found is not None and found.block.kind is BlockKind.DB and found.block.instance_of:
                 return found.block.instance_of.upper() in _TIMER_TYPES
         place = self.places.place(node)
-        return (
-            place is not None
-            and isinstance(place.shape.type, NamedType)
-            and (place.shape.type.name.upper() in _TIMER_TYPES)
-        )
+        type_ = place.shape.type if place is not None else None
+        return isinstance(type_, NamedType) and type_.name.upper() in _TIMER_TYPES
 
     def plain_call(self, node: ast.Call, target: ast.Name) -> None:
         """Compile a function of the language whose value nobody wants, or report a missing block."""
@@ -168,9 +163,8 @@ class Calls:
         """``"FB"."DB"(..)`` of STEP 7 V5."""
         found = self.context.link.find(target.name)
         if found is None or found.shape is None or found.block.kind is not BlockKind.DB:
-            self.context.error(
-                "PG825", f"there is no instance data block {target.name}", node, self.near_block(target.name)
-            )
+            near = self.near_block(target.name)
+            self.context.error("PG825", f"there is no instance data block {target.name}", node, near)
             return
         own = self.context.link.instance_type(found)
         systems = system_fbs(classic=self.context.classic)

@@ -123,9 +123,8 @@ class Functions:
         if value.type not in NUMERIC:
             return self.refuse(node, "ABS", value)
         type_ = {INT_CONST: "INT", REAL_CONST: "REAL"}.get(value.type, value.type)
-        return Val(
-            f"abs({self.conversions.coerce(value, type_, bound['IN'])})", type_, raw=type_ in INTEGERS, pure=value.pure
-        )
+        code = self.conversions.coerce(value, type_, bound["IN"])
+        return Val(f"abs({code})", type_, raw=type_ in INTEGERS, pure=value.pure)
 
     def refuse(self, node: ast.Call, name: str, value: Val) -> Val:
         """PG821 about the operand of a function."""
@@ -138,11 +137,8 @@ class Functions:
         bound = self.bind(node, ("IN",))
         value = self.expressions.value(bound["IN"])
         type_ = "LREAL" if value.type == "LREAL" else "REAL"
-        return Val(
-            f"to_int({self.conversions.coerce(value, type_, bound['IN'])},32,True,{name.lower()!r})",
-            "DINT",
-            pure=value.pure,
-        )
+        code = self.conversions.coerce(value, type_, bound["IN"])
+        return Val(f"to_int({code},32,True,{name.lower()!r})", "DINT", pure=value.pure)
 
     def shift(self, node: ast.Call, name: str) -> Val:
         """SHL, SHR, ROL, ROR of bit strings, and of integers on S7-1200/1500."""

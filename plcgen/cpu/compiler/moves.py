@@ -130,9 +130,8 @@ class Moves:
             type_ = "BYTE" if written.type == INT_CONST else written.type
             if type_ not in CODECS:
                 return self.functions.refuse(node, name, written)
-            self.out.emit(
-                f"poke({place},{CODECS[type_].size},{self.conversions.coerce(written, type_, bound['VALUE'])})"
-            )
+            code = self.conversions.coerce(written, type_, bound["VALUE"])
+            self.out.emit(f"poke({place},{CODECS[type_].size},{code})")
         self.access.forget()
         return Val("", "")
 
@@ -164,32 +163,24 @@ class Moves:
         if position is None or value.type not in CODECS or (reading and place is None):
             return self.functions.refuse(node, name, value) if value.type != UNKNOWN else value
         order = "big" if name.endswith("BIG") else "little"
+        codec = CODECS[value.type]
         result = self.out.temporary()
         before = self.access.load(position).code
         scratch = f"{result}b"
         if reading and place is not None:
-            self.out.emit(f"{result},{scratch}=take({array},{before},{CODECS[value.type].size},{order!r})")
-            self.read_scratch(result, scratch, place, position, value.type)
+            self.out.emit(f"{result},{scratch}=take({array},{before},{codec.size},{order!r})")
+            self.store_if_done(result, place, codec.read.format(m=scratch, o=0))
         else:
-            self.out.emit(f"{scratch}=local({CODECS[value.type].size})")
-            self.out.emit(CODECS[value.type].write.format(m=scratch, o=0, v=value.wrapped))
+            self.out.emit(f"{scratch}=local({codec.size})")
+            self.out.emit(codec.write.format(m=scratch, o=0, v=value.wrapped))
             self.out.emit(f"{result}=put({array},{before},{scratch},{order!r})")
-            self.out.emit(f"if not {result}:")
-            self.advance(position, CODECS[value.type].size)
+        self.store_if_done(result, position, f"{self.access.load(position).code}+{codec.size}")
         self.access.forget()
         return Val(result, "WORD" if self.context.classic else "INT")
 
-    def read_scratch(self, result: str, scratch: str, place: Place, position: Place, type_: str) -> None:
-        """Store what was read and move POS on, if it worked."""
+    def store_if_done(self, result: str, place: Place, code: str) -> None:
+        """Store a value if the error number in ``result`` is 0."""
         self.out.emit(f"if not {result}:")
         self.out.indent += " "
-        self.access.store(place, CODECS[type_].read.format(m=scratch, o=0))
-        self.out.indent = self.out.indent[:-1]
-        self.out.emit(f"if not {result}:")
-        self.advance(position, CODECS[type_].size)
-
-    def advance(self, position: Place, size: int) -> None:
-        """Add to POS inside the IF that was just emitted."""
-        self.out.indent += " "
-        self.access.store(position, f"{self.access.load(position).code}+{size}")
+        self.access.store(place, code)
         self.out.indent = self.out.indent[:-1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from plcgen.cpu.arithmetic import mod, quotient
 from plcgen.cpu.compiler.access import Access
 from plcgen.cpu.compiler.context import Context
 from plcgen.cpu.compiler.conversions import Conversions, integer_code
@@ -129,9 +130,8 @@ class Operators:
             return Val(f"((not {left.code}){symbol}(not {right.code}))", "BOOL", pure=pure)
         if not common or common in POINTERS or common == "BOOL":
             return self.mismatch(node, left, right)
-        ordered = (
-            common in NUMERIC or common in _ORDERED or common in TEXTS or (common in BITS and not self.context.classic)
-        )
+        ordered = common in NUMERIC or common in _ORDERED or common in TEXTS
+        ordered = ordered or (common in BITS and not self.context.classic)
         if not equality and not ordered:
             return self.mismatch(node, left, right)
         codes = self.conversions.coerce(left, common, node.left), self.conversions.coerce(right, common, node.right)
@@ -199,8 +199,7 @@ class Operators:
         elif common == REAL_CONST:
             result = a / b
         else:
-            quotient = abs(int(a)) // abs(int(b)) * (1 if (a < 0) == (b < 0) else -1)
-            result = int(a) - quotient * int(b) if node.operator == "MOD" else quotient
+            result = (mod if node.operator == "MOD" else quotient)(int(a), int(b))
         return Val(source_of(result), common, result)
 
     def power(self, left: Val, right: Val) -> Val:

@@ -74,7 +74,6 @@ class References:
         size = CODECS[type_].size if type_ != "BOOL" else 1
         self.out.emit(f"{name}=local({size})")
         code = self.conversions.coerce(value, type_, node)
-        self.out.emit(
-            f"{name}[0]=1 if {code} else 0" if type_ == "BOOL" else CODECS[type_].write.format(m=name, o=0, v=code)
-        )
+        bit = f"{name}[0]=1 if {code} else 0"
+        self.out.emit(bit if type_ == "BOOL" else CODECS[type_].write.format(m=name, o=0, v=code))
         return f"({name},0,{size})"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from plcgen.cpu.compiler.literals import literal_value
-from plcgen.cpu.compiler.values import Place, Symbol, Val
+from plcgen.cpu.compiler.values import Place, Symbol, Val, unknown
 from plcgen.cpu.memory import CODECS
 from plcgen.cpu.type_rules import INT_CONST, POINTERS
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
@@ -80,10 +80,9 @@ class Scope:
                 untyped = self.untyped and "#" not in text and isinstance(value, int)
                 untyped = untyped and not isinstance(value, bool)
                 return Val(repr(value), INT_CONST if untyped else member.type.name, value)
-        number = _constant_expression(text, numbers)
-        if number is not None:
-            return Val(repr(number), INT_CONST, number)
-        return Val("0", "?")
+        node = parse_value(text)
+        number = evaluate(node, numbers) if node is not None else None
+        return Val(repr(number), INT_CONST, number) if number is not None else unknown()
 
     def _instance(self, shape: Shape) -> None:
         """Members of an instance: memory ``m`` from ``o`` on."""
@@ -101,19 +100,19 @@ class Scope:
         self._views(SectionKind.IN_OUT)
 
     def _by_reference(self, member: Member, symbol: Symbol) -> None:
-        number = len(self.locals)
-        self.locals.append((f"p{number}", "reference"))
-        symbol.type_name = f"p{number}"
+        local = f"p{len(self.locals)}"
+        self.locals.append((local, "reference"))
+        symbol.type_name = local
         pointer = symbol.place
-        symbol.place = Place(self.shape_of(member), f"p{number}_m", 0, f"p{number}_o", section=SectionKind.IN_OUT)
-        self.copied.append((f"p{number}", Symbol(member.name, SectionKind.IN_OUT, pointer)))
+        symbol.place = Place(self.shape_of(member), f"{local}_m", 0, f"{local}_o", section=SectionKind.IN_OUT)
+        self.copied.append((local, Symbol(member.name, SectionKind.IN_OUT, pointer)))
 
     def _views(self, section: SectionKind) -> None:
         """AT views over parameters passed by reference."""
         for member in self.block.section(section):
             if member.at is None:
                 continue
-            target = self.symbols.get(member.at.strip('"#').upper())
+            target = self.symbols.get(_plain(member.at))
             if target is not None and target.place is not None and target.place.dyn:
                 place = Place(self.shape_of(member), target.place.mem, 0, target.place.dyn, section=section)
                 self.symbols[member.name.upper()] = Symbol(member.name, section, place)
@@ -133,28 +132,21 @@ class Scope:
 
     def _parameters(self) -> None:
         """Parameters of an FC or OB: scalars are Python arguments, the rest comes by reference."""
+        for kind, member, how in function_parameters(self.block):
+            local = f"a{len(self.locals)}"
+            name = self.block.name if kind is SectionKind.RETURN else member.name
+            self.locals.append((local, _name(member.type) if how == "value" else how))
+            if how == "value":
+                place = Place(bare_shape(_name(member.type)), local=local, section=kind)
+            elif how == "pointer":
+                place = Place(Shape(member.type, 0, 1, 0, 1), local=local, section=kind)
+            else:
+                place = Place(self.shape_of(member), f"{local}_m", 0, f"{local}_o", section=kind)
+            symbol = Symbol(name, kind, place, type_name=local)
+            self._add(symbol)
+            if kind is SectionKind.RETURN:
+                self.symbols.setdefault("RET_VAL", symbol)
         for kind in _PARAMETERS:
-            members = self.block.section(kind)
-            viewed = {m.at.strip('"#').upper() for m in members if m.at is not None}
-            for member in members:
-                if member.at is not None:
-                    continue
-                name = self.block.name if kind is SectionKind.RETURN else member.name
-                number = len(self.locals)
-                if is_scalar(member.type) and (name.upper() not in viewed or kind is SectionKind.RETURN):
-                    type_ = member.type.name if isinstance(member.type, Elementary) else ""
-                    self.locals.append((f"a{number}", type_))
-                    place = Place(bare_shape(type_), local=f"a{number}", section=kind)
-                elif is_pointer(member):
-                    self.locals.append((f"a{number}", "pointer"))
-                    place = Place(_variant(member), local=f"a{number}", section=kind)
-                else:
-                    self.locals.append((f"a{number}", "reference"))
-                    place = Place(self.shape_of(member), f"a{number}_m", 0, f"a{number}_o", section=kind)
-                symbol = Symbol(name, kind, place, type_name=f"a{number}")
-                self._add(symbol)
-                if kind is SectionKind.RETURN:
-                    self.symbols.setdefault("RET_VAL", symbol)
             self._views(kind)
 
     def _temps(self) -> None:
@@ -162,14 +154,13 @@ class Scope:
         temps = list(self.block.section(SectionKind.TEMP))
         if self.block.kind is not BlockKind.FB:
             temps += self.block.section(SectionKind.STATIC)
-        viewed = {m.at.strip('"#').upper() for m in temps if m.at is not None}
+        viewed = _viewed(temps)
         in_memory = []
         for member in temps:
             if member.at is None and is_scalar(member.type) and member.name.upper() not in viewed:
-                number = len(self.locals)
-                type_ = member.type.name if isinstance(member.type, Elementary) else ""
-                self.locals.append((f"v{number}", type_))
-                place = Place(bare_shape(type_), local=f"v{number}", section=SectionKind.TEMP)
+                local = f"v{len(self.locals)}"
+                self.locals.append((local, _name(member.type)))
+                place = Place(bare_shape(_name(member.type)), local=local, section=SectionKind.TEMP)
                 self._add(Symbol(member.name, SectionKind.TEMP, place))
             else:
                 in_memory.append(member)
@@ -180,7 +171,7 @@ class Scope:
         views: list[Member] = []
         own: list[Member] = []
         for member in members:
-            target = self.symbols.get((member.at or "").strip('"#').upper())
+            target = self.symbols.get(_plain(member.at or ""))
             (views if target is not None and target.place is not None else own).append(member)
         try:
             self.temp_shape = layout_members(own, self.types).shape
@@ -192,7 +183,7 @@ class Scope:
             place.overlay = field.member.at is not None
             self._add(Symbol(field.member.name, SectionKind.TEMP, place))
         for member in views:
-            target = self.symbols[(member.at or "").strip('"#').upper()]
+            target = self.symbols[_plain(member.at or "")]
             if target.place is not None and not target.place.local:
                 source = target.place
                 place = Place(self.shape_of(member), source.mem, source.off, source.dyn, region=source.region)
@@ -212,20 +203,22 @@ def function_parameters(block: Block) -> list[tuple[SectionKind, Member, str]]:
     rows: list[tuple[SectionKind, Member, str]] = []
     for kind in _PARAMETERS:
         members = block.section(kind)
-        viewed = {m.at.strip('"#').upper() for m in members if m.at is not None}
+        viewed = _viewed(members)
         for member in members:
-            if member.at is not None:
-                continue
-            scalar = is_scalar(member.type) and member.name.upper() not in viewed
-            rows.append((kind, member, "value" if scalar else "pointer" if is_pointer(member) else "reference"))
+            if member.at is None:
+                scalar = is_scalar(member.type) and member.name.upper() not in viewed
+                rows.append((kind, member, "value" if scalar else "pointer" if is_pointer(member) else "reference"))
     return rows
 
 
-def _variant(member: Member) -> Shape:
-    return Shape(member.type, 0, 1, 0, 1)
+def _viewed(members: Iterable[Member]) -> set[str]:
+    """Upper-case names of what has views: it lies in memory, whatever its type."""
+    return {_plain(member.at) for member in members if member.at is not None}
 
 
-def _constant_expression(text: str, numbers: dict[str, int]) -> int | None:
-    """Value of a constant expression of STEP 7 V5."""
-    node = parse_value(text)
-    return None if node is None else evaluate(node, numbers)
+def _plain(name: str) -> str:
+    return name.strip('"#').upper()
+
+
+def _name(type_: DataType) -> str:
+    return type_.name if isinstance(type_, Elementary) else ""
