@@ -295,15 +295,25 @@ class _Teller:
             hint = did_you_mean(str(node.value), options)
             help_ = f"{hint} allowed: {', '.join(options)}".strip()
             shown = f'"{node.raw}"' if node.kind == "scalar" else _shown(node)
-            return Diagnostic("PG107", f'{shown} is not a value of "{_key(path)}"', node.span, help=help_)
+            return Diagnostic("PG107", f'{shown} is not a value of "{self.key(path)}"', node.span, help=help_)
         code = "PG107" if error["type"].startswith(_RANGE_ERRORS) else "PG106"
         message = str(error["msg"]).removeprefix("Value error, ")
         message, counted, _ = f"{message[0].lower()}{message[1:]}".partition(" after validation")
         message = _SHOULD.sub(r"must \1", message) + ("" if counted else f", not {_shown(node)}")
-        return Diagnostic(code, f'"{_key(path)}": {message}', node.span)
+        return Diagnostic(code, f'"{self.key(path)}": {message}', node.span)
 
     def where(self, path: Path) -> str:
         return ".".join(map(str, path[:-1])) or self.what
+
+    def key(self, path: Path) -> str:
+        """Key that a value belongs to; pydantic names the alternatives of a union in the path, too."""
+        while path and (isinstance(path[-1], int) or not self.names_key(path)):
+            path = path[:-1]
+        return str(path[-1]) if path else "value"
+
+    def names_key(self, path: Path) -> bool:
+        above, last = path[:-1], path[-1]
+        return last in self.root.find(above).pairs or last in self.keys(above)
 
     def unknown_key(self, path: Path) -> Diagnostic:
         name = str(path[-1])
@@ -319,10 +329,6 @@ class _Teller:
         node = self.root.find(path)
         span = self.root.find(path[:-1]).key_span(str(path[-1])) if path and (of_key or words["key"]) else node.span
         return Diagnostic(words["code"], words["message"], span, help=words["help"])
-
-
-def _key(path: Path) -> str:
-    return next((str(step) for step in reversed(path) if isinstance(step, str)), "value")
 
 
 def _shown(node: Node) -> str:

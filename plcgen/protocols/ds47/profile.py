@@ -8,7 +8,15 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, ValidationInfo, field_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    field_validator,
+)
 
 from plcgen.input.validation import Document, Problems, StrictModel, problem
 from plcgen.project.schema import ParameterDef
@@ -27,7 +35,6 @@ def _one_line(text: str) -> str:
 
 
 Line = Annotated[str, AfterValidator(_one_line), Field(max_length=300)]
-Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=64)]
 RecordIndex = Annotated[int, Field(ge=1, le=0xFFFF)]
 DriveObject = Annotated[int, Field(ge=0, le=255)]
 
@@ -53,17 +60,25 @@ class RecordIndexes(StrictModel):
         return self.model_dump(by_alias=True, exclude_none=True, exclude={"default"})
 
 
+def _any(allowed: object) -> object:
+    if allowed is None or (isinstance(allowed, str) and allowed != "any"):
+        raise problem(f'"{allowed or ""}" is neither any nor a list of drive objects')
+    return None if allowed == "any" else allowed
+
+
 class DriveObjects(StrictModel):
     """Numbers of drive objects (axes)."""
 
     default: DriveObject = Field(description="the one a drive has if the spec says nothing")
-    allowed: Literal["any"] | tuple[DriveObject, ...] = Field("any", description="any, or a list of numbers")
+    allowed: Annotated[tuple[DriveObject, ...] | None, BeforeValidator(_any)] = Field(
+        None, description="any, or a list of numbers"
+    )
     rule: Line = Field("see the manual", description="how to find the number, for a message")
 
     @field_validator("allowed")
     @classmethod
     def _default_is_one(cls, allowed: Any, info: ValidationInfo) -> Any:
-        if allowed != "any" and "default" in info.data and info.data["default"] not in allowed:
+        if allowed is not None and "default" in info.data and info.data["default"] not in allowed:
             raise problem(f"the default {info.data['default']} is not among the allowed drive objects")
         return allowed
 
@@ -92,7 +107,7 @@ class ScalarElements(StrictModel):
 class Entry(ParameterDef):
     """One parameter of the catalogue."""
 
-    name: Name | None = Field(None, description="symbolic name, snake_case")
+    name: Annotated[str, Field(max_length=64)] | None = Field(None, description="symbolic name, snake_case")
     title: Line | None = Field(None, description="text for comments")
     unit: Line | None = None
     dangerous: Line | None = Field(None, description="why a write needs a sign-off (allow:)")
@@ -109,9 +124,11 @@ class Entry(ParameterDef):
 
     @field_validator("name")
     @classmethod
-    def _is_no_number(cls, name: str | None) -> str | None:
-        reference = parse_reference(name) if name else None
-        if reference is not None and reference.pnu is not None:
+    def _is_a_name(cls, name: str | None) -> str | None:
+        reference = parse_reference(name or "x")
+        if reference is None or reference.first is not None or name == "":
+            raise problem(f'"{name}" is not a name: letters, digits and underscores', help_="for example ramp_up_time")
+        if reference.pnu is not None:
             raise problem(f'the name "{name}" reads as a parameter number')
         return name
 
@@ -198,23 +215,28 @@ class Profile(StrictModel):
         default_factory=dict, description="the catalogue"
     )
 
-    @field_validator("parameters")
+    @field_validator("parameters", mode="wrap")
     @classmethod
-    def _are_different(cls, parameters: dict[str, Entry]) -> dict[str, Entry]:
-        problems, numbers, names = Problems(), dict[int, str](), dict[str, str]()
-        for key, entry in parameters.items():
-            first = numbers.setdefault(_pnu(key), key)
+    def _are_different(cls, given: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+        """Numbers and names are compared as they were given, so that other mistakes do not hide them."""
+        problems, numbers, names, parameters = Problems(), dict[int, str](), dict[str, str](), None
+        try:
+            parameters = handler(given)
+        except ValidationError as invalid:
+            problems.add_all(invalid)
+        for key, entry in given.items() if isinstance(given, dict) else ():
+            first = numbers.setdefault(_pnu(key), key) if _pnu(key) else key
             if first != key:
                 problems.add(problem(f"{key} is the same parameter as {first}", code="PG103", at_key=True), key)
-            named = names.setdefault(entry.name, key) if entry.name else key
+            name = entry.get("name") if isinstance(entry, dict) else None
+            named = names.setdefault(name, key) if isinstance(name, str) else key
             if named != key:
-                problems.add(problem(f'{named} has the name "{entry.name}" as well'), key, "name")
+                problems.add(problem(f'{named} has the name "{name}" as well'), key, "name")
         problems.raise_any()
         return parameters
 
     def device(self, key: str) -> Device:
         """The device that this profile describes; ``key`` is what a spec calls it."""
-        allowed = self.drive_object.allowed
         return Device(
             key=key,
             title=self.title,
@@ -222,7 +244,7 @@ class Profile(StrictModel):
             record_index=self.record_index.by_name(),
             default_index=self.record_index.default,
             drive_object=self.drive_object.default,
-            drive_objects=None if allowed == "any" else allowed,
+            drive_objects=self.drive_object.allowed,
             drive_object_rule=self.drive_object.rule,
             record_limit=self.limits.record,
             max_parameters=self.limits.parameters,
