@@ -14,6 +14,7 @@ from mutation.cases import KINDS, ROOT, Case, cases, known_cases, project_of
 from mutation.equivalent import reason
 from mutation.known import FAQ, KNOWN, MM4
 from mutation.run import Verdict, clean, notice
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
 GOAL = 98.0
 
@@ -54,7 +55,9 @@ def options() -> argparse.Namespace:
 def chosen(given: argparse.Namespace) -> list[Case]:
     """The mutants of this run, without the known faults."""
     every = sorted(path.stem for path in (ROOT / "specs").glob("*.yaml"))
-    with_drives = [name for name in every if project_of(name).jobs] if given.deletions and not given.specs else []
+    with_drives = (
+        [name for name in every if project_of(name).plan(DrivePlan)] if given.deletions and not given.specs else []
+    )
     specs = given.specs or with_drives or [FAQ, MM4]
     kinds = ("dropped",) if given.deletions else given.kind or tuple(KINDS)
     found = cases(specs, kinds, main=given.deletions)

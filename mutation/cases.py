@@ -10,8 +10,10 @@ from mutation.known import KNOWN
 from mutation.operators import Mutant, dropped, swapped, tokens
 from plcgen.diagnostics import Report
 from plcgen.project.loading import load_spec
-from plcgen.project.model import Project
+from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.protocols.ppi.plan.nouns import PpiPlan
 
 ROOT = Path(__file__).resolve().parent.parent
 KINDS: dict[str, Callable[[str], Iterable[Mutant]]] = {"dropped": dropped, "exchanged": swapped, "changed": tokens}
@@ -55,9 +57,9 @@ def cases(specs: Iterable[str], kinds: Iterable[str] = tuple(KINDS), *, main: bo
     """Every mutant of every function block; ``main`` takes the organization block too."""
     for spec in specs:
         project = project_of(spec)
-        masters = project.ppi.masters if project.ppi is not None else ()
-        files = {f"scl/{job.block.name}.scl": job.key for job in project.jobs}
-        files |= {f"scl/{master.block.name}.scl": master.key for master in masters}
+        drives, ppi = project.plan(DrivePlan), project.plan(PpiPlan)
+        files = {f"scl/{job.block.name}.scl": job.key for job in drives.jobs} if drives else {}
+        files |= {f"scl/{master.block.name}.scl": master.key for master in ppi.masters} if ppi else {}
         for file, job in {**files, **({"scl/Main.scl": ""} if main else {})}.items():
             text = (golden(spec) / file).read_text(encoding=encoding_of(spec))
             for kind in kinds:
@@ -71,5 +73,6 @@ def known_cases() -> Iterator[Case]:
         text = (golden(known.spec) / known.file).read_text(encoding=encoding_of(known.spec))
         if known.old not in text:
             raise SystemExit(f"{known.name}: {known.old!r} is not in {known.file}")
-        key = next(job.key for job in project_of(known.spec).jobs if job.block.name in known.file)
+        drives = project_of(known.spec).plan(DrivePlan)
+        key = next(job.key for job in (drives.jobs if drives else ()) if job.block.name in known.file)
         yield Case(known.spec, known.file, key, Mutant(known.name, 0, text.replace(known.old, known.new)))

@@ -12,10 +12,12 @@ from pathlib import Path
 from mutation.cases import Case, encoding_of, golden, project_of
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import DiagnosticError
-from plcgen.project.model import Project
+from plcgen.project.nouns import Project
 from plcgen.proof.coverage import cover, measure, merge
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.proof import execution
 from plcgen.protocols.ds47.proof.rig import load_program
+from plcgen.protocols.ppi.plan.nouns import PpiPlan
 from plcgen.protocols.ppi.proof import execution as ppi_execution
 
 FOLDERS = "plcgen-mutation-"
@@ -51,17 +53,18 @@ def executed(project: Project, folder: Path, key: str) -> Verdict:
         first = problem.diagnostics[0]
         return Verdict(f"does not compile: {first.message}", located=first.span.line > 0)
     execution.MAX_FAILURES = 1
-    chosen = [job for job in project.jobs if job.key == key]
+    plan = project.plan(DrivePlan)
+    chosen = [job for job in plan.jobs if job.key == key] if plan else []
     counts = [0] * len(program.probes)
     for job in chosen:
-        result = execution.run_job(project, program, job, "quick")
+        result = execution.run_job(plan, program, job, "quick")
         if result.failures:
             return _verdict(result)
         counts = [a + b for a, b in zip(counts, result.counts, strict=True)]
     found = _masters(project, program, key)
-    if found.text or not project.jobs:
+    if found.text or plan is None:
         return found
-    result = execution.run_program(project, program)
+    result = execution.run_program(plan, program)
     if result.failures:
         return _verdict(result)
     counts = [a + b for a, b in zip(counts, result.counts, strict=True)]
@@ -74,21 +77,22 @@ def executed(project: Project, folder: Path, key: str) -> Verdict:
 
 def _masters(project: Project, program: Program, key: str) -> Verdict:
     """Every job of the damaged master, or what the masters do through OB1."""
-    for master in project.ppi.masters if project.ppi is not None else ():
+    plan = project.plan(PpiPlan)
+    for master in plan.masters if plan is not None else ():
         if key not in {"", master.key}:
             continue
         counts = [0] * len(program.probes)
         for job in master.jobs if key else ():
             thorough = ppi_execution.is_first(master, job)
-            result = ppi_execution.run_job(project, program, master, job, "quick", thorough=thorough)
+            result = ppi_execution.run_job(plan, program, master, job, "quick", thorough=thorough)
             if result.failures:
                 return _verdict(result)
             counts = [a + b for a, b in zip(counts, result.counts, strict=True)]
-        result = ppi_execution.all_jobs(project, program, master)
+        result = ppi_execution.all_jobs(plan, program, master)
         if result.failures:
             return _verdict(result)
         counts = [a + b for a, b in zip(counts, result.counts, strict=True)]
-        reason = partial(ppi_execution.explanation, project, master)
+        reason = partial(ppi_execution.explanation, plan, master)
         missing = cover(measure(program, master.block.name, counts), reason).missing
         if key and missing:
             return Verdict(f"line {missing[0].line} never ran")

@@ -13,7 +13,7 @@ from plcgen.resources import collector_paused
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from plcgen.project.model import Project
+    from plcgen.project.nouns import Project
     from plcgen.proof.checks import Verification
     from plcgen.trace.model import Trace
 
@@ -78,21 +78,11 @@ class EncodeResult:
 
 def check(spec: Path | str) -> CheckResult:
     """Read, validate and plan a spec and apply every rule to it."""
-    from plcgen.project.loading import load_spec
-    from plcgen.project.resolve import resolve
-    from plcgen.project.rules import apply_rules
+    from plcgen.project.opening import open_spec
 
     path = Path(spec)
-    report = Report()
-    project = None
-    try:
-        loaded = load_spec(path, report)
-        if loaded is not None:
-            project = resolve(loaded, report)
-            apply_rules(project, report)
-    except DiagnosticError as problem:
-        report.extend(problem.diagnostics)
-    return CheckResult(path, project, tuple(report))
+    opened = open_spec(path)
+    return CheckResult(path, opened.project, opened.diagnostics)
 
 
 def default_folder(spec: Path) -> Path:
@@ -213,7 +203,7 @@ def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
         unknown = Diagnostic("PG703", f'the spec has no job "{job}"', span, help=hint)
         return EncodeResult((), (*checked.diagnostics, unknown))
     telegrams = [
-        EncodedTelegram(planned.key, number, _block_text(telegram.request_db), telegram.request)
+        EncodedTelegram(planned.key, number, _block_text(telegram.request.db), telegram.request.data)
         for planned in jobs
         for number, telegram in enumerate(planned.telegrams, 1)
     ]
@@ -227,5 +217,6 @@ def _block_text(ref: Any) -> str:
 def schema() -> dict[str, Any]:
     """JSON schema of a spec, for editors."""
     from plcgen.project.schema import json_schema
+    from plcgen.protocols.registry import protocols
 
-    return json_schema()
+    return json_schema(protocols())

@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from plcgen.documents.document import Document
-from plcgen.project.model import Project
+from plcgen.project.nouns import Project
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.protocols.ppi.plan.nouns import PpiPlan
 
 
 def emit(project: Project) -> Iterator[Document]:
@@ -19,31 +21,31 @@ def emit(project: Project) -> Iterator[Document]:
     from plcgen.protocols.ds47.views.tables import sheet, table_documents, watch_document, watch_rows
 
     xml = project.target.xml_version is not None
-    if project.jobs:
-        yield from shared_documents(project)
-    if xml and project.jobs:
-        yield from shared_xml(project)
+    drives, ppi = project.plan(DrivePlan), project.plan(PpiPlan)
     sheets = []
-    for job in project.jobs:
-        yield from job_documents(project, job)
-        yield replace(job_document(project, job), twins=job_twins(project, job))
-        watch = watch_rows(project, job)
-        yield watch_document(job, watch)
+    if drives is not None and drives.jobs:
+        yield from shared_documents(drives)
         if xml:
-            yield from job_xml(project, job, watch)
-        sheets.append(sheet(project, job))
-    if project.jobs:
-        yield control_document(project)
-    if project.ppi is not None:
+            yield from shared_xml(drives)
+        for job in drives.jobs:
+            yield from job_documents(drives, job)
+            yield replace(job_document(drives, job), twins=job_twins(drives, job))
+            watch = watch_rows(drives, job)
+            yield watch_document(job, watch)
+            if xml:
+                yield from job_xml(drives, job, watch)
+            sheets.append(sheet(drives, job))
+        yield control_document(drives)
+    if ppi is not None:
         from plcgen.protocols.ppi.views.blocks import ppi_documents
         from plcgen.protocols.ppi.views.tables import ppi_xml
 
-        yield from ppi_documents(project)
+        yield from ppi_documents(ppi)
         if xml:
-            yield from ppi_xml(project)
+            yield from ppi_xml(ppi)
     yield replace(main_document(project), twins=main_twin(project))
     if xml:
-        if project.jobs:
-            yield from closing_xml(project)
+        if drives is not None and drives.jobs:
+            yield from closing_xml(drives)
         yield from openness_documents(project)
     yield from table_documents(project, sheets)

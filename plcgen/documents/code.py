@@ -8,7 +8,9 @@ from functools import lru_cache, partial
 
 from plcgen.documents.document import RAW, Document
 from plcgen.documents.spelling import culture
-from plcgen.project.model import BlockRef, PlannedJob, Project
+from plcgen.project.nouns import BlockRef, Frame, Project
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
+from plcgen.protocols.ppi.plan.nouns import PpiPlan
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.simaticml.versions import VERSIONS
 from plcgen.simaticml.writing.documents import Setting
@@ -19,13 +21,13 @@ VERSION_NOTE = "no genuine export of this TIA Portal version was at hand to comp
 _MAIN_NUMBER = 1
 
 
-def job_twins(project: Project, job: PlannedJob) -> Callable[[str], Iterator[Document]] | None:
+def job_twins(project: DrivePlan, job: DriveJob) -> Callable[[str], Iterator[Document]] | None:
     """Return what makes the documents of a job's FB and of its instance DB from the FB's text."""
     return block_twins(project, job.block, job.instance)
 
 
 def block_twins(
-    project: Project, block: BlockRef, instance: BlockRef, note: str = RECORD_NOTE
+    project: Frame, block: BlockRef, instance: BlockRef, note: str = RECORD_NOTE
 ) -> Callable[[str], Iterator[Document]] | None:
     """Return what makes the documents of a function block and of its instance DB from the block's text."""
     if project.target.xml_version is None:
@@ -40,13 +42,13 @@ def main_twin(project: Project) -> Callable[[str], Iterator[Document]] | None:
     return partial(_main, project)
 
 
-def version_note(project: Project) -> str:
+def version_note(project: Frame) -> str:
     """Why documents of this version are experimental, if they are."""
     version = VERSIONS[project.target.xml_version or ""]
     return VERSION_NOTE if version.inferred or version.early else ""
 
 
-def _pair(project: Project, fb: BlockRef, db: BlockRef, note: str, text: str) -> Iterator[Document]:
+def _pair(project: Frame, fb: BlockRef, db: BlockRef, note: str, text: str) -> Iterator[Document]:
     setting = _setting(project)
     block = replace(read_block(text), number=fb.number)
     yield _document(fb, code_document(block, setting), note)
@@ -62,9 +64,9 @@ def _pair(project: Project, fb: BlockRef, db: BlockRef, note: str, text: str) ->
 
 
 def _main(project: Project, text: str) -> Iterator[Document]:
-    pairs = [(job.instance.name, job.block.name) for job in project.jobs]
-    masters = project.ppi.masters if project.ppi is not None else ()
-    pairs += [(master.instance.name, master.block.name) for master in masters]
+    drives, ppi = project.plan(DrivePlan), project.plan(PpiPlan)
+    pairs = [(job.instance.name, job.block.name) for job in drives.jobs] if drives else []
+    pairs += [(master.instance.name, master.block.name) for master in ppi.masters] if ppi else []
     instances = tuple(Block(BlockKind.DB, name, (), instance_of=block) for name, block in pairs)
     block = replace(read_block(text), number=_MAIN_NUMBER)
     document = code_document(block, _setting(project), instances)
@@ -72,7 +74,7 @@ def _main(project: Project, text: str) -> Iterator[Document]:
 
 
 @lru_cache(maxsize=4)
-def _setting(project: Project) -> Setting:
+def _setting(project: Frame) -> Setting:
     cultures = tuple(culture(language) for language in project.languages)
     return Setting(VERSIONS[project.target.xml_version or ""], project.target.classic, cultures)
 

@@ -10,7 +10,9 @@ from typing import Any
 from plcgen._version import __version__
 from plcgen.documents.environment import RenderedFile
 from plcgen.documents.folder import MANIFEST
-from plcgen.project.model import Project
+from plcgen.project.nouns import Project
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.protocols.ppi.plan.nouns import PpiPlan
 
 
 def digest(data: bytes) -> str:
@@ -20,6 +22,7 @@ def digest(data: bytes) -> str:
 
 def manifest(project: Project, files: Sequence[RenderedFile]) -> RenderedFile:
     """Manifest of rendered files: reproducible, without date, user or path of the machine."""
+    drives = project.plan(DrivePlan)
     content: dict[str, Any] = {
         "format": 1,
         "generator": f"plcgen {__version__}",
@@ -33,16 +36,16 @@ def manifest(project: Project, files: Sequence[RenderedFile]) -> RenderedFile:
                 "block": job.block.name,
                 "telegrams": [
                     {
-                        "request": telegram.request.hex(" ").upper(),
-                        "request_db": f"DB{telegram.request_db.number}",
-                        "response_db": f"DB{telegram.response_db.number}",
+                        "request": telegram.request.data.hex(" ").upper(),
+                        "request_db": f"DB{telegram.request.db.number}",
+                        "response_db": f"DB{telegram.response.db.number}",
                         "positive_bytes": telegram.positive_length,
-                        "longest_bytes": telegram.response_size,
+                        "longest_bytes": telegram.response.size,
                     }
                     for telegram in job.telegrams
                 ],
             }
-            for job in project.jobs
+            for job in (drives.jobs if drives else ())
         ],
         **_masters(project),
         "files": [
@@ -57,7 +60,8 @@ def manifest(project: Project, files: Sequence[RenderedFile]) -> RenderedFile:
 
 def _masters(project: Project) -> dict[str, Any]:
     """PPI masters with the telegrams of their tables; nothing for a spec without any."""
-    if project.ppi is None:
+    plan = project.plan(PpiPlan)
+    if plan is None:
         return {}
     masters = [
         {
@@ -65,13 +69,13 @@ def _masters(project: Project) -> dict[str, Any]:
             "block": master.block.name,
             "telegrams": [
                 {
-                    "request": telegram.request.hex(" ").upper(),
-                    "request_db": f"DB{telegram.request_db.number}",
-                    **({"response_db": f"DB{telegram.response_db.number}"} if telegram.response_db else {}),
+                    "request": telegram.request.data.hex(" ").upper(),
+                    "request_db": f"DB{telegram.request.db.number}",
+                    **({"response_db": f"DB{telegram.response.db.number}"} if telegram.response else {}),
                 }
                 for telegram in master.telegrams
             ],
         }
-        for master in project.ppi.masters
+        for master in plan.masters
     ]
     return {"ppi": masters}

@@ -8,8 +8,10 @@ from typing import Any
 from plcgen.documents.code import RECORD_NOTE, VERSION_NOTE, version_note
 from plcgen.documents.document import Document
 from plcgen.documents.simaticml import TAG_TABLE, WATCH_NOTE
-from plcgen.project.model import Project
+from plcgen.project.nouns import Project
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.views.tables import tags
+from plcgen.protocols.ppi.plan.nouns import PpiPlan
 
 SCRIPT_NOTE = "the script was not run against a TIA Portal"
 
@@ -31,23 +33,25 @@ def openness_documents(project: Project) -> Iterator[Document]:
 
 def _steps(project: Project) -> list[dict[str, Any]]:
     """Import order: every document after what it needs."""
-    types = [project.diagnostics_type, project.token_type] if project.jobs else []
-    data = [token for token, _ in project.tokens]
-    for job in project.jobs:
+    drives, ppi = project.plan(DrivePlan), project.plan(PpiPlan)
+    jobs = drives.jobs if drives else ()
+    types = [drives.diagnostics_type, drives.token_type] if drives and jobs else []
+    data = [token for token, _ in drives.tokens] if drives else []
+    for job in jobs:
         for telegram in job.telegrams:
-            types += [telegram.request_type, telegram.response_type]
-            data += [telegram.request_db, telegram.response_db]
-    data += [project.control_db] if project.jobs else []
-    blocks = [(job.block.name, job.instance.name) for job in project.jobs]
-    tables = [TAG_TABLE] if tags(project) else []
-    if project.ppi is not None:
+            types += [telegram.request.type, telegram.response.type]
+            data += [telegram.request.db, telegram.response.db]
+    data += [drives.control_db] if drives and jobs else []
+    blocks = [(job.block.name, job.instance.name) for job in jobs]
+    tables = [TAG_TABLE] if drives and tags(drives) else []
+    if ppi is not None:
         from plcgen.protocols.ppi.views.blocks import master_data, master_types, ppi_tags
         from plcgen.protocols.ppi.views.tables import PPI_TAG_TABLE
 
-        types += master_types(project)
-        data += master_data(project)
-        blocks += [(master.block.name, master.instance.name) for master in project.ppi.masters]
-        tables += [PPI_TAG_TABLE] if ppi_tags(project) else []
+        types += master_types(ppi)
+        data += master_data(ppi)
+        blocks += [(master.block.name, master.instance.name) for master in ppi.masters]
+        tables += [PPI_TAG_TABLE] if ppi_tags(ppi) else []
     found = [
         _step("types", "type", [block.name for block in types]),
         _step("tag table", "tags", tables),

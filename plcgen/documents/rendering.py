@@ -7,7 +7,7 @@ from collections.abc import Callable
 from plcgen.documents import emit
 from plcgen.documents.environment import RenderedFile, render_all
 from plcgen.documents.manifest import manifest
-from plcgen.project.model import Project
+from plcgen.project.nouns import Project
 from plcgen.resources import collector_paused
 
 

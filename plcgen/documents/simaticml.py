@@ -13,7 +13,8 @@ from typing import Any
 from plcgen.documents.code import VERSION_NOTE
 from plcgen.documents.document import Document
 from plcgen.documents.spelling import culture, one_line, type_words
-from plcgen.project.model import BlockRef, PlannedJob, Project
+from plcgen.project.nouns import BlockRef, Frame
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.views.blocks import DIAGNOSTICS, TOKEN, control_fields
 from plcgen.protocols.ds47.views.jobs import title
 from plcgen.protocols.ds47.views.rows import Row, telegram_rows
@@ -36,7 +37,7 @@ class _Ids:
         return f"{self.next - 1:X}"
 
 
-def shared_xml(project: Project) -> Iterator[Document]:
+def shared_xml(project: DrivePlan) -> Iterator[Document]:
     """Types and tokens that every job uses."""
     yield type_document(project, project.diagnostics_type, fixed_members(project, DIAGNOSTICS), {})
     yield type_document(project, project.token_type, fixed_members(project, TOKEN), {})
@@ -44,18 +45,18 @@ def shared_xml(project: Project) -> Iterator[Document]:
         yield db_document(project, token, fixed_members(project, TOKEN), drives[0].comment)
 
 
-def job_xml(project: Project, job: PlannedJob, watch: list[dict[str, str]]) -> Iterator[Document]:
+def job_xml(project: DrivePlan, job: DriveJob, watch: list[dict[str, str]]) -> Iterator[Document]:
     """Types, buffers and watch table of one job."""
     for telegram in job.telegrams:
         request, response = telegram_rows(project, telegram)
-        yield type_document(project, telegram.request_type, request, job.comment)
-        yield db_document(project, telegram.request_db, request, job.comment)
-        yield type_document(project, telegram.response_type, response, job.comment)
-        yield db_document(project, telegram.response_db, response, job.comment)
+        yield type_document(project, telegram.request.type, request, job.comment)
+        yield db_document(project, telegram.request.db, request, job.comment)
+        yield type_document(project, telegram.response.type, response, job.comment)
+        yield db_document(project, telegram.response.db, response, job.comment)
     yield watch_xml(project, job.block.name, watch)
 
 
-def watch_xml(project: Project, block: str, watch: list[dict[str, str]]) -> Document:
+def watch_xml(project: Frame, block: str, watch: list[dict[str, str]]) -> Document:
     """The watch table of a function block."""
     ids = _Ids()
     table_id = ids()
@@ -68,7 +69,7 @@ def watch_xml(project: Project, block: str, watch: list[dict[str, str]]) -> Docu
     return _document(f"xml/Watch_{block}.xml", "simaticml/watch.xml.j2", view, WATCH_NOTE)
 
 
-def closing_xml(project: Project) -> Iterator[Document]:
+def closing_xml(project: DrivePlan) -> Iterator[Document]:
     """The control DB and the tag table."""
     yield db_document(project, project.control_db, _control(project), {})
     rows = tags(project)
@@ -76,19 +77,19 @@ def closing_xml(project: Project) -> Iterator[Document]:
         yield tag_document(project, TAG_TABLE, rows)
 
 
-def fixed_members(project: Project, rows: tuple[tuple[str, str, str], ...]) -> list[dict[str, Any]]:
+def fixed_members(project: Frame, rows: tuple[tuple[str, str, str], ...]) -> list[dict[str, Any]]:
     """Members of a type that every project has."""
     words = type_words(tia=True)
     return [plain_member(project, name, words[type_], text) for name, type_, text in rows]
 
 
-def plain_member(project: Project, name: str, type_: str, text: str, start: str = "") -> dict[str, Any]:
+def plain_member(project: Frame, name: str, type_: str, text: str, start: str = "") -> dict[str, Any]:
     """A member whose comment is not translated: the English text stands in every language of the project."""
     comments = [(culture(language), one_line(text)) for language in project.languages] if text else []
     return {"name": name, "type": type_, "start": start, "subs": (), "comments": comments, "members": ()}
 
 
-def _control(project: Project) -> list[dict[str, Any]]:
+def _control(project: DrivePlan) -> list[dict[str, Any]]:
     found = []
     for job in project.jobs:
         members = [
@@ -99,7 +100,7 @@ def _control(project: Project) -> list[dict[str, Any]]:
     return found
 
 
-def _texts(project: Project, comment: dict[str, str], ids: _Ids) -> list[dict[str, Any]]:
+def _texts(project: Frame, comment: dict[str, str], ids: _Ids) -> list[dict[str, Any]]:
     """Comment and Title objects of a block, one item a language."""
     objects = []
     for name in ("Comment", "Title"):
@@ -117,7 +118,7 @@ def _texts(project: Project, comment: dict[str, str], ids: _Ids) -> list[dict[st
 
 
 @lru_cache(maxsize=4)
-def _base(project: Project) -> dict[str, Any]:
+def _base(project: Frame) -> dict[str, Any]:
     version = VERSIONS[project.target.xml_version or ""]
     return {
         "version": version.name,
@@ -133,7 +134,7 @@ def _document(path: str, template: str, view: dict[str, Any], experimental: str 
 
 
 def type_document(
-    project: Project, block: BlockRef, members: Sequence[Row | dict[str, Any]], comment: dict[str, str]
+    project: Frame, block: BlockRef, members: Sequence[Row | dict[str, Any]], comment: dict[str, str]
 ) -> Document:
     """A user type."""
     ids = _Ids()
@@ -148,7 +149,7 @@ def type_document(
 
 
 def db_document(
-    project: Project, block: BlockRef, members: Sequence[Row | dict[str, Any]], comment: dict[str, str]
+    project: Frame, block: BlockRef, members: Sequence[Row | dict[str, Any]], comment: dict[str, str]
 ) -> Document:
     """A global data block."""
     ids = _Ids()
@@ -163,7 +164,7 @@ def db_document(
     return _document(f"xml/{block.name}.xml", "simaticml/db.xml.j2", view, view["note"])
 
 
-def tag_document(project: Project, name: str, rows: list[dict[str, Any]]) -> Document:
+def tag_document(project: Frame, name: str, rows: list[dict[str, Any]]) -> Document:
     """A tag table."""
     ids = _Ids()
     table_id = ids()

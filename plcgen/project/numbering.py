@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 
 from plcgen.project.loading import SpecPath
-from plcgen.project.model import BlockRef
+from plcgen.project.nouns import BlockRef
 from plcgen.project.target import Target
 from plcgen.s7.names import shorten
 
@@ -21,6 +21,10 @@ class Numbering:
         self.where = where
         self.next = dict(first)
         self.pinned = set(pinned)
+
+    def apart(self) -> Numbering:
+        """Numbers for blocks that are named but not made."""
+        return Numbering(self.where, dict.fromkeys(self.next, 1), ())
 
     def block(
         self, kind: str, name: str, path: SpecPath, number: int | None = None, *, given: bool = False

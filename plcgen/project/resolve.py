@@ -2,193 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
-from typing import TYPE_CHECKING
-
 from plcgen.diagnostics import Diagnostic, Report
-from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.project.loading import LoadedSpec
-from plcgen.project.model import BlockRef, PlannedDrive, PlannedJob, Project
+from plcgen.project.nouns import Project
 from plcgen.project.numbering import Numbering
-from plcgen.project.schema import Drive, Spec
 from plcgen.project.target import combination_problem, target
-from plcgen.protocols.ds47.devices import Catalogue, Device, Parameter, parameter_from
-from plcgen.protocols.ds47.plan.jobs import plan_job
-from plcgen.protocols.ds47.plan.references import parse_reference
-from plcgen.protocols.ds47.plan.uses import UseResolver
-from plcgen.s7.names import pascal_case
-
-if TYPE_CHECKING:
-    from plcgen.protocols.ppi.plan.model import PpiPlan
-
-OUTPUT_BIT = 0x8000
 
 
 def resolve(loaded: LoadedSpec, report: Report) -> Project:
-    """Plan a whole spec."""
-    spec = loaded.spec
-    problem = combination_problem(spec.plc.family, spec.plc.toolchain)
+    """Plan a whole spec, protocol by protocol."""
+    plc = loaded.spec.plc
+    problem = combination_problem(plc.family, plc.toolchain)
     if problem:
         report.add(Diagnostic("PG214", problem, loaded.span(("plc", "toolchain")), help="use a tia-v.. toolchain"))
-    where = target(spec.plc.family, spec.plc.toolchain)
-    numbers = spec.plc.numbers
-    numbering = Numbering(where, {"FB": numbers.fb, "DB": numbers.db, "UDT": numbers.udt}, _pinned(spec))
-    # without jobs these blocks are not made: they take no numbers then
-    common = numbering if spec.jobs else Numbering(where, {"FB": 1, "DB": 1, "UDT": 1}, ())
-    diagnostics_type = common.block("UDT", "typeDriveJobDiag", ("plc",), given=True)
-    token_type = common.block("UDT", "typeDriveToken", ("plc",), given=True)
-    control_db = common.block("DB", "DriveJobs", ("plc",), given=True)
-    tokens: dict[int, BlockRef] = {}
-    catalogue = Catalogue(Path(loaded.file).parent)
-    drives = {
-        key: _drive(key, drive, loaded, numbering, tokens, catalogue, report) for key, drive in spec.drives.items()
-    }
-    planned = {key: found for key, found in drives.items() if found is not None}
-    resolvers = {
-        key: UseResolver(loaded, drive.device, _own_parameters(loaded, key, report), report)
-        for key, drive in planned.items()
-    }
-    for key, resolver in resolvers.items():
-        for text in spec.drives[key].parameters:
-            reference = parse_reference(text)
-            own = resolver.own.get(reference.pnu) if reference and reference.pnu is not None else None
-            if own is not None:
-                resolver.check_definition(own, ("drives", key, "parameters", text))
-    jobs: list[PlannedJob] = []
-    owners: dict[str, int] = {}
-    for key, job in spec.jobs.items():
-        if job.drive not in spec.drives:
-            hint = did_you_mean(job.drive, spec.drives) or f"drives of this spec: {', '.join(spec.drives)}"
-            report.add(
-                Diagnostic("PG202", f'unknown drive "{job.drive}"', loaded.span(("jobs", key, "drive")), help=hint)
-            )
-            continue
-        if job.drive not in planned:
-            continue
-        channel = planned[job.drive].token.name
-        owners[channel] = owners.get(channel, 0) + 1
-        found = plan_job(key, loaded, planned[job.drive], owners[channel], resolvers[job.drive], numbering, report)
-        if found is not None:
-            jobs.append(found)
-    return Project(
-        loaded=loaded,
-        name=spec.plc.name,
-        target=where,
-        languages=spec.plc.languages,
-        drives=tuple(planned.values()),
-        jobs=tuple(jobs),
-        diagnostics_type=diagnostics_type,
-        token_type=token_type,
-        control_db=control_db,
-        ppi=_masters(loaded, numbering, report) if spec.masters else None,
-    )
-
-
-def _masters(loaded: LoadedSpec, numbering: Numbering, report: Report) -> PpiPlan:
-    """PPI masters; everything about them is imported here only."""
-    from plcgen.protocols.ppi.plan.resolve import resolve_masters
-
-    return resolve_masters(loaded, numbering, report)
-
-
-def _pinned(spec: Spec) -> Iterator[tuple[str, int]]:
-    if spec.masters:
-        from plcgen.protocols.ppi.plan.resolve import pinned
-        from plcgen.protocols.ppi.schema import SpecWithPpi
-
-        if isinstance(spec, SpecWithPpi):
-            yield from pinned(spec)
-    for job in spec.jobs.values():
-        for kind, number in (
-            ("DB", job.request.db),
-            ("DB", job.response.db),
-            ("DB", job.instance.number),
-            ("FB", job.block.number),
-        ):
-            if number is not None:
-                yield kind, number
-
-
-def _own_parameters(loaded: LoadedSpec, key: str, report: Report) -> dict[int, Parameter]:
-    own: dict[int, Parameter] = {}
-    for text, definition in loaded.spec.drives[key].parameters.items():
-        path = ("drives", key, "parameters", text)
-        reference = parse_reference(text)
-        if reference is None or reference.pnu is None or reference.first is not None or not 1 <= reference.pnu <= 65535:
-            report.add(
-                Diagnostic(
-                    "PG203",
-                    f'"{text}" is not a parameter number',
-                    loaded.key_span(path),
-                    help="write its number, for example P50303",
-                )
-            )
-            continue
-        own[reference.pnu] = parameter_from(reference.pnu, definition.model_dump())
-    return own
-
-
-def _drive(
-    key: str,
-    drive: Drive,
-    loaded: LoadedSpec,
-    numbering: Numbering,
-    tokens: dict[int, BlockRef],
-    catalogue: Catalogue,
-    report: Report,
-) -> PlannedDrive | None:
-    """Plan one drive; drive objects at one address share a parameter channel and therefore a token."""
-    path = ("drives", key)
-    device = catalogue.find(drive.device, loaded.span((*path, "device")), report)
-    if device is None:
-        return None
-    classic = numbering.where.classic
-    id_value = drive.address if classic else drive.hardware_id
-    if id_value is None:
-        wanted = "address" if classic else "hardware_id"
-        why = "logical address" if classic else "hardware identifier"
-        report.add(
-            Diagnostic(
-                "PG215",
-                f"an {loaded.spec.plc.family.upper()} needs the drive's {why}",
-                loaded.key_span(path),
-                help=f"add {wanted}: to this drive",
-            )
-        )
-        id_value = 0
-    if classic and drive.output_address:
-        id_value |= OUTPUT_BIT
-    if id_value not in tokens:
-        tokens[id_value] = numbering.block("DB", f"{pascal_case(key)}Token", path)
-    return PlannedDrive(
-        key=key,
-        device=device,
-        id_value=id_value,
-        drive_object=device.drive_object if drive.drive_object is None else drive.drive_object,
-        record_index=_record_index(drive, device, loaded, key, report),
-        token=tokens[id_value],
-        comment=drive.comment or {},
-        path=path,
-    )
-
-
-def _record_index(drive: Drive, device: Device, loaded: LoadedSpec, key: str, report: Report) -> int:
-    default = device.record_index[device.default_index]
-    if drive.record_index is None:
-        return default
-    value = drive.record_index
-    index = device.record_index.get(value) if isinstance(value, str) else value
-    if index is None or index not in device.record_index.values():
-        known = ", ".join(f"{name} = {number:04X}h" for name, number in device.record_index.items())
-        shown = value if isinstance(value, str) else f"{value:04X}h"
-        report.add(
-            Diagnostic(
-                "PG216",
-                f"{device.title} has no parameter channel at record index {shown}",
-                loaded.span(("drives", key, "record_index")),
-                help=f"its indexes: {known}",
-            )
-        )
-        return default
-    return index
+    where = target(plc.family, plc.toolchain)
+    first = {"FB": plc.numbers.fb, "DB": plc.numbers.db, "UDT": plc.numbers.udt}
+    pinned = [number for protocol in loaded.protocols for number in protocol.pinned(loaded)]
+    numbering = Numbering(where, first, pinned)
+    plans = tuple(protocol.plan(loaded, numbering, report) for protocol in loaded.protocols)
+    return Project(loaded, plc.name, where, plc.languages, plans)

@@ -1,13 +1,10 @@
-"""What a CPU family and an engineering tool allow: dialect, encoding, number ranges, value types."""
+"""What a CPU family and an engineering tool allow: dialect, encoding, number ranges."""
 
 from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
 from functools import cache
-
-from plcgen.protocols.ds47.wire.formats import Format
-from plcgen.s7.types import ELEMENTARY, Elementary
 
 
 class Dialect(enum.StrEnum):
@@ -80,21 +77,3 @@ def combination_problem(family: str, toolchain: str) -> str | None:
     if toolchain == "step7-v5" and family in {"s7-1200", "s7-1500"}:
         return f"STEP 7 V5 does not know the {family.upper()}"
     return None
-
-
-_SAME = {"FloatingPoint": "REAL", "Integer16": "INT", "Integer32": "DINT", "Boolean": "BYTE", "VisibleString": "CHAR",
-         "OctetString": "BYTE", "V2": "WORD", "L2": "WORD", "N2": "INT", "E2": "INT", "X2": "INT", "N4": "DINT",
-         "C4": "DINT", "X4": "DINT"}  # fmt: skip
-_CLASSIC = {"Integer8": "BYTE", "Unsigned8": "BYTE", "Unsigned16": "WORD", "Unsigned32": "DWORD", "R2": "WORD",
-            "T2": "WORD", "D2": "WORD", "T4": "DWORD", "TimeDifference": "DWORD"}  # fmt: skip
-_NEW = {"Integer8": "SINT", "Unsigned8": "USINT", "Unsigned16": "UINT", "Unsigned32": "UDINT", "R2": "UINT",
-        "T2": "UINT", "D2": "UINT", "T4": "UDINT", "TimeDifference": "UDINT", "Float64": "LREAL"}  # fmt: skip
-_LONG = {"Integer64": "LINT", "Unsigned64": "ULINT"}
-
-
-def element_type(fmt: Format, where: Target) -> Elementary | None:
-    """S7 type that holds one value of a DS47 format; None if only bytes can hold it on this CPU."""
-    name = _SAME.get(fmt.name) or (_NEW if where.t15 else _CLASSIC).get(fmt.name)
-    if name is None and where.family == "s7-1500":
-        name = _LONG.get(fmt.name)
-    return ELEMENTARY[name] if name else None

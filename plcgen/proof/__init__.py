@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
-from plcgen.proof.checks import CheckGroup, Verification
+from plcgen.proof.checks import Check, CheckGroup, Verification
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.protocols.ppi.plan.nouns import PpiPlan
 
 if TYPE_CHECKING:
     from plcgen.protocols.ds47.sim.drive import Drive
@@ -45,9 +47,7 @@ def _verify(
     faults: Literal["none", "quick", "full"],
 ) -> Verification:
     from plcgen.input.text import read_text
-    from plcgen.project.loading import load_spec
-    from plcgen.project.resolve import resolve
-    from plcgen.project.rules import apply_rules
+    from plcgen.project.opening import open_spec
     from plcgen.proof.files import check_files
     from plcgen.proof.folder import read_folder
     from plcgen.proof.layouts import check_layouts
@@ -56,12 +56,9 @@ def _verify(
     from plcgen.protocols.ds47.proof.execution import check_execution
     from plcgen.protocols.ds47.sim.load import load_drive
 
-    loaded = load_spec(spec, report)
-    report.raise_on_errors()
-    assert loaded is not None  # noqa: S101 - without errors there is a spec
-    project = resolve(loaded, report)
-    apply_rules(project, report)
-    report.raise_on_errors()
+    opened = open_spec(spec)
+    project = opened.sound()
+    report.extend(opened.diagnostics)
     if not folder.is_dir():
         report.add(Diagnostic("PG507", "there is no such folder", Span(str(folder)), help="run plcgen generate first"))
         report.raise_on_errors()
@@ -69,19 +66,24 @@ def _verify(
     if drive_file is not None:
         own = partial(load_drive, read_text(drive_file), str(drive_file))
     files = read_folder(folder, project.target, progress)
-    layouts, telegrams = list(check_layouts(project, files)), list(check_telegrams(project, files))
-    if project.ppi is not None:
+    drives, masters = project.plan(DrivePlan), project.plan(PpiPlan)
+    layouts: list[Check] = []
+    telegrams: list[Check] = []
+    if drives is not None:
+        layouts += check_layouts(drives, files)
+        telegrams += check_telegrams(drives, files)
+    if masters is not None:
         from plcgen.protocols.ppi.proof.layouts import check_ppi_layouts, check_ppi_telegrams
 
-        layouts += check_ppi_layouts(project, files)
-        telegrams += check_ppi_telegrams(project, files)
+        layouts += check_ppi_layouts(masters, files)
+        telegrams += check_ppi_telegrams(masters, files)
     groups = [
         CheckGroup("files", "Files", (*check_files(project, files), *check_twins(project, files))),
         CheckGroup("layout", "Layout", tuple(layouts)),
         CheckGroup("telegrams", "Telegrams", tuple(telegrams)),
     ]
-    if project.jobs:
-        drive = tuple(check_drive(project, files, own and own(), progress))
+    if drives is not None and drives.jobs:
+        drive = tuple(check_drive(drives, files, own and own(), progress))
         groups.append(CheckGroup("drive", "Simulated drive", drive))
     ran = tuple(check_execution(project, folder, faults, progress, own=own))
     groups.append(CheckGroup("execution", "Execution", ran))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from plcgen.cpu.linkage import Probe
 from plcgen.cpu.program import Program
-from plcgen.project.model import PlannedJob
+from plcgen.protocols.ds47.plan.nouns import DriveJob
 
 Step = tuple[int, int]
 NO_OTHER = "the selector has no other value"
@@ -16,7 +16,7 @@ NO_RETRY = "retries: 0"
 NO_RETRIES = "MAX_RETRIES x RETRY_PAUSE is longer than TIMEOUT"
 
 
-def explanation(job: PlannedJob, probe: Probe, line: str) -> str:
+def explanation(job: DriveJob, probe: Probe, line: str) -> str:
     """Why a branch or statement of a generated block cannot run; empty if it should."""
     text = line.replace("#", "")
     if probe.kind == "else" and text.startswith(("CASE statTelegram OF", "CASE tempBlock OF")):
@@ -91,7 +91,7 @@ def measure(program: Program, name: str, counts: Sequence[int]) -> tuple[list[tu
 
 
 def merge(
-    job: PlannedJob, found: tuple[Iterable[tuple[Probe, int]], Sequence[str]], steps: frozenset[Step] = frozenset()
+    job: DriveJob, found: tuple[Iterable[tuple[Probe, int]], Sequence[str]], steps: frozenset[Step] = frozenset()
 ) -> Coverage:
     """Coverage of a job's block."""
     return cover(found, lambda probe, line: explanation(job, probe, line), steps)

@@ -10,7 +10,7 @@ from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.documents.folder import MANIFEST, generated_documents, generated_sources, known_files
 from plcgen.documents.manifest import digest
 from plcgen.documents.writing import JOURNAL
-from plcgen.project.model import Project
+from plcgen.project.nouns import Project
 from plcgen.project.target import Dialect
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.project.model import BlockRef, Field, Project, Telegram
+from plcgen.project.nouns import BlockRef, Buffer, Frame
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
+from plcgen.protocols.ds47.plan.nouns import DriveField, DrivePlan, DriveTelegram
 from plcgen.s7.blocks import Block
 from plcgen.s7.layout import Layout, layout_block
 from plcgen.s7.types import DataType, Elementary
@@ -29,39 +30,31 @@ class Row:
     type: DataType
 
 
-def check_layouts(project: Project, folder: Folder) -> Iterator[Check]:
+def check_layouts(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
     """Checks of the group ``layout``: one per buffer DB."""
-    for job in project.jobs:
+    for job in plan.jobs:
         for telegram in job.telegrams:
-            yield _buffer(project, folder, telegram.request_db, telegram.request_type, telegram.request_fields, None)
-            yield _buffer(
-                project, folder, telegram.response_db, telegram.response_type, telegram.response_fields, telegram
-            )
+            yield _buffer(plan, folder, telegram.request, None)
+            yield _buffer(plan, folder, telegram.response, telegram)
 
 
-def _buffer(
-    project: Project,
-    folder: Folder,
-    db: BlockRef,
-    type_block: BlockRef,
-    fields: tuple[Field, ...],
-    answers: Telegram | None,
-) -> Check:
+def _buffer(plan: DrivePlan, folder: Folder, buffer: Buffer[DriveField], answers: DriveTelegram | None) -> Check:
+    db, type_block, fields = buffer.db, buffer.type, buffer.fields
     size = fields[-1].offset + fields[-1].size
     subject = f'DB{db.number} "{db.name}"'
     figures = " ".join(f"{f.name}@{f.offset}{width_mark(f.type)}" for f in fields if f.role != "reserve")
     text = f"{size} B  {figures}"
     planned = [Row(f.name, f.offset, f.size, f.type) for f in fields]
-    problem = compare(project, folder, ((db, ""), (type_block, "")), planned, size)
+    problem = compare(plan, folder, ((db, ""), (type_block, "")), planned, size)
     if problem is None and answers is not None:
         problem = _room(answers, size, folder)
         text = f"{size} B  positive {answers.positive_length} / negative {answers.negative_length}  {figures}"
     if problem is not None:
         return Check(f"layout.{db.name}", subject, text, Outcome.ERROR, problem.message, problem)
-    return Check(f"layout.{db.name}", subject, text, Outcome.OK, agreement(project))
+    return Check(f"layout.{db.name}", subject, text, Outcome.OK, agreement(plan))
 
 
-def agreement(project: Project) -> str:
+def agreement(project: Frame) -> str:
     """``3 calculators agree``; which ones, where there are fewer."""
     if project.target.xml_version is not None:
         return "3 calculators agree"
@@ -69,7 +62,7 @@ def agreement(project: Project) -> str:
 
 
 def compare(
-    project: Project, folder: Folder, refs: tuple[tuple[BlockRef, str], ...], planned: list[Row], size: int
+    project: Frame, folder: Folder, refs: tuple[tuple[BlockRef, str], ...], planned: list[Row], size: int
 ) -> Diagnostic | None:
     """The first disagreement between the calculators, about the DB and then about its type.
 
@@ -96,7 +89,7 @@ def compare(
 
 
 def _laid_out(
-    project: Project, block: Block, blocks: dict[str, Block], origin: str, prefix: str
+    project: Frame, block: Block, blocks: dict[str, Block], origin: str, prefix: str
 ) -> tuple[list[Row], int] | Diagnostic:
     """Rows and size of one block as its source declares it."""
     what = f'{origin} of {block.kind} "{block.name}"'
@@ -144,12 +137,12 @@ def rows(layout: Layout, prefix: str = "") -> list[Row]:
     return [Row(e.path.removeprefix(prefix).strip('"'), e.byte, (e.size + 7) // 8, e.type) for e in entries]
 
 
-def _room(telegram: Telegram, size: int, folder: Folder) -> Diagnostic | None:
+def _room(telegram: DriveTelegram, size: int, folder: Folder) -> Diagnostic | None:
     need = max(telegram.positive_length, telegram.negative_length)
     if size >= need:
         return None
     message = f"response buffer {need - size} bytes too small"
-    return Diagnostic("PG605", message, folder.place(telegram.response_db.name), help=f"an answer needs {need} bytes")
+    return Diagnostic("PG605", message, folder.place(telegram.response.db.name), help=f"an answer needs {need} bytes")
 
 
 def width_mark(type_: DataType) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.diagnostics import Diagnostic
-from plcgen.project.model import Project
+from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.s7.blocks import Block, BlockKind, SectionKind

@@ -1,1 +1,1 @@
-"""The protocols that plcgen speaks, one package each, behind the face in ``base``."""
+"""The protocols that plcgen speaks: one package each, behind the face in ``base``."""

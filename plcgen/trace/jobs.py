@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from plcgen.cpu.cpu import Cpu
-from plcgen.project.model import PlannedJob, Project, Use
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.wire.formats import unpack_values
 from plcgen.protocols.ds47.words import STATES, STATUS_WORDS
 from plcgen.trace.model import Contact, Ending, JobResult, JobValue, Signal, Value
@@ -32,28 +32,28 @@ _OWN = frozenset({"execute", *(name for name, _ in _MEMBERS)})
 """Names of signals that a value may have too: not all of them are names at the interface of the block."""
 
 
-def execute_path(project: Project, job: PlannedJob) -> str:
+def execute_path(plan: DrivePlan, job: DriveJob) -> str:
     """Where a job is started: its flag, or the member of the control DB."""
     flag = job.trigger.execute
-    return str(flag) if flag is not None else f'"{project.control_db.name}".{job.member}.execute'
+    return str(flag) if flag is not None else f'"{plan.control_db.name}".{job.member}.execute'
 
 
-def job_signals(cpu: Cpu, project: Project, job: PlannedJob) -> Iterator[tuple[Signal, Watched]]:
+def job_signals(cpu: Cpu, plan: DrivePlan, job: DriveJob) -> Iterator[tuple[Signal, Watched]]:
     """Signals of a job: start, state, outputs; its values are listed by the text report."""
-    yield signal(cpu, job.key, "execute", execute_path(project, job))
+    yield signal(cpu, job.key, "execute", execute_path(plan, job))
     for name, member in _MEMBERS:
         names = STATE_NAMES if name == "state" else STATUS_TEXTS if name == "status" else {}
         yield signal(cpu, job.key, name, f'"{job.instance.name}".{member}', names=names)
     for use in (*job.inputs, *job.outputs):
         path = f'"{job.instance.name}".{use.member}'
         name = f"{use.member}_value" if use.member in _OWN else use.member
-        yield signal(cpu, job.key, name, path, unit=use.parameter.unit or "", listed=not job.write)
+        yield signal(cpu, job.key, name, path, unit=use.parameter.unit or "", listed=not job.writes)
 
 
-def token_signals(cpu: Cpu, project: Project) -> Iterator[tuple[Signal, Watched]]:
+def token_signals(cpu: Cpu, plan: DrivePlan) -> Iterator[tuple[Signal, Watched]]:
     """Which job owns which drive; the last request reference."""
-    for token, drives in project.tokens:
-        owners = {job.owner: job.key for job in project.jobs if job.drive in drives}
+    for token, drives in plan.tokens:
+        owners = {job.owner: job.key for job in plan.jobs if job.drive in drives}
         yield signal(cpu, token.name, "owner", f'"{token.name}".owner', names={0: "", **owners})
         yield signal(cpu, token.name, "requestReference", f'"{token.name}".requestReference')
 
@@ -61,11 +61,11 @@ def token_signals(cpu: Cpu, project: Project) -> Iterator[tuple[Signal, Watched]
 class JobWatch:
     """One job of a run: started in the first scan, followed until done or error."""
 
-    def __init__(self, cpu: Cpu, project: Project, planned: PlannedJob) -> None:
+    def __init__(self, cpu: Cpu, plan: DrivePlan, planned: DriveJob) -> None:
         self.planned = planned
         self.timeout = planned.timeout
         self.ending: Ending = "not started"
-        self._execute = execute_path(project, planned)
+        self._execute = execute_path(plan, planned)
         self._cpu = cpu
         self._members = {name: self._watch(name) for name in ("busy", "done", "error", "diagnostics.state")}
         self._now: dict[str, Value] = {name: item.value() for name, item in self._members.items()}
@@ -123,10 +123,10 @@ class JobWatch:
         word = _element(errors, use.position)
         number = word & 0xFF if word & 0x8000 else None
         value: Value | None = None
-        if self.planned.write and use.constant:
+        if self.planned.writes and use.constant:
             values = [_octets(item) for item in unpack_values(use.format, use.count, use.data)]
             value = plain(values[0] if len(values) == 1 else values)
-        elif self.planned.write or self.ending == "done":
+        elif self.planned.writes or self.ending == "done":
             value = self._read(use.member)
         parameter = use.parameter
         return JobValue(

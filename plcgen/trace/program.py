@@ -10,7 +10,7 @@ from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.options import usage
 from plcgen.input.text import read_text
-from plcgen.project.model import PlannedDrive, Project
+from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive
 from plcgen.protocols.ds47.proof.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.load import load_drive
@@ -60,28 +60,28 @@ def _joined(base: Program, dialect: Dialect, own: Sequence[Path]) -> Program:
     return Program.load([*dict.fromkeys(sources), *own], dialect, tags=tags, numbers=numbers)
 
 
-def connect(project: Project, files: Sequence[str], faults: FaultPlan) -> dict[int, tuple[str, Drive]]:
+def connect(plan: DrivePlan, files: Sequence[str], faults: FaultPlan) -> dict[int, tuple[str, Drive]]:
     """Build the drives by address, each with its key: from drive files where given, else from the device profile.
 
     A file is ``FILE`` (for every drive) or ``DRIVE=FILE``. Drives at one address are drive objects of one unit.
     """
-    chosen = _chosen(project, files)
+    chosen = _chosen(plan, files)
     found: dict[int, tuple[str, Drive]] = {}
-    for drive in project.drives:
+    for drive in plan.drives:
         path = chosen.get(drive.key) or chosen.get("")
         known = found.get(drive.id_value)
         if known is not None:
             if path is None:
-                _merge(known[1], build_drive(project, drive))
+                _merge(known[1], build_drive(plan, drive))
             continue
-        unit = build_drive(project, drive) if path is None else load_drive(read_text(path), str(path))
-        unit.faults += faults.of(*_sharing(project, drive))
+        unit = build_drive(plan, drive) if path is None else load_drive(read_text(path), str(path))
+        unit.faults += faults.of(*_sharing(plan, drive))
         found[drive.id_value] = drive.key, unit
     return found
 
 
-def _chosen(project: Project, files: Sequence[str]) -> Mapping[str, Path]:
-    keys = {drive.key for drive in project.drives}
+def _chosen(plan: DrivePlan, files: Sequence[str]) -> Mapping[str, Path]:
+    keys = {drive.key for drive in plan.drives}
     chosen: dict[str, Path] = {}
     for text in files:
         key, equals, path = text.partition("=")
@@ -101,6 +101,6 @@ def _merge(unit: Drive, other: Drive) -> None:
             own.parameters |= {p: value for p, value in item.parameters.items() if p not in own.parameters}
 
 
-def _sharing(project: Project, drive: PlannedDrive) -> tuple[str, ...]:
+def _sharing(plan: DrivePlan, drive: PlannedDrive) -> tuple[str, ...]:
     """Keys of all drives at the address of a drive."""
-    return tuple(other.key for other in project.drives if other.id_value == drive.id_value)
+    return tuple(other.key for other in plan.drives if other.id_value == drive.id_value)

@@ -12,8 +12,8 @@ from plcgen.cpu.system.bus import Bus
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import usage
-from plcgen.project.model import PlannedJob, Project
 from plcgen.proof.folder import DIALECTS
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.words import DRAIN_MS
 from plcgen.trace.jobs import JobWatch, job_signals, token_signals
 from plcgen.trace.model import RecordCall, Signal, Step, Trace, Value
@@ -51,42 +51,37 @@ def simulate(spec: Path, folder: Path, settings: Settings, progress: Progress | 
 
 
 def _simulate(spec: Path, folder: Path, settings: Settings, progress: Progress | None, report: Report) -> Trace:
-    from plcgen.project.loading import load_spec
-    from plcgen.project.resolve import resolve
-    from plcgen.project.rules import apply_rules
+    from plcgen.project.opening import open_spec
 
-    loaded = load_spec(spec, report)
-    report.raise_on_errors()
-    assert loaded is not None  # noqa: S101 - without errors there is a spec
-    project = resolve(loaded, report)
-    apply_rules(project, report)
-    report.raise_on_errors()
-    if not project.jobs:
+    opened = open_spec(spec)
+    plan = opened.sound().plan(DrivePlan)
+    report.extend(opened.diagnostics)
+    if plan is None or not plan.jobs:
         help_ = "plcgen verify runs PPI masters against simulated stations"
         raise usage(str(spec), "there is no drive job to be simulated", help_)
-    jobs = _chosen(project, settings.jobs)
+    jobs = _chosen(plan, settings.jobs)
     scan_time = parse_time(str(settings.scan_time))
     assignments = sorted(map(parse_assignment, settings.sets), key=lambda item: item.scan)
-    faults = plan_faults(settings.faults, settings.fault_file, [drive.key for drive in project.drives])
-    units = connect(project, settings.drives, faults)
+    faults = plan_faults(settings.faults, settings.fault_file, [drive.key for drive in plan.drives])
+    units = connect(plan, settings.drives, faults)
     if not folder.is_dir():
         missing = Diagnostic("PG507", "there is no such folder", Span(str(folder)), help="run plcgen generate first")
         raise DiagnosticError([missing])
-    program = load_program(folder, DIALECTS[project.target.dialect], settings.own)
+    program = load_program(folder, DIALECTS[plan.target.dialect], settings.own)
     report.extend(program.diagnostics)
     bus = Bus({address: unit for address, (_, unit) in units.items()})
-    groups = {name.upper(): job.key for job in project.jobs for name in _instances(job)}
-    cpu = RecordingCpu(program, bus, cast("Family", project.target.family), groups)
+    groups = {name.upper(): job.key for job in plan.jobs for name in _instances(job)}
+    cpu = RecordingCpu(program, bus, cast("Family", plan.target.family), groups)
     name_drives(cpu, units.values())
-    run = _Run(cpu, project, jobs, settings, scan_time, assignments)
+    run = _Run(cpu, plan, jobs, settings, scan_time, assignments)
     run.go(folder, progress)
     report.extend(map(_diagnostic, dict.fromkeys(cpu.misuses)))
     main = program.main()
     return Trace(
         str(spec),
         str(folder),
-        project.name,
-        f"{project.target.family} / {project.target.toolchain}",
+        plan.name,
+        f"{plan.target.family} / {plan.target.toolchain}",
         main.name if main else "",
         scan_time,
         cpu.scans,
@@ -101,12 +96,12 @@ def _simulate(spec: Path, folder: Path, settings: Settings, progress: Progress |
     )
 
 
-def _instances(job: PlannedJob) -> list[str]:
+def _instances(job: DriveJob) -> list[str]:
     return [job.instance.name, *(record.name for record in job.record_instances or ())]
 
 
-def _chosen(project: Project, names: Sequence[str]) -> list[PlannedJob]:
-    known = {job.key: job for job in project.jobs}
+def _chosen(plan: DrivePlan, names: Sequence[str]) -> list[DriveJob]:
+    known = {job.key: job for job in plan.jobs}
     for name in names:
         if name not in known:
             text = f"{did_you_mean(name, known)} jobs of this spec: {', '.join(known)}".strip()
@@ -137,8 +132,8 @@ class _Run:
     """The state of one run: signals with what they watch, and the steps so far."""
 
     cpu: RecordingCpu
-    project: Project
-    planned: Sequence[PlannedJob]
+    plan: DrivePlan
+    planned: Sequence[DriveJob]
     settings: Settings
     scan_time: int
     assignments: Sequence[Assignment]
@@ -159,7 +154,7 @@ class _Run:
         pending = list(self.assignments)
         for number in range(1, limit + 1):
             while pending and pending[0].scan <= number:
-                assign(self.cpu, pending.pop(0), self.project)
+                assign(self.cpu, pending.pop(0), self.plan)
             if number == 1:
                 for job in self.jobs:
                     job.begin()
@@ -191,19 +186,19 @@ class _Run:
         extra = [*(item.path for item in self.assignments), *self.settings.watches]
         for path in dict.fromkeys(extra):
             option = "--watch" if path in self.settings.watches else "--set"
-            full = full_path(self.cpu, path, self.project, option)
+            full = full_path(self.cpu, path, self.plan, option)
             if f"memory.{path}" not in self.positions:
                 self.add(*signal(self.cpu, "memory", path, full, listed=True))
 
     def prepare_jobs(self) -> None:
         """Look up the members of the jobs and tokens. Raises KeyError for one that is not there."""
         for job in self.planned:
-            for found, watched in job_signals(self.cpu, self.project, job):
+            for found, watched in job_signals(self.cpu, self.plan, job):
                 self.add(found, watched)
             for block in ("WRREC", "RDREC"):
                 self.add_record(job.key, block)
-            self.jobs.append(JobWatch(self.cpu, self.project, job))
-        for found, watched in token_signals(self.cpu, self.project):
+            self.jobs.append(JobWatch(self.cpu, self.plan, job))
+        for found, watched in token_signals(self.cpu, self.plan):
             self.add(found, watched)
 
     def add(self, found: Signal, watched: Watched) -> None:

@@ -6,7 +6,7 @@ from plcgen.cpu.cpu import Cpu
 from plcgen.diagnostics import DiagnosticError
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import usage
-from plcgen.project.model import Project
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.layout import layout_block
 from plcgen.s7.literals import LiteralError, parse_literal
@@ -15,23 +15,23 @@ from plcgen.trace.recorder import watch
 from plcgen.trace.settings import Assignment
 
 
-def full_path(cpu: Cpu, path: str, project: Project, option: str) -> str:
+def full_path(cpu: Cpu, path: str, plan: DrivePlan, option: str) -> str:
     """Path of a member as the CPU knows it; ``setRamps.execute`` means the control DB's member.
 
     Raises DiagnosticError if there is no such member, tag or address.
     """
-    control = f'"{project.control_db.name}".{path}'
+    control = f'"{plan.control_db.name}".{path}'
     for candidate in (path, control):
         try:
             watch(cpu, candidate)
         except (KeyError, ValueError):
             continue
         return candidate
-    raise _unknown(cpu, path, project, option)
+    raise _unknown(cpu, path, plan, option)
 
 
-def _unknown(cpu: Cpu, path: str, project: Project, option: str) -> DiagnosticError:
-    names = [f"{project.control_db.name}.{name}" for name in _members(cpu, project.control_db.name)]
+def _unknown(cpu: Cpu, path: str, plan: DrivePlan, option: str) -> DiagnosticError:
+    names = [f"{plan.control_db.name}.{name}" for name in _members(cpu, plan.control_db.name)]
     first = path.split(".", maxsplit=1)[0].strip('"')
     entry = cpu.program.link.find(first)
     if entry is not None and entry.block.kind is BlockKind.DB:
@@ -48,9 +48,9 @@ def _members(cpu: Cpu, name: str) -> list[str]:
     return [e.path for e in layout_block(entry.block, cpu.program.link.types).entries if not e.shape.fields]
 
 
-def assign(cpu: Cpu, item: Assignment, project: Project) -> None:
+def assign(cpu: Cpu, item: Assignment, plan: DrivePlan) -> None:
     """Give a member its value. Raises DiagnosticError if the value does not fit."""
-    path = full_path(cpu, item.path, project, "--set")
+    path = full_path(cpu, item.path, plan, "--set")
     _, type_ = watch(cpu, path)
     if not isinstance(type_, Elementary | StringType):
         raise usage(item.option, f"{item.path} is an array or structure", "name one element, for example [0]")

@@ -10,16 +10,17 @@ import yaml
 from projects import SPECS, every_type
 
 from plcgen.diagnostics import Report
-from plcgen.project.loading import parse_spec
-from plcgen.project.schema import field_names, json_schema
+from plcgen.project.loading import parse_spec, spec_keys
+from plcgen.project.schema import json_schema
 from plcgen.protocols.ds47 import devices as catalog
+from plcgen.protocols.registry import protocols
 
-VALIDATOR = jsonschema.Draft202012Validator(json_schema())
+VALIDATOR = jsonschema.Draft202012Validator(json_schema(protocols()))
 
 
 def test_schema_is_a_json_schema() -> None:
     """The schema itself is valid draft 2020-12."""
-    jsonschema.Draft202012Validator.check_schema(json_schema())
+    jsonschema.Draft202012Validator.check_schema(json_schema(protocols()))
 
 
 @pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
@@ -56,9 +57,9 @@ def test_the_spec_of_every_type_has_the_right_shape() -> None:
 
 def test_field_names_follow_the_models() -> None:
     """Suggestions for unknown keys come from the model at that place."""
-    assert "hardware_id" in field_names(("drives", "x"))
-    assert field_names(("jobs", "x", "read", 0)) == ["parameter", "as", "type", "comment"]
-    assert field_names(("jobs", "x", "nothing")) == []
+    assert "hardware_id" in spec_keys(("drives", "x"))
+    assert spec_keys(("jobs", "x", "read", 0)) == ["parameter", "as", "type", "comment"]
+    assert spec_keys(("jobs", "x", "nothing")) == []
 
 
 @pytest.mark.parametrize("key", catalog.device_names())

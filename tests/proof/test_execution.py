@@ -11,7 +11,7 @@ from projects import FAQ, MM4, SPECS, TARGETS, every_type, retargeted
 from plcgen import api
 from plcgen.diagnostics import Report
 from plcgen.project.loading import load_spec
-from plcgen.project.model import Project
+from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
 from plcgen.proof.checks import Check, Outcome
 from plcgen.protocols.ds47.proof.execution import check_execution

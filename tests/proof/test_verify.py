@@ -12,13 +12,14 @@ import pytest
 from projects import FAQ, MM4, ROOT, SPECS
 
 from plcgen import api
-from plcgen.project.model import Project
 from plcgen.proof.checks import Outcome, Verification
 from plcgen.proof.folder import read_folder
 from plcgen.proof.layouts import check_layouts
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.proof import exchanges
 from plcgen.protocols.ds47.proof.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
+from plcgen.protocols.ppi.plan.nouns import PpiPlan
 from plcgen.protocols.ppi.proof.layouts import check_ppi_layouts
 
 GOLDEN = ROOT / "examples" / FAQ.stem / "expected"
@@ -230,13 +231,13 @@ def test_the_refused_parameter_is_named(tmp_path: Path) -> None:
     assert "P1121: error 00h" in verdicts["drive.WriteParams_Request"]
 
 
-def shifted_plan(project: Project) -> Project:
-    """The same project, whose first request has its third field one byte later."""
+def shifted(project: DrivePlan) -> DrivePlan:
+    """The same plan, whose first request has its third field one byte later."""
     job = project.jobs[0]
     telegram = job.telegrams[0]
-    fields = list(telegram.request_fields)
+    fields = list(telegram.request.fields)
     fields[2] = dataclasses.replace(fields[2], offset=fields[2].offset + 1)
-    moved = dataclasses.replace(telegram, request_fields=tuple(fields))
+    moved = dataclasses.replace(telegram, request=dataclasses.replace(telegram.request, fields=tuple(fields)))
     return dataclasses.replace(project, jobs=(dataclasses.replace(job, telegrams=(moved,)), *project.jobs[1:]))
 
 
@@ -254,10 +255,9 @@ def test_a_shift_in_one_of_three_calculations_is_named(alone: str, tmp_path: Pat
     file, old, new = SHIFTS[alone]
     if file:
         edit(tmp_path / "out" / file, old, new)
-    project = api.check(FAQ).project
-    assert project is not None
+    project = api.check(FAQ).project.plan(DrivePlan)
     if not file:
-        project = shifted_plan(project)
+        project = shifted(project)
     checks = {c.id: c for c in check_layouts(project, read_folder(tmp_path / "out", project.target))}
     others = " and ".join(name for name in SHIFTS if name != alone)
     verdict = checks["layout.WR_DataBuffer"].verdict
@@ -273,10 +273,9 @@ def test_every_buffer_is_calculated_by_all(spec: Path) -> None:
     project = api.check(spec).project
     assert project is not None
     files = read_folder(folder, project.target)
-    checks = [*check_layouts(project, files), *check_ppi_layouts(project, files)]
-    buffers = [ref.name for job in project.jobs for t in job.telegrams for ref in (t.request_db, t.response_db)]
-    telegrams = [t for master in (project.ppi.masters if project.ppi else ()) for t in master.telegrams]
-    buffers += [ref.name for t in telegrams for ref in (t.request_db, t.response_db) if ref is not None]
+    drives, ppi = project.plan(DrivePlan), project.plan(PpiPlan)
+    checks = [*(check_layouts(drives, files) if drives else ()), *(check_ppi_layouts(ppi, files) if ppi else ())]
+    buffers = [buffer.db.name for plan in project.plans for buffer, _ in plan.protocol.buffers(plan)]
     assert [c.id for c in checks] == [f"layout.{name}" for name in buffers]
     expected = "3 calculators agree"
     if project.target.xml_version is None:

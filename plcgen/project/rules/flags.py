@@ -13,7 +13,7 @@ from plcgen.s7.address import Address
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plcgen.project.model import Project
+    from plcgen.project.nouns import Project
 
 _Flag = tuple[int, int, str, SpecPath, Address]
 
@@ -52,22 +52,9 @@ def out_of_range(project: Project) -> Iterator[Diagnostic]:
 
 def _flags(project: Project) -> Iterator[_Flag]:
     """Every flag: first bit, position in the spec, signal, path, address."""
-    position = 0
-    for job in project.jobs:
-        for signal, address in job.trigger.items():
-            position += 1
-            yield (
-                address.offset,
-                position,
-                f"{signal} of {job.key}",
-                (*job.path, "trigger", signal),
-                address,
-            )
-    if project.ppi is not None:
-        from plcgen.protocols.ppi.rules.line import flags
-
-        for number, (what, path, address) in enumerate(flags(project), position + 1):
-            yield address.offset, number, what, path, address
+    found = ((job, signal, address) for job in project.jobs for signal, address in job.trigger.items())
+    for position, (job, signal, address) in enumerate(found):
+        yield address.offset, position, f"{signal} of {job.key}", (*job.path, "trigger", signal), address
 
 
 def _span(project: Project, path: SpecPath) -> Span:

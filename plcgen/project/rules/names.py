@@ -3,36 +3,29 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, Severity, Span
-from plcgen.project.rules.places import by_importance, key_or_value, member_span, name_span, node_at
+from plcgen.diagnostics import Diagnostic, Note, Severity
+from plcgen.project.rules.places import by_importance, key_or_value, name_span, node_at
+from plcgen.protocols.base import Named
 from plcgen.s7.names import ROLES, check_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
+    from plcgen.diagnostics import Span
     from plcgen.project.loading import SpecPath
-    from plcgen.project.model import Project
+    from plcgen.project.nouns import Project
 
 _KEY = re.compile(r"[^\W\d_][\w-]*\Z")
 _PARAMETER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 _NUMBER = re.compile(r"[PpRr][0-9]+\Z")
 _IDENTIFIER = re.compile(r"[^\W\d]\w*\Z")
 _ADDRESS = re.compile(r"(?i)(?:P?[IQEA][BWDX]?|[ML][BWDX]?|[TCZ]|D[BI][BWDX]?|[FO][BC]|SF[BC]|UDT)[0-9]+\Z")
+_FIXED = ("plc",)
+"""Where the spec speaks of what every project has."""
 _ENCODINGS = {"cp1252": "Windows-1252", "utf-8-sig": "UTF-8"}
-
-
-@dataclass(frozen=True, slots=True)
-class Named:
-    """A name of the project: what it names, its role as in ``s7.names.check_name``, how to find its place."""
-
-    what: str
-    name: str
-    role: str
-    place: Callable[[], Span]
 
 
 def names(project: Project) -> Iterator[Diagnostic]:
@@ -50,6 +43,43 @@ def names(project: Project) -> Iterator[Diagnostic]:
         on = f" for {tool}" if named.role in ROLES else ""
         message = f'{named.what} "{_shown(named.name)}" is not a name{on}: {reason}'
         yield Diagnostic("PG405", message, span, help=_help(named))
+
+
+def block_names(project: Project) -> Iterator[Diagnostic]:
+    """PG406: a block has the name of another block, table or tag; letter case does not matter."""
+    first = {name.lower(): (f'"{name}"', what, span) for name, what, span in _taken(project)}
+    reported: set[tuple[Span, Span | None]] = set()
+    for block in by_importance(project.blocks):
+        if block.path == _FIXED:
+            continue
+        span = name_span(project, block)
+        mine = (f'"{block.name}"', "", span)
+        earlier = first.setdefault(block.name.lower(), mine)
+        name, what, place = earlier
+        if earlier is mine or (span, place) in reported:
+            continue
+        reported.add((span, place))
+        yield Diagnostic(
+            "PG406",
+            f'block name "{block.name}" is {f"also the name of {what}" if what else "used twice"}',
+            span,
+            help="rename one of them: letter case makes no difference",
+            notes=(Note(f"first use: {name}", place),) if place else (),
+        )
+
+
+def _taken(project: Project) -> Iterator[tuple[str, str, Span | None]]:
+    """Names that blocks of a spec must not have: of what every project gets, and of tables and tags."""
+    yield "Main", "the example OB1", None
+    for block in project.blocks:
+        if block.path == _FIXED:
+            yield block.name, "a block of every project", None
+    for plan in project.plans:
+        yield from plan.protocol.rules().taken(plan)
+    for job in project.jobs:
+        for signal in dict(job.trigger.items()):
+            span = key_or_value(project, (*job.path, "trigger", signal))
+            yield f"{job.member}{signal.capitalize()}", f'the {signal} flag of job "{job.key}"', span
 
 
 def encoding_of_names(project: Project) -> Iterator[Diagnostic]:
@@ -83,32 +113,14 @@ def encoding_of_comments(project: Project) -> Iterator[Diagnostic]:
 
 
 def _names(project: Project) -> Iterator[Named]:
-    """Every name that reaches a source or a file, with keys of the spec first."""
-    loaded = project.loaded
-    value, key_of = loaded.span, loaded.key_span
-    yield Named("project name", project.name, "text", partial(value, ("plc", "name")))
-    for key, drive in loaded.spec.drives.items():
-        yield Named("drive key", key, "key", partial(key_of, ("drives", key)))
-        for text, parameter in drive.parameters.items():
-            if parameter.name is not None:
-                place = partial(value, ("drives", key, "parameters", text, "name"))
-                yield Named("parameter name", parameter.name, "parameter", place)
-    for key in loaded.spec.jobs:
-        yield Named("job key", key, "key", partial(key_of, ("jobs", key)))
-    for block in by_importance(project):
+    """Every name that reaches a source or a file."""
+    yield Named("project name", project.name, "text", partial(project.loaded.span, ("plc", "name")))
+    for plan in project.plans:
+        yield from plan.protocol.rules().names(plan)
+    for block in by_importance(project.blocks):
         yield Named("block", block.name, "symbol", partial(name_span, project, block))
-    if project.ppi is not None:
-        from plcgen.protocols.ppi.rules.names import ppi_names
-
-        yield from (Named(*row) for row in ppi_names(project))
     for job in project.jobs:
-        yield Named("member", job.member, "identifier", partial(key_of, job.path))
-        for use in job.uses:
-            yield Named("member", use.member, "identifier", partial(member_span, project, use))
-        spec = loaded.spec.jobs[job.key]
-        for which, buffer in (("request", spec.request), ("response", spec.response)):
-            for old, new in buffer.members.items():
-                yield Named("member", new, "identifier", partial(value, (*job.path, which, "members", old)))
+        yield Named("member", job.member, "identifier", partial(project.loaded.key_span, job.path))
 
 
 def _reason(named: Named, *, v5: bool) -> str | None:
@@ -141,21 +153,12 @@ def _help(named: Named) -> str:
 
 
 def _comments(project: Project) -> Iterator[tuple[SpecPath, str]]:
-    """Texts that become comments: of drives, jobs, uses and the drives' own parameters."""
-    for drive in project.drives:
-        yield from _texts(project, (*drive.path, "comment"), drive.comment)
-        for text, parameter in project.loaded.spec.drives[drive.key].parameters.items():
-            for key, value in (("title", parameter.title), ("unit", parameter.unit)):
-                yield (*drive.path, "parameters", text, key), value or ""
-    if project.ppi is not None:
-        from plcgen.protocols.ppi.rules.names import ppi_comments
-
-        for path, texts in ppi_comments(project):
+    """Texts that become comments, with their places."""
+    for plan in project.plans:
+        rules = plan.protocol.rules()
+        yield from rules.plain(plan)
+        for path, texts in rules.texts(plan):
             yield from _texts(project, path, texts)
-    for job in project.jobs:
-        yield from _texts(project, (*job.path, "comment"), job.comment)
-        for use in job.uses:
-            yield from _texts(project, (*use.path, "comment"), use.comment)
 
 
 def _texts(project: Project, path: SpecPath, texts: dict[str, str]) -> Iterator[tuple[SpecPath, str]]:

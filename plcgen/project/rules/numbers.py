@@ -10,7 +10,7 @@ from plcgen.project.rules.places import key_or_value, number_span
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plcgen.project.model import BlockRef, Project
+    from plcgen.project.nouns import BlockRef, Project
 
 
 def used_twice(project: Project) -> Iterator[Diagnostic]:

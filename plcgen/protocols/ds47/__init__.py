@@ -1,1 +1,76 @@
 """PROFIdrive, data set 47: parameter jobs on drives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+    from plcgen.diagnostics import Report
+    from plcgen.project.loading import LoadedSpec
+    from plcgen.project.nouns import Buffer, Field
+    from plcgen.project.numbering import Numbering
+    from plcgen.protocols.base import Rules
+    from plcgen.protocols.ds47.plan.nouns import DrivePlan
+    from plcgen.review.compare.model import DriveState, JobState
+
+
+class Ds47:
+    """The face of the parameter channel, see ``protocols.base``."""
+
+    key = "ds47"
+    sections = ("drives", "jobs")
+
+    def section(self, *, alone: bool) -> type[BaseModel]:
+        """Drives and jobs; both may be missing beside another protocol."""
+        from plcgen.protocols.ds47.schema import DriveSections, OptionalDriveSections
+
+        return DriveSections if alone else OptionalDriveSections
+
+    def complete(self, schema: dict[str, Any]) -> None:
+        """Short forms of jobs."""
+        from plcgen.protocols.ds47.schema import complete
+
+        complete(schema)
+
+    def pinned(self, loaded: LoadedSpec) -> Iterator[tuple[str, int]]:
+        """Numbers of function blocks, instances and buffers."""
+        from plcgen.protocols.ds47.plan.resolve import pinned
+        from plcgen.protocols.ds47.schema import DriveSections
+
+        return pinned(loaded.sections(DriveSections))
+
+    def plan(self, loaded: LoadedSpec, numbering: Numbering, report: Report) -> DrivePlan:
+        """Plan drives and jobs."""
+        from plcgen.protocols.ds47.plan.resolve import plan_drives
+
+        return plan_drives(self, loaded, numbering, report)
+
+    def rules(self) -> Rules:
+        """Rules about drives, parameters and telegrams."""
+        from plcgen.protocols.ds47.rules import RULES
+
+        return RULES
+
+    def buffers(self, plan: DrivePlan) -> Iterator[tuple[Buffer[Field], str]]:
+        """Buffers with their roles."""
+        from plcgen.protocols.ds47.review import buffers
+
+        return buffers(plan)
+
+    def link_states(self, plan: DrivePlan) -> Iterator[DriveState]:
+        """Drives for a comparison."""
+        from plcgen.protocols.ds47.review import links
+
+        return links(plan)
+
+    def job_states(self, plan: DrivePlan) -> Iterator[JobState]:
+        """Jobs for a comparison."""
+        from plcgen.protocols.ds47.review import jobs
+
+        return jobs(plan)
+
+
+PROTOCOL = Ds47()

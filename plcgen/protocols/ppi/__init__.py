@@ -1,1 +1,76 @@
 """PPI: jobs on S7-200 stations over a serial line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+    from plcgen.diagnostics import Report
+    from plcgen.project.loading import LoadedSpec
+    from plcgen.project.nouns import Buffer, Field
+    from plcgen.project.numbering import Numbering
+    from plcgen.protocols.base import Rules
+    from plcgen.protocols.ppi.plan.nouns import PpiPlan
+    from plcgen.review.compare.model import DriveState, JobState
+
+
+class Ppi:
+    """The face of PPI, see ``protocols.base``."""
+
+    key = "ppi"
+    sections = ("ppi",)
+
+    def section(self, *, alone: bool) -> type[BaseModel]:  # noqa: ARG002 - the same in every company
+        """Masters."""
+        from plcgen.protocols.ppi.schema import PpiSection
+
+        return PpiSection
+
+    def complete(self, schema: dict[str, Any]) -> None:
+        """Short forms of jobs."""
+        from plcgen.protocols.ppi.schema import complete
+
+        complete(schema)
+
+    def pinned(self, loaded: LoadedSpec) -> Iterator[tuple[str, int]]:
+        """Numbers of function blocks, instances and tables."""
+        from plcgen.protocols.ppi.plan.resolve import pinned
+        from plcgen.protocols.ppi.schema import PpiSection
+
+        return pinned(loaded.sections(PpiSection))
+
+    def plan(self, loaded: LoadedSpec, numbering: Numbering, report: Report) -> PpiPlan:
+        """Plan masters, stations and jobs."""
+        from plcgen.protocols.ppi.plan.resolve import plan_masters
+
+        return plan_masters(self, loaded, numbering, report)
+
+    def rules(self) -> Rules:
+        """Rules about masters, stations and telegrams."""
+        from plcgen.protocols.ppi.rules import RULES
+
+        return RULES
+
+    def buffers(self, plan: PpiPlan) -> Iterator[tuple[Buffer[Field], str]]:
+        """Buffers with their roles."""
+        from plcgen.protocols.ppi.review import buffers
+
+        return buffers(plan)
+
+    def link_states(self, plan: PpiPlan) -> Iterator[DriveState]:
+        """Stations for a comparison."""
+        from plcgen.protocols.ppi.review import links
+
+        return links(plan)
+
+    def job_states(self, plan: PpiPlan) -> Iterator[JobState]:
+        """Jobs for a comparison."""
+        from plcgen.protocols.ppi.review import jobs
+
+        return jobs(plan)
+
+
+PROTOCOL = Ppi()

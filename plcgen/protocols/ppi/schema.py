@@ -9,10 +9,7 @@ from pydantic import BeforeValidator, Field
 from plcgen.input.validation import StrictModel
 from plcgen.project.schema import (
     BlockName,
-    Drive,
     Duration,
-    Job,
-    Spec,
     Text,
     Trigger,
     Value,
@@ -77,7 +74,7 @@ class PpiStation(StrictModel):
     comment: Text | None = None
 
 
-class PpiJob(StrictModel):
+class MasterJob(StrictModel):
     """One job: read or write some addresses of one station, or switch it to RUN or STOP."""
 
     station: str = Field(description="key of a station of this master")
@@ -110,7 +107,7 @@ class PpiMaster(StrictModel):
     own_address: int = Field(0, ge=0, le=126, description="PPI address of this master; 0 is that of a PC")
     baud: int = Field(9600, description="9600 or 19200")
     stations: dict[str, PpiStation] = Field(min_length=1)
-    jobs: dict[str, PpiJob] = Field(min_length=1)
+    jobs: dict[str, MasterJob] = Field(min_length=1)
     block: BlockName = Field(BlockName(), description="the master's function block")
     instance: BlockName = Field(BlockName(), description="the function block's instance DB")
     ack_timeout: Duration = Field(250, description="waiting for E5 behind a request")
@@ -122,27 +119,21 @@ class PpiMaster(StrictModel):
     comment: Text | None = None
 
 
-class SpecWithPpi(Spec):
-    """A spec with PPI masters: drives and their jobs may be missing."""
+class PpiSection(StrictModel):
+    """PPI masters."""
 
-    drives: dict[str, Drive] = Field(default_factory=dict)
-    jobs: dict[str, Job] = Field(default_factory=dict)
     ppi: dict[str, PpiMaster] = Field(min_length=1, description="PPI masters, one a serial port")
 
-    @property
-    def masters(self) -> dict[str, PpiMaster]:
-        """The PPI masters by key."""
-        return self.ppi
 
-
-def complete(schema: dict[str, Any], definitions: dict[str, Any]) -> None:
-    """Put the short forms into the JSON schema of a spec with masters."""
+def complete(schema: dict[str, Any]) -> None:
+    """Put the short forms of masters' jobs into the JSON schema of a spec."""
+    definitions = schema["$defs"]
     items, text = {"$ref": "#/$defs/PpiReadItem"}, {"type": "string"}
     value = {"type": ["boolean", "integer", "number", "string", "null"]}
     entry = {**definitions["PpiWriteItem"], "required": [], "title": "PpiWriteEntry"}
     entry["properties"] = {name: what for name, what in entry["properties"].items() if name != "item"}
     definitions["PpiWriteEntry"] = entry
-    job = definitions["PpiJob"]["properties"]
+    job = definitions["MasterJob"]["properties"]
     job["read"] = {"type": "array", "items": {"anyOf": [text, items]}, "description": job["read"]["description"]}
     job["write"] = {
         "anyOf": [
@@ -152,5 +143,3 @@ def complete(schema: dict[str, Any], definitions: dict[str, Any]) -> None:
         "description": job["write"]["description"],
     }
     job["trigger"] = {"anyOf": [text, {"$ref": "#/$defs/Trigger"}], "description": job["trigger"]["description"]}
-    schema["required"] = ["plc"]
-    schema["anyOf"] = [{"required": ["drives", "jobs"]}, {"required": ["ppi"]}]

@@ -6,25 +6,26 @@ from projects import FAQ, MM4
 
 from plcgen.diagnostics import Report
 from plcgen.project.loading import parse_spec
-from plcgen.project.model import Project
 from plcgen.project.resolve import resolve
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
 HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v18}\n"
 
 
-def planned(text: str, *codes: str) -> Project:
+def planned(text: str, *codes: str) -> DrivePlan:
     report = Report()
     loaded = parse_spec(text, "t.yaml", report)
     assert loaded is not None, list(report)
-    project = resolve(loaded, report)
+    plan = resolve(loaded, report).plan(DrivePlan)
     assert tuple(d.code for d in report) == codes
-    return project
+    assert plan is not None
+    return plan
 
 
 def test_the_seeds_telegrams() -> None:
     """FAQ 109750712 figure 5-1 and figure 4-9 with 100.0; MM4 part 3 tables 3-1 and 3-3."""
     found = {
-        job.key: job.telegrams[0].request.hex(" ").upper()
+        job.key: job.telegrams[0].request.data.hex(" ").upper()
         for path in (FAQ, MM4)
         for job in planned(path.read_text(encoding="utf-8")).jobs
     }

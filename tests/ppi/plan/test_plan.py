@@ -12,6 +12,7 @@ from projects import ROOT
 from plcgen import api
 from plcgen.proof.folder import read_folder
 from plcgen.protocols.ppi.plan.fields import request_fields
+from plcgen.protocols.ppi.plan.nouns import PpiPlan
 from plcgen.s7.image import image
 
 VECTORS = yaml.safe_load((ROOT / "tests" / "vectors" / "ppi.yaml").read_text("utf-8"))["frames"]
@@ -76,10 +77,10 @@ def test_the_requests_of_the_seed_lie_in_the_tables(target: str, tmp_path: Path)
     project = generated(target, tmp_path)
     folder = read_folder(tmp_path / "out", project.target)
     tables = [folder.text] if project.target.v5 else [folder.text, folder.xml]
-    for job, (_, text) in zip(project.ppi.masters[0].jobs, SEED.values(), strict=True):
+    for job, (_, text) in zip(project.plan(PpiPlan).masters[0].jobs, SEED.values(), strict=True):
         expected = bytes.fromhex(text)
         for blocks in tables:
-            data = bytes(image(blocks[job.telegrams[0].request_db.name.upper()], blocks))
+            data = bytes(image(blocks[job.telegrams[0].request.db.name.upper()], blocks))
             assert data[0] == len(expected)
             assert data[1 : 1 + len(expected)].hex(" ") == expected.hex(" ")
 
@@ -88,12 +89,12 @@ def test_the_requests_of_the_seed_lie_in_the_tables(target: str, tmp_path: Path)
 def test_every_word_of_a_table_has_an_even_offset(target: str, tmp_path: Path) -> None:
     """Otherwise a compiler would put a gap in front of it."""
     project = generated(target, tmp_path)
-    for telegram in project.ppi.masters[0].telegrams:
-        for field in (*telegram.request_fields, *telegram.response_fields):
+    for telegram in project.plan(PpiPlan).masters[0].telegrams:
+        for field in (field for buffer in telegram.buffers for field in buffer.fields):
             assert field.size == 1 or field.offset % 2 == 0, field.name
-        ends = [(f.offset, f.offset + f.size) for f in request_fields(telegram.request, telegram.items)]
+        ends = [(f.offset, f.offset + f.size) for f in request_fields(telegram.request.data, telegram.items)]
         assert [end for _, end in ends[:-1]] == [start for start, _ in ends[1:]]
-        assert ends[-1][1] == len(telegram.request) + 1
+        assert ends[-1][1] == len(telegram.request.data) + 1
 
 
 def test_a_spec_without_masters_does_not_import_them() -> None:
@@ -106,7 +107,7 @@ def test_a_spec_without_masters_does_not_import_them() -> None:
         "from pathlib import Path\n"
         "from plcgen import api\n"
         f"assert api.check(Path({str(ROOT / 'specs' / 's7-300_mm440_dp.yaml')!r})).ok\n"
-        "print([name for name in sys.modules if 'ppi' in name])\n"
+        "print([name for name in sys.modules if '.ppi.' in name])\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

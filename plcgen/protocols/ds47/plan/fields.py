@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from plcgen.project.model import Field, Part
-from plcgen.project.target import Target, element_type
+from plcgen.project.target import Target
+from plcgen.protocols.ds47.plan.nouns import DriveField, Part
+from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.wire.formats import Format, padded
 from plcgen.protocols.ds47.wire.model import Attribute
 from plcgen.s7.types import ELEMENTARY, ArrayType, DataType
@@ -78,7 +79,7 @@ class _Layout:
     own: dict[str, str]
     single: bool
     style: bool
-    fields: list[Field]
+    fields: list[DriveField]
     offset: int = 0
 
     def add(
@@ -90,7 +91,7 @@ class _Layout:
         elif position and not self.single:
             name = f"{name}_{position}" if not self.style else f"{name}{position}"
         name = self.own.get(name, name)
-        self.fields.append(Field(name, role, type_, self.offset, size, data.ljust(size, b"\0"), part))
+        self.fields.append(DriveField(name, role, type_, self.offset, size, data.ljust(size, b"\0"), part))
         self.offset += size
 
     def byte(self, role: str, value: int = 0, part: Part | None = None, position: int = 0) -> None:
@@ -116,7 +117,7 @@ def request_fields(
     *,
     write: bool,
     faq: bool,
-) -> tuple[Field, ...]:
+) -> tuple[DriveField, ...]:
     """Members of the request DB; ``header`` is (reference, request id, drive object)."""
     layout = _Layout(_FAQ_REQUEST if faq else _STYLE_REQUEST, own, len(parts) == 1, not faq, [])
     for role, value in zip(("reference", "request_id", "drive_object"), header, strict=True):
@@ -135,7 +136,7 @@ def request_fields(
 
 def response_fields(
     parts: Sequence[Part], size: int, where: Target, own: dict[str, str], *, write: bool, faq: bool
-) -> tuple[Field, ...]:
+) -> tuple[DriveField, ...]:
     """Members of the response DB, ``size`` bytes long; what the positive answer leaves free is a reserve."""
     names = dict(_FAQ_RESPONSE if faq else _STYLE_RESPONSE)
     if faq:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.project.loading import LoadedSpec, SpecPath
-from plcgen.project.model import BlockRef, Part, PlannedDrive, PlannedJob, PlannedTrigger, Telegram, Use
+from plcgen.project.nouns import BlockRef, Buffer
 from plcgen.project.numbering import Numbering
-from plcgen.project.schema import Buffer, Job, ReadItem, Trigger, WriteItem
+from plcgen.project.triggers import plan_trigger
 from plcgen.protocols.ds47.plan import pack
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part, PlannedDrive, Use
 from plcgen.protocols.ds47.plan.uses import UseResolver
+from plcgen.protocols.ds47.schema import Buffer as BufferSpec
+from plcgen.protocols.ds47.schema import DriveSections, Job, ReadItem, WriteItem
 from plcgen.protocols.ds47.wire.codec import encode_request
 from plcgen.protocols.ds47.wire.model import ParameterAddress, Request, RequestId, ValueBlock
-from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorten
 
 
@@ -24,9 +26,9 @@ def plan_job(
     resolver: UseResolver,
     numbering: Numbering,
     report: Report,
-) -> PlannedJob | None:
+) -> DriveJob | None:
     """Plan one job; None if it has no usable parameter."""
-    job = loaded.spec.jobs[key]
+    job = loaded.sections(DriveSections).jobs[key]
     path = ("jobs", key)
     uses = _uses(job, key, loaded, resolver, report)
     if not uses:
@@ -43,11 +45,12 @@ def plan_job(
     context = _Context(key, drive, reference, numbering, write=write, faq=faq, many=len(packed) > 1)
     telegrams = tuple(_telegram(index, parts, job, name, context) for index, parts in enumerate(packed, 1))
     block, instance, records = _blocks(job, name, path, numbering)
-    return PlannedJob(
+    return DriveJob(
         key=key,
         member=_member(key, job, numbering),
-        write=write,
-        drive=drive,
+        kind="write" if write else "read",
+        writes=write,
+        link=drive,
         owner=owner,
         uses=uses,
         telegrams=telegrams,
@@ -160,39 +163,34 @@ class _Context:
     def reference_of(self, index: int) -> int:
         return (self.reference - 1 + index - 1) % 255 + 1
 
+    def type_of(self, block: BlockRef) -> BlockRef:
+        return self.numbering.block("UDT", f"type{_upper(block.name)}", block.path)
+
     def name(self, base: str, index: int) -> str:
         return f"{base}{index}" if self.many else base
 
 
-def _telegram(index: int, parts: tuple[Part, ...], job: Job, name: str, context: _Context) -> Telegram:
-    numbering, where, write = context.numbering, context.numbering.where, context.write
+def _telegram(number: int, parts: tuple[Part, ...], job: Job, name: str, context: _Context) -> DriveTelegram:
+    where, write, faq = context.numbering.where, context.write, context.faq
     request_id = RequestId.CHANGE if write else RequestId.READ
-    header = (context.reference_of(index) & 0xFF, int(request_id), context.drive.drive_object)
-    longest = pack.longest_response(parts, write=write)
+    header = (context.reference_of(number) & 0xFF, int(request_id), context.drive.drive_object)
+    data = _request_bytes(parts, header, write=write)
     pinned = job.response.size
-    request_db = _buffer(job.request, "request", f"{name}_Request", index, context)
-    response_db = _buffer(job.response, "response", f"{name}_Response", index, context)
-    return Telegram(
-        index=index,
+    size = pack.longest_response(parts, write=write) if pinned is None else pinned
+    request_db = _buffer(job.request, "request", f"{name}_Request", number, context)
+    response_db = _buffer(job.response, "response", f"{name}_Response", number, context)
+    asked = request_fields(parts, header, where, job.request.members, write=write, faq=faq)
+    answered = response_fields(parts, size, where, job.response.members, write=write, faq=faq)
+    return DriveTelegram(
+        number=number,
+        request_id=request_id,
+        response_id=request_id,
+        request=Buffer(request_db, context.type_of(request_db), asked, len(data), data),
+        response=Buffer(response_db, context.type_of(response_db), answered, size),
         parts=parts,
-        request=_request_bytes(parts, header, write=write),
-        request_db=request_db,
-        request_type=numbering.block("UDT", f"type{_upper(request_db.name)}", request_db.path),
-        request_fields=request_fields(parts, header, where, job.request.members, write=write, faq=context.faq),
         positive_length=pack.positive_length(parts, write=write),
         negative_length=pack.negative_length(parts),
-        response_size=longest if pinned is None else pinned,
-        response_db=response_db,
-        response_type=numbering.block("UDT", f"type{_upper(response_db.name)}", response_db.path),
-        response_fields=response_fields(
-            parts,
-            longest if pinned is None else pinned,
-            where,
-            job.response.members,
-            write=write,
-            faq=context.faq,
-        ),
-        pinned_response=pinned,
+        pinned=pinned,
     )
 
 
@@ -200,7 +198,7 @@ def _upper(name: str) -> str:
     return name[:1].upper() + name[1:]
 
 
-def _buffer(given: Buffer, which: str, default: str, index: int, context: _Context) -> BlockRef:
+def _buffer(given: BufferSpec, which: str, default: str, index: int, context: _Context) -> BlockRef:
     path = ("jobs", context.key, which)
     name = context.name(given.name or default, index)
     number = given.db if index == 1 else None
@@ -211,29 +209,3 @@ def _request_bytes(parts: tuple[Part, ...], header: tuple[int, int, int], *, wri
     addresses = tuple(ParameterAddress(part.use.parameter.pnu, part.subindex, part.elements) for part in parts)
     values = tuple(ValueBlock(part.use.format.code, part.count, part.data) for part in parts) if write else ()
     return encode_request(Request(*header, addresses, values))
-
-
-def plan_trigger(trigger: Trigger | None, path: SpecPath, loaded: LoadedSpec, report: Report) -> PlannedTrigger:
-    """Flags of a job whose place in the spec is ``path``; a flag that cannot be used is a diagnostic."""
-    if trigger is None:
-        return PlannedTrigger()
-    found: dict[str, Address] = {}
-    for signal in ("execute", "busy", "done", "error", "status"):
-        text = getattr(trigger, signal)
-        if text is None:
-            continue
-        place = loaded.span((*path, "trigger", signal))
-        width = 16 if signal == "status" else 1
-        wanted = "a word such as MW52" if width > 1 else "a bit such as M50.0"
-        try:
-            address = parse_address(text)
-        except AddressError as problem:
-            report.add(Diagnostic("PG404", f'"{text}": {problem.reason}', place, help=f"{signal} is {wanted}"))
-            continue
-        if address.area != "M" or address.width_bits != width:
-            report.add(
-                Diagnostic("PG404", f'"{text}" cannot be the {signal} flag', place, help=f"{signal} is {wanted}")
-            )
-            continue
-        found[signal] = address
-    return PlannedTrigger(**found)

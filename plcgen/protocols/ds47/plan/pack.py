@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from plcgen.project.model import Part, Use
+from plcgen.protocols.ds47.plan.nouns import Part, Use
 from plcgen.protocols.ds47.wire.formats import padded
 from plcgen.protocols.ds47.wire.model import ADDRESS_SIZE, HEADER_SIZE, MAX_ELEMENTS, negative_size
 

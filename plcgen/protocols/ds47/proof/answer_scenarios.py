@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from plcgen.project.model import PlannedJob, Telegram
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.protocols.ds47.proof.record_scenarios import ends
 from plcgen.protocols.ds47.proof.scenario import DONE, WORDS, Edit, Scenario
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
@@ -17,7 +17,7 @@ INFO = 0x1234
 NOT_SUPPORTED = bytes.fromhex("44010021")
 
 
-def error_matrix(job: PlannedJob, numbers: Iterable[int] | None = None) -> Iterator[Scenario]:
+def error_matrix(job: DriveJob, numbers: Iterable[int] | None = None) -> Iterator[Scenario]:
     """Every error number at every position with one and two error words."""
     for number in known_numbers() if numbers is None else numbers:
         for telegram in job.telegrams:
@@ -26,17 +26,17 @@ def error_matrix(job: PlannedJob, numbers: Iterable[int] | None = None) -> Itera
                     yield _error(job, telegram, number, position, 2 if words == 2 else 1)
 
 
-def _error(job: PlannedJob, telegram: Telegram, number: int, position: int, words: Literal[1, 2]) -> Scenario:
-    before = sum(len(other.parts) >= position for other in job.telegrams[: telegram.index - 1])
+def _error(job: DriveJob, telegram: DriveTelegram, number: int, position: int, words: Literal[1, 2]) -> Scenario:
+    before = sum(len(other.parts) >= position for other in job.telegrams[: telegram.number - 1])
     info = INFO + position
     fault = Fault(FaultKind.ERROR, number=number, position=position, words=words, info=info, after=before)
     use = telegram.parts[position - 1].use
     return Scenario(
-        name=f"error {number:02X}h at parameter {position} of telegram {telegram.index}, {words} error words",
+        name=f"error {number:02X}h at parameter {position} of telegram {telegram.number}, {words} error words",
         status=(WORDS["PARAMETER_ERROR"],),
         faults=(fault,),
         errors={use.position: (0x8000 | number, info if words == 2 else 0)},
-        telegram=telegram.index,
+        telegram=telegram.number,
         follow=False,
     )
 
@@ -45,14 +45,14 @@ def _error(job: PlannedJob, telegram: Telegram, number: int, position: int, word
 class Shape:
     """What one answer looks like: positive and negative id, offsets of the value blocks, room in the buffer."""
 
-    job: PlannedJob
-    telegram: Telegram
+    job: DriveJob
+    telegram: DriveTelegram
     room: int
 
     @property
     def good(self) -> int:
         """Response id of a positive answer."""
-        return 2 if self.job.write else 1
+        return 2 if self.job.writes else 1
 
     @property
     def blocks(self) -> list[tuple[int, int]]:
@@ -66,7 +66,7 @@ class Shape:
 
     def content(self, answer: bytes) -> list[bytes]:
         """The blocks as a partly negative answer carries them."""
-        if self.job.write:
+        if self.job.writes:
             return [b"\x40\x00"] * len(self.telegram.parts)
         return [answer[at : at + size] for at, size in self.blocks]
 
@@ -82,32 +82,32 @@ class Shape:
 
     def scenario(self, name: str, word: str, edit: Edit, length: int | None = None, **more: object) -> Scenario:
         """A scenario with one edited answer; beyond the buffer RDREC itself fails."""
-        if length is not None and length > self.telegram.response_size:
+        if length is not None and length > self.telegram.response.size:
             word = "READ_ERROR" if length > self.room else "RESPONSE_FORMAT"
         status = WORDS[word]
         return Scenario(
-            name=f"telegram {self.telegram.index}: {name}",
+            name=f"telegram {self.telegram.number}: {name}",
             status=(status,),
-            reads={self.telegram.index: edit},
+            reads={self.telegram.number: edit},
             generic=False,
-            telegram=0 if status == DONE else self.telegram.index,
+            telegram=0 if status == DONE else self.telegram.number,
             calls=(0, 0),
             **more,  # type: ignore[arg-type]
         )
 
 
-def answer_scenarios(job: PlannedJob, *, classic: bool) -> Iterator[Scenario]:
+def answer_scenarios(job: DriveJob, *, classic: bool) -> Iterator[Scenario]:
     """Everything an answer may be."""
-    largest = max(telegram.response_size for telegram in job.telegrams)
+    largest = max(telegram.response.size for telegram in job.telegrams)
     for number in ends(job):
         telegram = job.telegrams[number - 1]
-        shape = Shape(job, telegram, telegram.response_size if classic else largest)
+        shape = Shape(job, telegram, telegram.response.size if classic else largest)
         yield from _header(shape)
         yield from _length(shape)
         yield from _negative(shape)
         yield from _refused(shape)
         yield from _leftovers(shape)
-        if not job.write:
+        if not job.writes:
             yield from _formats(shape)
     for generic in (False, True):
         yield Scenario(name=f"answers in {'41h to 43h' if generic else 'the types themselves'}", generic=generic)
@@ -162,7 +162,7 @@ def _length(shape: Shape) -> Iterator[Scenario]:
 
 def _negative(shape: Shape) -> Iterator[Scenario]:
     parts = shape.telegram.parts
-    sizes = [2] * len(parts) if shape.job.write else [size for _, size in shape.blocks]
+    sizes = [2] * len(parts) if shape.job.writes else [size for _, size in shape.blocks]
     total = 4 + sum(sizes)
     for index in sorted({0, len(parts) // 2, len(parts) - 1}):
         rest = total - sizes[index]
@@ -189,7 +189,7 @@ def _negative(shape: Shape) -> Iterator[Scenario]:
     yield from _missing(shape)
     yield from _positive_error(shape)
     yield shape.scenario("negative without any error", "RESPONSE_FORMAT", shape.negative(lambda _: None))
-    if shape.job.write:
+    if shape.job.writes:
         yield from _written(shape)
 
 
@@ -216,14 +216,14 @@ def _missing(shape: Shape) -> Iterator[Scenario]:
 
         if count > 2:
             yield shape.scenario(f"failed without block {index + 1}", "RESPONSE_FORMAT", shape.negative(change))
-        if not shape.job.write:
+        if not shape.job.writes:
             at, size = shape.blocks[index]
             yield shape.scenario(f"good without block {index + 1}", "RESPONSE_FORMAT", without(at, size))
 
 
 def _leftovers(shape: Shape) -> Iterator[Scenario]:
     """What stands in the buffer behind a short answer does not count, nor what a block before the wrong one was."""
-    if shape.job.write:
+    if shape.job.writes:
         if len(shape.telegram.parts) > 2:
 
             def change(blocks: list[bytes]) -> None:

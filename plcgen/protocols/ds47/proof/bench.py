@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from plcgen.project.model import PlannedDrive, Project, Use
 from plcgen.protocols.ds47 import devices as catalog
+from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault
 from plcgen.protocols.ds47.sim.habits import Habits
@@ -13,11 +13,9 @@ from plcgen.protocols.ds47.sim.parameters import DriveObject, Limits, Parameter
 from plcgen.protocols.ds47.wire.formats import Format, Kind, Value, unpack_values
 
 
-def build_drive(
-    project: Project, drive: PlannedDrive, faults: Iterable[Fault] = (), *, distinct: bool = False
-) -> Drive:
+def build_drive(plan: DrivePlan, drive: PlannedDrive, faults: Iterable[Fault] = (), *, distinct: bool = False) -> Drive:
     """A drive with the profile's habits. ``distinct`` gives every value another content."""
-    uses = [use for job in project.jobs if job.drive is drive for use in job.uses]
+    uses = [use for job in plan.jobs if job.drive is drive for use in job.uses]
     by_pnu: dict[int, list[Use]] = {}
     for use in uses:
         by_pnu.setdefault(use.parameter.pnu, []).append(use)

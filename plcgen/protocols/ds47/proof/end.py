@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcgen.project.model import Telegram
+from plcgen.protocols.ds47.plan.nouns import DriveTelegram
 from plcgen.protocols.ds47.proof.rig import JobRig, ScenarioError
 from plcgen.protocols.ds47.proof.scenario import DONE, WORDS, Scenario
 
@@ -73,12 +73,12 @@ class EndChecks:
         for telegram, answer in zip(rig.job.telegrams, self.answers(), strict=False):
             self.check_response(telegram, answer)
 
-    def check_response(self, telegram: Telegram, answer: bytes) -> None:
+    def check_response(self, telegram: DriveTelegram, answer: bytes) -> None:
         """The response DB holds an answer, good or bad: every member that the answer reaches the end of."""
-        memory = self.rig.cpu.db(telegram.response_db.name)
-        fields = [f.name for f in telegram.response_fields if self.differs(f.offset, f.size, memory, answer)]
+        memory = self.rig.cpu.db(telegram.response.db.name)
+        fields = [f.name for f in telegram.response.fields if self.differs(f.offset, f.size, memory, answer)]
         if fields:
-            raise ScenarioError(f'"{telegram.response_db.name}" differs from the answer in {", ".join(fields)}')
+            raise ScenarioError(f'"{telegram.response.db.name}" differs from the answer in {", ".join(fields)}')
 
     @staticmethod
     def differs(offset: int, size: int, memory: bytearray, answer: bytes) -> bool:

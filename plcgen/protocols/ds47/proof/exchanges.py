@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError
-from plcgen.project.model import Field, Part, PlannedJob, Project, Telegram
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
+from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part
 from plcgen.protocols.ds47.proof.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
@@ -34,48 +34,48 @@ class _FindingError(Exception):
         super().__init__(message)
 
 
-def check_telegrams(project: Project, folder: Folder) -> Iterator[Check]:
+def check_telegrams(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
     """Checks of the group ``telegrams``: start values of each request DB against the spec and DS47."""
-    for job in project.jobs:
+    for job in plan.jobs:
         for telegram in job.telegrams:
-            shown = telegram.request.hex(" ").upper()
-            text = f"{_short(shown)}  LEN {len(telegram.request)}"
+            shown = telegram.request.data.hex(" ").upper()
+            text = f"{_short(shown)}  LEN {len(telegram.request.data)}"
 
-            def run(job: PlannedJob = job, telegram: Telegram = telegram) -> str:
-                data = request_image(project, folder, telegram)
+            def run(job: DriveJob = job, telegram: DriveTelegram = telegram) -> str:
+                data = request_image(plan, folder, telegram)
                 _check_request(job, telegram, data)
                 return "start values form exactly this telegram"
 
-            yield _guard(f"telegram.{telegram.request_db.name}", _name(job, telegram), text, folder, telegram, run)
+            yield _guard(f"telegram.{telegram.request.db.name}", _name(job, telegram), text, folder, telegram, run)
 
 
 def check_drive(
-    project: Project, folder: Folder, own: Drive | None, progress: Callable[[str, int, int], None] | None
+    plan: DrivePlan, folder: Folder, own: Drive | None, progress: Callable[[str, int, int], None] | None
 ) -> Iterator[Check]:
     """Checks of the group ``drive``: a good exchange and every negative answer."""
-    total = len(project.jobs)
-    for number, job in enumerate(project.jobs):
+    total = len(plan.jobs)
+    for number, job in enumerate(plan.jobs):
         if progress is not None:
             progress("exchange", number, total)
         for telegram in job.telegrams:
             name = _name(job, telegram)
 
-            def good(job: PlannedJob = job, telegram: Telegram = telegram) -> str:
-                _exchange(project, folder, job, telegram, build_drive(project, job.drive, distinct=True))
-                return _exchange(project, folder, job, telegram, own or build_drive(project, job.drive))
+            def good(job: DriveJob = job, telegram: DriveTelegram = telegram) -> str:
+                _exchange(plan, folder, job, telegram, build_drive(plan, job.drive, distinct=True))
+                return _exchange(plan, folder, job, telegram, own or build_drive(plan, job.drive))
 
-            yield _guard(f"drive.{telegram.request_db.name}", f"answer {name}", "", folder, telegram, good)
+            yield _guard(f"drive.{telegram.request.db.name}", f"answer {name}", "", folder, telegram, good)
             count = len(errors.known_numbers()) * len(telegram.parts) * 2
             text = f"{len(errors.known_numbers())} error numbers x {len(telegram.parts)} positions x 1 and 2 words"
 
-            def bad(job: PlannedJob = job, telegram: Telegram = telegram, count: int = count) -> str:
-                longest = _negative(project, folder, job, telegram)
-                return f"{count} negative answers fit, longest {longest} of {telegram.response_size} B"
+            def bad(job: DriveJob = job, telegram: DriveTelegram = telegram, count: int = count) -> str:
+                longest = _negative(plan, folder, job, telegram)
+                return f"{count} negative answers fit, longest {longest} of {telegram.response.size} B"
 
-            yield _guard(f"negative.{telegram.response_db.name}", f"errors {name}", text, folder, telegram, bad)
+            yield _guard(f"negative.{telegram.response.db.name}", f"errors {name}", text, folder, telegram, bad)
 
 
-def _guard(id_: str, subject: str, text: str, folder: Folder, telegram: Telegram, run: Callable[[], str]) -> Check:
+def _guard(id_: str, subject: str, text: str, folder: Folder, telegram: DriveTelegram, run: Callable[[], str]) -> Check:
     """Run one check; a finding becomes its outcome."""
     try:
         return Check(id_, subject, text, Outcome.OK, run())
@@ -87,12 +87,12 @@ def _guard(id_: str, subject: str, text: str, folder: Folder, telegram: Telegram
         code, message = "PG604", str(problem)
     except TelegramError as problem:
         code, message = "PG604", str(problem)
-    found = Diagnostic(code, message, folder.place(telegram.request_db.name))
+    found = Diagnostic(code, message, folder.place(telegram.request.db.name))
     return Check(id_, subject, text, Outcome.ERROR, message, found)
 
 
-def _name(job: PlannedJob, telegram: Telegram) -> str:
-    return job.key if len(job.telegrams) == 1 else f"{job.key} {telegram.index}/{len(job.telegrams)}"
+def _name(job: DriveJob, telegram: DriveTelegram) -> str:
+    return job.key if len(job.telegrams) == 1 else f"{job.key} {telegram.number}/{len(job.telegrams)}"
 
 
 def _short(text: str) -> str:
@@ -106,11 +106,11 @@ def _block(folder: Folder, blocks: dict[str, Block], name: str) -> Block:
     return block
 
 
-def request_image(project: Project, folder: Folder, telegram: Telegram) -> bytes:
+def request_image(plan: DrivePlan, folder: Folder, telegram: DriveTelegram) -> bytes:
     """Bytes of the request DB at start, from the text source; the SimaticML must give the same ones."""
-    name = telegram.request_db.name
+    name = telegram.request.db.name
     data = bytes(image(_block(folder, folder.text, name), folder.text))
-    if project.target.xml_version:
+    if plan.target.xml_version:
         twin = bytes(image(_block(folder, folder.xml, name), folder.xml))
         if twin != data:
             raise _FindingError(
@@ -119,18 +119,18 @@ def request_image(project: Project, folder: Folder, telegram: Telegram) -> bytes
     return data
 
 
-def _check_request(job: PlannedJob, telegram: Telegram, data: bytes) -> None:
+def _check_request(job: DriveJob, telegram: DriveTelegram, data: bytes) -> None:
     """The image is the planned telegram, and decodes to what the spec asks for."""
-    if data != telegram.request:
+    if data != telegram.request.data:
         at = next(
-            (i for i, (a, b) in enumerate(zip(data, telegram.request, strict=False)) if a != b),
-            min(len(data), len(telegram.request)),
+            (i for i, (a, b) in enumerate(zip(data, telegram.request.data, strict=False)) if a != b),
+            min(len(data), len(telegram.request.data)),
         )
         raise _FindingError(
-            "PG604", f"byte {at} differs: DB {data.hex(' ').upper()}, telegram {telegram.request.hex(' ').upper()}"
+            "PG604", f"byte {at} differs: DB {data.hex(' ').upper()}, telegram {telegram.request.data.hex(' ').upper()}"
         )
     request = decode_request(data)
-    if request.request_id != (RequestId.CHANGE if job.write else RequestId.READ) or request.reference == 0:
+    if request.request_id != (RequestId.CHANGE if job.writes else RequestId.READ) or request.reference == 0:
         raise _FindingError("PG604", "request id or reference is wrong")
     if request.drive_object != job.drive.drive_object:
         raise _FindingError("PG604", f"drive object {request.drive_object} instead of {job.drive.drive_object}")
@@ -140,22 +140,22 @@ def _check_request(job: PlannedJob, telegram: Telegram, data: bytes) -> None:
         _check_part(request, position, part, job)
 
 
-def _check_part(request: Request, position: int, part: Part, job: PlannedJob) -> None:
+def _check_part(request: Request, position: int, part: Part, job: DriveJob) -> None:
     address = request.addresses[position]
     use = part.use
     if (address.pnu, address.subindex) != (use.parameter.pnu, part.subindex):
         raise _FindingError(
             "PG604", f"parameter {position + 1} is P{address.pnu}[{address.subindex}] instead of {use.label}"
         )
-    if job.write and request.values[position].data != part.data:
+    if job.writes and request.values[position].data != part.data:
         raise _FindingError(
             "PG604", f"value of {use.label} is {request.values[position].data.hex(' ')}, not {part.data.hex(' ')}"
         )
 
 
-def _exchange(project: Project, folder: Folder, job: PlannedJob, telegram: Telegram, drive: Drive) -> str:
+def _exchange(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTelegram, drive: Drive) -> str:
     """Send the image, fetch the answer, read it back through the declared members."""
-    answer = _talk(job, request_image(project, folder, telegram), drive)
+    answer = _talk(job, request_image(plan, folder, telegram), drive)
     if answer[1] & 0x80:
         raise _FindingError("PG606", f"the drive answered {_refusals(telegram, answer)}")
     if len(answer) != telegram.positive_length:
@@ -163,10 +163,10 @@ def _exchange(project: Project, folder: Folder, job: PlannedJob, telegram: Teleg
     memory = _store(folder, telegram, answer)
     shown = [
         _read_back(folder, telegram, job, field, field.part, memory, drive)
-        for field in telegram.response_fields
+        for field in telegram.response.fields
         if field.role == "value" and field.part is not None
     ]
-    if job.write:
+    if job.writes:
         for part in telegram.parts:
             _written(job, part, drive)
             shown.append(f"{part.use.label} accepted")
@@ -174,7 +174,7 @@ def _exchange(project: Project, folder: Folder, job: PlannedJob, telegram: Teleg
     return f"{_short(answer.hex(' ').upper())}  {values}"
 
 
-def _refusals(telegram: Telegram, answer: bytes) -> str:
+def _refusals(telegram: DriveTelegram, answer: bytes) -> str:
     """Which parameters the drive refused and why."""
     found = []
     for number, block in enumerate(decode_response(answer).blocks):
@@ -184,7 +184,7 @@ def _refusals(telegram: Telegram, answer: bytes) -> str:
     return "; ".join(found) or f"response id {answer[1]:02X}h"
 
 
-def _talk(job: PlannedJob, request: bytes, drive: Drive) -> bytes:
+def _talk(job: DriveJob, request: bytes, drive: Drive) -> bytes:
     """WRREC and RDREC of one request; a temporary error is repeated as the job block would, at most 40 times."""
     index = job.drive.record_index
     for _ in range(ATTEMPTS):
@@ -205,9 +205,9 @@ def _talk(job: PlannedJob, request: bytes, drive: Drive) -> bytes:
     return answer
 
 
-def _store(folder: Folder, telegram: Telegram, answer: bytes) -> bytearray:
+def _store(folder: Folder, telegram: DriveTelegram, answer: bytes) -> bytearray:
     """The response DB after RDREC."""
-    block = _block(folder, folder.text, telegram.response_db.name)
+    block = _block(folder, folder.text, telegram.response.db.name)
     memory = image(block, folder.text)
     if len(answer) > len(memory):
         short = len(answer) - len(memory)
@@ -217,9 +217,15 @@ def _store(folder: Folder, telegram: Telegram, answer: bytes) -> bytearray:
 
 
 def _read_back(
-    folder: Folder, telegram: Telegram, job: PlannedJob, field: Field, part: Part, memory: bytearray, drive: Drive
+    folder: Folder,
+    telegram: DriveTelegram,
+    job: DriveJob,
+    field: DriveField,
+    part: Part,
+    memory: bytearray,
+    drive: Drive,
 ) -> str:
-    block = _block(folder, folder.text, telegram.response_db.name)
+    block = _block(folder, folder.text, telegram.response.db.name)
     layout = layout_block(block, folder.text)
     entry = locate(layout, field.name)
     parameter = drive.objects[job.drive.drive_object].parameters[part.use.parameter.pnu]
@@ -233,7 +239,7 @@ def _read_back(
         )
     value = read_member(memory, layout, field.name)
     unit = f" {part.use.parameter.unit}" if part.use.parameter.unit else ""
-    address = f" at DB{telegram.response_db.number}.DBD{entry.byte}" if entry.size == 32 else ""
+    address = f" at DB{telegram.response.db.number}.DBD{entry.byte}" if entry.size == 32 else ""
     return f"{part.use.label} = {_value(value)}{unit}{address}"
 
 
@@ -246,19 +252,19 @@ def _value(value: object) -> str:
     return str(value)
 
 
-def _written(job: PlannedJob, part: Part, drive: Drive) -> None:
+def _written(job: DriveJob, part: Part, drive: Drive) -> None:
     parameter = drive.objects[job.drive.drive_object].parameters[part.use.parameter.pnu]
     values = [parameter.values[0]] if part.use.format.is_string else parameter.values[part.subindex :][: part.count]
     if formats.pack_values(part.use.format, values) != part.data:
         raise _FindingError("PG607", f"{part.use.label}: the drive has {values} after the write")
 
 
-def _negative(project: Project, folder: Folder, job: PlannedJob, telegram: Telegram) -> int:
+def _negative(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTelegram) -> int:
     """Every error number at every position with one and two words; the longest answer in bytes."""
     longest = 0
-    drive = build_drive(project, job.drive)
-    request = request_image(project, folder, telegram)
-    size = len(image(_block(folder, folder.text, telegram.response_db.name), folder.text))
+    drive = build_drive(plan, job.drive)
+    request = request_image(plan, folder, telegram)
+    size = len(image(_block(folder, folder.text, telegram.response.db.name), folder.text))
     cases = [
         (number, position, words)
         for number in errors.known_numbers()

@@ -10,10 +10,11 @@ from typing import Literal
 
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.project.model import PlannedJob, Project
+from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.coverage import Coverage, measure, merge
 from plcgen.proof.workers import shared_out
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof.answer_scenarios import answer_scenarios, error_matrix
 from plcgen.protocols.ds47.proof.own_drive import own_checks
 from plcgen.protocols.ds47.proof.record_scenarios import STATE_CONFLICT, cpu_scenarios, record_scenarios
@@ -24,6 +25,7 @@ from plcgen.protocols.ds47.proof.times import STATE_NAMES, transitions
 from plcgen.protocols.ds47.proof.together import program_scenarios, row, try_program, wrong_numbers
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.wire.errors import known_numbers
+from plcgen.protocols.ppi.plan.nouns import PpiPlan
 from plcgen.s7.image import Tree
 
 Level = Literal["none", "quick", "full"]
@@ -70,37 +72,39 @@ def check_execution(
         first = problem.diagnostics[0]
         yield Check("execution.scl", "sources", "SCL in the simulated CPU", Outcome.ERROR, first.message, first)
         return
-    if project.ppi is not None:
+    masters = project.plan(PpiPlan)
+    if masters is not None:
         from plcgen.protocols.ppi.proof.execution import check_masters
 
         yield from check_masters(bench, level, progress, workers)
-    if not project.jobs:
+    plan = project.plan(DrivePlan)
+    if plan is None or not plan.jobs:
         return
-    total = len(project.jobs) + (level != "none")
+    total = len(plan.jobs) + (level != "none")
     results = shared_out(Work(bench, level), total, progress, workers if level != "none" else 1)
     program_result = results.pop() if level != "none" else None
-    for job, result in zip(project.jobs, results, strict=True):
+    for job, result in zip(plan.jobs, results, strict=True):
         yield from _job_checks(job, result, level)
     if own is not None:
-        yield from own_checks(project, program, own)
+        yield from own_checks(plan, program, own)
     if program_result is None:
         return
-    yield _program_check(project, program_result)
+    yield _program_check(plan, program_result)
     counts = [sum(column) for column in zip(*(result.counts for result in (*results, program_result)), strict=True)]
     if not any(result.failures for result in (*results, program_result)):
-        for job, result in zip(project.jobs, results, strict=True):
-            steps = transitions(job, classic=project.target.classic) - result.statistics.transitions
-            yield _coverage_check(project, job, merge(job, measure(program, job.block.name, counts), steps))
+        for job, result in zip(plan.jobs, results, strict=True):
+            steps = transitions(job, classic=plan.target.classic) - result.statistics.transitions
+            yield _coverage_check(plan, job, merge(job, measure(program, job.block.name, counts), steps))
 
 
 # --- running ----------------------------------------------------------------------------------------------
 
 
-def run_job(project: Project, program: Program, job: PlannedJob, level: Level) -> JobResult:
+def run_job(plan: DrivePlan, program: Program, job: DriveJob, level: Level) -> JobResult:
     """Nominal run and matrix of one job."""
     result = JobResult(job.key)
     try:
-        rig = JobRig(project, program, job)
+        rig = JobRig(plan, program, job)
     except (ScenarioError, KeyError) as problem:
         result.failures.append(Failure("nominal run", 0, f"the block cannot be called: {problem}", "", 0))
         result.broken = True
@@ -114,7 +118,7 @@ def run_job(project: Project, program: Program, job: PlannedJob, level: Level) -
         result.failures.append(failure)
         result.broken = True
     elif level != "none":
-        _matrix(project, program, runner, result, scans, level)
+        _matrix(plan, program, runner, result, scans, level)
     return result
 
 
@@ -144,16 +148,16 @@ def _nominal(runner: Runner, result: JobResult) -> Failure | None:
     return failure
 
 
-def scenarios(job: PlannedJob, runner: Runner, scans: int, level: Level) -> Iterator[Scenario]:
+def scenarios(job: DriveJob, runner: Runner, scans: int, level: Level) -> Iterator[Scenario]:
     """The matrix of a job: the quick part first."""
-    target = runner.rig.project.target
+    target = runner.rig.plan.target
     yield from answer_scenarios(job, classic=target.classic)
     yield from record_scenarios(job, runner.rig.limits)
     yield from cpu_scenarios(job, runner.rig.limits, scans, retentive=target.v5)
     yield from errors_of(job, level)
 
 
-def errors_of(job: PlannedJob, level: Level) -> Iterator[Scenario]:
+def errors_of(job: DriveJob, level: Level) -> Iterator[Scenario]:
     """Error numbers: every combination, or in a large quick matrix every number and every position."""
     positions = sum(len(telegram.parts) for telegram in job.telegrams)
     total = len(known_numbers()) * positions * 2
@@ -164,7 +168,7 @@ def errors_of(job: PlannedJob, level: Level) -> Iterator[Scenario]:
     return chain(chosen, error_matrix(job, (0x11,)))
 
 
-def _matrix(project: Project, program: Program, runner: Runner, result: JobResult, scans: int, level: Level) -> None:
+def _matrix(plan: DrivePlan, program: Program, runner: Runner, result: JobResult, scans: int, level: Level) -> None:
     job, kinds = runner.rig.job, 0
     statistics = runner.statistics
     for scenario in scenarios(job, runner, scans, level):
@@ -175,14 +179,14 @@ def _matrix(project: Project, program: Program, runner: Runner, result: JobResul
             if len(result.failures) >= MAX_FAILURES:
                 break
             result.counts = [a + b for a, b in zip(result.counts, runner.rig.cpu.coverage, strict=True)]
-            runner = Runner(JobRig(project, program, job))
+            runner = Runner(JobRig(plan, program, job))
             runner.statistics = statistics
     if not result.failures:
         failure = row(runner)
         result.failures += [failure] if failure is not None else []
     result.counts = [a + b for a, b in zip(result.counts, runner.rig.cpu.coverage, strict=True)]
-    if project.target.classic and not result.failures:
-        for failure, other in wrong_numbers(project, program, job):
+    if plan.target.classic and not result.failures:
+        for failure, other in wrong_numbers(plan, program, job):
             result.failures += [failure] if failure is not None else []
             result.counts = [a + b for a, b in zip(result.counts, other.rig.cpu.coverage, strict=True)]
             statistics.transitions |= other.statistics.transitions
@@ -195,11 +199,11 @@ def _matrix(project: Project, program: Program, runner: Runner, result: JobResul
     result.statistics = statistics
 
 
-def run_program(project: Project, program: Program) -> JobResult:
+def run_program(plan: DrivePlan, program: Program) -> JobResult:
     """What the jobs do to each other, through OB1."""
     result = JobResult("program", counts=[0] * len(program.probes))
-    for scenario in program_scenarios(project):
-        failure, counts = try_program(project, program, scenario)
+    for scenario in program_scenarios(plan):
+        failure, counts = try_program(plan, program, scenario)
         result.statistics.runs += 1
         result.counts = [a + b for a, b in zip(result.counts, counts, strict=True)]
         if failure is not None:
@@ -218,10 +222,12 @@ class Work:
 
     def __call__(self, index: int) -> JobResult:
         """One piece."""
-        project, program = self.bench.project, self.bench.program
-        if index == len(project.jobs):
-            return run_program(project, program)
-        return run_job(project, program, project.jobs[index], self.level)
+        plan, program = self.bench.project.plan(DrivePlan), self.bench.program
+        if plan is None:
+            raise TypeError("there are no drives")
+        if index == len(plan.jobs):
+            return run_program(plan, program)
+        return run_job(plan, program, plan.jobs[index], self.level)
 
 
 # --- reporting --------------------------------------------------------------------------------------------
@@ -239,7 +245,7 @@ def _diagnostic(code: str, key: str, failures: list[Failure]) -> Diagnostic:
     )
 
 
-def _job_checks(job: PlannedJob, result: JobResult, level: Level) -> Iterator[Check]:
+def _job_checks(job: DriveJob, result: JobResult, level: Level) -> Iterator[Check]:
     if result.broken:
         found = _diagnostic("PG620", job.key, result.failures)
         yield Check(f"run.{job.key}", f"run {job.key}", "", Outcome.ERROR, str(result.failures[0]), found)
@@ -255,21 +261,21 @@ def _job_checks(job: PlannedJob, result: JobResult, level: Level) -> Iterator[Ch
         yield Check(name, subject, result.matrix, Outcome.OK, "ok")
 
 
-def _program_check(project: Project, result: JobResult) -> Check:
-    text = f"{len(project.jobs)} jobs on {len(project.tokens)} drives through OB1: {result.statistics.runs} scenarios"
+def _program_check(plan: DrivePlan, result: JobResult) -> Check:
+    text = f"{len(plan.jobs)} jobs on {len(plan.tokens)} drives through OB1: {result.statistics.runs} scenarios"
     if not result.failures:
         return Check("together", "all jobs", text, Outcome.OK, "never two requests at once, none starves")
     found = _diagnostic("PG621", "all jobs", result.failures)
     return Check("together", "all jobs", text, Outcome.ERROR, str(result.failures[0]), found)
 
 
-def _coverage_check(project: Project, job: PlannedJob, coverage: Coverage) -> Check:
+def _coverage_check(plan: DrivePlan, job: DriveJob, coverage: Coverage) -> Check:
     name, subject, text = f"coverage.{job.key}", f"coverage {job.key}", coverage.text
     if coverage.steps:
         steps = ", ".join(f"{STATE_NAMES[one]} to {STATE_NAMES[two]}" for one, two in sorted(coverage.steps))
         message = f"{job.key}: the block never goes from {steps}"
         return Check(
-            name, subject, text, Outcome.ERROR, message, Diagnostic("PG622", message, project.loaded.key_span(job.path))
+            name, subject, text, Outcome.ERROR, message, Diagnostic("PG622", message, plan.loaded.key_span(job.path))
         )
     if not coverage.missing:
         return Check(name, subject, text, Outcome.OK, coverage.verdict)

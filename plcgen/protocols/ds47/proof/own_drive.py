@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic
-from plcgen.project.model import PlannedJob, Project, Use
 from plcgen.proof.checks import Check, Outcome
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.proof.rig import JobRig, ScenarioError
 from plcgen.protocols.ds47.proof.scenario import DONE
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -20,15 +20,15 @@ SCAN = 10
 MEANINGS = {word: text for _, word, text in STATUS_WORDS}
 
 
-def own_checks(project: Project, program: Program, make: Callable[[], Drive]) -> Iterator[Check]:
+def own_checks(plan: DrivePlan, program: Program, make: Callable[[], Drive]) -> Iterator[Check]:
     """Run every job on a CPU of its own against a new drive of the file."""
-    for job in project.jobs:
+    for job in plan.jobs:
         name, subject = f"own.{job.key}", f"your drive {job.key}"
         try:
-            rig = JobRig(project, program, job)
+            rig = JobRig(plan, program, job)
             scans = _run(rig, make())
         except (ScenarioError, KeyError) as problem:
-            found = Diagnostic("PG620", f"{job.key}: {problem}", project.loaded.key_span(job.path))
+            found = Diagnostic("PG620", f"{job.key}: {problem}", plan.loaded.key_span(job.path))
             yield Check(name, subject, "", Outcome.ERROR, str(problem), found)
         else:
             yield Check(name, subject, f"{scans} scans", Outcome.OK, "ok, values agree")
@@ -53,7 +53,7 @@ def _run(rig: JobRig, drive: Drive) -> int:
         raise ScenarioError(f"with your drive it ends with 16#{status:04X}, {MEANINGS.get(status, '')}{_refused(rig)}")
     for use in job.uses:
         expected = _held(drive, job, use)
-        found = use.data if job.write else rig.shown(rig.instance, rig.spots[use.member], len(expected))
+        found = use.data if job.writes else rig.shown(rig.instance, rig.spots[use.member], len(expected))
         if found != expected:
             raise ScenarioError(f"{use.label} is {found.hex(' ')}, your drive has {expected.hex(' ')}")
     return scans
@@ -69,7 +69,7 @@ def _refused(rig: JobRig) -> str:
     return f" ({'; '.join(found)})" if found else ""
 
 
-def _held(drive: Drive, job: PlannedJob, use: Use) -> bytes:
+def _held(drive: Drive, job: DriveJob, use: Use) -> bytes:
     """Wire bytes of a value the drive holds. Raises ScenarioError."""
     number = drive.habits.aliases.get(job.drive.drive_object, job.drive.drive_object)
     parameter: Parameter = drive.objects[number].parameters[use.parameter.pnu]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import ceil
 
-from plcgen.project.model import PlannedJob
+from plcgen.protocols.ds47.plan.nouns import DriveJob
 from plcgen.protocols.ds47.proof.scenario import WORDS, Foreign, Happening, Limits, Scenario
 
 STATE_CONFLICT = 0xDE80B500
@@ -23,12 +23,12 @@ def temporary(code: int, *, write: bool) -> bool:
     return 0xA2 <= code <= 0xA4 or code in {0xA7, 0xB5} or 0xC0 <= code <= 0xC6 or (write and code == 0xA1)
 
 
-def ends(job: PlannedJob) -> tuple[int, ...]:
+def ends(job: DriveJob) -> tuple[int, ...]:
     """The first and the last telegram of a job."""
     return tuple(sorted({1, len(job.telegrams)}))
 
 
-def record_scenarios(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
+def record_scenarios(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
     """Everything the record calls may do."""
     yield from _status_once(job, limits)
     yield from _status_always(limits)
@@ -37,7 +37,7 @@ def record_scenarios(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
     yield from _stale(job, limits)
 
 
-def _status_once(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
+def _status_once(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
     for number in ends(job):
         for code in CODES:
             for base, name in ((WRITE, "WRREC"), (READ, "RDREC"), (LOCAL, "WRREC locally"), (LOCAL, "RDREC locally")):
@@ -50,7 +50,7 @@ def _status_once(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
                 yield _once(name, base | decode << 16 | code << 8, 1, job, limits)
 
 
-def _once(name: str, status: int, number: int, job: PlannedJob, limits: Limits) -> Scenario:
+def _once(name: str, status: int, number: int, job: DriveJob, limits: Limits) -> Scenario:
     """One STATUS on the call of one telegram."""
     total = len(job.telegrams)
     title = f"{name} of telegram {number} ends with {status:08X}"
@@ -119,7 +119,7 @@ def _status_always(limits: Limits) -> Iterator[Scenario]:
         )
 
 
-def _busy(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
+def _busy(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
     tries = len(job.telegrams)
     for scans in BUSY_SCANS:
         if (scans + 10) * 10 * tries * 2 > limits.timeout:
@@ -155,7 +155,7 @@ def _busy(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
             )
 
 
-def _late(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
+def _late(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
     total = len(job.telegrams)
     for late in (25, 350, 2000):
         if limits.fits(ceil(late / limits.pause) * total, total) and late < limits.retries * limits.pause:
@@ -175,7 +175,7 @@ def _late(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
         )
 
 
-def _stale(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
+def _stale(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
     total = len(job.telegrams)
     for number in ends(job):
         for count in (1, 3):
@@ -200,7 +200,7 @@ def _stale(job: PlannedJob, limits: Limits) -> Iterator[Scenario]:
 # --- the CPU ----------------------------------------------------------------------------------------------
 
 
-def cpu_scenarios(job: PlannedJob, limits: Limits, scans: int, *, retentive: bool) -> Iterator[Scenario]:
+def cpu_scenarios(job: DriveJob, limits: Limits, scans: int, *, retentive: bool) -> Iterator[Scenario]:
     """What the CPU and its program may do.
 
     ``scans`` is how long a good run takes, ``retentive`` says that instances keep their values at a warm restart.

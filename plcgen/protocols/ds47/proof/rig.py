@@ -14,8 +14,9 @@ from plcgen.cpu.folder import load_folder
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Bus
 from plcgen.diagnostics import DiagnosticError, PlcgenError
-from plcgen.project.model import PlannedJob, Project, Telegram, Use
+from plcgen.project.nouns import Frame, Project
 from plcgen.proof.folder import DIALECTS
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, Use
 from plcgen.protocols.ds47.proof.bench import build_drive
 from plcgen.protocols.ds47.proof.scenario import Limits, Scenario
 from plcgen.protocols.ds47.sim.drive import Drive, Exchange
@@ -33,7 +34,7 @@ class ScenarioError(PlcgenError):
     """The block did not do what the scenario demands."""
 
 
-def load_program(project: Project, folder: Path) -> Program:
+def load_program(project: Frame, folder: Path) -> Program:
     """Compile the folder's sources with coverage; local data holds garbage at the start of a call, as in a CPU."""
     program = load_folder(folder, DIALECTS[project.target.dialect], coverage=True)
     if not program.ok:
@@ -133,14 +134,14 @@ class Spot:
 class JobRig:
     """One job of a program on a CPU of its own."""
 
-    def __init__(self, project: Project, program: Program, job: PlannedJob, job_limit: int | None = None) -> None:
-        self.project, self.program, self.job = project, program, job
-        self.drive = ScriptedDrive(build_drive(project, job.drive))
+    def __init__(self, plan: DrivePlan, program: Program, job: DriveJob, job_limit: int | None = None) -> None:
+        self.plan, self.program, self.job = plan, program, job
+        self.drive = ScriptedDrive(build_drive(plan, job.drive))
         self.bus = Bus()
         self.bus.attach(job.drive.id_value, self.drive)
         self.cpu = Cpu(program, self.bus, job_limit=job_limit)
         self.cpu.restart("cold")
-        self.limits = Limits(job.timeout, job.retry_pause, job.retries, DRAIN_MS, LEASE_MS, int(project.target.t15))
+        self.limits = Limits(job.timeout, job.retry_pause, job.retries, DRAIN_MS, LEASE_MS, int(plan.target.t15))
         self.instance = self.cpu.db(job.instance.name)
         self.token = self.cpu.db(job.drive.token.name)
         layout = self.layout(job.instance.name)
@@ -169,16 +170,16 @@ class JobRig:
         self.sets.append(_factory_set(self.drive, job))
         self.set_number = 0
         self.buffers = [
-            (self.instance, Spot.of(layout, "statRequest").byte, max(len(t.request) for t in job.telegrams)),
-            (self.instance, Spot.of(layout, "statResponse").byte, max(t.response_size for t in job.telegrams)),
+            (self.instance, Spot.of(layout, "statRequest").byte, max(len(t.request.data) for t in job.telegrams)),
+            (self.instance, Spot.of(layout, "statResponse").byte, max(t.response.size for t in job.telegrams)),
         ]
 
     def soil(self, pattern: bytes) -> None:
         """Fill everything that the next request and its answer will overwrite."""
         buffers = list(self.buffers)
-        if self.project.target.classic:
+        if self.plan.target.classic:
             telegram = self.job.telegrams[self.get("telegram") - 1]
-            buffers.append((self.cpu.db(telegram.response_db.name), 0, telegram.response_size))
+            buffers.append((self.cpu.db(telegram.response.db.name), 0, telegram.response.size))
         for memory, first, size in buffers:
             memory[first : first + size] = (pattern * size)[:size]
 
@@ -261,7 +262,7 @@ class JobRig:
 ValueSet = tuple[dict[int, list[Value]], list[tuple[str, bytes]], list[bytes]]
 
 
-def _value_set(drive: Drive, job: PlannedJob, number: int) -> ValueSet:
+def _value_set(drive: Drive, job: DriveJob, number: int) -> ValueSet:
     """Contents of the drive's parameters, the block's inputs, and the telegrams that result from them."""
     draw = random.Random(f"{job.key} {number}")  # noqa: S311 - test values
     by_pnu = {use.parameter.pnu: use for use in job.uses}
@@ -278,7 +279,7 @@ def _value_set(drive: Drive, job: PlannedJob, number: int) -> ValueSet:
     return contents, inputs, [_request(telegram, data) for telegram in job.telegrams]
 
 
-def _factory_set(drive: Drive, job: PlannedJob) -> ValueSet:
+def _factory_set(drive: Drive, job: DriveJob) -> ValueSet:
     """Contents as the drive has them at first, inputs as the spec has them."""
     parameters = drive.objects[job.drive.drive_object].parameters
     contents = {use.parameter.pnu: list(parameters[use.parameter.pnu].values) for use in job.uses}
@@ -287,9 +288,9 @@ def _factory_set(drive: Drive, job: PlannedJob) -> ValueSet:
     return contents, inputs, [_request(telegram, data) for telegram in job.telegrams]
 
 
-def _request(telegram: Telegram, data: dict[int, bytes]) -> bytes:
+def _request(telegram: DriveTelegram, data: dict[int, bytes]) -> bytes:
     """The planned telegram with the values of the inputs."""
-    image = bytearray(telegram.request)
+    image = bytearray(telegram.request.data)
     image[0] = 0
     at = 4 + 6 * len(telegram.parts)
     for part in telegram.parts:

@@ -57,7 +57,7 @@ class Runner(EndChecks, TimeChecks):
     def __init__(self, rig: JobRig) -> None:
         self.rig = rig
         self.statistics = Statistics()
-        self.transitions = transitions(rig.job, classic=rig.project.target.classic)
+        self.transitions = transitions(rig.job, classic=rig.plan.target.classic)
         self.scan = 0
         self.before: list[int] = []
         self.name = ""

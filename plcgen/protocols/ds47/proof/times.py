@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 
-from plcgen.project.model import PlannedJob
+from plcgen.protocols.ds47.plan.nouns import DriveJob
 from plcgen.protocols.ds47.proof.rig import JobRig, ScenarioError
 from plcgen.protocols.ds47.proof.scenario import WORDS, Scenario
 from plcgen.protocols.ds47.words import STATES
@@ -13,7 +13,7 @@ IDLE, ACQUIRE, BUILD, WRITE, READ, CHECK, WAIT, DRAIN = (number for _, number, _
 STATE_NAMES = {number: name.removeprefix("STATE_") for name, number, _ in STATES}
 
 
-def transitions(job: PlannedJob, *, classic: bool) -> frozenset[tuple[int, int]]:
+def transitions(job: DriveJob, *, classic: bool) -> frozenset[tuple[int, int]]:
     """From one call to the next, as docs/generated-code.md draws them; a CPU restart may lead anywhere.
 
     An end without a running record call drains and reports in one call: nothing runs in WAIT, and BUILD drains only

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Bus
-from plcgen.project.model import PlannedJob, Project
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof.bench import build_drive
 from plcgen.protocols.ds47.proof.rig import JobRig, ScenarioError, ScriptedDrive
 from plcgen.protocols.ds47.proof.runner import Failure, Runner
@@ -29,12 +29,12 @@ TAKE_OVER = 1500
 class Plant:
     """All drives and the CPU with its OB1."""
 
-    def __init__(self, project: Project, program: Program, job_limit: int | None = None) -> None:
-        self.project, self.program = project, program
+    def __init__(self, plan: DrivePlan, program: Program, job_limit: int | None = None) -> None:
+        self.plan, self.program = plan, program
         self.bus = Bus(write_busy=1, read_busy=1)
         self.drives: dict[int, ScriptedDrive] = {}
-        for planned in project.drives:
-            built = build_drive(project, planned)
+        for planned in plan.drives:
+            built = build_drive(plan, planned)
             known = self.drives.get(planned.id_value)
             if known is not None:
                 objects = (*known.objects.values(), *built.objects.values())
@@ -45,12 +45,12 @@ class Plant:
         self.cpu.restart("cold")
         self.scan = 0
 
-    def path(self, job: PlannedJob, signal: str) -> str:
+    def path(self, job: DriveJob, signal: str) -> str:
         """Where OB1 takes or leaves a signal of a job."""
         address = getattr(job.trigger, signal, None)
-        return f'"{self.project.control_db.name}".{job.member}.{signal}' if address is None else str(address)
+        return f'"{self.plan.control_db.name}".{job.member}.{signal}' if address is None else str(address)
 
-    def start(self, job: PlannedJob, *, value: bool = True) -> None:
+    def start(self, job: DriveJob, *, value: bool = True) -> None:
         """Set the command of a job."""
         self.cpu[self.path(job, "execute")] = value
 
@@ -61,7 +61,7 @@ class Plant:
         if self.cpu.misuses or self.cpu.faulted:
             raise ScenarioError("misuse")
 
-    def result(self, job: PlannedJob) -> tuple[bool, bool, int]:
+    def result(self, job: DriveJob) -> tuple[bool, bool, int]:
         """Flags done and error and the status word as OB1 passes them on."""
         flags = (bool(self.cpu[self.path(job, name)]) for name in ("done", "error"))
         status = self.cpu[self.path(job, "status")]
@@ -77,10 +77,10 @@ class ProgramScenario:
     job_limit: int | None = None
 
 
-def program_scenarios(project: Project) -> Iterator[ProgramScenario]:
+def program_scenarios(plan: DrivePlan) -> Iterator[ProgramScenario]:
     """What the jobs do to each other."""
     yield ProgramScenario("every job through OB1", _one_by_one)
-    jobs = project.jobs
+    jobs = plan.jobs
     least = min(job.timeout for job in jobs)
     round_ = 100 + sum(100 + 60 * len(job.telegrams) for job in jobs)
     if round_ < least:
@@ -88,7 +88,7 @@ def program_scenarios(project: Project) -> Iterator[ProgramScenario]:
     waits = sum(len(job.telegrams) for job in jobs)
     if all(job.retries > waits and waits * (job.retry_pause + 100) + round_ < job.timeout for job in jobs):
         yield ProgramScenario("all jobs at once, one record call at a time in the CPU", _at_once, 1)
-    for token, drives in project.tokens:
+    for token, drives in plan.tokens:
         sharing = [job for job in jobs if job.drive in drives]
         for first, second in itertools.pairwise(sharing):
             if min(first.timeout, second.timeout) < LEASE_MS + TAKE_OVER:
@@ -98,9 +98,9 @@ def program_scenarios(project: Project) -> Iterator[ProgramScenario]:
                 yield ProgramScenario(name, _take_over(first, second, calls))
 
 
-def try_program(project: Project, program: Program, scenario: ProgramScenario) -> tuple[Failure | None, list[int]]:
+def try_program(plan: DrivePlan, program: Program, scenario: ProgramScenario) -> tuple[Failure | None, list[int]]:
     """Run one of them on a CPU of its own; what failed, and the counters of coverage."""
-    plant = Plant(project, program, scenario.job_limit)
+    plant = Plant(plan, program, scenario.job_limit)
     try:
         scenario.run(plant)
     except ScenarioError as problem:
@@ -119,9 +119,9 @@ def try_program(project: Project, program: Program, scenario: ProgramScenario) -
 
 def _one_by_one(plant: Plant) -> None:
     """Commands, inputs and results of every job travel through OB1."""
-    control = plant.project.control_db.name
-    for job in plant.project.jobs:
-        rig = JobRig(plant.project, plant.program, job)
+    control = plant.plan.control_db.name
+    for job in plant.plan.jobs:
+        rig = JobRig(plant.plan, plant.program, job)
         layout, memory = rig.layout(control), plant.cpu.db(control)
         drive = plant.drives[job.drive.id_value]
         drive.begin(Scenario(name="OB1"))
@@ -166,7 +166,7 @@ def _one_by_one(plant: Plant) -> None:
         _fall(plant, job)
 
 
-def _fall(plant: Plant, job: PlannedJob) -> None:
+def _fall(plant: Plant, job: DriveJob) -> None:
     """The command of a job falls."""
     plant.start(job, value=False)
     plant.step()
@@ -176,11 +176,11 @@ def _fall(plant: Plant, job: PlannedJob) -> None:
 
 def _again_and_again(plant: Plant) -> None:
     """Every job is started again as soon as it has ended: none starves, one request at a time."""
-    jobs = plant.project.jobs
+    jobs = plant.plan.jobs
     ended = dict.fromkeys((job.key for job in jobs), 0)
     for job in jobs:
         plant.start(job)
-    owners = [(plant.cpu.db(token.name), plant.drives[drives[0].id_value]) for token, drives in plant.project.tokens]
+    owners = [(plant.cpu.db(token.name), plant.drives[drives[0].id_value]) for token, drives in plant.plan.tokens]
     for _ in range(ROUNDS * max(1, len(jobs) // 4)):
         plant.step()
         for job in jobs:
@@ -193,7 +193,7 @@ def _again_and_again(plant: Plant) -> None:
         order = [exchange.direction for exchange in drive.journal if not exchange.status]
         if any(one == other for one, other in itertools.pairwise(order)):
             raise ScenarioError("two requests at once on one drive")
-    for _, drives in plant.project.tokens:
+    for _, drives in plant.plan.tokens:
         counts = [ended[job.key] for job in jobs if job.drive in drives]
         if counts and (min(counts) < max(counts) - 1 or not min(counts)):
             raise ScenarioError(f"a job starves: {counts} jobs ended")
@@ -201,7 +201,7 @@ def _again_and_again(plant: Plant) -> None:
 
 def _at_once(plant: Plant) -> None:
     """The CPU runs one record call of a kind at a time: refused ones are repeated."""
-    jobs = plant.project.jobs
+    jobs = plant.plan.jobs
     for job in jobs:
         plant.start(job)
     for _ in range(400 + 400 * len(jobs)):
@@ -215,10 +215,10 @@ def _at_once(plant: Plant) -> None:
     raise ScenarioError("not every job came to its end")
 
 
-def _take_over(first: PlannedJob, second: PlannedJob, calls: int) -> Callable[[Plant], None]:
+def _take_over(first: DriveJob, second: DriveJob, calls: int) -> Callable[[Plant], None]:
     """A job that is not called any more loses the drive after LEASE, and reports it when it is called again."""
 
-    def call(plant: Plant, job: PlannedJob, *, execute: bool = True) -> tuple[bool, int]:
+    def call(plant: Plant, job: DriveJob, *, execute: bool = True) -> tuple[bool, int]:
         plant.scan += 1
         plant.cpu.call(job.instance.name, 50, execute=execute)
         busy, status = plant.cpu[f"{job.instance.name}.busy"], plant.cpu[f"{job.instance.name}.status"]
@@ -226,7 +226,7 @@ def _take_over(first: PlannedJob, second: PlannedJob, calls: int) -> Callable[[P
             raise ScenarioError("misuse")
         return bool(busy), int(status) if isinstance(status, int) else -1
 
-    def until_end(plant: Plant, job: PlannedJob, status: int) -> int:
+    def until_end(plant: Plant, job: DriveJob, status: int) -> int:
         started = plant.cpu.clock
         for _ in range(400):
             busy, found = call(plant, job)
@@ -253,12 +253,12 @@ def _take_over(first: PlannedJob, second: PlannedJob, calls: int) -> Callable[[P
 # --- wrong numbers ----------------------------------------------------------------------------------------
 
 
-def wrong_numbers(project: Project, program: Program, job: PlannedJob) -> Iterator[tuple[Failure | None, Runner]]:
+def wrong_numbers(plan: DrivePlan, program: Program, job: DriveJob) -> Iterator[tuple[Failure | None, Runner]]:
     """Buffer DBs that have other numbers than the block expects: nothing is sent."""
     blocks = {entry.name: entry for entry in program.link.blocks.values() if entry.block.kind is BlockKind.DB}
     for index, telegram in enumerate(job.telegrams, 1):
-        request, response = telegram.request_db.name, telegram.response_db.name
-        control = project.control_db.name
+        request, response = telegram.request.db.name, telegram.response.db.name
+        control = plan.control_db.name
         first, second = blocks[request].number, blocks[response].number
         cases: list[tuple[str, dict[str, int | None], bytes | None]] = [
             ("request and response DB are exchanged", {request: second, response: first}, None),
@@ -282,11 +282,11 @@ def wrong_numbers(project: Project, program: Program, job: PlannedJob) -> Iterat
                 tolerate=True,
                 follow=False,
             )
-            rig = JobRig(project, program, job)
+            rig = JobRig(plan, program, job)
             size = len(rig.cpu.db(control))
             for other, number in before.items():
                 blocks[other].number = number
-            if control in numbers and size < max(len(telegram.request), telegram.response_size):
+            if control in numbers and size < max(len(telegram.request.data), telegram.response.size):
                 continue
             runner = Runner(rig)
             yield runner.try_run(scenario), runner

@@ -1,1 +1,32 @@
-"""What is wrong with planned parameter jobs."""
+"""What is wrong with planned parameter jobs: one function per code and subject."""
+
+from __future__ import annotations
+
+from plcgen.protocols.base import Rules
+from plcgen.protocols.ds47.rules import drives, members, names, parameters, telegrams
+
+RULES = Rules(
+    checks=(
+        drives.drive_object,
+        drives.unused_address,
+        drives.shared_address,
+        parameters.definitions,
+        parameters.access,
+        parameters.repeated,
+        parameters.dangerous,
+        parameters.only_bytes,
+        telegrams.response_buffer,
+        telegrams.request_buffer,
+        telegrams.reference,
+        telegrams.timing,
+        members.control_members,
+        members.parameter_names,
+        members.interface_members,
+        members.buffer_members,
+        members.overrides,
+    ),
+    names=names.names,
+    texts=names.texts,
+    plain=names.plain,
+    taken=names.taken,
+)

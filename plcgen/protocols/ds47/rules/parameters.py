@@ -6,60 +6,60 @@ from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Severity
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.project.rules.places import parameter_span, spelling
-from plcgen.project.target import element_type
 from plcgen.protocols.ds47.plan.references import parse_reference
+from plcgen.protocols.ds47.plan.types import element_type
+from plcgen.protocols.ds47.rules.places import parameter_span, spelling
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plcgen.project.model import PlannedJob, Project, Use
     from plcgen.protocols.ds47.devices import Parameter
+    from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 
 _OPAQUE = frozenset({"BinaryDate", "TimeOfDay"})
 
 
-def access(project: Project) -> Iterator[Diagnostic]:
+def access(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG207: a job writes what can only be read, or reads what can only be written."""
-    for job in project.jobs:
+    for job in plan.jobs:
         for use in job.uses:
             name = _title(use.parameter)
             span = parameter_span
-            if job.write and use.parameter.access == "r":
+            if job.writes and use.parameter.access == "r":
                 message = f"{name} can only be read"
                 help_ = "the drive would answer error 01h: remove it from write, or read it in another job"
-            elif job.write and not use.parameter.source and spelling(project, job, use).strip()[:1] in {"r", "R"}:
-                if use.parameter.pnu in _own(project, job):
+            elif job.writes and not use.parameter.source and spelling(plan, job, use).strip()[:1] in {"r", "R"}:
+                if use.parameter.pnu in _own(plan, job):
                     continue
                 message = f"{name} is written with r, which marks a parameter that can only be read"
                 help_ = f"write P{use.parameter.pnu} if the drive accepts values for it"
-            elif not job.write and use.parameter.access == "w":
+            elif not job.writes and use.parameter.access == "w":
                 message = f"{name} can only be written"
                 help_ = "remove it from read"
             else:
                 continue
-            yield Diagnostic("PG207", message, span(project, use), help=help_)
+            yield Diagnostic("PG207", message, span(plan, use), help=help_)
 
 
-def _own(project: Project, job: PlannedJob) -> set[int]:
+def _own(plan: DrivePlan, job: DriveJob) -> set[int]:
     """Numbers of the parameters that the job's drive defines itself."""
-    found = (parse_reference(text) for text in project.loaded.spec.drives[job.drive.key].parameters)
+    found = (parse_reference(text) for text in plan.spec.drives[job.drive.key].parameters)
     return {reference.pnu for reference in found if reference is not None and reference.pnu is not None}
 
 
-def repeated(project: Project) -> Iterator[Diagnostic]:
+def repeated(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG213: a job writes the same value of a parameter twice; the last one would win."""
-    for job in project.jobs:
-        if not job.write:
+    for job in plan.jobs:
+        if not job.writes:
             continue
         by_number: dict[int, list[Use]] = {}
         for use in job.uses:
             by_number.setdefault(use.parameter.pnu, []).append(use)
         for uses in by_number.values():
-            yield from _overlaps(project, uses)
+            yield from _overlaps(plan, uses)
 
 
-def _overlaps(project: Project, uses: list[Use]) -> Iterator[Diagnostic]:
+def _overlaps(plan: DrivePlan, uses: list[Use]) -> Iterator[Diagnostic]:
     furthest: Use | None = None
     for use in sorted(uses, key=lambda item: (item.subindex, item.position)):
         if furthest is not None and use.subindex <= _last(furthest):
@@ -67,9 +67,9 @@ def _overlaps(project: Project, uses: list[Use]) -> Iterator[Diagnostic]:
             yield Diagnostic(
                 "PG213",
                 f"{second.label} is written twice in this job",
-                parameter_span(project, second),
+                parameter_span(plan, second),
                 help="a drive takes the values in order, so the last one wins: remove one of them",
-                notes=(Note(f"first written as {first.label}", parameter_span(project, first)),),
+                notes=(Note(f"first written as {first.label}", parameter_span(plan, first)),),
             )
         if furthest is None or _last(use) > _last(furthest):
             furthest = use
@@ -79,33 +79,33 @@ def _last(use: Use) -> int:
     return use.subindex + (1 if use.format.is_string else use.count) - 1
 
 
-def dangerous(project: Project) -> Iterator[Diagnostic]:
+def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG219: a write that can do harm is not signed off, or a sign-off names nothing."""
-    for job in project.jobs:
-        allow = project.loaded.spec.jobs[job.key].allow
+    for job in plan.jobs:
+        allow = plan.spec.jobs[job.key].allow
         signed = {_number(text, job) for text in allow}
         for use in job.uses:
-            if job.write and use.parameter.dangerous and use.parameter.pnu not in signed:
+            if job.writes and use.parameter.dangerous and use.parameter.pnu not in signed:
                 yield Diagnostic(
                     "PG219",
                     f"writing {_title(use.parameter)} needs a sign-off: {use.parameter.dangerous}",
-                    parameter_span(project, use),
+                    parameter_span(plan, use),
                     help=f"if this is intended, add allow: [P{use.parameter.pnu}] to the job",
                 )
-        used = {use.parameter.pnu for use in job.uses} if job.write else set()
+        used = {use.parameter.pnu for use in job.uses} if job.writes else set()
         for position, text in enumerate(allow):
             if _number(text, job) not in used:
                 labels = [f"P{pnu}" for pnu in sorted(used)]
                 yield Diagnostic(
                     "PG219",
                     f'allow names "{text}", which this job does not write',
-                    project.loaded.span((*job.path, "allow", position)),
+                    plan.loaded.span((*job.path, "allow", position)),
                     Severity.WARNING,
                     help=did_you_mean(text, labels) or "remove it from allow",
                 )
 
 
-def _number(text: str, job: PlannedJob) -> int | None:
+def _number(text: str, job: DriveJob) -> int | None:
     reference = parse_reference(text)
     if reference is None:
         return None
@@ -115,12 +115,12 @@ def _number(text: str, job: PlannedJob) -> int | None:
     return next(named, None)
 
 
-def only_bytes(project: Project) -> Iterator[Diagnostic]:
+def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG220: the CPU has no data type for the value, so the block hands over its bytes."""
-    family = project.target.family.upper()
-    for job in project.jobs:
+    family = plan.target.family.upper()
+    for job in plan.jobs:
         for use in job.uses:
-            if element_type(use.format, project.target) is not None:
+            if element_type(use.format, plan.target) is not None:
                 continue
             size = use.count * use.format.size
             if use.format.name in _OPAQUE:
@@ -130,25 +130,25 @@ def only_bytes(project: Project) -> Iterator[Diagnostic]:
             yield Diagnostic(
                 "PG220",
                 f"{use.label} is {use.format.name}: an {family} holds it only as {size} bytes",
-                parameter_span(project, use),
+                parameter_span(plan, use),
                 Severity.WARNING,
                 help=help_,
             )
 
 
-def definitions(project: Project) -> Iterator[Diagnostic]:
+def definitions(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG107: a parameter of the spec has limits that no value can keep."""
-    for drive in project.drives:
-        for text, own in project.loaded.spec.drives[drive.key].parameters.items():
+    for drive in plan.drives:
+        for text, own in plan.spec.drives[drive.key].parameters.items():
             if own.min is None or own.max is None or own.min <= own.max:
                 continue
             path = (*drive.path, "parameters", text)
             yield Diagnostic(
                 "PG107",
                 f"{text}: min {own.min:g} is larger than max {own.max:g}",
-                project.loaded.span((*path, "min")),
+                plan.loaded.span((*path, "min")),
                 help="exchange the two",
-                notes=(Note("max", project.loaded.span((*path, "max"))),),
+                notes=(Note("max", plan.loaded.span((*path, "max"))),),
             )
 
 

@@ -5,25 +5,27 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Severity
-from plcgen.project.rules.places import key_or_value, owner_span, value_span
+from plcgen.project.rules.places import key_or_value, owner_span
 from plcgen.protocols.ds47.plan.pack import longest_response
+from plcgen.protocols.ds47.rules.places import value_span
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plcgen.project.model import BlockRef, PlannedJob, Project, Telegram
+    from plcgen.project.nouns import BlockRef
+    from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram
 
 
-def response_buffer(project: Project) -> Iterator[Diagnostic]:
+def response_buffer(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG303: the pinned response buffer is not fit for every answer the drive may give."""
-    for job in project.jobs:
+    for job in plan.jobs:
         for telegram in job.telegrams:
-            size = telegram.pinned_response
+            size = telegram.pinned
             if size is None or len(job.telegrams) > 1:
                 continue
-            span = key_or_value(project, (*job.path, "response", "size"))
-            block = _label(project, telegram.response_db)
-            needed, answer = _longest_answer(telegram, write=job.write)
+            span = key_or_value(plan, (*job.path, "response", "size"))
+            block = _label(plan, telegram.response.db)
+            needed, answer = _longest_answer(telegram, write=job.writes)
             limit = job.drive.device.record_limit
             if size < needed:
                 yield Diagnostic(
@@ -32,7 +34,7 @@ def response_buffer(project: Project) -> Iterator[Diagnostic]:
                     f"{block} has {_bytes(size)}, {answer} needs {needed}",
                     span,
                     help=f"set size: {needed}, or leave size out",
-                    notes=_why(project, job, telegram),
+                    notes=_why(plan, job, telegram),
                 )
             elif size > limit:
                 yield Diagnostic(
@@ -50,7 +52,7 @@ def response_buffer(project: Project) -> Iterator[Diagnostic]:
                 )
 
 
-def _longest_answer(telegram: Telegram, *, write: bool) -> tuple[int, str]:
+def _longest_answer(telegram: DriveTelegram, *, write: bool) -> tuple[int, str]:
     longest = longest_response(telegram.parts, write=write)
     if longest <= telegram.negative_length:
         return telegram.negative_length, "a negative answer"
@@ -59,26 +61,26 @@ def _longest_answer(telegram: Telegram, *, write: bool) -> tuple[int, str]:
     return longest, "an answer that is negative in part"
 
 
-def _why(project: Project, job: PlannedJob, telegram: Telegram) -> tuple[Note, ...]:
+def _why(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> tuple[Note, ...]:
     use = max(telegram.parts, key=lambda part: part.size).use
     figures = f"positive answer {telegram.positive_length} bytes, negative answer {telegram.negative_length}"
     count = len(telegram.parts)
     return (
         Note(
-            f"{count} parameter{'s' if count > 1 else ''} in this {'write' if job.write else 'read'}: {figures}",
-            value_span(project, use),
+            f"{count} parameter{'s' if count > 1 else ''} in this {'write' if job.writes else 'read'}: {figures}",
+            value_span(plan, use),
         ),
     )
 
 
-def request_buffer(project: Project) -> Iterator[Diagnostic]:
+def request_buffer(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG304: a pinned size does not go with the telegrams of the job."""
-    for job in project.jobs:
-        spec = project.loaded.spec.jobs[job.key]
+    for job in plan.jobs:
+        spec = plan.spec.jobs[job.key]
         for which, size in (("request", spec.request.size), ("response", spec.response.size)):
             if size is None:
                 continue
-            span = key_or_value(project, (*job.path, which, "size"))
+            span = key_or_value(plan, (*job.path, which, "size"))
             if len(job.telegrams) > 1:
                 yield Diagnostic(
                     "PG304",
@@ -87,13 +89,13 @@ def request_buffer(project: Project) -> Iterator[Diagnostic]:
                     help="leave size out, or make several jobs of it",
                 )
             elif which == "request":
-                yield from _request_size(project, job.telegrams[0], size, job)
+                yield from _request_size(plan, job.telegrams[0], size, job)
 
 
-def _request_size(project: Project, telegram: Telegram, size: int, job: PlannedJob) -> Iterator[Diagnostic]:
-    needed = len(telegram.request)
-    span = key_or_value(project, (*job.path, "request", "size"))
-    block = _label(project, telegram.request_db)
+def _request_size(plan: DrivePlan, telegram: DriveTelegram, size: int, job: DriveJob) -> Iterator[Diagnostic]:
+    needed = len(telegram.request.data)
+    span = key_or_value(plan, (*job.path, "request", "size"))
+    block = _label(plan, telegram.request.db)
     if size < needed:
         yield Diagnostic(
             "PG304",
@@ -112,25 +114,25 @@ def _request_size(project: Project, telegram: Telegram, size: int, job: PlannedJ
         )
 
 
-def reference(project: Project) -> Iterator[Diagnostic]:
+def reference(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG305: the request reference does not fit its byte, or is the reserved 0."""
-    for job in project.jobs:
+    for job in plan.jobs:
         if not 1 <= job.reference <= 255:
             why = "0 is reserved" if job.reference == 0 else "it is one byte"
             yield Diagnostic(
                 "PG305",
                 f"request reference {job.reference} is outside 1..255: {why}",
-                key_or_value(project, (*job.path, "reference")),
+                key_or_value(plan, (*job.path, "reference")),
                 help="write a number from 1 to 255, or leave reference out",
             )
 
 
-def timing(project: Project) -> Iterator[Diagnostic]:
+def timing(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG306: the job's time is over before its pauses are."""
-    for job in project.jobs:
+    for job in plan.jobs:
         if job.retries == 0:
             continue
-        span = key_or_value(project, (*job.path, "timeout"))
+        span = key_or_value(plan, (*job.path, "timeout"))
         least = len(job.telegrams) * job.retry_pause
         if job.timeout <= job.retry_pause:
             yield Diagnostic(
@@ -139,7 +141,7 @@ def timing(project: Project) -> Iterator[Diagnostic]:
                 f"which comes after {spelled(job.retry_pause)}",
                 span,
                 help="make timeout longer or retry_pause shorter",
-                notes=_pause(project, job),
+                notes=_pause(plan, job),
             )
         elif job.timeout <= least:
             yield Diagnostic(
@@ -149,19 +151,19 @@ def timing(project: Project) -> Iterator[Diagnostic]:
                 span,
                 Severity.WARNING,
                 help=f"make timeout longer than {spelled(least)}",
-                notes=_pause(project, job),
+                notes=_pause(plan, job),
             )
 
 
-def _pause(project: Project, job: PlannedJob) -> tuple[Note, ...]:
-    span = key_or_value(project, (*job.path, "retry_pause"))
-    if span == owner_span(project, job.path):
+def _pause(plan: DrivePlan, job: DriveJob) -> tuple[Note, ...]:
+    span = key_or_value(plan, (*job.path, "retry_pause"))
+    if span == owner_span(plan, job.path):
         return ()
     return (Note("the pause before a retry", span),)
 
 
-def _label(project: Project, block: BlockRef) -> str:
-    numbered = block.pinned or project.target.v5
+def _label(plan: DrivePlan, block: BlockRef) -> str:
+    numbered = block.pinned or plan.target.v5
     return f"{block.kind}{block.number}" if numbered else f'"{block.name}"'
 
 

@@ -7,9 +7,10 @@ from typing import Any
 
 from plcgen.documents.document import Document
 from plcgen.documents.spelling import comment_text, elements, encodable, literal, one_line, spelling_of, type_text
-from plcgen.project.model import Field, Part, PlannedJob, Project, Telegram, Use
-from plcgen.project.target import element_type
+from plcgen.project.nouns import Frame
 from plcgen.protocols.ds47.plan.fields import interface_type
+from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
+from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.wire.formats import generic_of, padded
 from plcgen.protocols.ds47.wire.model import RequestId
 from plcgen.protocols.ds47.words import DRAIN_MS, HEARTBEATS, LEASE_MS, STATES, STATUS_WORDS
@@ -19,51 +20,51 @@ _MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
 """What would begin or end something else in a TITLE line."""
 
 
-def job_document(project: Project, job: PlannedJob) -> Document:
+def job_document(plan: DrivePlan, job: DriveJob) -> Document:
     """The function block of a job as a document."""
-    where = project.target
-    made = _job(project, job)
+    where = plan.target
+    made = _job(plan, job)
     view = {
-        **common(project),
+        **common(plan),
         "job": made,
         "telegram": made["telegrams"][0],
         "record_index_type": "DInt" if where.t15 else "Int",
         "token": job.drive.token.name,
         "input_id": "hardwareId" if where.t15 else "driveAddress",
         "stat_id": "statHardwareId" if where.t15 else "statDriveAddress",
-        "diagnostics_type": project.diagnostics_type.name,
+        "diagnostics_type": plan.diagnostics_type.name,
         "states": STATES,
-        "statuses": [(n, f"W#16#{v:04X}", text) for n, v, text in STATUS_WORDS if n not in _unused(project, job)],
+        "statuses": [(n, f"W#16#{v:04X}", text) for n, v, text in STATUS_WORDS if n not in _unused(plan, job)],
     }
-    return source(project, f"scl/{job.block.name}.scl", "ds47/job.scl.j2", view)
+    return source(plan, f"scl/{job.block.name}.scl", "ds47/job.scl.j2", view)
 
 
 @lru_cache(maxsize=4)
-def common(project: Project) -> dict[str, Any]:
+def common(plan: Frame) -> dict[str, Any]:
     """What every source template may ask: the CPU, and the folders with what differs in substance."""
-    where = project.target
+    where = plan.target
     system = "s7-1500" if where.t15 else "s7-300"
     return {"s7_1500": where.t15, "system": system, "calls": "step7-v5" if where.v5 else system}
 
 
-def source(project: Project, path: str, template: str, view: dict[str, Any]) -> Document:
+def source(plan: Frame, path: str, template: str, view: dict[str, Any]) -> Document:
     """A source text in the target's spelling, encoding and line ends."""
-    where = project.target
-    view = {**common(project), **view}
-    return Document(path, template, view, where.encoding, newline(project), spelling=spelling_of(where))
+    where = plan.target
+    view = {**common(plan), **view}
+    return Document(path, template, view, where.encoding, newline(plan), spelling=spelling_of(where))
 
 
-def newline(project: Project) -> str:
+def newline(plan: Frame) -> str:
     """Line ending of source texts: STEP 7 V5 reads Windows files, everything else is LF."""
-    return "\r\n" if project.target.v5 else "\n"
+    return "\r\n" if plan.target.v5 else "\n"
 
 
 @lru_cache(maxsize=16)
-def title(project: Project, job: PlannedJob) -> str:
+def title(plan: DrivePlan, job: DriveJob) -> str:
     """One-line title; a quote would end a STEP 7 V5 title."""
-    verb = "Write" if job.write else "Read"
+    verb = "Write" if job.writes else "Read"
     labels = ", ".join(use.label for use in job.uses[:4]) + (", .." if len(job.uses) > 4 else "")
-    return clean_title(comment_text(job.comment, project.languages, project.target, f"{verb} {labels}"))
+    return clean_title(comment_text(job.comment, plan.languages, plan.target, f"{verb} {labels}"))
 
 
 def clean_title(text: str) -> str:
@@ -73,15 +74,15 @@ def clean_title(text: str) -> str:
     return text
 
 
-def _job(project: Project, job: PlannedJob) -> dict[str, Any]:
-    where = project.target
+def _job(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
+    where = plan.target
     parts = [part for telegram in job.telegrams for part in telegram.parts]
-    comments = [job.comment[lang] for lang in project.languages if job.comment.get(lang)]
+    comments = [job.comment[lang] for lang in plan.languages if job.comment.get(lang)]
     records = job.record_instances
-    copies = _copies(project, job, response=False), _copies(project, job, response=True)
+    copies = _copies(plan, job, response=False), _copies(plan, job, response=True)
     return {
         "block": job.block,
-        "write": job.write,
+        "write": job.writes,
         "many": len(job.telegrams) > 1,
         "single": len(parts) == 1,
         "aligned": len(parts) == len(job.uses),
@@ -89,7 +90,7 @@ def _job(project: Project, job: PlannedJob) -> dict[str, Any]:
         "gaps": _gaps(job),
         "mixed": _refusable(job) and any(len(telegram.parts) == 1 for telegram in job.telegrams),
         "owner": job.owner,
-        "title": title(project, job),
+        "title": title(plan, job),
         "comment_lines": [one_line(text) for text in comments[1:] if encodable(text, where)],
         "labels": [_label(job, use) for use in job.uses],
         "drive": _drive(job),
@@ -100,13 +101,13 @@ def _job(project: Project, job: PlannedJob) -> dict[str, Any]:
         "heartbeats": HEARTBEATS,
         "retries": job.retries,
         "use_count": len(job.uses),
-        "inputs": [interface_row(project, use, start=True) for use in job.inputs],
-        "outputs": [interface_row(project, use, start=False) for use in job.outputs],
-        "request_last": max(len(t.request) for t in job.telegrams) - 1,
-        "response_last": max(t.response_size for t in job.telegrams) - 1,
-        "positive_id": f"B#16#{RequestId.CHANGE if job.write else RequestId.READ:02X}",
-        "negative_id": f"B#16#{0x80 | (RequestId.CHANGE if job.write else RequestId.READ):02X}",
-        "telegrams": _telegrams(project, job),
+        "inputs": [interface_row(plan, use, start=True) for use in job.inputs],
+        "outputs": [interface_row(plan, use, start=False) for use in job.outputs],
+        "request_last": max(len(t.request.data) for t in job.telegrams) - 1,
+        "response_last": max(t.response.size for t in job.telegrams) - 1,
+        "positive_id": f"B#16#{RequestId.CHANGE if job.writes else RequestId.READ:02X}",
+        "negative_id": f"B#16#{0x80 | (RequestId.CHANGE if job.writes else RequestId.READ):02X}",
+        "telegrams": _telegrams(plan, job),
         "blocks": [_block(index, part) for index, part in enumerate(parts, 1)],
         "input_copies": copies[0],
         "output_copies": copies[1],
@@ -116,32 +117,32 @@ def _job(project: Project, job: PlannedJob) -> dict[str, Any]:
     }
 
 
-def _refusable(job: PlannedJob) -> bool:
+def _refusable(job: DriveJob) -> bool:
     """Whether one error block may stand for several parameters."""
     return any(len(telegram.parts) > 1 for telegram in job.telegrams)
 
 
-def _gaps(job: PlannedJob) -> bool:
+def _gaps(job: DriveJob) -> bool:
     """Whether an answer that lacks a block can have the right length.
 
     With two parameters written it cannot: one error block alone is the refusal of the whole request.
     """
-    return not job.write or any(len(telegram.parts) > 2 for telegram in job.telegrams)
+    return not job.writes or any(len(telegram.parts) > 2 for telegram in job.telegrams)
 
 
-def _unused(project: Project, job: PlannedJob) -> set[str]:
+def _unused(plan: DrivePlan, job: DriveJob) -> set[str]:
     """Status words a block cannot report."""
     unused = set() if _refusable(job) else {"STATUS_REFUSED"}
-    return unused | {"STATUS_WRONG_DB"} if project.target.t15 else unused
+    return unused | {"STATUS_WRONG_DB"} if plan.target.t15 else unused
 
 
-def _label(job: PlannedJob, use: Use) -> str:
+def _label(job: DriveJob, use: Use) -> str:
     """Line of the header: which index of ``errors`` belongs to which parameter."""
-    text = f"{use.position}: {'writes' if job.write else 'reads'} {use.label} {use.parameter.title}"
+    text = f"{use.position}: {'writes' if job.writes else 'reads'} {use.label} {use.parameter.title}"
     return one_line(text)
 
 
-def _drive(job: PlannedJob) -> dict[str, Any]:
+def _drive(job: DriveJob) -> dict[str, Any]:
     drive = job.drive
     signed = drive.record_index - 0x10000 if drive.record_index > 0x7FFF else drive.record_index
     return {
@@ -156,13 +157,13 @@ def _drive(job: PlannedJob) -> dict[str, Any]:
     }
 
 
-def interface_row(project: Project, use: Use, *, start: bool) -> dict[str, str]:
+def interface_row(plan: DrivePlan, use: Use, *, start: bool) -> dict[str, str]:
     """Declaration of a value at the interface or in the control DB: name, type, initialiser, comment."""
-    where = project.target
+    where = plan.target
     type_ = interface_type(use.format, use.count, use.subindex, where)
     initial = _initial(type_, use.data, v5=where.v5) if start and any(use.data) else ""
     unit = f" [{use.parameter.unit}]" if use.parameter.unit else ""
-    own = comment_text(use.comment, project.languages, where, use.parameter.title)
+    own = comment_text(use.comment, plan.languages, where, use.parameter.title)
     text = type_text(type_, tia=not where.v5)
     return {"name": use.member, "type": text, "start": initial, "text": one_line(f"{use.label} {own}{unit}")}
 
@@ -200,20 +201,20 @@ def _block(index: int, part: Part) -> dict[str, Any]:
     }
 
 
-def _telegrams(project: Project, job: PlannedJob) -> list[dict[str, Any]]:
+def _telegrams(plan: DrivePlan, job: DriveJob) -> list[dict[str, Any]]:
     views = []
     first = 1
     for telegram in job.telegrams:
-        views.append(_telegram(project, telegram, first, many=len(job.telegrams) > 1))
+        views.append(_telegram(plan, telegram, first, many=len(job.telegrams) > 1))
         first += len(telegram.parts)
     return views
 
 
-def _telegram(project: Project, telegram: Telegram, first: int, *, many: bool) -> dict[str, Any]:
-    request_db, response_db = telegram.request_db, telegram.response_db
-    suffix = str(telegram.index) if many else ""
-    reference = next(f.name for f in telegram.request_fields if f.role == "reference")
-    mirror = next(f.name for f in telegram.response_fields if f.role == "reference")
+def _telegram(plan: DrivePlan, telegram: DriveTelegram, first: int, *, many: bool) -> dict[str, Any]:
+    request_db, response_db = telegram.request.db, telegram.response.db
+    suffix = str(telegram.number) if many else ""
+    reference = next(f.name for f in telegram.request.fields if f.role == "reference")
+    mirror = next(f.name for f in telegram.response.fields if f.role == "reference")
     build = [
         {
             "target": f'"{request_db.name}".{reference}',
@@ -221,20 +222,20 @@ def _telegram(project: Project, telegram: Telegram, first: int, *, many: bool) -
         }
     ]
     store: list[dict[str, str]] = []
-    if project.target.t15:
+    if plan.target.t15:
         view = f"#statRequestView{suffix}"
-        build += [_move(f"{view}.{f.name}", f'"{request_db.name}".{f.name}') for f in telegram.request_fields]
+        build += [_move(f"{view}.{f.name}", f'"{request_db.name}".{f.name}') for f in telegram.request.fields]
         view = f"#statResponseView{suffix}"
-        store = [_move(f'"{response_db.name}".{f.name}', f"{view}.{f.name}") for f in telegram.response_fields]
+        store = [_move(f'"{response_db.name}".{f.name}', f"{view}.{f.name}") for f in telegram.response.fields]
     return {
-        "index": telegram.index,
+        "index": telegram.number,
         "suffix": suffix,
-        "request_type": telegram.request_type.name,
-        "response_type": telegram.response_type.name,
-        "request_length": len(telegram.request),
-        "response_size": telegram.response_size,
-        "request_pointer": f"P#DB{request_db.number}.DBX0.0 BYTE {len(telegram.request)}",
-        "response_pointer": f"P#DB{response_db.number}.DBX0.0 BYTE {telegram.response_size}",
+        "request_type": telegram.request.type.name,
+        "response_type": telegram.response.type.name,
+        "request_length": len(telegram.request.data),
+        "response_size": telegram.response.size,
+        "request_pointer": f"P#DB{request_db.number}.DBX0.0 BYTE {len(telegram.request.data)}",
+        "response_pointer": f"P#DB{response_db.number}.DBX0.0 BYTE {telegram.response.size}",
         "reference": f'"{request_db.name}".{reference}',
         "mirror": f'"{response_db.name}".{mirror}',
         "count": len(telegram.parts),
@@ -252,32 +253,32 @@ def _move(target: str, source: str) -> dict[str, str]:
     return {"target": target, "source": source}
 
 
-def _copies(project: Project, job: PlannedJob, *, response: bool) -> list[dict[str, Any]]:
+def _copies(plan: DrivePlan, job: DriveJob, *, response: bool) -> list[dict[str, Any]]:
     """Moves between the block's interface and the value members of its buffer DBs."""
-    if response == job.write:
+    if response == job.writes:
         return []
     copies = []
     for telegram in job.telegrams:
-        db = telegram.response_db if response else telegram.request_db
-        for field in telegram.response_fields if response else telegram.request_fields:
+        db = telegram.response.db if response else telegram.request.db
+        for field in telegram.response.fields if response else telegram.request.fields:
             if field.role != "value" or field.part is None or (not response and field.part.use.constant):
                 continue
-            copies.append(_copy(project, field, field.part, f'"{db.name}".{field.name}', response=response))
+            copies.append(_copy(plan, field, field.part, f'"{db.name}".{field.name}', response=response))
     return copies
 
 
-def _copy(project: Project, field: Field, part: Part, member: str, *, response: bool) -> dict[str, Any]:
+def _copy(plan: DrivePlan, field: DriveField, part: Part, member: str, *, response: bool) -> dict[str, Any]:
     """One move; ``shift`` is what the interface's index is ahead of the buffer's index in a split array."""
     own = part.use.member
     view: dict[str, Any] = {"bool": _single_bool(part.use), "loop": False, "shift": ""}
     if isinstance(field.type, Elementary) and part.use.count > 1:
         own = f"{own}[{part.subindex}]"
     if view["bool"] and isinstance(field.type, Elementary):
-        view["one"] = literal(field.type, b"\x01", v5=project.target.v5)
-        view["zero"] = literal(field.type, b"\x00", v5=project.target.v5)
+        view["one"] = literal(field.type, b"\x01", v5=plan.target.v5)
+        view["zero"] = literal(field.type, b"\x00", v5=plan.target.v5)
     if isinstance(field.type, ArrayType):
         low = field.type.bounds[0][0]
-        bytewise = not part.use.format.is_string and element_type(part.use.format, project.target) is None
+        bytewise = not part.use.format.is_string and element_type(part.use.format, plan.target) is None
         view["loop"] = True
         view["first"], view["last"] = low, low + (part.size if bytewise else part.count) - 1
         if bytewise and part.start:

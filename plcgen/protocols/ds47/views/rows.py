@@ -6,7 +6,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from plcgen.documents.spelling import comment_text, culture, elements, literal, one_line, type_text
-from plcgen.project.model import BlockRef, Field, Project, Telegram
+from plcgen.project.nouns import BlockRef
+from plcgen.protocols.ds47.plan.nouns import DriveField, DrivePlan, DriveTelegram
 from plcgen.protocols.ds47.views.texts import field_texts
 from plcgen.s7.types import ArrayType, Elementary
 from plcgen.s7.values import SIGNED, UNSIGNED
@@ -39,16 +40,16 @@ class Row(NamedTuple):
 
 
 @lru_cache(maxsize=8)
-def telegram_rows(project: Project, telegram: Telegram) -> tuple[list[Row], list[Row]]:
+def telegram_rows(plan: DrivePlan, telegram: DriveTelegram) -> tuple[list[Row], list[Row]]:
     """Rows of the request DB and of the response DB of one telegram."""
     return (
-        [_row(project, telegram.request_db, field, response=False) for field in telegram.request_fields],
-        [_row(project, telegram.response_db, field, response=True) for field in telegram.response_fields],
+        [_row(plan, telegram.request.db, field, response=False) for field in telegram.request.fields],
+        [_row(plan, telegram.response.db, field, response=True) for field in telegram.response.fields],
     )
 
 
-def _row(project: Project, db: BlockRef, field: Field, *, response: bool) -> Row:
-    where = project.target
+def _row(plan: DrivePlan, db: BlockRef, field: DriveField, *, response: bool) -> Row:
+    where = plan.target
     type_ = field.type
     start = ""
     subs: tuple[tuple[int, str], ...] = ()
@@ -56,11 +57,11 @@ def _row(project: Project, db: BlockRef, field: Field, *, response: bool) -> Row
         start = literal(type_, field.data, v5=where.v5)
     elif isinstance(type_, ArrayType) and not response:
         subs = tuple(elements(type_, field.data, v5=where.v5))
-    texts = {language: one_line(text) for language, text in field_texts(field, project.languages, response=response)}
-    text = texts[project.languages[0]]
+    texts = {language: one_line(text) for language, text in field_texts(field, plan.languages, response=response)}
+    text = texts[plan.languages[0]]
     if where.v5:
         fallback = dict(field_texts(field, ("en",), response=response))["en"]
-        text = comment_text(texts, project.languages, where, fallback)
+        text = comment_text(texts, plan.languages, where, fallback)
     return Row(
         name=field.name,
         type=type_text(type_, tia=not where.v5),
@@ -71,24 +72,26 @@ def _row(project: Project, db: BlockRef, field: Field, *, response: bool) -> Row
         offset=field.offset,
         size=field.size,
         address=_address(db, field),
-        watch=_watch(project, db, field, response=response),
+        watch=_watch(plan, db, field, response=response),
     )
 
 
-def _address(db: BlockRef, field: Field) -> str:
+def _address(db: BlockRef, field: DriveField) -> str:
     """Absolute address of a member, ``DB3.DBW6``; wider or array members by their first byte."""
     width = field.type.bits if isinstance(field.type, Elementary) else 8
     return f"DB{db.number}.{_LETTER.get(width, 'DBB')}{field.offset}"
 
 
-def _watch(project: Project, db: BlockRef, field: Field, *, response: bool) -> tuple[tuple[str, str, str, str], ...]:
+def _watch(
+    plan: DrivePlan, db: BlockRef, field: DriveField, *, response: bool
+) -> tuple[tuple[str, str, str, str], ...]:
     """Watch lines of a member: one, or one per array element up to ``WATCHED``; inputs have no modify value."""
     if field.role in {"pad", "reserve"}:
         return ()
     fixed = not response and (field.role != "value" or field.part is None or field.part.use.constant)
     type_ = field.type
     if isinstance(type_, Elementary):
-        value = _modify(project, field, type_, field.data) if fixed else ""
+        value = _modify(plan, field, type_, field.data) if fixed else ""
         return ((f'"{db.name}".{field.name}', _address(db, field), _format(field, type_), value),)
     if not isinstance(type_, ArrayType) or not isinstance(type_.element, Elementary):
         return ()
@@ -98,16 +101,16 @@ def _watch(project: Project, db: BlockRef, field: Field, *, response: bool) -> t
     for number in range(min(high - low + 1, WATCHED)):
         piece = field.data[number * step : (number + 1) * step]
         address = f"DB{db.number}.{_LETTER.get(element.bits, 'DBB')}{field.offset + number * step}"
-        value = _modify(project, field, element, piece) if fixed else ""
+        value = _modify(plan, field, element, piece) if fixed else ""
         lines.append((f'"{db.name}".{field.name}[{low + number}]', address, _format(field, element), value))
     return tuple(lines)
 
 
-def _format(field: Field, type_: Elementary) -> str:
+def _format(field: DriveField, type_: Elementary) -> str:
     if type_.name in {"REAL", "LREAL"}:
         return "FloatingPoint"
     return "DEC" if field.role == "pnu" or type_.name in _INTEGERS else "Hex"
 
 
-def _modify(project: Project, field: Field, type_: Elementary, data: bytes) -> str:
-    return str(int.from_bytes(data)) if field.role == "pnu" else literal(type_, data, v5=project.target.v5)
+def _modify(plan: DrivePlan, field: DriveField, type_: Elementary, data: bytes) -> str:
+    return str(int.from_bytes(data)) if field.role == "pnu" else literal(type_, data, v5=plan.target.v5)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcgen.project.model import Field
+from plcgen.protocols.ds47.plan.nouns import DriveField
 
 _REQUEST: dict[str, tuple[str, str, str]] = {
     "reference": ("request reference 1..255", "Auftragsreferenz 1..255", "请求参考 1..255"),
@@ -39,7 +39,7 @@ _RESPONSE = _REQUEST | {
 _COLUMN = {"en": 0, "de": 1, "zh": 2}
 
 
-def field_texts(field: Field, languages: tuple[str, ...], *, response: bool) -> list[tuple[str, str]]:
+def field_texts(field: DriveField, languages: tuple[str, ...], *, response: bool) -> list[tuple[str, str]]:
     """Comment of a member in each language, with the parameter and its unit where it belongs to one."""
     row = (_RESPONSE if response else _REQUEST)[field.role]
     part = field.part

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from plcgen.protocols.ppi.plan.model import LEAD, Placed, PpiField, WireItem
+from plcgen.protocols.ppi.plan.nouns import LEAD, Placed, PpiField, WireItem
 from plcgen.protocols.ppi.wire.areas import JOB_HEADER, Function, SizeCode
 from plcgen.s7.types import ELEMENTARY, ArrayType, DataType
 

@@ -8,24 +8,24 @@ from dataclasses import dataclass, field
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.project.loading import LoadedSpec, SpecPath
-from plcgen.project.model import BlockRef
+from plcgen.project.nouns import BlockRef, Buffer
 from plcgen.project.numbering import Numbering
-from plcgen.protocols.ds47.plan.jobs import plan_trigger
-from plcgen.protocols.ppi.plan.fields import request_fields, response_fields
-from plcgen.protocols.ppi.plan.model import (
+from plcgen.project.triggers import plan_trigger
+from plcgen.protocols.ppi.plan.fields import FRAME_HEADER, request_fields, response_fields
+from plcgen.protocols.ppi.plan.nouns import (
+    LEAD,
     Kind,
-    PlannedPpiJob,
     PlannedStation,
-    PpiField,
+    PpiJob,
     PpiTelegram,
     PpiValue,
     WireItem,
 )
 from plcgen.protocols.ppi.plan.pack import Packed, pack
 from plcgen.protocols.ppi.plan.values import ValueResolver
-from plcgen.protocols.ppi.schema import VERBS, PpiBuffer, PpiJob, PpiMaster, PpiReadItem, PpiWriteItem
+from plcgen.protocols.ppi.schema import VERBS, MasterJob, PpiBuffer, PpiMaster, PpiReadItem, PpiWriteItem
 from plcgen.protocols.ppi.symbols import SymbolTable
-from plcgen.protocols.ppi.wire.areas import Area
+from plcgen.protocols.ppi.wire.areas import JOB_HEADER, Area
 from plcgen.protocols.ppi.wire.errors import PpiError
 from plcgen.protocols.ppi.wire.fdl import encode_frame
 from plcgen.protocols.ppi.wire.model import (
@@ -61,9 +61,9 @@ class JobPlanner:
     telegrams: int = 0
     items: int = 0
     values: int = 0
-    found: list[PlannedPpiJob] = field(default_factory=list)
+    found: list[PpiJob] = field(default_factory=list)
 
-    def jobs(self) -> tuple[PlannedPpiJob, ...]:
+    def jobs(self) -> tuple[PpiJob, ...]:
         """Every job that can be planned."""
         for key, job in self.master.jobs.items():
             planned = self._job(key, job)
@@ -71,7 +71,7 @@ class JobPlanner:
                 self.found.append(planned)
         return tuple(self.found)
 
-    def syncs(self, jobs: Sequence[PlannedPpiJob]) -> tuple[PpiTelegram, ...]:
+    def syncs(self, jobs: Sequence[PpiJob]) -> tuple[PpiTelegram, ...]:
         """One harmless read for each station that something is executed on."""
         wanted = dict.fromkeys(job.station.key for job in jobs if job.kind != "read")
         found = []
@@ -84,7 +84,7 @@ class JobPlanner:
 
     # --- one job --------------------------------------------------------------------------------------
 
-    def _job(self, key: str, job: PpiJob) -> PlannedPpiJob | None:
+    def _job(self, key: str, job: MasterJob) -> PpiJob | None:
         path: SpecPath = ("ppi", self.key, "jobs", key)
         station = self.stations.get(job.station)
         if station is None:
@@ -111,12 +111,12 @@ class JobPlanner:
             response = job.response if index == 1 else PpiBuffer()
             telegrams.append(self._telegram(kind, station, self._items(group), name, request, response, path))
         limit = V5_LIMIT if self.numbering.where.v5 else TIA_LIMIT
-        return PlannedPpiJob(
+        return PpiJob(
             key=key,
             number=len(self.found) + 1,
             member=shorten(camel_case(key), limit if job.trigger is None else limit - len("Execute")),
             kind=kind,
-            station=station,
+            link=station,
             values=values,
             telegrams=tuple(telegrams),
             trigger=plan_trigger(job.trigger, path, self.loaded, self.report),
@@ -127,7 +127,7 @@ class JobPlanner:
             path=path,
         )
 
-    def _kind(self, key: str, job: PpiJob, path: SpecPath) -> Kind | None:
+    def _kind(self, key: str, job: MasterJob, path: SpecPath) -> Kind | None:
         given = [verb for verb in VERBS if getattr(job, verb) is not None]
         if len(given) == 1:
             kind: dict[str, Kind] = {"read": "read", "write": "write", "run": "run", "stop": "stop"}
@@ -140,7 +140,7 @@ class JobPlanner:
         self.report.add(Diagnostic("PG218", message, self.loaded.key_span(path), help=help_))
         return None
 
-    def _values(self, kind: Kind, job: PpiJob, station: PlannedStation, path: SpecPath) -> tuple[PpiValue, ...]:
+    def _values(self, kind: Kind, job: MasterJob, station: PlannedStation, path: SpecPath) -> tuple[PpiValue, ...]:
         entries: tuple[PpiReadItem | PpiWriteItem, ...] = (job.read if kind == "read" else job.write) or ()
         if kind not in {"read", "write"}:
             return ()
@@ -197,26 +197,27 @@ class JobPlanner:
         self.telegrams += 1
         frame = _frame(kind, station.address, self.master.own_address, items)
         table = self._block("DB", f"{name}_Request", request, (*path, "request"))
-        type_ = self.numbering.block("UDT", f"type{_upper(table.name)}", path)
-        answer = answer_type = None
-        fields: tuple[PpiField, ...] = ()
+        request_id = frame[FRAME_HEADER + JOB_HEADER]
+        asked = request_fields(frame, items)
+        sent = Buffer(table, self._type(table, path), asked, LEAD + len(frame), frame, bytes((len(frame),)))
+        answer = None
         if kind in {"read", "write"}:
-            answer = self._block("DB", f"{name}_Response", response, (*path, "response"))
-            answer_type = self.numbering.block("UDT", f"type{_upper(answer.name)}", path)
+            db = self._block("DB", f"{name}_Response", response, (*path, "response"))
             fields = response_fields(items, write=kind == "write")
+            answer = Buffer(db, self._type(db, path), fields, fields[-1].offset + fields[-1].size)
         return PpiTelegram(
             number=self.telegrams,
+            request_id=request_id,
+            response_id=request_id,
+            request=sent,
+            response=answer,
             kind=kind,
             station=station,
             items=items,
-            request=frame,
-            request_db=table,
-            request_type=type_,
-            request_fields=request_fields(frame, items),
-            response_db=answer,
-            response_type=answer_type,
-            response_fields=fields,
         )
+
+    def _type(self, block: BlockRef, path: SpecPath) -> BlockRef:
+        return self.numbering.block("UDT", f"type{_upper(block.name)}", path)
 
     def _block(self, kind: str, name: str, given: PpiBuffer, path: SpecPath) -> BlockRef:
         return self.numbering.block(kind, given.name or name, path, given.db, given=bool(given.name))

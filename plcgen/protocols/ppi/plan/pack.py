@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from plcgen.protocols.ppi.plan.model import Placed, PpiValue
+from plcgen.protocols.ppi.plan.nouns import Placed, PpiValue
 from plcgen.protocols.ppi.wire.model import Item, WriteItem
 from plcgen.protocols.ppi.wire.pack import pack_read, pack_write
 

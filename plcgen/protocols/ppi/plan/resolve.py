@@ -9,9 +9,10 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.project.loading import LoadedSpec
 from plcgen.project.numbering import Numbering
+from plcgen.protocols.base import Protocol
 from plcgen.protocols.ppi.plan.jobs import JobPlanner
-from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedStation, PpiPlan
-from plcgen.protocols.ppi.schema import PpiMaster, PpiStation, SpecWithPpi
+from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PlannedStation, PpiPlan
+from plcgen.protocols.ppi.schema import PpiMaster, PpiSection, PpiStation
 from plcgen.protocols.ppi.symbols import Symbol, SymbolTable, load_symbols
 from plcgen.protocols.ppi.wire.address import AddressError, parse_address
 from plcgen.protocols.ppi.wire.profiles import Profile, profiles
@@ -21,7 +22,7 @@ BAUD_RATES = (9600, 19200)
 CLASSIC_MODULES = frozenset({"cp341"})
 
 
-def pinned(spec: SpecWithPpi) -> Iterator[tuple[str, int]]:
+def pinned(spec: PpiSection) -> Iterator[tuple[str, int]]:
     """Block numbers that the masters of a spec pin."""
     for master in spec.ppi.values():
         numbers = [("FB", master.block.number), ("DB", master.instance.number)]
@@ -30,14 +31,24 @@ def pinned(spec: SpecWithPpi) -> Iterator[tuple[str, int]]:
         yield from ((kind, number) for kind, number in numbers if number is not None)
 
 
-def resolve_masters(loaded: LoadedSpec, numbering: Numbering, report: Report) -> PpiPlan:
+def plan_masters(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, report: Report) -> PpiPlan:
     """Plan every master of a spec."""
-    spec = loaded.spec
-    assert isinstance(spec, SpecWithPpi)  # noqa: S101 - the caller looked
+    spec = loaded.sections(PpiSection)
     diagnostics_type = numbering.block("UDT", "typePpiDiag", ("plc",), given=True)
     control_db = numbering.block("DB", "PpiJobs", ("plc",), given=True)
     planned = tuple(_master(key, master, loaded, numbering, report) for key, master in spec.ppi.items())
-    return PpiPlan(planned, diagnostics_type, control_db)
+    return PpiPlan(
+        protocol=protocol,
+        loaded=loaded,
+        name=loaded.spec.plc.name,
+        target=numbering.where,
+        languages=loaded.spec.plc.languages,
+        jobs=tuple(job for master in planned for job in master.jobs),
+        blocks=(diagnostics_type, *(block for master in planned for block in master.blocks), control_db),
+        masters=planned,
+        diagnostics_type=diagnostics_type,
+        control_db=control_db,
+    )
 
 
 def _master(key: str, master: PpiMaster, loaded: LoadedSpec, numbering: Numbering, report: Report) -> PlannedMaster:
@@ -126,7 +137,7 @@ def _stations(key: str, master: PpiMaster, loaded: LoadedSpec, report: Report) -
     for index, (name, station) in enumerate(master.stations.items(), 1):
         path = ("ppi", key, "stations", name)
         profile = _profile(station, loaded, (*path, "cpu"), report)
-        found[name] = PlannedStation(name, index, station.address, profile, station.comment or {}, path)
+        found[name] = PlannedStation(name, station.comment or {}, path, index, station.address, profile)
     return found
 
 

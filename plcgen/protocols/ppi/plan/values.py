@@ -9,7 +9,7 @@ from plcgen.diagnostics import Diagnostic, Report
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.project.loading import LoadedSpec, SpecPath
 from plcgen.project.target import Target
-from plcgen.protocols.ppi.plan.model import PlannedStation, PpiValue
+from plcgen.protocols.ppi.plan.nouns import PlannedStation, PpiValue
 from plcgen.protocols.ppi.schema import PpiReadItem, PpiWriteItem
 from plcgen.protocols.ppi.symbols import Symbol, SymbolTable
 from plcgen.protocols.ppi.wire.address import AddressError, address_text, parse_address

@@ -8,7 +8,6 @@ from typing import Literal
 
 from plcgen.cpu.linkage import Probe
 from plcgen.cpu.program import Program
-from plcgen.project.model import Project
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.coverage import NO_OTHER, Coverage, cover, measure
 from plcgen.proof.failures import diagnostic
@@ -16,7 +15,7 @@ from plcgen.proof.workers import shared_out
 from plcgen.protocols.ds47.proof.execution import value_text
 from plcgen.protocols.ds47.proof.rig import Bench, ScenarioError
 from plcgen.protocols.ds47.proof.runner import Failure, Statistics
-from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedPpiJob
+from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.runner import MasterRunner
 from plcgen.protocols.ppi.proof.scenario import (
@@ -84,20 +83,23 @@ class Work:
 
     def __call__(self, index: int) -> JobResult:
         """One piece."""
-        project, program = self.bench.project, self.bench.program
-        masters = project.ppi.masters if project.ppi is not None else ()
-        master = masters[self.number]
+        plan, program = self.bench.project.plan(PpiPlan), self.bench.program
+        if plan is None:
+            raise TypeError("there are no masters")
+        master = plan.masters[self.number]
         if index == len(master.jobs):
-            return all_jobs(project, program, master)
+            return all_jobs(plan, program, master)
         job = master.jobs[index]
         thorough = self.level == "full" or is_first(master, job)
-        return run_job(project, program, master, job, self.level, thorough=thorough)
+        return run_job(plan, program, master, job, self.level, thorough=thorough)
 
 
 def check_masters(bench: Bench, level: Level, progress: Progress | None, workers: int | None = None) -> Iterator[Check]:
     """Run every master of the files on disk; ``workers`` None uses every core."""
-    project, program = bench.project, bench.program
-    for number, master in enumerate(project.ppi.masters if project.ppi is not None else ()):
+    plan, program = bench.project.plan(PpiPlan), bench.program
+    if plan is None:
+        return
+    for number, master in enumerate(plan.masters):
         jobs = master.jobs
         tasks = len(jobs) + (level != "none")
         results = shared_out(Work(bench, number, level), tasks, progress, workers if level != "none" else 1)
@@ -107,21 +109,21 @@ def check_masters(bench: Bench, level: Level, progress: Progress | None, workers
             yield _together(master, results[-1])
             if not any(result.failures for result in results):
                 counts = [sum(column) for column in zip(*(result.counts for result in results), strict=True)]
-                yield _coverage(project, program, master, counts)
+                yield _coverage(plan, program, master, counts)
 
 
-def is_first(master: PlannedMaster, job: PlannedPpiJob) -> bool:
+def is_first(master: PlannedMaster, job: PpiJob) -> bool:
     """Whether a job is the first of its shape: the quick matrix runs it through everything."""
     return job is next(other for other in master.jobs if SHAPES[other.kind] == SHAPES[job.kind])
 
 
 def run_job(
-    project: Project, program: Program, master: PlannedMaster, job: PlannedPpiJob, level: Level, *, thorough: bool
+    plan: PpiPlan, program: Program, master: PlannedMaster, job: PpiJob, level: Level, *, thorough: bool
 ) -> JobResult:
     """First run, nominal run and matrix of one job."""
     result = JobResult()
     try:
-        runner = MasterRunner(MasterRig(project, program, master))
+        runner = MasterRunner(MasterRig(plan, program, master))
     except (ScenarioError, KeyError) as problem:
         result.failures.append(Failure(job.key, 0, f"the block cannot be called: {problem}", "", 0))
         return result
@@ -136,7 +138,7 @@ def run_job(
     result.run = f"{runner.statistics.scans - before} scans, {_frames(runner)}"
     result.values = _shown(runner, job)
     if level != "none":
-        _matrix(project, program, runner, job, scenarios(project, master, job, scans, thorough=thorough), result)
+        _matrix(plan, program, runner, job, scenarios(plan, master, job, scans, thorough=thorough), result)
     else:
         result.add(runner.rig.cpu.coverage)
     return result
@@ -148,7 +150,7 @@ def _frames(runner: MasterRunner) -> str:
     return f"{requests} request{'s' * (requests != 1)}, {polls} poll{'s' * (polls != 1)}"
 
 
-def _shown(runner: MasterRunner, job: PlannedPpiJob) -> str:
+def _shown(runner: MasterRunner, job: PpiJob) -> str:
     name = runner.rig.master.instance.name
     if job.kind in {"run", "stop"}:
         return f"{job.station.key} in {job.kind.upper()}"
@@ -159,24 +161,24 @@ def _shown(runner: MasterRunner, job: PlannedPpiJob) -> str:
 
 
 def scenarios(
-    project: Project, master: PlannedMaster, job: PlannedPpiJob, scans: int, *, thorough: bool
+    plan: PpiPlan, master: PlannedMaster, job: PpiJob, scans: int, *, thorough: bool
 ) -> Iterator[PpiScenario]:
     """The matrix of a job: all of it, or what depends on the job itself and one of each kind of the rest."""
-    classic = project.target.classic
+    classic = plan.target.classic
     if not thorough:
         yield from core_scenarios(master, job, scans)
         return
     yield from line_scenarios(master, job)
     yield from pace_scenarios(master, job)
     yield from module_scenarios(master, job, classic=classic)
-    yield from cpu_scenarios(scans, CLOCK_END, retentive=project.target.v5)
+    yield from cpu_scenarios(scans, CLOCK_END, retentive=plan.target.v5)
 
 
 def _matrix(
-    project: Project,
+    plan: PpiPlan,
     program: Program,
     runner: MasterRunner,
-    job: PlannedPpiJob,
+    job: PpiJob,
     matrix: Iterator[PpiScenario],
     result: JobResult,
 ) -> None:
@@ -190,7 +192,7 @@ def _matrix(
         result.add(runner.rig.cpu.coverage)
         if len(failures) >= MAX_FAILURES:
             return
-        runner = MasterRunner(MasterRig(project, program, runner.rig.master))
+        runner = MasterRunner(MasterRig(plan, program, runner.rig.master))
         runner.statistics = statistics
         runner.try_run(job, PpiScenario(name="first run", retries=None, polls=None), follow=False)
     result.add(runner.rig.cpu.coverage)
@@ -207,7 +209,7 @@ def _figures(kinds: int, statistics: Statistics) -> str:
 # --- reporting ------------------------------------------------------------------------------------------------
 
 
-def _job_checks(master: PlannedMaster, job: PlannedPpiJob, result: JobResult, level: Level) -> Iterator[Check]:
+def _job_checks(master: PlannedMaster, job: PpiJob, result: JobResult, level: Level) -> Iterator[Check]:
     key = f"{master.key}.{job.key}"
     if not result.run:
         found = diagnostic("PG620", job.key, result.failures)
@@ -224,11 +226,11 @@ def _job_checks(master: PlannedMaster, job: PlannedPpiJob, result: JobResult, le
         yield Check(f"faults.{key}", f"faults {job.key}", result.matrix, Outcome.OK, "ok")
 
 
-def all_jobs(project: Project, program: Program, master: PlannedMaster) -> JobResult:
+def all_jobs(plan: PpiPlan, program: Program, master: PlannedMaster) -> JobResult:
     """All jobs at once, 600 in a row, a buffer with a wrong number."""
     result = JobResult()
-    for run in (together, behind, row, *([wrong_number] if project.target.classic else [])):
-        failure, counts = run(project, program, master)
+    for run in (together, behind, row, *([wrong_number] if plan.target.classic else [])):
+        failure, counts = run(plan, program, master)
         result.add(counts)
         if failure is not None:
             result.failures.append(failure)
@@ -245,9 +247,9 @@ def _together(master: PlannedMaster, result: JobResult) -> Check:
     return Check(name, subject, text, Outcome.OK, "round robin, one frame at a time, none starves")
 
 
-def _coverage(project: Project, program: Program, master: PlannedMaster, counts: list[int]) -> Check:
+def _coverage(plan: PpiPlan, program: Program, master: PlannedMaster, counts: list[int]) -> Check:
     found: Coverage = cover(
-        measure(program, master.block.name, counts), lambda probe, line: explanation(project, master, probe, line)
+        measure(program, master.block.name, counts), lambda probe, line: explanation(plan, master, probe, line)
     )
     name, subject = f"coverage.{master.key}", f"coverage {master.block.name}"
     if not found.missing:
@@ -258,12 +260,12 @@ def _coverage(project: Project, program: Program, master: PlannedMaster, counts:
     return Check(name, subject, found.text, Outcome.ERROR, f"line {first.line} never ran", problem)
 
 
-def explanation(project: Project, master: PlannedMaster, probe: Probe, line: str) -> str:
+def explanation(plan: PpiPlan, master: PlannedMaster, probe: Probe, line: str) -> str:
     """Why a branch or statement of a master cannot run; empty if it should."""
     text = line.replace("#", "")
     if probe.kind == "else" and text.startswith("CASE "):
         return NO_OTHER
-    alone = len(master.jobs) == 1 and project.target.classic
+    alone = len(master.jobs) == 1 and plan.target.classic
     occupied = (
         "IF statPhase[tempJob] = PHASE_WAITING THEN",
         "statPhase[tempJob] := PHASE_IDLE;",

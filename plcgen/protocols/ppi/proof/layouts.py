@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError
-from plcgen.project.model import BlockRef, Project
+from plcgen.project.nouns import Buffer
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.proof.layouts import Row, agreement, compare, width_mark
-from plcgen.protocols.ppi.plan.model import LEAD, PlannedMaster, PpiField, PpiTelegram
+from plcgen.protocols.ppi.plan.nouns import LEAD, PlannedMaster, PpiField, PpiPlan, PpiTelegram
 from plcgen.protocols.ppi.wire.errors import PpiError
 from plcgen.protocols.ppi.wire.fdl import decode_frame
 from plcgen.protocols.ppi.wire.model import (
@@ -30,67 +30,64 @@ SHOWN = frozenset({"function_code", "reference", "return_code", "value", "fcs"})
 """Members that the report names: what changes at run time. All of them are compared."""
 
 
-def check_ppi_layouts(project: Project, folder: Folder) -> Iterator[Check]:
+def check_ppi_layouts(plan: PpiPlan, folder: Folder) -> Iterator[Check]:
     """Checks of the group ``layout``: one per table and response DB."""
-    for master in project.ppi.masters if project.ppi is not None else ():
+    for master in plan.masters:
         for telegram in master.telegrams:
-            yield _layout(project, folder, telegram.request_db, telegram.request_type, telegram.request_fields, PREFIX)
-            if telegram.response_db is not None and telegram.response_type is not None:
-                yield _layout(
-                    project, folder, telegram.response_db, telegram.response_type, telegram.response_fields, ""
-                )
+            yield _layout(plan, folder, telegram.request, PREFIX)
+            if telegram.response is not None:
+                yield _layout(plan, folder, telegram.response, "")
 
 
-def _layout(
-    project: Project, folder: Folder, db: BlockRef, type_: BlockRef, fields: tuple[PpiField, ...], prefix: str
-) -> Check:
+def _layout(plan: PpiPlan, folder: Folder, buffer: Buffer[PpiField], prefix: str) -> Check:
+    db, type_, fields = buffer.db, buffer.type, buffer.fields
     size = fields[-1].offset + fields[-1].size
     subject = f'DB{db.number} "{db.name}"'
     figures = " ".join(f"{f.name}@{f.offset}{width_mark(f.type)}" for f in fields if f.role in SHOWN)
     planned = [Row(f.name, f.offset, f.size, f.type) for f in fields]
-    problem = compare(project, folder, ((db, prefix), (type_, "")), planned, size)
+    problem = compare(plan, folder, ((db, prefix), (type_, "")), planned, size)
     text = f"{size} B  {figures}"
     if problem is not None:
         return Check(f"layout.{db.name}", subject, text, Outcome.ERROR, problem.message, problem)
-    return Check(f"layout.{db.name}", subject, text, Outcome.OK, agreement(project))
+    return Check(f"layout.{db.name}", subject, text, Outcome.OK, agreement(plan))
 
 
 # --- telegrams ------------------------------------------------------------------------------------------------
 
 
-def check_ppi_telegrams(project: Project, folder: Folder) -> Iterator[Check]:
+def check_ppi_telegrams(plan: PpiPlan, folder: Folder) -> Iterator[Check]:
     """Checks of the group ``telegrams``: the table's start values are one telegram that says what the spec asks."""
-    for master in project.ppi.masters if project.ppi is not None else ():
+    for master in plan.masters:
         for telegram in master.telegrams:
             job = next((job for job in master.jobs if telegram in job.telegrams), None)
             key = f"{job.key}{_part(job.telegrams, telegram)}" if job else f"first frame to {telegram.station.key}"
-            yield _telegram(project, folder, master, telegram, key)
+            yield _telegram(plan, folder, master, telegram, key)
 
 
 def _part(telegrams: tuple[PpiTelegram, ...], telegram: PpiTelegram) -> str:
     return f" {telegrams.index(telegram) + 1}" if len(telegrams) > 1 else ""
 
 
-def _telegram(project: Project, folder: Folder, master: PlannedMaster, telegram: PpiTelegram, key: str) -> Check:
-    name, subject = f"telegram.{telegram.request_db.name}", key
-    shown = telegram.request.hex(" ").upper()
-    text = f"{shown} ({len(telegram.request)} bytes)"
-    problem = _first_problem(project, folder, master, telegram)
+def _telegram(plan: PpiPlan, folder: Folder, master: PlannedMaster, telegram: PpiTelegram, key: str) -> Check:
+    name, subject = f"telegram.{telegram.request.db.name}", key
+    shown = telegram.request.data.hex(" ").upper()
+    text = f"{shown} ({len(telegram.request.data)} bytes)"
+    problem = _first_problem(plan, folder, master, telegram)
     if problem is None:
         return Check(name, subject, text, Outcome.OK, "start values form exactly this telegram")
-    place = folder.place(telegram.request_db.name)
+    place = folder.place(telegram.request.db.name)
     found = Diagnostic("PG604", problem, place, help="run plcgen generate")
     return Check(name, subject, text, Outcome.ERROR, problem, found)
 
 
-def _first_problem(project: Project, folder: Folder, master: PlannedMaster, telegram: PpiTelegram) -> str | None:
+def _first_problem(plan: PpiPlan, folder: Folder, master: PlannedMaster, telegram: PpiTelegram) -> str | None:
     """What is wrong with the start values in the text source or the SimaticML, or None."""
     for origin, blocks in (("text source", folder.text), ("SimaticML", folder.xml)):
-        if origin == "SimaticML" and project.target.xml_version is None:
+        if origin == "SimaticML" and plan.target.xml_version is None:
             continue
-        block = blocks.get(telegram.request_db.name.upper())
+        block = blocks.get(telegram.request.db.name.upper())
         if block is None:
-            return f'DB "{telegram.request_db.name}" is missing in the {origin}s'
+            return f'DB "{telegram.request.db.name}" is missing in the {origin}s'
         try:
             data = bytes(image(block, blocks))
             size = layout_block(block, blocks).size

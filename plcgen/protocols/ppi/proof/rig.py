@@ -10,9 +10,8 @@ from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Bus
 from plcgen.cpu.system.port import Port
-from plcgen.project.model import Project
 from plcgen.protocols.ds47.proof.rig import ScenarioError, Spot
-from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedPpiJob, PpiTelegram, PpiValue
+from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue
 from plcgen.protocols.ppi.proof.scenario import Edit
 from plcgen.protocols.ppi.sim import Bus as Line
 from plcgen.protocols.ppi.sim import Station
@@ -72,8 +71,8 @@ class EditedLine:
 class MasterRig:
     """One master of a program on a CPU of its own, with every station it talks to."""
 
-    def __init__(self, project: Project, program: Program, master: PlannedMaster) -> None:
-        self.project, self.program, self.master = project, program, master
+    def __init__(self, plan: PpiPlan, program: Program, master: PlannedMaster) -> None:
+        self.plan, self.program, self.master = plan, program, master
         self.stations = {s.address: Station(s.profile.key, s.address, frame_count="strict") for s in master.stations}
         self.executed: list[bytes] = []
         for station in self.stations.values():
@@ -82,7 +81,7 @@ class MasterRig:
         self.bus = Bus()
         self.edited = EditedLine(self.line)
         self.port = Port(peer=self.edited, line_baud=master.baud)
-        if project.target.classic:
+        if plan.target.classic:
             self.port.baud = master.baud  # a CP 341 is configured in the hardware
         self.bus.ports[master.port] = self.port
         self.cpu = Cpu(program, self.bus)
@@ -114,20 +113,20 @@ class MasterRig:
         spot = self.spots[name]
         return int.from_bytes(self.instance[spot.byte : spot.byte + spot.size])
 
-    def flag(self, job: PlannedPpiJob, name: str) -> bool:
+    def flag(self, job: PpiJob, name: str) -> bool:
         """BOOL signal of a job."""
         spot = self.spots[job.pin(name)]
         return bool(self.instance[spot.byte] >> spot.bit & 1)
 
-    def set_flag(self, job: PlannedPpiJob, name: str, *, value: bool) -> None:
+    def set_flag(self, job: PpiJob, name: str, *, value: bool) -> None:
         """Set a BOOL signal of a job."""
         self.put(self.spots[job.pin(name)], b"\x01" if value else b"\x00")
 
-    def status(self, job: PlannedPpiJob) -> int:
+    def status(self, job: PpiJob) -> int:
         """Status word of a job."""
         return self.get(job.pin("status"))
 
-    def errors(self, job: PlannedPpiJob) -> list[int]:
+    def errors(self, job: PpiJob) -> list[int]:
         """Errors per address of a job."""
         if not job.values:
             return []
@@ -142,7 +141,7 @@ class MasterRig:
         else:
             self.instance[spot.byte : spot.byte + len(data)] = data
 
-    def shown(self, job: PlannedPpiJob, value: PpiValue) -> bytes:
+    def shown(self, job: PpiJob, value: PpiValue) -> bytes:
         """Bytes of an output."""
         spot = self.spots[job.pin(value.member)]
         if spot.flag:
@@ -155,15 +154,15 @@ class MasterRig:
 
     # --- stations -------------------------------------------------------------------------------------
 
-    def station(self, job: PlannedPpiJob) -> Station:
+    def station(self, job: PpiJob) -> Station:
         """The station of a job."""
         return self.stations[job.station.address]
 
-    def memory(self, job: PlannedPpiJob, item: Item) -> bytes:
+    def memory(self, job: PpiJob, item: Item) -> bytes:
         """What a station holds at an address."""
         return self.station(job).cpu.memory.read(item).data
 
-    def new_values(self, job: PlannedPpiJob) -> None:
+    def new_values(self, job: PpiJob) -> None:
         """Give the station and the inputs of a job other values than before."""
         for value in job.outputs:
             self.station(job).cpu.memory.put(value.item, self.random_bytes(value))
@@ -172,7 +171,7 @@ class MasterRig:
             self.inputs[job.pin(value.member)] = data
             self.put(self.spots[job.pin(value.member)], data)
 
-    def put_inputs(self, job: PlannedPpiJob) -> None:
+    def put_inputs(self, job: PpiJob) -> None:
         """Supply the inputs again, as a main program does in every scan."""
         for value in job.inputs:
             name = job.pin(value.member)
@@ -190,7 +189,7 @@ class MasterRig:
             return bytes(65 + octet % 26 for octet in octets)
         return bytes(octets)
 
-    def expected(self, job: PlannedPpiJob, value: PpiValue) -> bytes:
+    def expected(self, job: PpiJob, value: PpiValue) -> bytes:
         """What an output must show of what the station holds."""
         data = self.memory(job, value.item)
         if value.bit:
@@ -199,11 +198,11 @@ class MasterRig:
         pieces = [data[n * step + first : (n + 1) * step] for n in range(value.count)]
         return b"".join(piece[-value.size :] for piece in pieces)
 
-    def planned(self, job: PlannedPpiJob, telegram: PpiTelegram) -> bytes:
+    def planned(self, job: PpiJob, telegram: PpiTelegram) -> bytes:
         """The request with the inputs of this run; function code 6Ch, reference 0."""
-        image = bytearray(telegram.request)
+        image = bytearray(telegram.request.data)
         at = len(image) - 2
-        for field in telegram.request_fields:
+        for field in telegram.request.fields:
             if field.role != "value":
                 continue
             for placed in field.placed:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from plcgen.protocols.ds47.proof.rig import ScenarioError
 from plcgen.protocols.ds47.proof.runner import Failure, Statistics
-from plcgen.protocols.ppi.plan.model import PlannedPpiJob
+from plcgen.protocols.ppi.plan.nouns import PpiJob
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import DONE, WORDS, PpiScenario
 from plcgen.protocols.ppi.proof.tables import check_tables, soil
@@ -34,7 +34,7 @@ class MasterRunner:
 
     # --- entry ----------------------------------------------------------------------------------------
 
-    def try_run(self, job: PlannedPpiJob, scenario: PpiScenario, *, follow: bool = True) -> Failure | None:
+    def try_run(self, job: PpiJob, scenario: PpiScenario, *, follow: bool = True) -> Failure | None:
         """Run a scenario and a job after it; None if everything was right."""
         try:
             self.run(job, scenario)
@@ -47,7 +47,7 @@ class MasterRunner:
             return self.failure(job, f"the simulated CPU stopped: {type(problem).__name__} {problem}")
         return None
 
-    def failure(self, job: PlannedPpiJob, message: str) -> Failure:
+    def failure(self, job: PpiJob, message: str) -> Failure:
         """Where the block was: the misuse, or the last statement that not every call executes."""
         name = f"{job.key}, {self.name}"
         misuses = self.rig.cpu.misuses
@@ -65,7 +65,7 @@ class MasterRunner:
 
     # --- one run --------------------------------------------------------------------------------------
 
-    def run(self, job: PlannedPpiJob, scenario: PpiScenario) -> None:
+    def run(self, job: PpiJob, scenario: PpiScenario) -> None:
         """Run a job from the rising edge of execute to its end. Raises ScenarioError."""
         rig = self.rig
         self.name, self.scenario, self.job, self.scan = scenario.name, scenario, job, 0
@@ -114,7 +114,7 @@ class MasterRunner:
     def set_clock(self, clock: int) -> None:
         """Let the clock of the block stand shortly before its end."""
         rig = self.rig
-        if rig.project.target.classic:
+        if rig.plan.target.classic:
             rig.cpu.clock = 2**31 - 1 - (CLOCK_END - clock)
         else:
             spot = rig.cpu.program.link.find(rig.master.instance.name)
@@ -250,7 +250,7 @@ class MasterRunner:
         """Every request is a planned telegram, FCB alternates, a repetition is the same, nothing runs twice."""
         rig, job = self.rig, self.job
         planned = [rig.planned(job, telegram) for telegram in job.telegrams]
-        planned += [sync.request for sync in rig.master.syncs if sync.station is job.station]
+        planned += [sync.request.data for sync in rig.master.syncs if sync.station is job.station]
         last: bytes | None = None
         repeated = asked = 0
         for data in (data for _, data in rig.port.sent):

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedPpiJob
+from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob
 from plcgen.protocols.ppi.sim import Fault, FaultKind
 from plcgen.protocols.ppi.sim.faults import At
 from plcgen.protocols.ppi.words import CLOCK_END, STATUS_WORDS
@@ -81,7 +81,7 @@ def _repeated(master: PlannedMaster, polls: int = 1) -> dict[str, Any]:
     }
 
 
-def line_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiScenario]:
+def line_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     """Everything a line and a station can do wrong."""
     most, polls = master.retries, master.polls
     silent = (WORDS["NO_ANSWER"],)
@@ -130,7 +130,7 @@ def line_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiSce
         )
 
 
-def pace_scenarios(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiScenario]:
+def pace_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     """Waits and pauses held to the constants in scans of 2 ms, also across the end of the block's clock."""
     ack, reply, pause, most = master.ack_timeout, master.reply_timeout, master.retry_pause, master.retries
     waits = (("request", ack, (ack + pause,) * 2), ("poll", reply, (0, reply + pause)))
@@ -200,7 +200,7 @@ def _late(master: PlannedMaster) -> Iterator[PpiScenario]:
         )
 
 
-def _short(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiScenario]:
+def _short(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     """Short answers that are none of the usual ones, and a frame without a PDU of an answer."""
 
     def frame(body: bytes, *, variable: bool) -> bytes:
@@ -219,7 +219,7 @@ def _short(master: PlannedMaster, job: PlannedPpiJob) -> Iterator[PpiScenario]:
     yield PpiScenario(name="a frame without an answer", faults=(short,), **_repeated(master))
 
 
-def _edits(job: PlannedPpiJob) -> Iterator[tuple[str, Edit]]:
+def _edits(job: PpiJob) -> Iterator[tuple[str, Edit]]:
     """Replies whose frame and reference are right and whose PDU is not."""
     yield "a parameter length beyond its end", lambda pdu: pdu[:6] + b"\x01" + pdu[7:]
     yield "a data length of 256 more", lambda pdu: pdu[:8] + b"\x01" + pdu[9:]
@@ -239,7 +239,7 @@ def _edits(job: PlannedPpiJob) -> Iterator[tuple[str, Edit]]:
         yield "another value length", lambda pdu: pdu[:17] + bytes((pdu[17] ^ 0x08,)) + pdu[18:]
 
 
-def _first_read(job: PlannedPpiJob) -> Iterator[PpiScenario]:
+def _first_read(job: PpiJob) -> Iterator[PpiScenario]:
     """The read in front of the first write with an item that nobody asked for."""
     if job.kind != "read":
         yield PpiScenario(
@@ -269,7 +269,7 @@ def _ready(polls: int) -> Iterator[PpiScenario]:
     )
 
 
-def _refusals(job: PlannedPpiJob) -> Iterator[PpiScenario]:
+def _refusals(job: PpiJob) -> Iterator[PpiScenario]:
     """Return codes at every position, and refusals of the whole job."""
     for code in HEADER_ERRORS:
         yield PpiScenario(
@@ -279,7 +279,7 @@ def _refusals(job: PlannedPpiJob) -> Iterator[PpiScenario]:
             header=code,
         )
     for after, telegram in enumerate(job.telegrams):
-        for number, wire in enumerate(telegram.items if telegram.response_db is not None else (), 1):
+        for number, wire in enumerate(telegram.items if telegram.response is not None else (), 1):
             positions = sorted({placed.value.position for placed in wire.values})
             for code in RETURN_CODES:
                 yield PpiScenario(
@@ -290,7 +290,7 @@ def _refusals(job: PlannedPpiJob) -> Iterator[PpiScenario]:
                     retries=None,
                     polls=None,
                 )
-        if len(telegram.items) > 1 and telegram.response_db is not None:
+        if len(telegram.items) > 1 and telegram.response is not None:
             wrong = (telegram.items[0], telegram.items[-1])
             places = sorted({placed.value.position for wire in wrong for placed in wire.values})
             yield PpiScenario(
@@ -303,7 +303,7 @@ def _refusals(job: PlannedPpiJob) -> Iterator[PpiScenario]:
             )
 
 
-def module_scenarios(master: PlannedMaster, job: PlannedPpiJob, *, classic: bool) -> Iterator[PpiScenario]:
+def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> Iterator[PpiScenario]:
     """Everything a module can do wrong."""
     most = master.retries
     for transmission, at in ((1, "request"), (2, "poll")):
@@ -342,7 +342,7 @@ def module_scenarios(master: PlannedMaster, job: PlannedPpiJob, *, classic: bool
     )
 
 
-def core_scenarios(master: PlannedMaster, job: PlannedPpiJob, scans: int) -> Iterator[PpiScenario]:
+def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int) -> Iterator[PpiScenario]:
     """What depends on the job itself, and one fault of each kind of the rest."""
     yield PpiScenario(name="first job after power-up", fresh=True, retries=None, polls=None)
     for at, kind in (("request", "silence"), ("poll", "fcs"), ("poll", "silence")):

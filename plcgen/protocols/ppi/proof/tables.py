@@ -6,7 +6,7 @@ Both are soiled before the job, so a copy that is missing shows.
 from __future__ import annotations
 
 from plcgen.protocols.ds47.proof.rig import ScenarioError
-from plcgen.protocols.ppi.plan.model import LEAD, PlannedPpiJob, PpiTelegram
+from plcgen.protocols.ppi.plan.nouns import LEAD, PpiJob, PpiTelegram
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.wire.fdl import examine_frame
 from plcgen.protocols.ppi.wire.model import ReadReply, VariableFrame, WriteReply
@@ -22,16 +22,16 @@ RUN_TIME = frozenset({"function_code", "reference", "fcs"})
 def soil(rig: MasterRig) -> None:
     """Fill every response DB and what the block fills in every table with a pattern."""
     for telegram in rig.master.telegrams:
-        table = rig.cpu.db(telegram.request_db.name)
-        for field in telegram.request_fields:
+        table = rig.cpu.db(telegram.request.db.name)
+        for field in telegram.request.fields:
             if field.role in RUN_TIME:
                 table[field.offset : field.offset + field.size] = bytes((SOIL,)) * field.size
-        if telegram.response_db is not None:
-            response = rig.cpu.db(telegram.response_db.name)
+        if telegram.response is not None:
+            response = rig.cpu.db(telegram.response.db.name)
             response[:] = bytes((SOIL,)) * len(response)
 
 
-def check_tables(rig: MasterRig, job: PlannedPpiJob, *, refused: bool) -> None:
+def check_tables(rig: MasterRig, job: PpiJob, *, refused: bool) -> None:
     """Tables and response DBs after a job that is done, or whose last telegram has refused items."""
     last = rig.get("telegram")
     for telegram in rig.master.telegrams:
@@ -39,15 +39,15 @@ def check_tables(rig: MasterRig, job: PlannedPpiJob, *, refused: bool) -> None:
         if mine:
             reply = _exchange(rig, telegram)
             _compare(rig, telegram, reply, refused=refused and telegram.number == last)
-        elif telegram.response_db is not None and set(rig.cpu.db(telegram.response_db.name)) - {SOIL}:
-            raise ScenarioError(f'"{telegram.response_db.name}" changed although its telegram was not sent')
+        elif telegram.response is not None and set(rig.cpu.db(telegram.response.db.name)) - {SOIL}:
+            raise ScenarioError(f'"{telegram.response.db.name}" changed although its telegram was not sent')
 
 
 def _exchange(rig: MasterRig, telegram: PpiTelegram) -> bytes:
     """The table is the request that was sent; PDU of the reply to it."""
-    table = bytes(rig.cpu.db(telegram.request_db.name)[LEAD : LEAD + len(telegram.request)])
+    table = bytes(rig.cpu.db(telegram.request.db.name)[LEAD : LEAD + len(telegram.request.data)])
     if table not in {data for _, data in rig.port.sent}:
-        raise ScenarioError(f'"{telegram.request_db.name}" holds {table.hex(" ").upper()}, which was not sent')
+        raise ScenarioError(f'"{telegram.request.db.name}" holds {table.hex(" ").upper()}, which was not sent')
     frame = examine_frame(table)[0]
     reference = frame.pdu[4:6] if isinstance(frame, VariableFrame) else b""
     for entry in reversed(rig.line.journal):
@@ -55,22 +55,22 @@ def _exchange(rig: MasterRig, telegram: PpiTelegram) -> bytes:
         known = isinstance(answer, VariableFrame) and answer.source == telegram.station.address
         if entry.direction == "<" and known and isinstance(answer, VariableFrame) and answer.pdu[4:6] == reference:
             return answer.pdu
-    raise ScenarioError(f'nothing answered "{telegram.request_db.name}", but the job says so')
+    raise ScenarioError(f'nothing answered "{telegram.request.db.name}", but the job says so')
 
 
 def _compare(rig: MasterRig, telegram: PpiTelegram, pdu: bytes, *, refused: bool) -> None:
     """Every member of the response DB is what the reply says; without values if an item was refused."""
-    if telegram.response_db is None:
+    if telegram.response is None:
         return
-    found = rig.cpu.db(telegram.response_db.name)
+    found = rig.cpu.db(telegram.response.db.name)
     reply = examine_pdu(pdu)[0]  # a return code that nobody knows is one, too
     if isinstance(reply, ReadReply):
         codes = [result.code for result in reply.results]
     elif isinstance(reply, WriteReply):
         codes = list(reply.codes)
     else:
-        raise ScenarioError(f'"{telegram.response_db.name}": the reply has no items')
-    for field in telegram.response_fields:
+        raise ScenarioError(f'"{telegram.response.db.name}": the reply has no items')
+    for field in telegram.response.fields:
         size = telegram.items[field.item - 1].item.octets if field.role == "value" else field.size  # without pad
         soiled = bytes((SOIL,)) * size
         if field.role == "return_code":
@@ -82,4 +82,4 @@ def _compare(rig: MasterRig, telegram: PpiTelegram, pdu: bytes, *, refused: bool
         octets = bytes(found[field.offset : field.offset + size])
         if octets != wanted:
             shown = f"{octets.hex(' ').upper()} instead of {wanted.hex(' ').upper()}"
-            raise ScenarioError(f'"{telegram.response_db.name}".{field.name} is {shown}')
+            raise ScenarioError(f'"{telegram.response.db.name}".{field.name} is {shown}')

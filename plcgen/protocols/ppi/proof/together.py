@@ -6,10 +6,9 @@ import itertools
 from collections.abc import Callable
 
 from plcgen.cpu.program import Program
-from plcgen.project.model import Project
 from plcgen.protocols.ds47.proof.rig import ScenarioError
 from plcgen.protocols.ds47.proof.runner import Failure
-from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedPpiJob
+from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.runner import MasterRunner
 from plcgen.protocols.ppi.proof.scenario import DONE, WORDS, PpiScenario
@@ -44,35 +43,35 @@ def _failure(rig: MasterRig, name: str, message: str) -> Failure:
 # --- all jobs at once, through OB1 ----------------------------------------------------------------------------
 
 
-def together(project: Project, program: Program, master: PlannedMaster) -> Result:
+def together(plan: PpiPlan, program: Program, master: PlannedMaster) -> Result:
     """All jobs started at once through OB1, round after round; then a port that hangs."""
-    rig = MasterRig(project, program, master)
+    rig = MasterRig(plan, program, master)
 
     def run() -> None:
         for number in range(ROUNDS):
-            _round(rig, project, number)
-        if len(master.jobs) > 1 or not project.target.classic:
-            _occupied(rig, project)
+            _round(rig, plan, number)
+        if len(master.jobs) > 1 or not plan.target.classic:
+            _occupied(rig, plan)
 
     return _guarded(rig, "all jobs at once", run)
 
 
-def _control(project: Project, job: PlannedPpiJob, signal: str) -> str:
+def _control(plan: PpiPlan, job: PpiJob, signal: str) -> str:
     """Path of a signal as the caller supplies it: a member of the control DB, or a flag."""
     from plcgen.protocols.ppi.views.blocks import control_jobs, place
 
-    member = next(member for _, other, member in control_jobs(project) if other is job)
-    return place(project, job, member, signal)
+    member = next(member for _, other, member in control_jobs(plan) if other is job)
+    return place(plan, job, member, signal)
 
 
-def _round(rig: MasterRig, project: Project, number: int) -> None:
+def _round(rig: MasterRig, plan: PpiPlan, number: int) -> None:
     """Every job once: all end well, in turn, with values that travelled through OB1."""
     jobs, cpu = rig.master.jobs, rig.cpu
     for job in jobs:
         rig.new_values(job)
         for value in job.inputs:
-            cpu[_control(project, job, value.member)] = cpu[f'"{rig.master.instance.name}".{job.pin(value.member)}']
-        cpu[_control(project, job, "execute")] = True
+            cpu[_control(plan, job, value.member)] = cpu[f'"{rig.master.instance.name}".{job.pin(value.member)}']
+        cpu[_control(plan, job, "execute")] = True
     rig.port.sent.clear()
     ended: dict[str, int] = {}
     longest = sum(job.timeout for job in jobs)
@@ -81,13 +80,13 @@ def _round(rig: MasterRig, project: Project, number: int) -> None:
         if cpu.misuses:
             raise ScenarioError("misuse")
         for job in jobs:
-            if cpu[_control(project, job, "error")]:
-                status = cpu[_control(project, job, "status")]
+            if cpu[_control(plan, job, "error")]:
+                status = cpu[_control(plan, job, "status")]
                 raise ScenarioError(f"round {number}: {job.key} ends with 16#{status:04X}")
-            if cpu[_control(project, job, "done")] and job.key not in ended:
+            if cpu[_control(plan, job, "done")] and job.key not in ended:
                 ended[job.key] = scan
-                _compare(rig, project, job)
-                cpu[_control(project, job, "execute")] = False
+                _compare(rig, plan, job)
+                cpu[_control(plan, job, "execute")] = False
         if len(ended) == len(jobs):
             break
     else:
@@ -95,34 +94,34 @@ def _round(rig: MasterRig, project: Project, number: int) -> None:
         raise ScenarioError(f"round {number}: {', '.join(waiting)} never ended")
     cpu.scan(10, 3)
     for job in jobs:
-        if cpu[_control(project, job, "status")] != WORDS["IDLE"]:
+        if cpu[_control(plan, job, "status")] != WORDS["IDLE"]:
             raise ScenarioError(f"round {number}: {job.key} is not idle after execute has fallen")
 
 
-def _compare(rig: MasterRig, project: Project, job: PlannedPpiJob) -> None:
+def _compare(rig: MasterRig, plan: PpiPlan, job: PpiJob) -> None:
     """The control DB shows what the block shows."""
     name = rig.master.instance.name
     for value in job.outputs:
         if rig.shown(job, value) != rig.expected(job, value):
             raise ScenarioError(f"{value.member} of {job.key} is not what the station has")
-        if rig.cpu[_control(project, job, value.member)] != rig.cpu[f'"{name}".{job.pin(value.member)}']:
+        if rig.cpu[_control(plan, job, value.member)] != rig.cpu[f'"{name}".{job.pin(value.member)}']:
             raise ScenarioError(f"{value.member} of {job.key} does not reach the control DB")
 
 
-def _occupied(rig: MasterRig, project: Project) -> None:
+def _occupied(rig: MasterRig, plan: PpiPlan) -> None:
     """A job that waits for the port for its whole timeout says so; afterwards everything works."""
     jobs, cpu = rig.master.jobs, rig.cpu
     rig.port.hang = True
     words: list[object] = []
     for _ in range(2):  # on an S7-1200/1500 even a single job waits the second time: the module is still sending
         for job in jobs:
-            cpu[_control(project, job, "execute")] = True
+            cpu[_control(plan, job, "execute")] = True
         slowest = max(job.timeout for job in jobs)
         for _ in range(slowest // 50 + 200):
             cpu.scan(50)
-        words += [cpu[_control(project, job, "status")] for job in jobs]
+        words += [cpu[_control(plan, job, "status")] for job in jobs]
         for job in jobs:
-            cpu[_control(project, job, "execute")] = False
+            cpu[_control(plan, job, "execute")] = False
         cpu.scan(50, 2)
     allowed = {WORDS[name] for name in ("TIMEOUT", "DRAIN_TIMEOUT", "PORT_OCCUPIED", "RUNNING", "STARTED")}
     if not allowed.issuperset(words) or WORDS["PORT_OCCUPIED"] not in words:
@@ -130,14 +129,14 @@ def _occupied(rig: MasterRig, project: Project) -> None:
     rig.port.hang = False
     for _ in range(2000):
         cpu.scan(10)
-        if all(cpu[_control(project, job, "status")] == WORDS["IDLE"] for job in jobs):
+        if all(cpu[_control(plan, job, "status")] == WORDS["IDLE"] for job in jobs):
             break
-    _round(rig, project, ROUNDS)
+    _round(rig, plan, ROUNDS)
 
 
-def behind(project: Project, program: Program, master: PlannedMaster) -> Result:
+def behind(plan: PpiPlan, program: Program, master: PlannedMaster) -> Result:
     """Every job behind the last one of the master, and behind one of another station, after power-up."""
-    rig = MasterRig(project, program, master)
+    rig = MasterRig(plan, program, master)
     runner = MasterRunner(rig)
 
     def run() -> None:
@@ -154,9 +153,9 @@ def behind(project: Project, program: Program, master: PlannedMaster) -> Result:
 # --- many in a row --------------------------------------------------------------------------------------------
 
 
-def row(project: Project, program: Program, master: PlannedMaster) -> Result:
+def row(plan: PpiPlan, program: Program, master: PlannedMaster) -> Result:
     """600 jobs in a row: references never repeat and never are 0, frame count bits alternate throughout."""
-    rig = MasterRig(project, program, master)
+    rig = MasterRig(plan, program, master)
     runner = MasterRunner(rig)
 
     def run() -> None:
@@ -184,7 +183,7 @@ def row(project: Project, program: Program, master: PlannedMaster) -> Result:
     return _guarded(rig, f"{ROW} jobs in a row", run)
 
 
-def _once(rig: MasterRig, job: PlannedPpiJob, number: int) -> None:
+def _once(rig: MasterRig, job: PpiJob, number: int) -> None:
     name = rig.master.instance.name
     rig.set_flag(job, "execute", value=True)
     for _ in range(job.timeout // 20):
@@ -200,18 +199,18 @@ def _once(rig: MasterRig, job: PlannedPpiJob, number: int) -> None:
 # --- a wrong number -------------------------------------------------------------------------------------------
 
 
-def wrong_number(project: Project, program: Program, master: PlannedMaster) -> Result:
+def wrong_number(plan: PpiPlan, program: Program, master: PlannedMaster) -> Result:
     """The buffer DB has another number than the block expects: nothing is sent. S7-300 only."""
     if master.buffer is None:
         raise ValueError("this master has no buffer")
     entry = program.link.find(master.buffer.name)
-    other = program.link.find(project.ppi.control_db.name) if project.ppi is not None else None
+    other = program.link.find(plan.control_db.name)
     if entry is None or other is None:
         return None, [0] * len(program.probes)
     before = entry.number, other.number
     entry.number, other.number = UNUSED_NUMBER, before[0]
     try:
-        rig = MasterRig(project, program, master)
+        rig = MasterRig(plan, program, master)
 
         def run() -> None:
             job = master.jobs[0]

@@ -1,45 +1,36 @@
-"""Names and texts of PPI masters for the rules about names: keys, members, flags, comments."""
+"""Names and texts of PPI masters, for the rules about names and comments."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
-from plcgen.project.rules.places import key_or_value
+from plcgen.protocols.base import Named
 from plcgen.protocols.ppi.rules.line import member_span
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Span
     from plcgen.project.loading import SpecPath
-    from plcgen.project.model import Project
-    from plcgen.protocols.ppi.plan.model import PlannedMaster
-
-Row = tuple[str, str, str, "Callable[[], Span]"]
+    from plcgen.protocols.ppi.plan.nouns import PpiPlan
 
 
-def _masters(project: Project) -> tuple[PlannedMaster, ...]:
-    return project.ppi.masters if project.ppi is not None else ()
-
-
-def ppi_names(project: Project) -> Iterator[Row]:
-    """What is named, the name, its role, where it stands: for every name of the masters that reaches a source."""
-    key_of = project.loaded.key_span
-    for key, master in project.loaded.spec.masters.items():
-        yield "master key", key, "key", partial(key_of, ("ppi", key))
+def names(plan: PpiPlan) -> Iterator[Named]:
+    """Keys of masters, stations and jobs, names of values."""
+    key_of = plan.loaded.key_span
+    for key, master in plan.spec.ppi.items():
+        yield Named("master key", key, "key", partial(key_of, ("ppi", key)))
         for which in ("stations", "jobs"):
             for name in getattr(master, which):
-                yield f"{which[:-1]} key", name, "key", partial(key_of, ("ppi", key, which, name))
-    for master in _masters(project):
-        for job in master.jobs:
-            yield "member", job.member, "identifier", partial(key_of, job.path)
-            for value in job.values:
-                yield "member", value.member, "identifier", partial(member_span, project, value)
+                yield Named(f"{which[:-1]} key", name, "key", partial(key_of, ("ppi", key, which, name)))
+    for job in plan.jobs:
+        for value in job.values:
+            yield Named("member", value.member, "identifier", partial(member_span, plan, value))
 
 
-def ppi_comments(project: Project) -> Iterator[tuple[SpecPath, dict[str, str]]]:
-    """Texts of the masters that become comments."""
-    for master in _masters(project):
+def texts(plan: PpiPlan) -> Iterator[tuple[SpecPath, dict[str, str]]]:
+    """Comments of masters, stations, jobs and values."""
+    for master in plan.masters:
         yield (*master.path, "comment"), master.comment
         for station in master.stations:
             yield (*station.path, "comment"), station.comment
@@ -49,13 +40,13 @@ def ppi_comments(project: Project) -> Iterator[tuple[SpecPath, dict[str, str]]]:
                 yield (*value.path, "comment"), value.comment
 
 
-def ppi_taken(project: Project) -> Iterator[tuple[str, str, Span | None]]:
-    """Names that blocks must not have: of the masters' watch and tag tables and flags."""
+def plain(plan: PpiPlan) -> Iterator[tuple[SpecPath, str]]:  # noqa: ARG001 - every text has its languages
+    """No text without a language."""
+    return iter(())
+
+
+def taken(plan: PpiPlan) -> Iterator[tuple[str, str, Span | None]]:
+    """Names of the tables."""
     yield "PpiJobTags", "the tag table of the PPI jobs", None
-    for master in _masters(project):
+    for master in plan.masters:
         yield f"Watch_{master.block.name}", f'the watch table of master "{master.key}"', None
-        for job in master.jobs:
-            for flag in job.trigger.items():
-                signal = flag[0]
-                span = key_or_value(project, (*job.path, "trigger", signal))
-                yield f"{job.member}{signal.capitalize()}", f'the {signal} flag of job "{job.key}"', span

@@ -9,11 +9,11 @@ from typing import Any
 from plcgen.documents.code import block_twins
 from plcgen.documents.document import RAW, Document
 from plcgen.documents.spelling import type_words
-from plcgen.project.model import BlockRef, Project
+from plcgen.project.nouns import BlockRef
 from plcgen.protocols.ds47.views.blocks import document, extension, instance_template
 from plcgen.protocols.ds47.views.rows import Row
 from plcgen.protocols.ds47.views.tables import csv_text
-from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedPpiJob, PpiTelegram
+from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram
 from plcgen.protocols.ppi.views.masters import (
     RECEIVE_LAST,
     SEND_BYTES,
@@ -38,50 +38,45 @@ SIGNALS = (
 )
 
 
-def ppi_documents(project: Project) -> Iterator[Document]:
+def ppi_documents(plan: PpiPlan) -> Iterator[Document]:
     """Every source and table of every master."""
-    plan = project.ppi
-    if plan is None:
-        return
-    words = type_words(tia=not project.target.v5)
+    words = type_words(tia=not plan.target.v5)
     fields = [{"name": name, "type": words[type_], "text": text, "start": ""} for name, type_, text in DIAGNOSTICS]
     name = plan.diagnostics_type.name
-    yield document(
-        project, f"udt/{name}.{extension(project, 'udt')}", "shared/type.udt.j2", {"name": name, "fields": fields}
-    )
+    yield document(plan, f"udt/{name}.{extension(plan, 'udt')}", "shared/type.udt.j2", {"name": name, "fields": fields})
     for master in plan.masters:
         for telegram in master.telegrams:
-            yield from _telegram_documents(project, master, telegram)
-        yield from _own_documents(project, master)
-        twins = block_twins(project, master.block, master.instance, SERIAL_NOTE)
-        yield replace(master_document(project, master), twins=twins)
-        yield Document(f"watch/{master.block.name}.csv", RAW, {"text": _watch_csv(project, master)})
-    yield control_document(project)
+            yield from _telegram_documents(plan, master, telegram)
+        yield from _own_documents(plan, master)
+        twins = block_twins(plan, master.block, master.instance, SERIAL_NOTE)
+        yield replace(master_document(plan, master), twins=twins)
+        yield Document(f"watch/{master.block.name}.csv", RAW, {"text": _watch_csv(plan, master)})
+    yield control_document(plan)
 
 
-def telegram_title(project: Project, master: PlannedMaster, telegram: PpiTelegram, which: str) -> str:
+def telegram_title(plan: PpiPlan, master: PlannedMaster, telegram: PpiTelegram, which: str) -> str:
     """Title of a table or response DB."""
     job = next((job for job in master.jobs if telegram in job.telegrams), None)
-    label = job_title(project, job) if job is not None else f"first frame to {telegram.station.key}"
+    label = job_title(plan, job) if job is not None else f"first frame to {telegram.station.key}"
     return f"{which}: {label}"
 
 
-def _telegram_documents(project: Project, master: PlannedMaster, telegram: PpiTelegram) -> Iterator[Document]:
-    rows = table_rows(project, telegram)
-    type_ = telegram.request_type.name
-    udt, db = extension(project, "udt"), extension(project, "db")
-    yield document(project, f"udt/{type_}.{udt}", "shared/type.udt.j2", {"name": type_, "fields": rows})
-    block = telegram.request_db.name
-    title = telegram_title(project, master, telegram, "Telegram table")
+def _telegram_documents(plan: PpiPlan, master: PlannedMaster, telegram: PpiTelegram) -> Iterator[Document]:
+    rows = table_rows(plan, telegram)
+    type_ = telegram.request.type.name
+    udt, db = extension(plan, "udt"), extension(plan, "db")
+    yield document(plan, f"udt/{type_}.{udt}", "shared/type.udt.j2", {"name": type_, "fields": rows})
+    block = telegram.request.db.name
+    title = telegram_title(plan, master, telegram, "Telegram table")
     view: dict[str, Any] = {"name": block, "title": title, "type": type_, "assignments": start_values(rows)}
-    yield document(project, f"db/{block}.{db}", "ppi/table.db.j2", {**view, "family": "PPI"})
-    if telegram.response_db is None or telegram.response_type is None:
+    yield document(plan, f"db/{block}.{db}", "ppi/table.db.j2", {**view, "family": "PPI"})
+    if telegram.response is None:
         return
-    rows = answer_rows(project, telegram)
-    type_, block = telegram.response_type.name, telegram.response_db.name
-    yield document(project, f"udt/{type_}.{udt}", "shared/type.udt.j2", {"name": type_, "fields": rows})
-    view = {"name": block, "title": telegram_title(project, master, telegram, "Response"), "fields": rows}
-    yield document(project, f"db/{block}.{db}", "shared/data.db.j2", {**view, "assignments": (), "family": "PPI"})
+    rows = answer_rows(plan, telegram)
+    type_, block = telegram.response.type.name, telegram.response.db.name
+    yield document(plan, f"udt/{type_}.{udt}", "shared/type.udt.j2", {"name": type_, "fields": rows})
+    view = {"name": block, "title": telegram_title(plan, master, telegram, "Response"), "fields": rows}
+    yield document(plan, f"db/{block}.{db}", "shared/data.db.j2", {**view, "assignments": (), "family": "PPI"})
 
 
 def start_values(rows: list[Row]) -> list[dict[str, str]]:
@@ -94,23 +89,23 @@ def start_values(rows: list[Row]) -> list[dict[str, str]]:
     return lines
 
 
-def _own_documents(project: Project, master: PlannedMaster) -> Iterator[Document]:
+def _own_documents(plan: PpiPlan, master: PlannedMaster) -> Iterator[Document]:
     """Buffer of the CP, instance DBs."""
-    db = extension(project, "db")
+    db = extension(plan, "db")
     if master.buffer is not None:
-        view = {"name": master.buffer.name, "title": f"Frames: {master_title(project, master)}", "assignments": ()}
-        fields = [{**row, "start": ""} for row in buffer_rows(project)]
+        view = {"name": master.buffer.name, "title": f"Frames: {master_title(plan, master)}", "assignments": ()}
+        fields = [{**row, "start": ""} for row in buffer_rows(plan)]
         path = f"db/{master.buffer.name}.{db}"
-        yield document(project, path, "shared/data.db.j2", {**view, "fields": fields, "family": "PPI"})
-    yield _instance(project, master.instance, f'"{master.block.name}"')
+        yield document(plan, path, "shared/data.db.j2", {**view, "fields": fields, "family": "PPI"})
+    yield _instance(plan, master.instance, f'"{master.block.name}"')
     if master.module_instances is not None:
-        yield _instance(project, master.module_instances[0], '"P_SND_RK"')
-        yield _instance(project, master.module_instances[1], '"P_RCV_RK"')
+        yield _instance(plan, master.module_instances[0], '"P_SND_RK"')
+        yield _instance(plan, master.module_instances[1], '"P_RCV_RK"')
 
 
-def buffer_rows(project: Project) -> list[dict[str, str]]:
+def buffer_rows(plan: PpiPlan) -> list[dict[str, str]]:
     """Members of the buffer DB of a CP 341."""
-    t = type_words(tia=not project.target.v5)
+    t = type_words(tia=not plan.target.v5)
     kind = f"{t['ARRAY']}[0..{{}}] {t['OF']} {t['BYTE']}"
     return [
         {"name": "send", "type": kind.format(SEND_BYTES - 1), "text": "length and frame that P_SND_RK sends"},
@@ -118,26 +113,25 @@ def buffer_rows(project: Project) -> list[dict[str, str]]:
     ]
 
 
-def _instance(project: Project, block: BlockRef, of: str) -> Document:
-    path = f"db/{block.name}.{extension(project, 'db')}"
-    return document(project, path, instance_template(project), {"name": block.name, "of": of, "family": "PPI"})
+def _instance(plan: PpiPlan, block: BlockRef, of: str) -> Document:
+    path = f"db/{block.name}.{extension(plan, 'db')}"
+    return document(plan, path, instance_template(plan), {"name": block.name, "of": of, "family": "PPI"})
 
 
-def control_document(project: Project) -> Document:
+def control_document(plan: PpiPlan) -> Document:
     """The control DB of all masters: one structure a job."""
-    assert project.ppi is not None  # noqa: S101 - there is a master
-    name = project.ppi.control_db.name
+    name = plan.control_db.name
     jobs = [
-        {"member": member, "title": job_title(project, job), "fields": control_fields(project, job)}
-        for _, job, member in control_jobs(project)
+        {"member": member, "title": job_title(plan, job), "fields": control_fields(plan, job)}
+        for _, job, member in control_jobs(plan)
     ]
     view = {"name": name, "jobs": jobs, "title": "Commands and results of all PPI jobs", "family": "PPI"}
-    return document(project, f"db/{name}.{extension(project, 'db')}", "shared/control.db.j2", view)
+    return document(plan, f"db/{name}.{extension(plan, 'db')}", "shared/control.db.j2", view)
 
 
-def control_jobs(project: Project) -> list[tuple[PlannedMaster, PlannedPpiJob, str]]:
+def control_jobs(plan: PpiPlan) -> list[tuple[PlannedMaster, PpiJob, str]]:
     """Jobs of all masters with their member of the control DB; with several masters it begins with the master."""
-    masters = project.ppi.masters if project.ppi is not None else ()
+    masters = plan.masters
     many = len(masters) > 1
     return [
         (master, job, f"{master.member}{job.member[:1].upper()}{job.member[1:]}" if many else job.member)
@@ -146,9 +140,9 @@ def control_jobs(project: Project) -> list[tuple[PlannedMaster, PlannedPpiJob, s
     ]
 
 
-def control_fields(project: Project, job: PlannedPpiJob) -> list[dict[str, str]]:
+def control_fields(plan: PpiPlan, job: PpiJob) -> list[dict[str, str]]:
     """Members of a job's structure in the control DB: what no flag has, the values, the errors per address."""
-    words = type_words(tia=not project.target.v5)
+    words = type_words(tia=not plan.target.v5)
     absolute = {name for name, _ in job.trigger.items()}
     fields = []
     for name, type_, text in SIGNALS:
@@ -158,7 +152,7 @@ def control_fields(project: Project, job: PlannedPpiJob) -> list[dict[str, str]]
         shown = f"TRUE: the job runs every {job.cycle} ms" if name == "execute" and job.cycle else text
         fields.append({"name": name, "type": words[type_], "start": start, "text": shown})
     values = (*job.inputs, *job.outputs)
-    fields += [dict(interface_row(project, job, value)) for value in values]
+    fields += [dict(interface_row(plan, job, value)) for value in values]
     if job.values:
         kind = f"{words['ARRAY']}[1..{len(job.values)}] {words['OF']} {words['WORD']}"
         fields.append(
@@ -170,35 +164,34 @@ def control_fields(project: Project, job: PlannedPpiJob) -> list[dict[str, str]]
 # --- calls, flags, watch tables -------------------------------------------------------------------------------
 
 
-def flag_name(job: PlannedPpiJob, signal: str) -> str:
+def flag_name(job: PpiJob, signal: str) -> str:
     """Tag name of an absolute flag."""
     return f"{job.member}{signal.capitalize()}"
 
 
-def place(project: Project, job: PlannedPpiJob, member: str, signal: str) -> str:
+def place(plan: PpiPlan, job: PpiJob, member: str, signal: str) -> str:
     """Operand of a signal or value: its flag, else its member of the control DB."""
-    assert project.ppi is not None  # noqa: S101 - there is a master
     if signal in dict(job.trigger.items()):
         return f'"{flag_name(job, signal)}"'
-    return f'"{project.ppi.control_db.name}".{member}.{signal}'
+    return f'"{plan.control_db.name}".{member}.{signal}'
 
 
-def calls(project: Project) -> list[dict[str, Any]]:
+def calls(plan: PpiPlan) -> list[dict[str, Any]]:
     """Calls of all masters for the example OB1."""
     found = []
-    for master in project.ppi.masters if project.ppi is not None else ():
+    for master in plan.masters:
         inputs, outputs = [], []
-        for owner, job, member in control_jobs(project):
+        for owner, job, member in control_jobs(plan):
             if owner is not master:
                 continue
             names = ["execute", *(value.member for value in job.inputs)]
-            inputs += [f"{job.pin(name)} := {place(project, job, member, name)}" for name in names]
+            inputs += [f"{job.pin(name)} := {place(plan, job, member, name)}" for name in names]
             names = ["busy", "done", "error", "status", *(value.member for value in job.outputs)]
             names += ["errors"] if job.values else []
-            outputs += [(job.pin(name), place(project, job, member, name)) for name in names]
+            outputs += [(job.pin(name), place(plan, job, member, name)) for name in names]
         found.append(
             {
-                "title": master_title(project, master),
+                "title": master_title(plan, master),
                 "block": master.block.name,
                 "instance": master.instance.name,
                 "begin": "\n    ",
@@ -209,28 +202,28 @@ def calls(project: Project) -> list[dict[str, Any]]:
     return found
 
 
-def ppi_tags(project: Project) -> list[dict[str, Any]]:
+def ppi_tags(plan: PpiPlan) -> list[dict[str, Any]]:
     """Absolute flags of all PPI jobs as tags."""
     return [
         {
             "name": flag_name(job, signal),
             "type": "Word" if address.width_bits > 1 else "Bool",
             "address": address.text(percent=False),
-            "text": f"{signal}: {job_title(project, job)}",
+            "text": f"{signal}: {job_title(plan, job)}",
         }
-        for _, job, _ in control_jobs(project)
+        for _, job, _ in control_jobs(plan)
         for signal, address in job.trigger.items()
     ]
 
 
-def watch_rows(project: Project, master: PlannedMaster) -> list[dict[str, str]]:
+def watch_rows(plan: PpiPlan, master: PlannedMaster) -> list[dict[str, str]]:
     """Rows of a master's watch table: every job's command and results, then tables and responses."""
     rows: list[dict[str, str]] = []
 
     def add(name: str, address: str, shown: str, modify: str = "") -> None:
         rows.append({"name": name, "address": address, "format": shown, "modify": modify})
 
-    for owner, job, member in control_jobs(project):
+    for owner, job, member in control_jobs(plan):
         if owner is not master:
             continue
         flags = dict(job.trigger.items())
@@ -238,57 +231,48 @@ def watch_rows(project: Project, master: PlannedMaster) -> list[dict[str, str]]:
             address = flags.get(signal)
             shown = "Hex" if signal == "status" else "Bool"
             text = "" if address is None else address.text(percent=False)
-            add(place(project, job, member, signal), text, shown, "TRUE" if signal == "execute" else "")
+            add(place(plan, job, member, signal), text, shown, "TRUE" if signal == "execute" else "")
         for value in (*job.inputs, *job.outputs):
             if isinstance(value.type, Elementary):
                 names = {"REAL": "FloatingPoint", "BOOL": "Bool", "BYTE": "Hex", "WORD": "Hex", "DWORD": "Hex"}
-                add(place(project, job, member, value.member), "", names.get(value.type.name, "DEC"))
+                add(place(plan, job, member, value.member), "", names.get(value.type.name, "DEC"))
         for number in range(1, len(job.values) + 1):
-            add(f"{place(project, job, member, 'errors')}[{number}]", "", "Hex")
+            add(f"{place(plan, job, member, 'errors')}[{number}]", "", "Hex")
     for telegram in master.telegrams:
-        for row in (*table_rows(project, telegram), *answer_rows(project, telegram)):
+        for row in (*table_rows(plan, telegram), *answer_rows(plan, telegram)):
             for line in row.watch:
                 add(*line)
     return rows
 
 
-def _watch_csv(project: Project, master: PlannedMaster) -> str:
+def _watch_csv(plan: PpiPlan, master: PlannedMaster) -> str:
     header = ("name", "address", "display format", "modify value")
-    return csv_text(header, [list(row.values()) for row in watch_rows(project, master)])
+    return csv_text(header, [list(row.values()) for row in watch_rows(plan, master)])
 
 
-def import_order(project: Project) -> tuple[list[str], list[str], list[str], list[str]]:
+def import_order(plan: PpiPlan) -> tuple[list[str], list[str], list[str], list[str]]:
     """Source files of the masters: types, data, blocks, instance DBs."""
-    plan = project.ppi
-    if plan is None:
-        return [], [], [], []
-    udt, db = extension(project, "udt"), extension(project, "db")
+    udt, db = extension(plan, "udt"), extension(plan, "db")
     own = [block for master in plan.masters for block in master.module_instances or ()]
     return (
-        [f"udt/{block.name}.{udt}" for block in master_types(project)],
-        [f"db/{block.name}.{db}" for block in (*own, *master_data(project))],
+        [f"udt/{block.name}.{udt}" for block in master_types(plan)],
+        [f"db/{block.name}.{db}" for block in (*own, *master_data(plan))],
         [f"scl/{master.block.name}.scl" for master in plan.masters],
         [f"db/{master.instance.name}.{db}" for master in plan.masters],
     )
 
 
-def master_types(project: Project) -> list[BlockRef]:
+def master_types(plan: PpiPlan) -> list[BlockRef]:
     """Types of all masters."""
-    plan = project.ppi
-    if plan is None:
-        return []
-    pairs = [(t.request_type, t.response_type) for master in plan.masters for t in master.telegrams]
-    return [plan.diagnostics_type, *(block for pair in pairs for block in pair if block is not None)]
+    buffers = [buffer for master in plan.masters for t in master.telegrams for buffer in t.buffers]
+    return [plan.diagnostics_type, *(buffer.type for buffer in buffers)]
 
 
-def master_data(project: Project) -> list[BlockRef]:
+def master_data(plan: PpiPlan) -> list[BlockRef]:
     """Global data blocks of all masters."""
-    plan = project.ppi
-    if plan is None:
-        return []
     found: list[BlockRef] = []
     for master in plan.masters:
         for telegram in master.telegrams:
-            found += [ref for ref in (telegram.request_db, telegram.response_db) if ref is not None]
+            found += [buffer.db for buffer in telegram.buffers]
         found += [master.buffer] if master.buffer is not None else []
     return [*found, plan.control_db]

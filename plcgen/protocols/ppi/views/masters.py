@@ -6,10 +6,9 @@ from typing import Any
 
 from plcgen.documents.document import Document
 from plcgen.documents.spelling import comment_text, elements, encodable, literal, one_line, type_text, type_words
-from plcgen.project.model import Project
 from plcgen.protocols.ds47.views.jobs import clean_title, source
 from plcgen.protocols.ppi.plan.fields import value_length
-from plcgen.protocols.ppi.plan.model import PlannedMaster, PlannedPpiJob, PpiTelegram, PpiValue, WireItem
+from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue, WireItem
 from plcgen.protocols.ppi.views.values import into_response, into_table, output_moves, stat_name
 from plcgen.protocols.ppi.words import CLOCK_END, DRAIN_MS, ONLY_CLASSIC, ONLY_NEW, STATES, STATUS_WORDS
 from plcgen.s7.types import ArrayType
@@ -23,40 +22,39 @@ BAUD_CODES = {9600: 6, 19200: 7}
 VERBS = {"read": "Read", "write": "Write", "run": "Switch to RUN", "stop": "Switch to STOP"}
 
 
-def master_document(project: Project, master: PlannedMaster) -> Document:
+def master_document(plan: PpiPlan, master: PlannedMaster) -> Document:
     """The function block of a master as a document."""
-    assert project.ppi is not None  # noqa: S101 - there is a master
     buffer = f'"{master.buffer.name}"' if master.buffer else ""
     view = {
-        "m": _Views(project, master).view(),
+        "m": _Views(plan, master).view(),
         "receive": f"{buffer}.receive" if buffer else "#statReceive",
         "table": f"{buffer}.send" if buffer else "#statTable",
     }
-    return source(project, f"scl/{master.block.name}.scl", "ppi/master.scl.j2", view)
+    return source(plan, f"scl/{master.block.name}.scl", "ppi/master.scl.j2", view)
 
 
-def master_title(project: Project, master: PlannedMaster) -> str:
+def master_title(plan: PpiPlan, master: PlannedMaster) -> str:
     """One-line title of a master."""
     names = ", ".join(station.key for station in master.stations[:4]) + (", .." if len(master.stations) > 4 else "")
-    return clean_title(comment_text(master.comment, project.languages, project.target, f"PPI master of {names}"))
+    return clean_title(comment_text(master.comment, plan.languages, plan.target, f"PPI master of {names}"))
 
 
-def job_title(project: Project, job: PlannedPpiJob) -> str:
+def job_title(plan: PpiPlan, job: PpiJob) -> str:
     """One-line title of a job."""
     labels = ", ".join(value.label for value in job.values[:4]) + (", .." if len(job.values) > 4 else "")
     text = " ".join(part for part in (VERBS[job.kind], labels, f"of {job.station.key}") if part)
-    return clean_title(comment_text(job.comment, project.languages, project.target, text))
+    return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
 
 
-def value_text(project: Project, value: PpiValue) -> str:
+def value_text(plan: PpiPlan, value: PpiValue) -> str:
     """Comment of a value: address or symbol, and what the spec or the symbol table says about it."""
-    title = value.title if encodable(value.title, project.target) else ""
-    return one_line(f"{value.label} {comment_text(value.comment, project.languages, project.target, title)}".strip())
+    title = value.title if encodable(value.title, plan.target) else ""
+    return one_line(f"{value.label} {comment_text(value.comment, plan.languages, plan.target, title)}".strip())
 
 
-def interface_row(project: Project, job: PlannedPpiJob, value: PpiValue) -> dict[str, Any]:
+def interface_row(plan: PpiPlan, job: PpiJob, value: PpiValue) -> dict[str, Any]:
     """A value at the block or in the control DB: name, type, initialiser, comment."""
-    where = project.target
+    where = plan.target
     type_ = value.type
     start = ""
     if job.kind == "write" and any(value.data):
@@ -67,32 +65,32 @@ def interface_row(project: Project, job: PlannedPpiJob, value: PpiValue) -> dict
             start = f" := {value.count}({texts[0]})" if where.v5 else f" := [{value.count}({texts[0]})]"
     text = type_text(type_, tia=not where.v5)
     return {"name": value.member, "pin": job.pin(value.member), "type": text, "start": start,
-            "text": value_text(project, value)}  # fmt: skip
+            "text": value_text(plan, value)}  # fmt: skip
 
 
 class _Views:
     """Views of one master."""
 
-    def __init__(self, project: Project, master: PlannedMaster) -> None:
-        self.project, self.master = project, master
-        self.where = project.target
-        self.t = type_words(tia=not project.target.v5)
+    def __init__(self, plan: PpiPlan, master: PlannedMaster) -> None:
+        self.plan, self.master = plan, master
+        self.where = plan.target
+        self.t = type_words(tia=not plan.target.v5)
         self.syncs = {telegram.station.key: telegram.number for telegram in master.syncs}
 
     def names(self) -> dict[str, Any]:
         """Names and sizes."""
-        master, project = self.master, self.project
+        master, plan = self.master, self.plan
         extra = master.module_instances
         return {
             "key": master.key,
-            "title": master_title(project, master),
+            "title": master_title(plan, master),
             "block": master.block.name,
             "module_title": MODULES[master.module],
             "baud": master.baud,
             "own": master.own_address,
             "port": master.port,
             "drain_ms": DRAIN_MS,
-            "diagnostics_type": project.ppi.diagnostics_type.name if project.ppi else "",
+            "diagnostics_type": plan.diagnostics_type.name,
             "buffer": master.buffer.name if master.buffer else "",
             "buffer_number": master.buffer.number if master.buffer else 0,
             "send_instance": extra[0].name if extra else "",
@@ -129,14 +127,14 @@ class _Views:
             "constants": self.constants(),
         }
 
-    def job(self, job: PlannedPpiJob) -> dict[str, Any]:
+    def job(self, job: PpiJob) -> dict[str, Any]:
         """One job of the queue."""
         pins = {name: job.pin(name) for name in ("execute", "busy", "done", "error", "status", "errors")}
         cycle = f", then every {job.cycle} ms while it is TRUE" if job.cycle else ""
         return {
             "number": job.number,
             "key": job.key,
-            "title": job_title(self.project, job) + (f", every {job.cycle} ms" if job.cycle else ""),
+            "title": job_title(self.plan, job) + (f", every {job.cycle} ms" if job.cycle else ""),
             "pins": pins,
             "execute_text": f"a rising edge starts the job{cycle}",
             "timeout": job.timeout,
@@ -150,36 +148,40 @@ class _Views:
             "outputs": [self.output(job, value) for value in job.outputs],
         }
 
-    def input(self, job: PlannedPpiJob, value: PpiValue) -> dict[str, Any]:
+    def input(self, job: PpiJob, value: PpiValue) -> dict[str, Any]:
         """A value that the caller supplies, with the copy taken when the job starts."""
-        row = interface_row(self.project, job, value)
+        row = interface_row(self.plan, job, value)
         return {**row, "stat": stat_name(job, value), "loop": value.count > 1, "last": value.count - 1}
 
-    def output(self, job: PlannedPpiJob, value: PpiValue) -> dict[str, Any]:
+    def output(self, job: PpiJob, value: PpiValue) -> dict[str, Any]:
         """A value that the job returns, with the expression over the response DB."""
-        row = interface_row(self.project, job, value)
-        return {**row, "moves": output_moves(self.project, job, value)}
+        row = interface_row(self.plan, job, value)
+        return {**row, "moves": output_moves(self.plan, job, value)}
 
     def telegram(self, telegram: PpiTelegram) -> dict[str, Any]:
         """One telegram with its table and its items."""
-        walked = telegram.response_db is not None
+        walked = telegram.response is not None
         job = next((job for job in self.master.jobs if telegram in job.telegrams), None)
         return {
             "number": telegram.number,
             "label": f"{job.key} of {telegram.station.key}" if job else f"first frame to {telegram.station.key}",
-            "db": telegram.request_db.name,
-            "type": telegram.request_type.name,
-            "response": telegram.response_db.name if telegram.response_db else "",
+            "db": telegram.request.db.name,
+            "type": telegram.request.type.name,
+            "response": telegram.response.db.name if telegram.response else "",
             "walked": walked,
             "first_item": telegram.items[0].number if walked else 0,
             "last_item": telegram.items[-1].number if walked else 0,
             "wire_items": [self.item(telegram, n, wire) for n, wire in enumerate(telegram.items, 1)],
-            "build": into_table(self.project, job, telegram) if job and telegram.kind == "write" else [],
+            "build": into_table(self.plan, job, telegram) if job and telegram.kind == "write" else [],
         }
 
     def item(self, telegram: PpiTelegram, position: int, wire: WireItem) -> dict[str, Any]:
         """One item: what its answer must look like, where it goes."""
-        fields = {field.role: field for field in telegram.response_fields if field.item == position}
+        fields = {
+            field.role: field
+            for field in (telegram.response.fields if telegram.response else ())
+            if field.item == position
+        }
         read = telegram.kind == "read"
         view: dict[str, Any] = {
             "number": wire.number,
@@ -193,7 +195,7 @@ class _Views:
         }
         if read:
             view |= {"size_member": fields["size_code"].name, "length_member": fields["value_length"].name}
-            view |= into_response(self.project, self.rx, fields["value"], wire)
+            view |= into_response(self.plan, self.rx, fields["value"], wire)
         return view
 
     def rx(self, index: str) -> str:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import lru_cache
 
 from plcgen.documents.spelling import culture, elements, literal, one_line, type_text
-from plcgen.project.model import BlockRef, Project
+from plcgen.project.nouns import BlockRef
 from plcgen.protocols.ds47.views.rows import Row
-from plcgen.protocols.ppi.plan.model import PpiField, PpiTelegram
+from plcgen.protocols.ppi.plan.nouns import PpiField, PpiPlan, PpiTelegram
 from plcgen.protocols.ppi.views.masters import value_text
 from plcgen.protocols.ppi.views.texts import FIELD_TEXTS
 from plcgen.protocols.ppi.wire.areas import Area, TransportSize
@@ -21,29 +21,29 @@ WATCHED = 8
 
 
 @lru_cache(maxsize=64)
-def table_rows(project: Project, telegram: PpiTelegram) -> list[Row]:
+def table_rows(plan: PpiPlan, telegram: PpiTelegram) -> list[Row]:
     """Rows of the telegram table."""
-    return [_row(project, telegram, telegram.request_db, f, "telegram.") for f in telegram.request_fields]
+    return [_row(plan, telegram, telegram.request.db, f, "telegram.") for f in telegram.request.fields]
 
 
 @lru_cache(maxsize=64)
-def answer_rows(project: Project, telegram: PpiTelegram) -> list[Row]:
+def answer_rows(plan: PpiPlan, telegram: PpiTelegram) -> list[Row]:
     """Rows of the response DB; none if the reply has no data."""
-    if telegram.response_db is None:
+    if telegram.response is None:
         return []
-    return [_row(project, telegram, telegram.response_db, f, "") for f in telegram.response_fields]
+    return [_row(plan, telegram, telegram.response.db, f, "") for f in telegram.response.fields]
 
 
-def _row(project: Project, telegram: PpiTelegram, db: BlockRef, field: PpiField, prefix: str) -> Row:
-    where = project.target
+def _row(plan: PpiPlan, telegram: PpiTelegram, db: BlockRef, field: PpiField, prefix: str) -> Row:
+    where = plan.target
     type_, start = field.type, ""
     subs: tuple[tuple[int, str], ...] = ()
     if isinstance(type_, Elementary) and any(field.data):
         start = literal(type_, field.data, v5=where.v5)
     elif isinstance(type_, ArrayType) and any(field.data):
         subs = tuple(elements(type_, field.data, v5=where.v5))
-    texts = {language: _text(project, telegram, field, language) for language in project.languages}
-    main = _text(project, telegram, field, "en") if where.v5 else texts[project.languages[0]]
+    texts = {language: _text(plan, telegram, field, language) for language in plan.languages}
+    main = _text(plan, telegram, field, "en") if where.v5 else texts[plan.languages[0]]
     return Row(
         name=field.name,
         type=type_text(type_, tia=not where.v5),
@@ -62,13 +62,13 @@ def _bits(field: PpiField) -> int:
     return field.type.bits if isinstance(field.type, Elementary) else 8
 
 
-def _text(project: Project, telegram: PpiTelegram, field: PpiField, language: str) -> str:
+def _text(plan: PpiPlan, telegram: PpiTelegram, field: PpiField, language: str) -> str:
     """Comment of a member in a language, with the addresses where it belongs to an item."""
     text = FIELD_TEXTS[field.role][_COLUMN.get(language[:2].lower(), 0)]
     if not field.item:
         return text
     if field.role == "value" and len(field.placed) == 1:
-        return value_text(project, field.placed[0].value)
+        return value_text(plan, field.placed[0].value)
     wire = telegram.items[field.item - 1]
     labels = ", ".join(placed.value.label for placed in wire.values) or Area(wire.item.area).title
     if field.role == "transport_size":

@@ -8,9 +8,8 @@ from typing import Any
 from plcgen.documents.document import Document
 from plcgen.documents.simaticml import db_document, fixed_members, plain_member, tag_document, type_document, watch_xml
 from plcgen.documents.spelling import literal
-from plcgen.project.model import Project
 from plcgen.protocols.ds47.views.rows import Row
-from plcgen.protocols.ppi.plan.model import PlannedMaster, PpiTelegram
+from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiPlan, PpiTelegram
 from plcgen.protocols.ppi.views.blocks import (
     buffer_rows,
     control_fields,
@@ -27,65 +26,62 @@ from plcgen.s7.types import Elementary
 PPI_TAG_TABLE = "PpiJobTags"
 
 
-def ppi_xml(project: Project) -> Iterator[Document]:
+def ppi_xml(plan: PpiPlan) -> Iterator[Document]:
     """Types, data blocks, watch and tag tables of all masters as SimaticML."""
-    plan = project.ppi
-    if plan is None:
-        return
-    yield type_document(project, plan.diagnostics_type, fixed_members(project, DIAGNOSTICS), {})
+    yield type_document(plan, plan.diagnostics_type, fixed_members(plan, DIAGNOSTICS), {})
     for master in plan.masters:
         for telegram in master.telegrams:
-            rows = table_rows(project, telegram)
-            yield type_document(project, telegram.request_type, rows, {})
-            yield db_document(project, telegram.request_db, [_expanded(project, telegram, rows)], {})
-            if telegram.response_db is not None and telegram.response_type is not None:
-                answer = answer_rows(project, telegram)
-                yield type_document(project, telegram.response_type, answer, {})
-                yield db_document(project, telegram.response_db, answer, {})
+            rows = table_rows(plan, telegram)
+            yield type_document(plan, telegram.request.type, rows, {})
+            yield db_document(plan, telegram.request.db, [_expanded(plan, telegram, rows)], {})
+            if telegram.response is not None:
+                answer = answer_rows(plan, telegram)
+                yield type_document(plan, telegram.response.type, answer, {})
+                yield db_document(plan, telegram.response.db, answer, {})
         if master.buffer is not None:
-            members = [plain_member(project, r["name"], r["type"], r["text"]) for r in buffer_rows(project)]
-            yield db_document(project, master.buffer, members, {})
-        yield watch_xml(project, master.block.name, watch_rows(project, master))
+            members = [plain_member(plan, r["name"], r["type"], r["text"]) for r in buffer_rows(plan)]
+            yield db_document(plan, master.buffer, members, {})
+        yield watch_xml(plan, master.block.name, watch_rows(plan, master))
     members = []
-    for _, job, member in control_jobs(project):
+    for _, job, member in control_jobs(plan):
         inner = [
-            plain_member(project, row["name"], row["type"], row["text"], row["start"].removeprefix(" := "))
-            for row in control_fields(project, job)
+            plain_member(plan, row["name"], row["type"], row["text"], row["start"].removeprefix(" := "))
+            for row in control_fields(plan, job)
         ]
-        members.append({**plain_member(project, member, "Struct", job_title(project, job)), "members": inner})
-    yield db_document(project, plan.control_db, members, {})
-    rows_of_tags = ppi_tags(project)
+        members.append({**plain_member(plan, member, "Struct", job_title(plan, job)), "members": inner})
+    yield db_document(plan, plan.control_db, members, {})
+    rows_of_tags = ppi_tags(plan)
     if rows_of_tags:
-        yield tag_document(project, PPI_TAG_TABLE, rows_of_tags)
+        yield tag_document(plan, PPI_TAG_TABLE, rows_of_tags)
 
 
-def _expanded(project: Project, telegram: PpiTelegram, rows: list[Row]) -> dict[str, Any]:
+def _expanded(plan: PpiPlan, telegram: PpiTelegram, rows: list[Row]) -> dict[str, Any]:
     """The member ``telegram`` of a table: a user type with the start values written out."""
-    member = plain_member(project, "telegram", f'"{telegram.request_type.name}"', "the telegram behind its length")
+    member = plain_member(plan, "telegram", f'"{telegram.request.type.name}"', "the telegram behind its length")
     return {**member, "expanded": rows}
 
 
-def sheets(project: Project) -> list[dict[str, Any]]:
+def sheets(plan: PpiPlan) -> list[dict[str, Any]]:
     """Parts of the layout sheet, one a master."""
     found = []
-    for master in project.ppi.masters if project.ppi is not None else ():
+    for master in plan.masters:
         blocks: list[dict[str, Any]] = []
         for telegram in master.telegrams:
-            rows = table_rows(project, telegram)
-            blocks.append({"db": telegram.request_db, "rows": rows, "size": _size(rows)})
-            if telegram.response_db is not None:
-                rows = answer_rows(project, telegram)
-                blocks.append({"db": telegram.response_db, "rows": rows, "size": _size(rows)})
+            rows = table_rows(plan, telegram)
+            blocks.append({"db": telegram.request.db, "rows": rows, "size": _size(rows)})
+            if telegram.response is not None:
+                rows = answer_rows(plan, telegram)
+                blocks.append({"db": telegram.response.db, "rows": rows, "size": _size(rows)})
         telegrams = [
             {
-                "title": telegram_title(project, master, telegram, f"telegram {telegram.number}"),
-                "hex": telegram.request.hex(" ").upper(),
-                "length": len(telegram.request),
+                "title": telegram_title(plan, master, telegram, f"telegram {telegram.number}"),
+                "hex": telegram.request.data.hex(" ").upper(),
+                "length": len(telegram.request.data),
             }
             for telegram in master.telegrams
         ]
         found.append(
-            {"title": master_title(project, master), "block": master.block, "telegrams": telegrams, "blocks": blocks}
+            {"title": master_title(plan, master), "block": master.block, "telegrams": telegrams, "blocks": blocks}
         )
     return found
 
@@ -94,19 +90,19 @@ def _size(rows: list[Row]) -> int:
     return rows[-1].offset + rows[-1].size
 
 
-def symbol_kinds(project: Project) -> dict[Any, str]:
+def symbol_kinds(plan: PpiPlan) -> dict[Any, str]:
     """What the instance DBs of the masters are instances of, as a STEP 7 V5 symbol table says it."""
     kinds: dict[Any, str] = {}
-    for master in project.ppi.masters if project.ppi is not None else ():
+    for master in plan.masters:
         kinds[master.instance] = f"FB {master.block.number}"
         if master.module_instances is not None:
             kinds[master.module_instances[0]], kinds[master.module_instances[1]] = "FB 8", "FB 7"
     return kinds
 
 
-def import_view(project: Project) -> dict[str, Any]:
+def import_view(plan: PpiPlan) -> dict[str, Any]:
     """What the import guide says about masters."""
-    masters = project.ppi.masters if project.ppi is not None else ()
+    masters = plan.masters
     return {
         "masters": [
             {
@@ -119,13 +115,13 @@ def import_view(project: Project) -> dict[str, Any]:
             }
             for master in masters
         ],
-        "ppi_writes": [row for master in masters for row in _writes(project, master)],
-        "ppi_tags": ppi_tags(project),
+        "ppi_writes": [row for master in masters for row in _writes(plan, master)],
+        "ppi_tags": ppi_tags(plan),
         "ppi_numbered": [master.buffer for master in masters if master.buffer is not None],
     }
 
 
-def _writes(project: Project, master: PlannedMaster) -> Iterator[dict[str, str]]:
+def _writes(plan: PpiPlan, master: PlannedMaster) -> Iterator[dict[str, str]]:
     for job in master.jobs:
         row = {"job": f"{master.block.name}, job {job.key}", "station": f"{job.station.key} ({job.station.address})"}
         if job.kind in {"run", "stop"}:
@@ -133,5 +129,5 @@ def _writes(project: Project, master: PlannedMaster) -> Iterator[dict[str, str]]
         for value in job.values if job.kind == "write" else ():
             text = "block input"
             if value.constant and isinstance(value.element, Elementary):
-                text = literal(value.element, value.data[: value.size], v5=project.target.v5)
+                text = literal(value.element, value.data[: value.size], v5=plan.target.v5)
             yield {**row, "label": value.label, "value": text}

@@ -1,4 +1,4 @@
-"""The frozen project: what is sent, what is stored where, and which name and number everything has.
+"""The nouns of drive jobs: drives, uses of parameters, telegrams of data set 47, function blocks.
 
 Offsets here come from the telegram (DS47), never from S7 layout rules: verification compares the two.
 """
@@ -7,45 +7,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
-from plcgen.project.loading import LoadedSpec, SpecPath
-from plcgen.project.target import Target
+from plcgen.project.loading import SpecPath
+from plcgen.project.nouns import BlockRef, Buffer, Field, Link, Plan, PlannedJob, Telegram
 from plcgen.protocols.ds47.devices import Device, Parameter
+from plcgen.protocols.ds47.schema import DriveSections
 from plcgen.protocols.ds47.wire.formats import Format
-from plcgen.s7.address import Address
-from plcgen.s7.types import DataType
-
-if TYPE_CHECKING:
-    from plcgen.protocols.ppi.plan.model import PpiPlan
 
 
 @dataclass(frozen=True, slots=True)
-class BlockRef:
-    """A block's identity. ``pinned`` says that the spec gave the number; ``path`` where it did."""
-
-    kind: str
-    name: str
-    number: int
-    pinned: bool
-    path: SpecPath
-
-
-@dataclass(frozen=True, slots=True)
-class PlannedDrive:
+class PlannedDrive(Link):
     """A drive as the blocks address it.
 
     ``id_value`` is the ID of WRREC/RDREC, bit 15 included; ``token`` is shared by all drives at one address.
     """
 
-    key: str
     device: Device
     id_value: int
     drive_object: int
     record_index: int
     token: BlockRef
-    comment: dict[str, str]
-    path: SpecPath
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,104 +105,73 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
-    """One member of a buffer DB: where it lies in the telegram and what it holds at start.
+class DriveField(Field):
+    """A member of a request or response; ``part`` is the access to which it belongs, if it belongs to one."""
 
-    ``data`` is the start value as wire bytes; zeros for what the drive fills in.
-    """
-
-    name: str
-    role: str
-    type: DataType
-    offset: int
-    size: int
-    data: bytes
     part: Part | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Telegram:
-    """One request/response pair: bytes, buffers and what every byte is called."""
+class DriveTelegram(Telegram):
+    """One request/response pair of data set 47, with the lengths in bytes of both kinds of answer.
 
-    index: int
+    ``pinned`` is the length of the response buffer if the spec fixes it.
+    """
+
+    request: Buffer[DriveField]
+    response: Buffer[DriveField]
     parts: tuple[Part, ...]
-    request: bytes
-    request_db: BlockRef
-    request_type: BlockRef
-    request_fields: tuple[Field, ...]
     positive_length: int
     negative_length: int
-    response_size: int
-    response_db: BlockRef
-    response_type: BlockRef
-    response_fields: tuple[Field, ...]
-    pinned_response: int | None
-
-
-@dataclass(frozen=True, slots=True)
-class PlannedTrigger:
-    """Absolute flags of a call; None where the control DB's member is used."""
-
-    execute: Address | None = None
-    busy: Address | None = None
-    done: Address | None = None
-    error: Address | None = None
-    status: Address | None = None
-
-    def items(self) -> list[tuple[str, Address]]:
-        """The flags that are absolute, by signal name."""
-        pairs = [(name, getattr(self, name)) for name in ("execute", "busy", "done", "error", "status")]
-        return [(name, address) for name, address in pairs if address is not None]
+    pinned: int | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PlannedJob:
-    """A parameter job: one function block, one or more telegrams, all on one drive."""
+class DriveJob(PlannedJob):
+    """A parameter job: one function block, one or more telegrams, all on one drive.
 
-    key: str
-    member: str
-    write: bool
-    drive: PlannedDrive
+    ``writes`` says whether it changes parameters; ``record_instances`` are the instance DBs of WRREC and RDREC where a
+    compiler does not make them itself.
+    """
+
+    link: PlannedDrive
+    telegrams: tuple[DriveTelegram, ...]
+    writes: bool
     owner: int
     uses: tuple[Use, ...]
-    telegrams: tuple[Telegram, ...]
     block: BlockRef
     instance: BlockRef
     record_instances: tuple[BlockRef, BlockRef] | None
-    trigger: PlannedTrigger
     reference: int
-    timeout: int
     retry_pause: int
     retries: int
     faq_names: bool
-    comment: dict[str, str]
-    path: SpecPath
+
+    @property
+    def drive(self) -> PlannedDrive:
+        """The drive that is asked."""
+        return self.link
 
     @property
     def inputs(self) -> tuple[Use, ...]:
         """The values the caller supplies."""
-        return tuple(use for use in self.uses if self.write and not use.constant)
+        return tuple(use for use in self.uses if self.writes and not use.constant)
 
     @property
     def outputs(self) -> tuple[Use, ...]:
         """The values the block returns."""
-        return () if self.write else self.uses
+        return () if self.writes else self.uses
 
 
 @dataclass(frozen=True, eq=False)
-class Project:
-    """Everything the emitters, rules and verification need; positions are looked up in ``loaded`` on demand."""
+class DrivePlan(Plan):
+    """All drives of a spec and their jobs, the types that they share, and the DB of commands and results."""
 
-    loaded: LoadedSpec
-    name: str
-    target: Target
-    languages: tuple[str, ...]
+    jobs: tuple[DriveJob, ...]
     drives: tuple[PlannedDrive, ...]
-    jobs: tuple[PlannedJob, ...]
     diagnostics_type: BlockRef
     token_type: BlockRef
     control_db: BlockRef
-    ppi: PpiPlan | None = None
 
     @cached_property
     def tokens(self) -> tuple[tuple[BlockRef, tuple[PlannedDrive, ...]], ...]:
@@ -231,20 +181,7 @@ class Project:
             shared.setdefault(drive.token.name, []).append(drive)
         return tuple((drives[0].token, tuple(drives)) for drives in shared.values())
 
-    @cached_property
-    def blocks(self) -> tuple[BlockRef, ...]:
-        """Every block of the project, in a stable order: types, drives' tokens, jobs, control DB, PPI masters."""
-        masters = self.ppi.blocks if self.ppi is not None else ()
-        if not self.jobs and masters:
-            return masters
-        found = [self.diagnostics_type, self.token_type, *(token for token, _ in self.tokens)]
-        for job in self.jobs:
-            for telegram in job.telegrams:
-                found += [
-                    telegram.request_type,
-                    telegram.response_type,
-                    telegram.request_db,
-                    telegram.response_db,
-                ]
-            found += [job.block, job.instance, *(job.record_instances or ())]
-        return (*found, self.control_db, *masters)
+    @property
+    def spec(self) -> DriveSections:
+        """The sections of the spec that are planned here."""
+        return self.loaded.sections(DriveSections)

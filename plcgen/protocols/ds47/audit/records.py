@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
-from plcgen.project.model import Project
 from plcgen.project.target import Target
-from plcgen.review.audit.model import Argument, Match, Record, RecordCall
+from plcgen.protocols.ds47.audit.model import Argument, Match, Record, RecordCall
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
 _RECORD_LIMIT = 240
 
@@ -30,7 +30,7 @@ class CallAudit:
         self.findings.append(Diagnostic(code, message, span, severity, help=help_, notes=notes))
 
 
-def check_calls(project: Project, calls: Sequence[RecordCall], matches: Sequence[Match]) -> list[CallAudit]:
+def check_calls(plan: DrivePlan, calls: Sequence[RecordCall], matches: Sequence[Match]) -> list[CallAudit]:
     """Every call, checked as far as its arguments are constants."""
     audits = []
     for call in calls:
@@ -39,9 +39,9 @@ def check_calls(project: Project, calls: Sequence[RecordCall], matches: Sequence
         if audit.match is not None:
             _length(audit, audit.match)
             _index(audit, audit.match)
-            _id(audit, audit.match, project.target)
+            _id(audit, audit.match, plan.target)
         else:
-            _alone(audit, project)
+            _alone(audit, plan)
         audits.append(audit)
     return audits
 
@@ -77,7 +77,7 @@ def _record(audit: CallAudit, matches: Sequence[Match]) -> None:
     if record.start:
         message = f"RECORD of {call.title} begins at byte {record.start} of {record.text}, the telegram at byte 0"
         audit.report("PG659", message, record.span, "let RECORD begin with the first byte of the DB")
-    need = len(match.telegram.request) if call.writes else _longest(match)
+    need = len(match.telegram.request.data) if call.writes else _longest(match)
     room = _room(record, match)
     if record.length is not None and record.length < need and (match.buffer is None or match.buffer.size >= need):
         what = "the request has" if call.writes else "an answer can have"
@@ -115,7 +115,7 @@ def _length(audit: CallAudit, match: Match) -> None:
 
 def _written(audit: CallAudit, match: Match, value: int, place: Span) -> None:
     """LEN is exactly the length of the telegram; without it the length of RECORD is sent."""
-    need = len(match.telegram.request)
+    need = len(match.telegram.request.data)
     record = audit.call.record
     sent = value
     how = f"LEN is {value}"
@@ -195,7 +195,7 @@ def _id(audit: CallAudit, match: Match, target: Target) -> None:
     audit.report("PG661", message, argument.span, f"ID := {spelled}, or correct the address in the spec")
 
 
-def _alone(audit: CallAudit, project: Project) -> None:
+def _alone(audit: CallAudit, plan: DrivePlan) -> None:
     """A call whose RECORD belongs to no job: its constants can still contradict themselves."""
     call, record = audit.call, audit.call.record
     name = "LEN" if call.writes else "MLEN"
@@ -208,7 +208,7 @@ def _alone(audit: CallAudit, project: Project) -> None:
             audit.report(code, message, argument.span, f"{name} is at most the length of RECORD")
         elif value > _RECORD_LIMIT:
             audit.notes.append(f"{name} is {value}, a parameter record has at most {_RECORD_LIMIT} bytes")
-    known = {drive.record_index for drive in project.drives}
+    known = {drive.record_index for drive in plan.drives}
     index = call.arguments["INDEX"]
     if index.value is not None and index.value & 0xFFFF not in known:
         audit.notes.append(f"INDEX {index.text} is not that of a drive of the spec")

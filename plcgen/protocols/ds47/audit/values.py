@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from plcgen.diagnostics import Severity
+from plcgen.protocols.ds47.audit.members import Pair
+from plcgen.protocols.ds47.audit.model import Expected, Match, Slot
 from plcgen.protocols.ds47.wire import formats
-from plcgen.review.audit.members import Pair
-from plcgen.review.audit.model import Expected, Match, Slot
 
 _NAMES = {1: "Byte", 2: "Word", 4: "DWord"}
 

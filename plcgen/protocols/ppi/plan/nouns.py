@@ -10,7 +10,8 @@ from functools import cached_property
 from typing import Literal
 
 from plcgen.project.loading import SpecPath
-from plcgen.project.model import BlockRef, PlannedTrigger
+from plcgen.project.nouns import BlockRef, Buffer, Field, Link, Plan, PlannedJob, Telegram
+from plcgen.protocols.ppi.schema import PpiSection
 from plcgen.protocols.ppi.wire.model import Item
 from plcgen.protocols.ppi.wire.profiles import Profile
 from plcgen.s7.names import shorten
@@ -24,15 +25,12 @@ LEAD = 1
 
 
 @dataclass(frozen=True, slots=True)
-class PlannedStation:
+class PlannedStation(Link):
     """An S7-200 on the line; ``index`` counts the stations of a master from 1."""
 
-    key: str
     index: int
     address: int
     profile: Profile
-    comment: dict[str, str]
-    path: SpecPath
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,56 +105,43 @@ class WireItem:
 
 
 @dataclass(frozen=True, slots=True)
-class PpiField:
-    """One member of a table or response DB; ``data`` is its start value as wire bytes, ``item`` counts from 1."""
+class PpiField(Field):
+    """One member of a table or response DB; ``item`` is the item it belongs to, from 1 (0: none)."""
 
-    name: str
-    role: str
-    type: DataType
-    offset: int
-    size: int
-    data: bytes = b""
     item: int = 0
     placed: tuple[Placed, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PpiTelegram:
-    """One request and its reply. ``request`` is the whole frame with function code 6Ch and reference 0.
+class PpiTelegram(Telegram):
+    """One request and its reply. The request's bytes are the whole frame with function code 6Ch and reference 0.
 
-    ``number`` counts the telegrams of a master from 1; ``reply_length`` is the data part of the good reply in bytes.
+    ``number`` counts the telegrams of a master.
     """
 
-    number: int
+    request: Buffer[PpiField]
+    response: Buffer[PpiField] | None
     kind: Kind
     station: PlannedStation
     items: tuple[WireItem, ...]
-    request: bytes
-    request_db: BlockRef
-    request_type: BlockRef
-    request_fields: tuple[PpiField, ...]
-    response_db: BlockRef | None = None
-    response_type: BlockRef | None = None
-    response_fields: tuple[PpiField, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PlannedPpiJob:
+class PpiJob(PlannedJob):
     """One job; ``number`` counts the jobs of a master from 1, times are in ms, ``cycle`` 0 means on demand."""
 
-    key: str
-    number: int
-    member: str
     kind: Kind
-    station: PlannedStation
-    values: tuple[PpiValue, ...]
+    link: PlannedStation
     telegrams: tuple[PpiTelegram, ...]
-    trigger: PlannedTrigger
+    number: int
+    values: tuple[PpiValue, ...]
     cycle: int
-    timeout: int
     longest_name: int
-    comment: dict[str, str]
-    path: SpecPath
+
+    @property
+    def station(self) -> PlannedStation:
+        """The station that is asked."""
+        return self.link
 
     def pin(self, name: str) -> str:
         """Name of a signal or value at the master's block: ``levels`` and ``busy`` become ``levelsBusy``."""
@@ -190,7 +175,7 @@ class PlannedMaster:
     retries: int
     polls: int
     stations: tuple[PlannedStation, ...]
-    jobs: tuple[PlannedPpiJob, ...]
+    jobs: tuple[PpiJob, ...]
     syncs: tuple[PpiTelegram, ...]
     block: BlockRef
     instance: BlockRef
@@ -209,22 +194,21 @@ class PlannedMaster:
         """Every block of the master, in a stable order."""
         found: list[BlockRef] = []
         for telegram in self.telegrams:
-            found += [telegram.request_type, telegram.request_db]
-            found += [ref for ref in (telegram.response_type, telegram.response_db) if ref is not None]
+            found += [block for buffer in telegram.buffers for block in (buffer.type, buffer.db)]
         own = (self.block, self.instance, *(self.module_instances or ()), *((self.buffer,) if self.buffer else ()))
         return (*found, *own)
 
 
 @dataclass(frozen=True, eq=False)
-class PpiPlan:
+class PpiPlan(Plan):
     """All masters of a spec, the type of their diagnostics and the DB with the commands and results of their jobs."""
 
+    jobs: tuple[PpiJob, ...]
     masters: tuple[PlannedMaster, ...]
     diagnostics_type: BlockRef
     control_db: BlockRef
 
-    @cached_property
-    def blocks(self) -> tuple[BlockRef, ...]:
-        """Every block of every master."""
-        own = tuple(block for master in self.masters for block in master.blocks)
-        return (self.diagnostics_type, *own, self.control_db)
+    @property
+    def spec(self) -> PpiSection:
+        """The sections of the spec that are planned here."""
+        return self.loaded.sections(PpiSection)

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
-from plcgen.project.model import BlockRef, Part, PlannedJob, Telegram
+from plcgen.project.nouns import BlockRef
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
 from plcgen.protocols.ds47.wire.formats import Format
 from plcgen.s7.blocks import Block
 from plcgen.s7.types import DataType
@@ -79,8 +80,8 @@ class Expected:
 class Match:
     """One buffer of a job: the telegram it belongs to, the DB that plays this role, and how it was found."""
 
-    job: PlannedJob
-    telegram: Telegram
+    job: DriveJob
+    telegram: DriveTelegram
     role: Role
     buffer: Buffer | None = None
     how: str = ""
@@ -90,13 +91,13 @@ class Match:
     @property
     def ref(self) -> BlockRef:
         """The block as the spec names it."""
-        return self.telegram.request_db if self.role == "request" else self.telegram.response_db
+        return self.telegram.request.db if self.role == "request" else self.telegram.response.db
 
     @property
     def name(self) -> str:
         """``read_ramp_up``, or ``read_recipe 2/3`` if a job needs several telegrams."""
         several = len(self.job.telegrams)
-        return self.job.key if several == 1 else f"{self.job.key} {self.telegram.index}/{several}"
+        return self.job.key if several == 1 else f"{self.job.key} {self.telegram.number}/{several}"
 
     def report(
         self,

@@ -6,14 +6,14 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity
-from plcgen.project.model import Project
 from plcgen.proof.checks import Check, CheckGroup, Outcome, Verification
-from plcgen.review.audit.buffers import buffers, expected_fields, match_buffers, stray_requests
-from plcgen.review.audit.calls import record_calls
-from plcgen.review.audit.members import check_members
-from plcgen.review.audit.model import Match
-from plcgen.review.audit.records import CallAudit, check_calls
-from plcgen.review.audit.values import check_values
+from plcgen.protocols.ds47.audit.buffers import buffers, expected_fields, match_buffers, stray_requests
+from plcgen.protocols.ds47.audit.calls import record_calls
+from plcgen.protocols.ds47.audit.members import check_members
+from plcgen.protocols.ds47.audit.model import Match
+from plcgen.protocols.ds47.audit.records import CallAudit, check_calls
+from plcgen.protocols.ds47.audit.values import check_values
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.sources.blocks import Sources, read_sources
 
 
@@ -29,26 +29,25 @@ def audit(paths: Sequence[Path], spec: Path) -> Verification:
 
 
 def _audit(paths: Sequence[Path], spec: Path, label: str, report: Report) -> Verification:
-    from plcgen.project.loading import load_spec
-    from plcgen.project.resolve import resolve
-    from plcgen.project.rules import apply_rules
+    from plcgen.project.opening import open_spec
 
-    loaded = load_spec(spec, report)
-    report.raise_on_errors()
-    assert loaded is not None  # noqa: S101 - without errors there is a spec
-    project = resolve(loaded, report)
-    apply_rules(project, report)
-    report.raise_on_errors()
+    opened = open_spec(spec)
+    project = opened.sound()
+    report.extend(opened.diagnostics)
+    target = f"{project.target.family} / {project.target.toolchain}"
     sources = read_sources(paths, classic=project.target.classic)
     report.extend(sources.diagnostics)
+    plan = project.plan(DrivePlan)
+    if plan is None:
+        return Verification(str(spec), label, project.name, target, (), tuple(report), "audit")
     problems: list[Diagnostic] = []
     found = buffers(sources, problems)
-    matches = match_buffers(project, found)
+    matches = match_buffers(plan, found)
     for match in matches:
-        _buffer(match, project)
-    calls = check_calls(project, list(record_calls(sources)), matches)
+        _buffer(match, plan)
+    calls = check_calls(plan, list(record_calls(sources)), matches)
     report.extend(problems)
-    report.extend(stray_requests(project, found, matches))
+    report.extend(stray_requests(plan, found, matches))
     for match in matches:
         report.extend(match.findings)
     for call in calls:
@@ -56,7 +55,6 @@ def _audit(paths: Sequence[Path], spec: Path, label: str, report: Report) -> Ver
     groups = [CheckGroup("buffers", "Buffers", tuple(_buffer_check(match) for match in matches))]
     if calls or _has_code(sources):
         groups.append(CheckGroup("calls", "Calls", tuple(_call_checks(calls, matches))))
-    target = f"{project.target.family} / {project.target.toolchain}"
     return Verification(str(spec), label, project.name, target, tuple(groups), tuple(report), "audit")
 
 
@@ -64,18 +62,18 @@ def _has_code(sources: Sources) -> bool:
     return any(source.code.tokens for source in sources.blocks)
 
 
-def _buffer(match: Match, project: Project) -> None:
+def _buffer(match: Match, plan: DrivePlan) -> None:
     """Everything about one DB."""
     buffer = match.buffer
     if buffer is None:
         return
     optimized = buffer.block.optimized
-    if optimized or (optimized is None and project.target.t15):
+    if optimized or (optimized is None and plan.target.t15):
         message = f"{buffer.title} has optimized access: its members have no fixed places"
         match.report("PG654", message, buffer.span, "{ S7_Optimized_Access := 'FALSE' }")
     pairs = check_members(match, expected_fields(match), buffer.slots)
     if match.role == "request":
-        need = len(match.telegram.request)
+        need = len(match.telegram.request.data)
         if buffer.size < need:
             message = f"request buffer {need - buffer.size} bytes too small: {_size(match)}, the telegram {need}"
             match.report("PG651", message, buffer.span, f"declare all fields of the request: {need} bytes")
@@ -86,7 +84,7 @@ def _buffer(match: Match, project: Project) -> None:
     if buffer.size < need:
         which = "the positive answer" if buffer.size < positive >= negative else "a negative answer"
         message = f"response buffer {need - buffer.size} bytes too small: {_size(match)}, {which} needs {need}"
-        formula = f"4 + 6 x {len(match.telegram.parts)}" if which == "a negative answer" and match.job.write else need
+        formula = f"4 + 6 x {len(match.telegram.parts)}" if which == "a negative answer" and match.job.writes else need
         example = f"Reserve : Array[0..{need - buffer.size - 1}] of Byte;"
         help_ = f"add members up to {need} bytes ({formula}), for example {example}"
         match.report("PG651", message, buffer.span, help_)
@@ -113,8 +111,8 @@ def _buffer_check(match: Match) -> Check:
 def _figures(match: Match) -> str:
     telegram = match.telegram
     if match.role == "request":
-        text = f"{telegram.request.hex(' ').upper()}  LEN {len(telegram.request)}"
-        text = text if len(text) < 90 else f"LEN {len(telegram.request)}"
+        text = f"{telegram.request.data.hex(' ').upper()}  LEN {len(telegram.request.data)}"
+        text = text if len(text) < 90 else f"LEN {len(telegram.request.data)}"
     else:
         text = f"positive {telegram.positive_length} / negative {telegram.negative_length}"
     have = "" if match.buffer is None else f"{match.buffer.size} B, found by {match.how}"

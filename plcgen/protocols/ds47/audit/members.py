@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from plcgen.diagnostics import Note, Severity, Span
+from plcgen.protocols.ds47.audit.align import align
+from plcgen.protocols.ds47.audit.buffers import is_elementary
+from plcgen.protocols.ds47.audit.model import Expected, Match, Slot
+from plcgen.protocols.ds47.audit.names import CLASSES, class_of
 from plcgen.protocols.ds47.wire.formats import Kind
-from plcgen.review.audit.align import align
-from plcgen.review.audit.buffers import is_elementary
-from plcgen.review.audit.model import Expected, Match, Slot
-from plcgen.review.audit.names import CLASSES, class_of
 
 Pair = tuple[tuple[Expected, ...], tuple[Slot, ...]]
 """Fields and the members that hold them."""

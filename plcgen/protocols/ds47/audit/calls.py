@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from plcgen.diagnostics import DiagnosticError, Span
-from plcgen.review.audit.model import Argument, Record, RecordCall, block_title
+from plcgen.protocols.ds47.audit.model import Argument, Record, RecordCall, block_title
 from plcgen.s7.address import AddressError, parse_address, parse_pointer
 from plcgen.s7.blocks import Block
 from plcgen.s7.layout import layout_members, split_path

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
-from plcgen.project.model import Field, Project, Telegram
+from plcgen.protocols.ds47.audit.model import Buffer, Expected, Match, Slot
+from plcgen.protocols.ds47.plan.nouns import DriveField, DrivePlan, DriveTelegram
 from plcgen.protocols.ds47.wire.codec import TelegramError, decode_request
 from plcgen.protocols.ds47.wire.model import Request
-from plcgen.review.audit.model import Buffer, Expected, Match, Slot
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.image import image
 from plcgen.s7.layout import Layout, layout_block, leaves
@@ -69,11 +69,11 @@ def _buffer(source: SourceBlock, layout: Layout, types: Mapping[str, Block], dia
 
 def expected_fields(match: Match) -> list[Expected]:
     """Fields of the request, or those of the answer that its reader needs: arrays element by element."""
-    fields = match.telegram.request_fields if match.role == "request" else match.telegram.response_fields
+    fields = match.telegram.request.fields if match.role == "request" else match.telegram.response.fields
     return [expected for field in fields for expected in _expected(field, match.role == "request")]
 
 
-def _expected(field: Field, request: bool) -> Iterator[Expected]:  # noqa: FBT001 - private
+def _expected(field: DriveField, request: bool) -> Iterator[Expected]:  # noqa: FBT001 - private
     if field.role not in _LABELS:
         return  # reserves and the room of an error: no member has to stand there
     label = _LABELS[field.role] if request or field.role != "request_id" else "response ID"
@@ -99,11 +99,11 @@ def _expected(field: Field, request: bool) -> Iterator[Expected]:  # noqa: FBT00
         yield Expected("pad", f"pad byte of {part.use.label}", field.offset + field.size - rest, rest, None, part)
 
 
-def match_buffers(project: Project, found: Sequence[Buffer]) -> list[Match]:
+def match_buffers(plan: DrivePlan, found: Sequence[Buffer]) -> list[Match]:
     """A match for every buffer of every job: by number, then by name, then by the start values of the request."""
     matches = [
         Match(job, telegram, role)
-        for job in project.jobs
+        for job in plan.jobs
         for telegram in job.telegrams
         for role in ("request", "response")
     ]  # type: list[Match]
@@ -116,7 +116,7 @@ def match_buffers(project: Project, found: Sequence[Buffer]) -> list[Match]:
                     match.buffer, match.how = candidates[0], _HOW[how.__name__]
                     free.remove(candidates[0])
     for match in matches:
-        _missing(project, match, matches)
+        _missing(plan, match, matches)
     return matches
 
 
@@ -139,12 +139,12 @@ def _by_content(match: Match, buffer: Buffer) -> bool:
     if request is None:
         return False
     wanted = [(part.use.parameter.pnu, part.subindex) for part in match.telegram.parts]
-    return [(a.pnu, a.subindex) for a in request.addresses] == wanted and match.job.write == bool(request.values)
+    return [(a.pnu, a.subindex) for a in request.addresses] == wanted and match.job.writes == bool(request.values)
 
 
 def _by_shape(match: Match, buffer: Buffer) -> bool:
     """Whether a response has exactly the members of the answer, as names and offsets tell."""
-    from plcgen.review.audit.names import CLASSES, class_of
+    from plcgen.protocols.ds47.audit.names import CLASSES, class_of
 
     if match.role != "response" or buffer.block.number is not None:
         return False
@@ -161,25 +161,25 @@ def decoded(memory: bytes) -> Request | None:
         return None
 
 
-def _missing(project: Project, match: Match, matches: Sequence[Match]) -> None:
+def _missing(plan: DrivePlan, match: Match, matches: Sequence[Match]) -> None:
     """A DB that is not there is worth a word if the other one of its job is."""
     if match.buffer is not None or not any(m.buffer for m in matches if m.job is match.job):
         return
     ref = match.ref
     message = f'no DB for the {match.role} of {match.name}: neither DB{ref.number} nor "{ref.name}" is in the sources'
     help_ = "name its file too, or say in the spec which DB it is (request/response: {db, name})"
-    span = project.loaded.key_span(match.job.path)
+    span = plan.loaded.key_span(match.job.path)
     match.report("PG650", message, span, help_, severity=Severity.WARNING)
 
 
-def stray_requests(project: Project, found: Sequence[Buffer], matches: Sequence[Match]) -> list[Diagnostic]:
+def stray_requests(plan: DrivePlan, found: Sequence[Buffer], matches: Sequence[Match]) -> list[Diagnostic]:
     """Data blocks whose start values are a good request that no job of the spec sends."""
     taken = {id(match.buffer) for match in matches}
-    known: list[Telegram] = [telegram for job in project.jobs for telegram in job.telegrams]
+    known: list[DriveTelegram] = [telegram for job in plan.jobs for telegram in job.telegrams]
     strays = []
     for buffer in found:
         request = None if id(buffer) in taken or buffer.memory is None else decoded(buffer.memory)
-        if request is None or any(t.request == buffer.memory for t in known):
+        if request is None or any(t.request.data == buffer.memory for t in known):
             continue
         what = ", ".join(f"P{a.pnu}[{a.subindex}]" for a in request.addresses[:4])
         verb = "writes" if request.values else "reads"

@@ -1,0 +1,174 @@
+"""The nouns of a planned project, shared by all protocols: who is asked, what is sent, where it lies, who triggers it.
+
+Everything is frozen. Offsets here come from the telegrams of a protocol, never from S7 layout rules: verification
+compares the two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from plcgen.project.loading import LoadedSpec, SpecPath
+from plcgen.project.target import Target
+from plcgen.s7.address import Address
+from plcgen.s7.types import DataType
+
+if TYPE_CHECKING:
+    from plcgen.protocols.base import Protocol
+
+
+@dataclass(frozen=True, slots=True)
+class BlockRef:
+    """A block's identity. ``pinned`` says that the spec gave the number; ``path`` where it did."""
+
+    kind: str
+    name: str
+    number: int
+    pinned: bool
+    path: SpecPath
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """Who is at the other end: a drive, a station. ``key`` and ``path`` say where the spec describes it."""
+
+    key: str
+    comment: dict[str, str]
+    path: SpecPath
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One member of a buffer: where it lies in the telegram and what it holds at start.
+
+    ``offset`` and ``size`` in bytes; ``data`` is the start value as wire bytes, zeros for what the partner fills in.
+    """
+
+    name: str
+    role: str
+    type: DataType
+    offset: int
+    size: int
+    data: bytes
+
+
+F_co = TypeVar("F_co", bound=Field, covariant=True)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Buffer(Generic[F_co]):
+    """Where one half of an exchange lies in the PLC: a data block of a user type, with a member for every byte.
+
+    ``size`` is the length of the buffer in bytes. ``data`` is the telegram that the start values form, none for a
+    response; ``lead`` are the bytes in front of it.
+    """
+
+    db: BlockRef
+    type: BlockRef
+    fields: Sequence[F_co]
+    size: int
+    data: bytes = b""
+    lead: bytes = b""
+
+    @property
+    def image(self) -> bytes:
+        """The start values of the whole buffer."""
+        return self.lead + self.data
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Telegram:
+    """One exchange; ``number`` counts from 1.
+
+    ``request_id`` is the byte that tells what is asked, ``response_id`` the one of a good answer. A telegram whose
+    answer holds no data has no response buffer.
+    """
+
+    number: int
+    request_id: int
+    response_id: int
+    request: Buffer[Field]
+    response: Buffer[Field] | None
+
+    @property
+    def buffers(self) -> tuple[Buffer[Field], ...]:
+        """The request buffer, and the response buffer if there is one."""
+        return (self.request,) if self.response is None else (self.request, self.response)
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedTrigger:
+    """Absolute flags of a call; None where the control DB's member is used."""
+
+    execute: Address | None = None
+    busy: Address | None = None
+    done: Address | None = None
+    error: Address | None = None
+    status: Address | None = None
+
+    def items(self) -> list[tuple[str, Address]]:
+        """The flags that are absolute, by signal name."""
+        pairs = [(name, getattr(self, name)) for name in ("execute", "busy", "done", "error", "status")]
+        return [(name, address) for name, address in pairs if address is not None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlannedJob:
+    """What a caller triggers: one ``kind`` of exchange with one partner, in one or more telegrams; times in ms."""
+
+    key: str
+    member: str
+    kind: str
+    link: Link
+    telegrams: Sequence[Telegram]
+    trigger: PlannedTrigger
+    timeout: int
+    comment: dict[str, str]
+    path: SpecPath
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """What a project and each of its plans have in common; positions are looked up in ``loaded`` on demand."""
+
+    loaded: LoadedSpec
+    name: str
+    target: Target
+    languages: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Plan(Frame):
+    """What one protocol makes of a spec."""
+
+    protocol: Protocol
+    jobs: Sequence[PlannedJob]
+    blocks: tuple[BlockRef, ...]
+    """Every block of the plan, in a stable order; their identities, not their contents."""
+
+
+P = TypeVar("P", bound=Plan)
+
+
+@dataclass(frozen=True, eq=False)
+class Project(Frame):
+    """A spec, planned: the PLC and a plan for each protocol that the spec uses."""
+
+    plans: tuple[Plan, ...]
+
+    def plan(self, kind: type[P]) -> P | None:
+        """The plan of one protocol, if the spec uses it."""
+        return next((plan for plan in self.plans if isinstance(plan, kind)), None)
+
+    @cached_property
+    def jobs(self) -> tuple[PlannedJob, ...]:
+        """The jobs of all plans."""
+        return tuple(job for plan in self.plans for job in plan.jobs)
+
+    @cached_property
+    def blocks(self) -> tuple[BlockRef, ...]:
+        """Every block of the project, plan by plan."""
+        return tuple(block for plan in self.plans for block in plan.blocks)

@@ -1,0 +1,45 @@
+"""The one door to a spec: read, validate, plan, apply the rules."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
+from plcgen.project.loading import load_spec
+from plcgen.project.nouns import Project
+from plcgen.project.resolve import resolve
+from plcgen.project.rules import apply_rules
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A spec as far as it could be planned (None: not at all), and everything found in it."""
+
+    project: Project | None
+    diagnostics: tuple[Diagnostic, ...]
+
+    def sound(self) -> Project:
+        """The project.
+
+        Raises:
+            DiagnosticError: with all diagnostics, if one of them is an error.
+        """
+        Report(list(self.diagnostics)).raise_on_errors()
+        if self.project is None:
+            raise DiagnosticError(list(self.diagnostics))
+        return self.project
+
+
+def open_spec(path: Path) -> Opened:
+    """Open a spec; whatever is wrong with it is a diagnostic."""
+    report = Report()
+    project: Project | None = None
+    try:
+        loaded = load_spec(path, report)
+        if loaded is not None:
+            project = resolve(loaded, report)
+            apply_rules(project, report)
+    except DiagnosticError as problem:
+        report.extend(problem.diagnostics)
+    return Opened(project, tuple(report))

@@ -1,0 +1,83 @@
+"""The face of a protocol: all that the rest of plcgen knows of it.
+
+A protocol is a package. It owns sections of the spec, plans what stands there, and contributes documents, rules and
+proof; the engines loop over ``project.plans`` and never ask which protocol it is. Every method imports what it needs
+when it is called, so that naming a protocol costs nothing.
+"""
+
+from __future__ import annotations
+
+import typing
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+    from plcgen.diagnostics import Diagnostic, Report, Span
+    from plcgen.project.loading import LoadedSpec, SpecPath
+    from plcgen.project.nouns import Buffer, Field, Plan
+    from plcgen.project.numbering import Numbering
+    from plcgen.review.compare.model import DriveState, JobState
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A name of the spec: what it names, its role as in ``s7.names.check_name``, how to find its place."""
+
+    what: str
+    name: str
+    role: str
+    place: Callable[[], Span]
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """What a protocol adds to the rules: checks of its own, and what the shared rules must know.
+
+    ``names`` are all names that reach a source or a file, ``texts`` all comments, ``plain`` texts without languages,
+    ``taken`` names that blocks must not have: name, what has it, where it stands.
+    """
+
+    checks: tuple[Callable[[Any], Iterator[Diagnostic]], ...]
+    names: Callable[[Any], Iterator[Named]]
+    texts: Callable[[Any], Iterator[tuple[SpecPath, dict[str, str]]]]
+    plain: Callable[[Any], Iterator[tuple[SpecPath, str]]]
+    taken: Callable[[Any], Iterator[tuple[str, str, Span | None]]]
+
+
+class Protocol(typing.Protocol):
+    """What a protocol package offers."""
+
+    @property
+    def key(self) -> str:
+        """Name of the protocol and of its entry point."""
+
+    @property
+    def sections(self) -> tuple[str, ...]:
+        """The keys of a spec that belong to the protocol."""
+
+    def section(self, *, alone: bool) -> type[BaseModel]:
+        """Shape of these keys; ``alone`` if the spec uses no other protocol."""
+
+    def complete(self, schema: dict[str, Any]) -> None:
+        """Put the short forms into the JSON schema of a spec."""
+
+    def pinned(self, loaded: LoadedSpec) -> Iterable[tuple[str, int]]:
+        """Block numbers that the spec fixes: kind and number."""
+
+    def plan(self, loaded: LoadedSpec, numbering: Numbering, report: Report) -> Plan:
+        """Plan what the sections describe; what cannot be resolved is a diagnostic, the rest is planned."""
+
+    def rules(self) -> Rules:
+        """What may be wrong with such a plan."""
+
+    def buffers(self, plan: Any) -> Iterator[tuple[Buffer[Field], str]]:
+        """Every buffer of a plan with its role, for layout tables."""
+
+    def link_states(self, plan: Any) -> Iterator[DriveState]:
+        """The partners of a plan, to be compared with those of another version."""
+
+    def job_states(self, plan: Any) -> Iterator[JobState]:
+        """The jobs of a plan, likewise."""

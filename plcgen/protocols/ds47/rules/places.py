@@ -1,0 +1,33 @@
+"""Where drives, uses and parameters stand in the spec: the spans rules point at."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from plcgen.project.rules.places import node_at
+
+if TYPE_CHECKING:
+    from plcgen.diagnostics import Span
+    from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
+
+
+def parameter_span(plan: DrivePlan, use: Use) -> Span:
+    """Where a use's parameter is written: the key of a short form, else the value of ``parameter``."""
+    return plan.loaded.span((*use.path, "parameter"))
+
+
+def value_span(plan: DrivePlan, use: Use) -> Span:
+    """Where a use is written as a whole."""
+    return plan.loaded.span(use.path)
+
+
+def member_span(plan: DrivePlan, use: Use) -> Span:
+    """Where a use's member name comes from: ``as``, else the parameter."""
+    given = node_at(plan, (*use.path, "as"))
+    return parameter_span(plan, use) if given is None else given.span
+
+
+def spelling(plan: DrivePlan, job: DriveJob, use: Use) -> str:
+    """Quote the parameter as the spec writes it."""
+    items = plan.spec.jobs[job.key].write if job.writes else plan.spec.jobs[job.key].read
+    return items[use.position - 1].parameter if items else ""
