@@ -26,7 +26,7 @@ def ratio(jobs: int = 1000) -> tuple[float, float, float]:
     from plcgen.diagnostics import Report
     from plcgen.documents import emit
     from plcgen.documents.environment import environment, render_all
-    from plcgen.documents.manifest import manifest
+    from plcgen.documents.manifest import entry, manifest
     from plcgen.project.loading import parse_spec
     from plcgen.project.resolve import resolve
     from plcgen.project.rules import apply_rules
@@ -41,8 +41,8 @@ def ratio(jobs: int = 1000) -> tuple[float, float, float]:
             assert loaded is not None  # noqa: S101 - the spec is ours
             project = resolve(loaded, report)
             apply_rules(project, report)
-            files = render_all(replace(document, twins=None) for document in emit(project))
-            manifest(project, files)
+            files = list(render_all(replace(document, twins=None) for document in emit(project)))
+            manifest(project, [entry(file) for file in files])
 
     loaded = parse_spec(text, "bench.yaml", Report())
     assert loaded is not None  # noqa: S101 - the spec is ours

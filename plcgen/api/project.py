@@ -127,7 +127,7 @@ def generate(
             diff, found = compare_folder(files, target)
             report.extend(found)
         else:
-            result = write_folder(files, target, force=force, progress=progress)
+            result = write_folder(files, target, force=force)
             written, unchanged, removed = result.written, result.unchanged, result.removed
             for name in result.kept:
                 message = "kept: it is no longer generated, but was changed by hand"

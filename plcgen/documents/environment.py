@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import functools
 import re
-import zlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,31 +20,14 @@ from plcgen.documents.document import Document
 from plcgen.resources import templates_dir
 from plcgen.scl.classic import Spelling, respell
 
-MAX_PLAIN = 256 * 1024 * 1024
-"""Bytes of a project that are kept as they are; what goes beyond is kept compressed until it is written."""
-
-_WORTH_PACKING = 16 * 1024
-
 
 @dataclass(frozen=True, slots=True)
 class RenderedFile:
     """A finished file: relative path with forward slashes, exact bytes, why it is experimental ("" if not)."""
 
     path: str
-    content: bytes
+    data: bytes
     experimental: str = ""
-    packed: bool = False
-
-    @property
-    def data(self) -> bytes:
-        """The exact bytes of the file."""
-        return zlib.decompress(self.content) if self.packed else self.content
-
-    def pack(self) -> RenderedFile:
-        """The same file in less memory: the documents of ten thousand jobs are gigabytes."""
-        if self.packed or len(self.content) < _WORTH_PACKING:
-            return self
-        return RenderedFile(self.path, zlib.compress(self.content, 1), self.experimental, packed=True)
 
 
 _MARKUP = (".xml.j2", ".html.j2", ".svg.j2")
@@ -119,20 +101,15 @@ def _finished(document: Document, text: str) -> RenderedFile:
 
 def render_all(
     documents: Iterable[Document], progress: Callable[[str, int, int], None] | None = None
-) -> list[RenderedFile]:
-    """Render documents in order, twins behind their original.
+) -> Iterator[RenderedFile]:
+    """Render documents in order, twins behind their original, one at a time: ten thousand jobs are gigabytes.
 
     ``progress(what, done, 0)``: how many there will be is not known before.
     """
-    files: list[RenderedFile] = []
-    plain = 0
     for number, document in enumerate(documents, 1):
         text = render_text(document.template, document.view, document.spelling)
-        made = [_finished(document, text)]
+        yield _finished(document, text)
         if document.twins is not None:
-            made += [render(twin) for twin in document.twins(text)]
-        plain += sum(len(file.content) for file in made)
-        files += made if plain <= MAX_PLAIN else [file.pack() for file in made]
+            yield from map(render, document.twins(text))
         if progress is not None and number % 50 == 0:
             progress("render", number, 0)
-    return files

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
+from operator import itemgetter
 from typing import Any
 
 from plcgen._version import __version__
@@ -20,7 +21,13 @@ def digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def manifest(project: Project, files: Sequence[RenderedFile]) -> RenderedFile:
+def entry(file: RenderedFile) -> dict[str, Any]:
+    """What the manifest says about a file."""
+    known = {"path": file.path, "sha256": digest(file.data), "bytes": len(file.data)}
+    return known | ({"experimental": file.experimental} if file.experimental else {})
+
+
+def manifest(project: Project, entries: Sequence[dict[str, Any]]) -> RenderedFile:
     """Manifest of rendered files: reproducible, without date, user or path of the machine."""
     drives = project.plan(DrivePlan)
     content: dict[str, Any] = {
@@ -48,12 +55,7 @@ def manifest(project: Project, files: Sequence[RenderedFile]) -> RenderedFile:
             for job in (drives.jobs if drives else ())
         ],
         **_masters(project),
-        "files": [
-            {"path": file.path, "sha256": digest(data), "bytes": len(data)}
-            | ({"experimental": file.experimental} if file.experimental else {})
-            for file in sorted(files, key=lambda file: file.path)
-            for data in (file.data,)
-        ],
+        "files": sorted(entries, key=itemgetter("path")),
     }
     return RenderedFile(MANIFEST, (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode())
 

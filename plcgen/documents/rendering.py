@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from plcgen.documents import emit
 from plcgen.documents.environment import RenderedFile, render_all
-from plcgen.documents.manifest import manifest
+from plcgen.documents.manifest import entry, manifest
 from plcgen.project.nouns import Project
-from plcgen.resources import collector_paused
 
 
-def render_project(project: Project, progress: Callable[[str, int, int], None] | None = None) -> list[RenderedFile]:
-    """Every file of a project, in memory."""
-    with collector_paused():
-        files = render_all(emit(project), progress)
-        files.append(manifest(project, files))
-    return files
+def render_project(project: Project, progress: Callable[[str, int, int], None] | None = None) -> Iterator[RenderedFile]:
+    """Every file of a project, one at a time; of those already handed out only hash and length are kept."""
+    entries = []
+    for file in render_all(emit(project), progress):
+        entries.append(entry(file))
+        yield file
+    yield manifest(project, entries)

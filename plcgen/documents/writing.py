@@ -13,9 +13,10 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
+from typing import Self
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.documents.environment import RenderedFile
@@ -27,8 +28,6 @@ JOURNAL = ".plcgen-journal.json"
 STAGE = ".plcgen-stage-"
 MAX_DIFF = 400_000
 """Bytes of a file, old and new, up to which its lines are compared."""
-
-Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,62 +45,111 @@ class Written:
     recovered: bool = False
 
 
-def write_folder(
-    files: Sequence[RenderedFile], folder: Path, *, force: bool = False, progress: Progress | None = None
-) -> Written:
-    """Bring a folder to exactly these files.
+def write_folder(files: Iterable[RenderedFile], folder: Path, *, force: bool = False) -> Written:
+    """Bring a folder to exactly these files; each may be made when it is asked for, none is kept in memory.
 
     Raises:
         DiagnosticError: PG501/PG502/PG506 if something of the user is in the way, PG503 if the folder cannot be
             written; the old state is then untouched.
     """
-    try:
-        with exclusive(folder):
-            recovered = recover(folder)
-            known = _known(folder)
-            changed, unchanged = _plan(files, folder, known, force=force)
-            removed, kept = _obsolete(files, folder, known)
-            if changed or removed:
-                _commit(changed, removed, folder, progress)
-    except (OSError, RuntimeError) as problem:  # RuntimeError: a loop of symbolic links
-        raise DiagnosticError([_cannot_write(problem, folder)]) from problem
-    return Written(
-        tuple(file.path for file in changed), tuple(unchanged), tuple(removed), tuple(kept), recovered=recovered
-    )
+    return _write(files, folder, force=force, whole=True)
 
 
-def add_files(files: Sequence[RenderedFile], folder: Path, *, force: bool = False) -> Written:
+def add_files(files: Iterable[RenderedFile], folder: Path, *, force: bool = False) -> Written:
     """Put files into a folder beside what is there, all or none.
 
     Raises:
         DiagnosticError: PG501 if a file exists (unless ``force``), PG503/PG506 as :func:`write_folder`.
     """
+    return _write(files, folder, force=force, whole=False)
+
+
+def _write(files: Iterable[RenderedFile], folder: Path, *, force: bool, whole: bool) -> Written:
+    """``whole``: the folder belongs to plcgen, so its manifest tells what may be replaced and what is left over."""
     try:
         with exclusive(folder):
             recovered = recover(folder)
-            changed, unchanged = _plan(files, folder, None, force=force)
-            if changed:
-                _commit(changed, [], folder, None)
-    except (OSError, RuntimeError) as problem:
+            known = _known(folder) if whole else None
+            with _Stage(folder) as stage:
+                unchanged = _staged(files, stage, known, force=force)
+                removed, kept = _obsolete({*stage.moves, *unchanged}, folder, known or {})
+                stage.commit(removed)
+    except OSError as problem:
         raise DiagnosticError([_cannot_write(problem, folder)]) from problem
-    return Written(tuple(file.path for file in changed), tuple(unchanged), (), (), recovered=recovered)
+    return Written(tuple(stage.moves), tuple(unchanged), tuple(removed), tuple(kept), recovered=recovered)
 
 
-def compare_folder(files: Sequence[RenderedFile], folder: Path) -> tuple[str, list[Diagnostic]]:
+class _Stage:
+    """New content beside the old: a folder made when the first file comes, gone at the end whatever happens."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.path: Path | None = None
+        self.moves: dict[str, str] = {}
+        """Hash of each staged file by its path, in the order of their numbers in the stage."""
+        self._fresh = not folder.exists()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        committed = (self.folder / JOURNAL).exists()  # then the next run needs the stage
+        if self.path is not None and not committed:
+            shutil.rmtree(self.path, ignore_errors=True)
+            if kind is not None and self._fresh:
+                shutil.rmtree(self.folder, ignore_errors=True)
+
+    def _made(self) -> Path:
+        if self.path is None:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            self.path = Path(tempfile.mkdtemp(prefix=STAGE, dir=self.folder))
+        return self.path
+
+    def add(self, file: RenderedFile) -> None:
+        """Stage a file."""
+        (self._made() / str(len(self.moves))).write_bytes(file.data)
+        self.moves[file.path] = digest(file.data)
+
+    def commit(self, removed: Sequence[str]) -> None:
+        """Write the journal, the point of no return, then move every file into place."""
+        if not self.moves and not removed:
+            return
+        stage, journal = self._made(), self.folder / JOURNAL
+        for parent in {_inside(self.folder, path).parent for path in self.moves}:
+            parent.mkdir(parents=True, exist_ok=True)
+        draft = stage / "journal"
+        with draft.open("wb") as out:
+            out.write(json.dumps({"stage": stage.name, "moves": self.moves, "removals": list(removed)}).encode())
+            out.flush()
+            os.fsync(out.fileno())
+        draft.replace(journal)
+        try:
+            _finish(self.folder, stage, self.moves, removed, recovering=False)
+            journal.unlink()
+        except OSError as problem:
+            why = f"interrupted half-way: {problem.strerror or problem}"
+            place = Span(str(problem.filename or self.folder))
+            help_ = "remove the cause and run plcgen generate again: it completes this run"
+            raise DiagnosticError([Diagnostic("PG503", why, place, help=help_)]) from problem
+
+
+def compare_folder(files: Iterable[RenderedFile], folder: Path) -> tuple[str, list[Diagnostic]]:
     """Unified diff from the folder to what would be generated, and one PG504 per file that differs."""
     found: list[Diagnostic] = []
     diff: list[str] = []
     try:
         if (folder / JOURNAL).exists():
             found.append(_stale(folder / JOURNAL, "an interrupted generation has to be completed"))
+        wanted = set()
         for file in files:
+            wanted.add(file.path)
             path = folder / file.path
             old = path.read_bytes() if path.is_file() else None
             if old == file.data:
                 continue
             found.append(_stale(path, "file is missing" if old is None else "file is out of date"))
             diff += _diff(file, old)
-        obsolete, _ = _obsolete(files, folder, _known(folder))
+        obsolete, _ = _obsolete(wanted, folder, _known(folder))
         found += [_stale(folder / name, "file is no longer generated") for name in obsolete]
     except OSError as problem:
         found.append(Diagnostic("PG503", f"cannot read the folder: {problem.strerror or problem}", Span(str(folder))))
@@ -160,8 +208,11 @@ def _inside(folder: Path, path: str) -> Path:
     target = folder / path
     if pure.is_absolute() or ".." in pure.parts or "\\" in path or ":" in path or not pure.parts:
         raise DiagnosticError([_escapes(folder, path)])
-    real = folder.resolve()
-    if target.is_symlink() or not target.parent.resolve().is_relative_to(real):
+    try:
+        leaves = target.is_symlink() or not target.parent.resolve().is_relative_to(folder.resolve())
+    except RuntimeError as problem:
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(folder)) from problem
+    if leaves:
         raise DiagnosticError([_escapes(folder, path)])
     return target
 
@@ -185,37 +236,30 @@ def _known(folder: Path) -> dict[str, str]:
         return {}
 
 
-def _plan(
-    files: Sequence[RenderedFile], folder: Path, known: dict[str, str] | None, *, force: bool
-) -> tuple[list[RenderedFile], list[str]]:
-    """Split files into changed and unchanged; every conflict with the user's files is reported at once."""
+def _staged(files: Iterable[RenderedFile], stage: _Stage, known: dict[str, str] | None, *, force: bool) -> list[str]:
+    """Stage what differs from the folder and return the rest; every conflict with the user's files is told at once."""
     problems: list[Diagnostic] = []
-    changed: list[RenderedFile] = []
     unchanged: list[str] = []
     for file in files:
         try:
-            target = _inside(folder, file.path)
+            target = _inside(stage.folder, file.path)
         except DiagnosticError as problem:
             problems.extend(problem.diagnostics)
             continue
-        blocked = _blocking_parent(folder, target)
-        if blocked is not None:
-            problems.append(blocked)
-            continue
-        if not os.path.lexists(target):
-            changed.append(file)
-            continue
-        old = target.read_bytes() if target.is_file() else None
-        if old == file.data:
+        blocked = _blocking_parent(stage.folder, target)
+        exists = blocked is None and os.path.lexists(target)
+        old = target.read_bytes() if exists and target.is_file() else None
+        if exists and old == file.data:
             unchanged.append(file.path)
             continue
-        conflict = _conflict(target, file.path, old, known)
+        conflict = _conflict(target, file.path, old, known) if exists else blocked
         if conflict is not None and (not force or old is None):
             problems.append(conflict)
-        changed.append(file)
+        elif not problems:
+            stage.add(file)
     if problems:
         raise DiagnosticError(problems)
-    return changed, unchanged
+    return unchanged
 
 
 def _blocking_parent(folder: Path, target: Path) -> Diagnostic | None:
@@ -249,9 +293,8 @@ _MOVE = "move it away, or choose another --out"
 _FORCE = "keep your copy elsewhere, choose another --out, or overwrite with --force"
 
 
-def _obsolete(files: Sequence[RenderedFile], folder: Path, known: dict[str, str]) -> tuple[list[str], list[str]]:
+def _obsolete(wanted: set[str], folder: Path, known: dict[str, str]) -> tuple[list[str], list[str]]:
     """Files of the last generation that are no longer generated: unchanged ones, and those changed by hand."""
-    wanted = {file.path for file in files}
     removed: list[str] = []
     kept: list[str] = []
     for path, expected in known.items():
@@ -266,51 +309,7 @@ def _obsolete(files: Sequence[RenderedFile], folder: Path, known: dict[str, str]
     return removed, kept
 
 
-def _commit(changed: Sequence[RenderedFile], removed: Sequence[str], folder: Path, progress: Progress | None) -> None:
-    fresh = not folder.exists()
-    folder.mkdir(parents=True, exist_ok=True)
-    stage = Path(tempfile.mkdtemp(prefix=STAGE, dir=folder))
-    journal = folder / JOURNAL
-    try:
-        for number, file in enumerate(changed):
-            (stage / str(number)).write_bytes(file.data)
-            if progress is not None and number % 50 == 0:
-                progress("write", number, len(changed))
-        for parent in {_inside(folder, file.path).parent for file in changed}:
-            parent.mkdir(parents=True, exist_ok=True)
-        moves = {file.path: digest(file.data) for file in changed}
-        draft = stage / "journal"
-        with draft.open("wb") as out:
-            out.write(json.dumps({"stage": stage.name, "moves": moves, "removals": list(removed)}).encode())
-            out.flush()
-            os.fsync(out.fileno())
-        draft.replace(journal)
-    except BaseException:
-        shutil.rmtree(stage, ignore_errors=True)
-        if fresh:
-            shutil.rmtree(folder, ignore_errors=True)
-        raise
-    try:
-        _finish(folder, stage, moves, removed, recovering=False)
-        journal.unlink()
-    except OSError as problem:
-        why = f"interrupted half-way: {problem.strerror or problem}"
-        place = Span(str(problem.filename or folder))
-        raise DiagnosticError(
-            [
-                Diagnostic(
-                    "PG503", why, place, help="remove the cause and run plcgen generate again: it completes this run"
-                )
-            ]
-        ) from problem
-    shutil.rmtree(stage, ignore_errors=True)
-
-
-def _cannot_write(problem: OSError | RuntimeError, folder: Path) -> Diagnostic:
-    if not isinstance(problem, OSError):
-        return Diagnostic(
-            "PG503", f"cannot write the output: {problem}", Span(str(folder)), help="choose another --out"
-        )
+def _cannot_write(problem: OSError, folder: Path) -> Diagnostic:
     why = problem.strerror or str(problem)
     help_ = (
         "free some space; nothing was changed" if problem.errno == errno.ENOSPC else "check the folder's permissions"

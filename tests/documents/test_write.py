@@ -5,13 +5,14 @@ from __future__ import annotations
 import contextlib
 import errno
 import json
+import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from projects import FAQ
+from projects import FAQ, ROOT
 
 from plcgen import api
 from plcgen.diagnostics import DiagnosticError
@@ -294,3 +295,13 @@ def test_a_big_difference_is_named_not_compared(tmp_path: Path) -> None:
     diff, found = compare_folder(files(a=long), tmp_path)
     assert [d.code for d in found] == ["PG504"]
     assert diff.count("\n") == 3
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs fork")
+def test_killed_writers_lose_nothing(tmp_path: Path) -> None:
+    """SIGKILL at random moments: the next run finds exactly the old or exactly the new state, --check the half-way."""
+    command = [sys.executable, str(Path(__file__).with_name("kills.py")), str(tmp_path / "out"), "40"]
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, env={**os.environ, "PYTHONPATH": str(ROOT)}
+    )
+    assert (done.returncode, done.stderr) == (0, "")
