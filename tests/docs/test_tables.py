@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import re
 
-from docs.pages import ROOT
+from docs.pages import PAGES, ROOT
+
+from plcgen import api
+
+_TABLE = re.compile(r"((?:^\|.*\n)+)<!-- keys: (.*) -->", re.MULTILINE)
+_KEYS = re.compile(r"`(\w+)`")
 
 
 def test_the_page_of_the_soft_cpu_names_every_code() -> None:
@@ -12,3 +17,23 @@ def test_the_page_of_the_soft_cpu_names_every_code() -> None:
     sources = " ".join(path.read_text("utf-8") for path in (ROOT / "plcgen" / "cpu").rglob("*.py"))
     page = (ROOT / "docs" / "soft-cpu.md").read_text("utf-8")
     assert set(re.findall(r'"(PG8[23]\d)"', sources)) == set(re.findall(r"^\| (PG8[23]\d) ", page, re.MULTILINE))
+
+
+def _documented() -> dict[str, set[str]]:
+    """Keys that the pages explain, by the name of their object in the schema; several objects may share a table."""
+    found: dict[str, set[str]] = {}
+    for page in PAGES:
+        for table, objects in _TABLE.findall(page.read_text("utf-8")):
+            rows = table.splitlines()[2:]
+            found[objects] = {key for row in rows for key in _KEYS.findall(row.split("|")[1])}
+    return found
+
+
+def test_every_key_of_a_spec_is_explained_and_none_is_invented() -> None:
+    """docs/spec.md and docs/ppi-master.md have a table for each object of the schema, with exactly its keys."""
+    schema = api.schema()
+    objects = {name: set(part.get("properties", {})) for name, part in schema["$defs"].items()}
+    objects["Spec"] = set(schema["properties"])
+    wanted = {names: set().union(*(objects.pop(name) for name in names.split(", "))) for names in _documented()}
+    assert wanted == _documented()
+    assert {name for name, keys in objects.items() if keys} == set()
