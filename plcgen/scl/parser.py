@@ -51,7 +51,9 @@ def parse(text: str, file: str, dialect: Dialect | None = None, *, bodies: bool 
         return ParseResult((), (Diagnostic("PG802", large, Span(file)),), tokenize("", file))
     tokens = tokenize(text, file) if bodies else _statement_list(text, file)
     cursor = Cursor(tokens)
-    units = _grammar(cursor, bodies=bodies).read()
+    grammar = _grammar(cursor, bodies=bodies)
+    units = grammar.read()
+    grammar.statements.compound.clear()  # its memory is free now, not when the garbage collector comes
     found = cursor.diagnostics + _lexical(cursor)
     if dialect is not None:
         found += dialects.check(units, tokens, dialect, cursor.free_text)

@@ -38,9 +38,10 @@ def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False) 
     context = Context(owner, scope, link, out, dynamic)
     name = f"b{owner.index}{'o' if dynamic else ''}"
     file = owner.result.tokens.file
+    expressions, statements = Expressions(), Statements(context, out)
     source, code = "", None
     try:
-        _frame(context).compile(name)
+        _frame(context, expressions, statements).compile(name)
         out.tidy()
         source = "\n".join(out.lines)
         if all(found.severity is not Severity.ERROR for found in context.diagnostics):
@@ -49,15 +50,18 @@ def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False) 
         source, out.map = "", []
         span = owner.block.span or Span(file)
         context.diagnostics.append(Diagnostic("PG827", f"{owner.name} is nested too deeply for the soft CPU", span))
+    finally:
+        # the parts hold each other: their memory is free now, not when the garbage collector comes
+        expressions.parts.clear()
+        statements.parts.clear()
     diagnostics = [*context.diagnostics, *(found for problem in scope.problems for found in problem.diagnostics)]
     return Compiled(owner.name, name, source, out.map, file, code, diagnostics, context.calls, context.moving)
 
 
-def _frame(context: Context) -> _Frame:
+def _frame(context: Context, expressions: Expressions, statements: Statements) -> _Frame:
     """Put the parts together: each is given those it needs."""
     out = context.out
     access = Access(context, out)
-    expressions = Expressions()
     conversions = Conversions(context)
     places = Places(context, out, access, expressions)
     references = References(context, out, access, expressions, conversions, places)
@@ -79,7 +83,6 @@ def _frame(context: Context) -> _Frame:
     }  # fmt: skip
     paths = (ast.Member, ast.Index, ast.Address, ast.Peripheral, ast.Dereference)
     expressions.parts |= dict.fromkeys(paths, operands.variable)
-    statements = Statements(context, out)
     labels = Labels(context, out, access, watchdog, statements)
     branches = Branches(context, out, access, expressions, conversions, statements)
     loops = Loops(context, out, access, expressions, conversions, assignments, watchdog, labels, statements)

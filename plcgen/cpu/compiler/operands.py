@@ -27,6 +27,8 @@ class Operands:
     def name(self, node: ast.Name) -> Val:
         """Value of a variable or constant."""
         symbol = self.places.symbol(node)
+        if symbol is not None and symbol.place is not None:
+            return self.access.load(symbol.place)
         if symbol is not None and symbol.constant is not None:
             return symbol.constant
         if node.name.upper() in {"ENO", "OK", "EN", "NULL", "NIL"} and self.places.undeclared(node):

@@ -70,7 +70,6 @@ class Scope:
 
     def _constant(self, member: Member, known: dict[str, Val]) -> Val:
         text = member.start or "0"
-        numbers = {name: value.const for name, value in known.items() if isinstance(value.const, int)}
         upper = text.strip().upper()
         if upper in known:
             return known[upper]
@@ -81,6 +80,7 @@ class Scope:
                 untyped = untyped and not isinstance(value, bool)
                 return Val(repr(value), INT_CONST if untyped else member.type.name, value)
         node = parse_value(text)
+        numbers = {name: value.const for name, value in known.items() if isinstance(value.const, int)}
         number = evaluate(node, numbers) if node is not None else None
         return Val(repr(number), INT_CONST, number) if number is not None else unknown()
 
