@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -18,3 +20,36 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if PROOF in item.path.parents:
             item.add_marker(pytest.mark.slow)
+
+
+@pytest.fixture
+def distribution(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str, str, str, str], Path]]:
+    """Returns what installs a distribution: a module with its text, and its entry points in one group."""
+    from plcgen.project.schema import spec_model
+    from plcgen.protocols.ds47.kinds import kinds
+    from plcgen.protocols.ds47.schema import sections
+    from plcgen.protocols.registry import protocols
+
+    site, modules = tmp_path / "site", set[str]()
+    site.mkdir()
+    monkeypatch.syspath_prepend(str(site))
+    caches = (kinds, sections, spec_model, protocols)
+
+    def forget() -> None:
+        for cached in caches:
+            cached.cache_clear()
+        for module in modules:
+            sys.modules.pop(module, None)
+
+    def install(module: str, group: str, entry: str, text: str) -> Path:
+        (site / f"{module}.py").write_text(text, "utf-8")
+        info = site / f"{module}-1.0.dist-info"
+        info.mkdir(exist_ok=True)
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\n")
+        (info / "entry_points.txt").write_text(f"[{group}]\n{entry}\n")
+        modules.add(module)
+        forget()
+        return site / f"{module}.py"
+
+    yield install
+    forget()

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 from plcgen.diagnostics import PluginError
 from plcgen.output import formats
 from plcgen.output.view import View
+from plcgen.plugins import plugins
 
 if TYPE_CHECKING:
     from plcgen.output.results import Answer, Findings
@@ -80,15 +81,8 @@ def _shipped() -> list[str]:
 
 def _foreign() -> dict[str, Format]:
     """Formats of other distributions; the shipped names are taken."""
-    from importlib.metadata import entry_points
-
-    found: dict[str, Format] = {}
-    for point in entry_points(group=GROUP):
-        try:
-            loaded = point.load()
-        except Exception as problem:
-            raise PluginError(f"the format {point.name} ({point.value}) cannot be loaded: {problem}") from problem
-        if not isinstance(loaded, Format) or loaded.name != point.name:
-            raise PluginError(f"{point.value} in {GROUP} is no output format called {point.name}")
-        found[point.name] = loaded
+    found = plugins(GROUP, Format)
+    for name, loaded in found.items():
+        if loaded.name != name:
+            raise PluginError(f"the entry point {name} in {GROUP} is a format called {loaded.name}")
     return found

@@ -47,6 +47,7 @@ class Rules:
     taken: Callable[[Any], Iterator[tuple[str, str, Span | None]]]
 
 
+@typing.runtime_checkable
 class Protocol(typing.Protocol):
     """What a protocol package offers."""
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from plcgen.protocols.base import Protocol
+from plcgen.plugins import plugins
+from plcgen.protocols.base import Protocol
 
 SHIPPED = ("ds47", "ppi")
-ENTRY_POINTS = "plcgen.protocols"
+GROUP = "plcgen.protocols"
 
 
 @cache
@@ -19,8 +18,5 @@ def protocols() -> tuple[Protocol, ...]:
 
     An entry point of the group ``plcgen.protocols`` names an object that has the face in ``base``.
     """
-    from importlib.metadata import entry_points
-
     shipped = [import_module(f"plcgen.protocols.{key}").PROTOCOL for key in SHIPPED]
-    found = sorted(entry_points(group=ENTRY_POINTS), key=lambda entry: entry.name)
-    return (*shipped, *(entry.load() for entry in found))
+    return (*shipped, *plugins(GROUP, Protocol).values())  # type: ignore[type-abstract]

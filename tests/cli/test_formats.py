@@ -26,21 +26,14 @@ FORMAT = Format(
 
 
 @pytest.fixture
-def toy(tmp_path, monkeypatch):
-    """Install a distribution with a toy format; returns how to install one with other contents."""
+def toy(distribution):
+    """A distribution with a toy format is installed; returns how to install one with other contents."""
 
     def install(text=TOY, entry="toy = toy_format:FORMAT"):
-        (tmp_path / "toy_format.py").write_text(text)
-        info = tmp_path / "toy_format-1.0.dist-info"
-        info.mkdir(exist_ok=True)
-        (info / "METADATA").write_text("Metadata-Version: 2.1\nName: toy-format\nVersion: 1.0\n")
-        (info / "entry_points.txt").write_text(f"[plcgen.outputs]\n{entry}\n")
+        distribution("toy_format", "plcgen.outputs", entry, text)
 
     install()
-    monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.delitem(sys.modules, "toy_format", raising=False)
-    yield install
-    sys.modules.pop("toy_format", None)
+    return install
 
 
 @pytest.mark.parametrize(
@@ -99,17 +92,17 @@ def test_completion(plcgen, monkeypatch):
 def test_entry_points_that_are_no_format(toy, plcgen):
     """Said by name: an object of another class, a format of another name. Shipped names are taken."""
     toy("FORMAT = 1\n")
-    with pytest.raises(PluginError, match=r"toy_format:FORMAT in plcgen.outputs is no output format called toy"):
+    with pytest.raises(PluginError, match=r"toy_format:FORMAT in plcgen.outputs is no Format"):
         registry.find("toy")
     sys.modules.pop("toy_format")
     toy(TOY, "other = toy_format:FORMAT")
-    with pytest.raises(PluginError, match="no output format called other"):
+    with pytest.raises(PluginError, match=r"other in plcgen.outputs is a format called toy"):
         registry.names("findings")
     sys.modules.pop("toy_format")
     toy("import nowhere\n", "other = toy_format:FORMAT")
     refused = plcgen("check", "--help")
     assert (refused.code, refused.out) == (1, "")
-    assert refused.err == ("error: the format other (toy_format:FORMAT) cannot be loaded: No module named 'nowhere'\n")
+    assert refused.err == ("error: the plug-in other (toy_format:FORMAT) cannot be loaded: No module named 'nowhere'\n")
     toy(TOY, "json = toy_format:FORMAT")
     assert registry.find("json").layout is not None
 

@@ -15,6 +15,7 @@ from plcgen import api
 from plcgen.diagnostics import DiagnosticError
 from plcgen.project.schema import json_schema
 from plcgen.protocols.ds47 import devices
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.profile import (
     Answers,
     DriveObjects,
@@ -24,6 +25,7 @@ from plcgen.protocols.ds47.profile import (
     RecordIndexes,
     ScalarElements,
 )
+from plcgen.protocols.registry import protocols
 from plcgen.resources import specs_dir
 
 PAGE = (Path(__file__).parents[2] / "docs" / "devices.md").read_text("utf-8")
@@ -210,7 +212,7 @@ def test_a_wrong_profile_is_told_once(tmp_path: Path) -> None:
 def test_a_profile_says_everything_that_a_shipped_one_says(tmp_path: Path) -> None:
     """Every key reaches the device; a parameter without a source has that of the profile."""
     project = api.check(write(tmp_path)).project
-    device = project.drives[0].device
+    device = project.plan(DrivePlan).drives[0].device
     assert replace(device, parameters={}) == devices.Device(
         key="./acme.yaml", title="Acme Turbo", source="Acme manual 12", record_index={"profinet-global": 0xB02F},
         default_index="profinet-global", drive_object=7, drive_objects=(7, 8), drive_object_rule="7 is the motor",
@@ -340,10 +342,10 @@ def test_a_package_brings_devices(installed: Path, tmp_path: Path) -> None:
     (install(installed, "toy", "toy_drives") / "acme-turbo.yaml").write_text(ACME, "utf-8")
     path = write(tmp_path, "acme-turbo", None)
     assert found(path) == []
-    assert api.check(path).project.drives[0].device.key == "acme-turbo"
+    assert api.check(path).project.plan(DrivePlan).drives[0].device.key == "acme-turbo"
     assert "acme-turbo" in devices.device_names()
     assert devices.find_device("acme-turbo").title == "Acme Turbo"
-    offered = json_schema()["$defs"]["Drive"]["properties"]["device"]["anyOf"][0]["enum"]
+    offered = json_schema(protocols())["$defs"]["Drive"]["properties"]["device"]["anyOf"][0]["enum"]
     assert "acme-turbo" in offered
     path.write_text(path.read_text().replace("acme-turbo", "acme-turbu"))
     (told,) = api.check(path).diagnostics

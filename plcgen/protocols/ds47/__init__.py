@@ -25,9 +25,9 @@ class Ds47:
 
     def section(self, *, alone: bool) -> type[BaseModel]:
         """Drives and jobs; both may be missing beside another protocol."""
-        from plcgen.protocols.ds47.schema import DriveSections, OptionalDriveSections
+        from plcgen.protocols.ds47.schema import sections
 
-        return DriveSections if alone else OptionalDriveSections
+        return sections(alone=alone)
 
     def complete(self, schema: dict[str, Any]) -> None:
         """Short forms of jobs."""

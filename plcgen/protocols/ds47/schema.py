@@ -6,29 +6,16 @@ step sees one shape. Whatever needs knowledge of devices, types or targets is ch
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, create_model
 
 from plcgen.input.validation import StrictModel
 from plcgen.project.schema import BlockName, Duration, Naming, Text, Trigger, Value, trigger_short
 from plcgen.protocols.ds47.devices import offer_names
-
-
-def _read_item(value: object) -> object:
-    return {"parameter": value} if isinstance(value, str) else value
-
-
-def _write_items(value: object) -> object:
-    if not isinstance(value, dict):
-        return value
-    items: list[dict[str, Any]] = []
-    for key, entry in value.items():
-        if isinstance(entry, dict):
-            items.append({**entry, "parameter": str(key)})
-        else:
-            items.append({"parameter": str(key), "value": entry})
-    return tuple(items)
+from plcgen.protocols.ds47.kinds import kinds
 
 
 class ParameterDef(StrictModel):
@@ -66,26 +53,6 @@ class Drive(StrictModel):
     comment: Text | None = None
 
 
-class ReadItem(StrictModel):
-    """One parameter to read."""
-
-    parameter: str = Field(description="P50303, p2155[1..2], r0945[0..7] or a catalogue name")
-    as_: str | None = Field(None, alias="as", description="name of the block's output")
-    type: str | None = Field(None, description="DS47 data type if the catalogue has none")
-    comment: Text | None = None
-
-
-class WriteItem(StrictModel):
-    """One parameter to write; without a value it becomes an input of the block."""
-
-    parameter: str = Field(description="P50304, p2155[1..2] or a catalogue name")
-    value: Value | tuple[Value, ...] | None = Field(None, description="constant; absent: block input")
-    as_: str | None = Field(None, alias="as", description="name of the block's input")
-    type: str | None = Field(None, description="DS47 data type if the catalogue has none")
-    start: Value | tuple[Value, ...] | None = Field(None, description="start value of the input")
-    comment: Text | None = None
-
-
 class Buffer(StrictModel):
     """A request or response data block."""
 
@@ -95,16 +62,15 @@ class Buffer(StrictModel):
     members: dict[str, str] = Field(default_factory=dict, description="own member names: generated name -> yours")
 
 
-class Job(StrictModel):
-    """One parameter job: read some parameters or write some, on one drive."""
+class JobTarget(StrictModel):
+    """What every job begins with."""
 
     drive: str = Field(description="key of a drive")
-    read: tuple[Annotated[ReadItem, BeforeValidator(_read_item)], ...] | None = Field(
-        None, description="parameters to read"
-    )
-    write: Annotated[tuple[WriteItem, ...], BeforeValidator(_write_items)] | None = Field(
-        None, description="parameter: value, parameter: {value, as, type, start}, or a list of such"
-    )
+
+
+class JobSettings(StrictModel):
+    """What every job may say, whatever its kind."""
+
     request: Buffer = Field(Buffer(), description="request DB")
     response: Buffer = Field(Buffer(), description="response DB")
     block: BlockName = Field(BlockName(), description="the job's function block")
@@ -127,36 +93,42 @@ class Job(StrictModel):
     comment: Text | None = None
 
 
+class Job(JobSettings, JobTarget):
+    """One job on one drive; the keys of its kind stand between ``drive`` and the settings, see ``sections``."""
+
+
 class DriveSections(StrictModel):
     """Drives and their jobs."""
 
     drives: dict[str, Drive] = Field(min_length=1)
-    jobs: dict[str, Job] = Field(min_length=1)
+    jobs: Mapping[str, Job] = Field(min_length=1)
 
 
-class OptionalDriveSections(DriveSections):
-    """Drives and their jobs in a spec that has jobs of another protocol."""
-
-    drives: dict[str, Drive] = Field(default_factory=dict)
-    jobs: dict[str, Job] = Field(default_factory=dict)
+@functools.cache
+def sections(*, alone: bool) -> type[DriveSections]:
+    """Shape of drives and jobs with every kind of job; both may be missing beside another protocol."""
+    shapes: dict[str, Any] = {
+        kind.key: (kind.shape | None, Field(None, description=kind.description)) for kind in kinds()
+    }
+    keys = create_model("JobKinds", __base__=JobTarget, **shapes)
+    job = create_model("Job", __base__=(Job, keys), __doc__="One parameter job on one drive.")
+    least: dict[str, Any] = {"min_length": 1} if alone else {"default_factory": dict}
+    return create_model(
+        "DriveSections",
+        __base__=DriveSections,
+        drives=(dict[str, Drive], Field(**least)),
+        jobs=(dict[str, job], Field(**least)),
+    )
 
 
 def complete(schema: dict[str, Any]) -> None:
     """Put the short forms of jobs into the JSON schema of a spec."""
     definitions = schema["$defs"]
-    items, text = {"$ref": "#/$defs/ReadItem"}, {"type": "string"}
-    value = {"type": ["boolean", "integer", "number", "string", "null"]}
-    entry = {**definitions["WriteItem"], "required": [], "title": "WriteEntry"}
-    entry["properties"] = {name: what for name, what in entry["properties"].items() if name != "parameter"}
-    definitions["WriteEntry"] = entry
-    by_parameter = {"anyOf": [value, {"type": "array", "items": value}, {"$ref": "#/$defs/WriteEntry"}]}
     job = definitions["Job"]["properties"]
-    job["read"] = {"type": "array", "items": {"anyOf": [text, items]}, "description": job["read"]["description"]}
-    job["write"] = {
-        "anyOf": [
-            {"type": "object", "additionalProperties": by_parameter},
-            {"type": "array", "items": {"$ref": "#/$defs/WriteItem"}},
-        ],
-        "description": job["write"]["description"],
+    for kind in kinds():
+        if kind.short is not None:
+            job[kind.key] = {**kind.short(definitions), "description": kind.description}
+    job["trigger"] = {
+        "anyOf": [{"type": "string"}, {"$ref": "#/$defs/Trigger"}],
+        "description": job["trigger"]["description"],
     }
-    job["trigger"] = {"anyOf": [text, {"$ref": "#/$defs/Trigger"}], "description": job["trigger"]["description"]}

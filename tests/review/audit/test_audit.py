@@ -435,7 +435,7 @@ def test_automatic_numbers_match_nothing(tmp_path):
     """Only a number that the spec pins says which DB is meant; 472 is one that plcgen chose."""
     spec = tmp_path / "job.yaml"
     spec.write_text(FAQ.read_text("utf-8").replace("request: {db: 3, name: WR_DataBuffer}", ""), encoding="utf-8")
-    number = plcgen.check(spec).project.jobs[0].telegrams[0].request_db.number
+    number = plcgen.check(spec).project.jobs[0].telegrams[0].request.db.number
     source = tmp_path / "other.db"
     source.write_text(f"DATA_BLOCK DB {number} STRUCT a : Bool; END_STRUCT; BEGIN END_DATA_BLOCK", encoding="utf-8")
     assert not any(c.text.partition(" ")[0].isdigit() for c in plcgen.audit(source, spec=spec).checks())

@@ -7,12 +7,13 @@ from plcgen.project.loading import LoadedSpec, SpecPath
 from plcgen.project.nouns import BlockRef, Buffer
 from plcgen.project.numbering import Numbering
 from plcgen.project.triggers import plan_trigger
+from plcgen.protocols.ds47.kinds import JobKind, kinds
 from plcgen.protocols.ds47.plan import pack
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part, PlannedDrive, Use
 from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.schema import Buffer as BufferSpec
-from plcgen.protocols.ds47.schema import DriveSections, Job, ReadItem, WriteItem
+from plcgen.protocols.ds47.schema import DriveSections, Job
 from plcgen.protocols.ds47.wire.codec import encode_request
 from plcgen.protocols.ds47.wire.model import ParameterAddress, Request, RequestId, ValueBlock
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorten
@@ -30,10 +31,11 @@ def plan_job(
     """Plan one job; None if it has no usable parameter."""
     job = loaded.sections(DriveSections).jobs[key]
     path = ("jobs", key)
-    uses = _uses(job, key, loaded, resolver, report)
-    if not uses:
+    kind = _kind(job, key, loaded, report)
+    uses = _uses(job, kind, path, loaded, resolver, report) if kind is not None else ()
+    if kind is None or not uses:
         return None
-    write = job.write is not None
+    write = kind.writes
     packed = _packed(uses, drive, loaded, report, write=write)
     if packed is None:
         return None
@@ -41,14 +43,14 @@ def plan_job(
     name = pascal_case(key)
     faq = (job.names or loaded.spec.plc.names) == "faq"
     if len(packed) > 1 and job.split == "never":
-        _report_unsplittable(job, key, uses, drive, loaded, report)
+        _report_unsplittable(kind, path, uses, drive, loaded, report)
     context = _Context(key, drive, reference, numbering, write=write, faq=faq, many=len(packed) > 1)
     telegrams = tuple(_telegram(index, parts, job, name, context) for index, parts in enumerate(packed, 1))
     block, instance, records = _blocks(job, name, path, numbering)
     return DriveJob(
         key=key,
         member=_member(key, job, numbering),
-        kind="write" if write else "read",
+        kind=kind.key,
         writes=write,
         link=drive,
         owner=owner,
@@ -107,32 +109,39 @@ def _packed(
     return None
 
 
-def _uses(job: Job, key: str, loaded: LoadedSpec, resolver: UseResolver, report: Report) -> tuple[Use, ...]:
-    if (job.read is None) == (job.write is None):
-        both = job.read is not None
-        what = "either read or write, not both" if both else "what to read or what to write"
-        help_ = "make two jobs of it" if both else "add read: [P50303] or write: {P50303: 10.0}"
-        report.add(Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help=help_))
-        return ()
-    verb = "read" if job.read is not None else "write"
-    items: tuple[ReadItem | WriteItem, ...] = job.read if job.read is not None else job.write or ()
+def _kind(job: Job, key: str, loaded: LoadedSpec, report: Report) -> JobKind | None:
+    """The one kind that a job says it is; None after a diagnostic."""
+    given = [kind for kind in kinds() if getattr(job, kind.key) is not None]
+    if len(given) == 1:
+        return given[0]
+    names = " or ".join(kind.key for kind in given)
+    what = f"either {names}, not both" if given else "what to read or what to write"
+    help_ = "make two jobs of it" if given else f"add {' or '.join(kind.example for kind in kinds())}"
+    report.add(Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help=help_))
+    return None
+
+
+def _uses(
+    job: Job, kind: JobKind, path: SpecPath, loaded: LoadedSpec, resolver: UseResolver, report: Report
+) -> tuple[Use, ...]:
+    items = kind.items(getattr(job, kind.key))
     if not items:
-        report.add(Diagnostic("PG218", f'job "{key}" names no parameter', loaded.span(("jobs", key, verb))))
+        report.add(Diagnostic("PG218", f'job "{path[-1]}" names no parameter', loaded.span((*path, kind.key))))
     found = [
-        resolver.resolve(item, position, ("jobs", key, verb, position - 1), write=verb == "write")
+        resolver.resolve(item, position, (*path, kind.key, position - 1), write=kind.writes)
         for position, item in enumerate(items, 1)
     ]
     return tuple(use for use in found if use is not None)
 
 
 def _report_unsplittable(
-    job: Job, key: str, uses: tuple[Use, ...], drive: PlannedDrive, loaded: LoadedSpec, report: Report
+    kind: JobKind, path: SpecPath, uses: tuple[Use, ...], drive: PlannedDrive, loaded: LoadedSpec, report: Report
 ) -> None:
     """Why a job that must not be split does not fit one telegram."""
     device = drive.device
     parts = [Part(use, 0, use.count) for use in uses]
-    write = job.write is not None
-    place = loaded.span(("jobs", key, "write" if write else "read"))
+    write = kind.writes
+    place = loaded.span((*path, kind.key))
     help_ = "allow several telegrams (split: auto) or make two jobs of it"
     if len(parts) > device.max_parameters:
         message = f"{len(parts)} parameters in one telegram; {device.key} takes {device.max_parameters}"

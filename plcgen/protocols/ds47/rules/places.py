@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.project.rules.places import node_at
+from plcgen.protocols.ds47.kinds import kind_called
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Span
@@ -29,5 +30,5 @@ def member_span(plan: DrivePlan, use: Use) -> Span:
 
 def spelling(plan: DrivePlan, job: DriveJob, use: Use) -> str:
     """Quote the parameter as the spec writes it."""
-    items = plan.spec.jobs[job.key].write if job.writes else plan.spec.jobs[job.key].read
+    items = kind_called(job.kind).items(getattr(plan.spec.jobs[job.key], job.kind))
     return items[use.position - 1].parameter if items else ""

@@ -62,7 +62,7 @@ def newline(plan: Frame) -> str:
 @lru_cache(maxsize=16)
 def title(plan: DrivePlan, job: DriveJob) -> str:
     """One-line title; a quote would end a STEP 7 V5 title."""
-    verb = "Write" if job.writes else "Read"
+    verb = job.kind.capitalize()
     labels = ", ".join(use.label for use in job.uses[:4]) + (", .." if len(job.uses) > 4 else "")
     return clean_title(comment_text(job.comment, plan.languages, plan.target, f"{verb} {labels}"))
 

@@ -1,0 +1,29 @@
+"""What other distributions bring: objects behind the entry points of a group."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+from plcgen.diagnostics import PluginError
+
+Plugin = TypeVar("Plugin")
+
+
+def plugins(group: str, shape: type[Plugin]) -> dict[str, Plugin]:
+    """The objects of a group by the name of their entry point, sorted by name.
+
+    Raises:
+        PluginError: if one of them cannot be loaded or has not the shape.
+    """
+    from importlib.metadata import entry_points
+
+    found: dict[str, Plugin] = {}
+    for point in sorted(entry_points(group=group), key=lambda point: (point.name, point.value)):
+        try:
+            loaded = point.load()
+        except Exception as problem:  # code of others: whatever it raises is told
+            raise PluginError(f"the plug-in {point.name} ({point.value}) cannot be loaded: {problem}") from problem
+        if not isinstance(loaded, shape):
+            raise PluginError(f"{point.value} in {group} is no {shape.__name__}")
+        found[point.name] = loaded
+    return found

@@ -1,0 +1,88 @@
+"""Kinds of jobs: a toy kind of another distribution works like a shipped one, without a change of plcgen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from plcgen import api
+from plcgen.diagnostics import PluginError
+from plcgen.protocols.ds47.kinds import SHIPPED, kinds
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
+
+TOY = """
+from typing import Literal
+
+from plcgen.protocols.ds47.kinds import JobKind, ReadItem
+
+KIND = JobKind(
+    key="identify",
+    writes=False,
+    shape=Literal[True],
+    description="true: read the first three values of the device identification",
+    example="identify: true",
+    items=lambda _: (ReadItem(parameter="r0964[0..2]", type="Unsigned16"),),
+)
+"""
+SPEC = """
+plc: {name: Toy, family: s7-1500, toolchain: tia-v17}
+drives: {fan: {device: sinamics-g120, hardware_id: 270}}
+jobs: {who: {drive: fan, identify: true}}
+"""
+
+
+@pytest.fixture
+def toy(distribution, tmp_path: Path) -> Path:
+    """A spec with a job of the toy kind, whose distribution is installed."""
+    distribution("toy_kind", "plcgen.kinds", "identify = toy_kind:KIND", TOY)
+    path = tmp_path / "toy.yaml"
+    path.write_text(SPEC, "utf-8")
+    return path
+
+
+def test_a_kind_becomes_a_telegram(toy: Path) -> None:
+    """PROFIdrive profile 4.2, 6.2.3.3: 01 read, drive object 1, 1 parameter; 10 value, 3 elements, 03C4h = 964, 0."""
+    plan = api.check(toy).project.plan(DrivePlan)
+    assert [job.kind for job in plan.jobs] == ["identify"]
+    assert plan.jobs[0].telegrams[0].request.data.hex(" ") == "01 01 01 01 10 03 03 c4 00 00"
+
+
+def test_a_kind_is_generated_and_verified(toy: Path, tmp_path: Path) -> None:
+    """From the spec to the run in the soft CPU."""
+    assert api.generate(toy, tmp_path / "out").ok
+    assert api.verify(toy, tmp_path / "out", faults="none").ok
+
+
+@pytest.mark.usefixtures("toy")
+def test_an_editor_knows_the_kind() -> None:
+    """The JSON schema has its key, and refuses what its shape refuses."""
+    validator = jsonschema.Draft202012Validator(api.schema())
+    jobs = {"who": {"drive": "fan", "identify": True}}
+    spec = {"plc": {"name": "t", "family": "s7-1500", "toolchain": "tia-v17"}, "drives": {}, "jobs": jobs}
+    assert validator.is_valid(spec)
+    jobs["who"]["identify"] = 3
+    assert not validator.is_valid(spec)
+
+
+def test_two_kinds_in_one_job_are_told(toy: Path) -> None:
+    """PG218 names both, and what may stand there."""
+    toy.write_text(SPEC.replace("identify: true", "identify: true, read: [P1120]"), "utf-8")
+    found = [d for d in api.check(toy).diagnostics if d.code == "PG218"]
+    assert [d.message for d in found] == ['job "who" needs either read or identify, not both']
+    toy.write_text(SPEC.replace(", identify: true", ""), "utf-8")
+    found = [d for d in api.check(toy).diagnostics if d.code == "PG218"]
+    assert "identify: true" in found[0].help
+
+
+def test_what_is_no_kind_is_told(distribution) -> None:
+    """An entry point that names something else."""
+    distribution("toy_kind", "plcgen.kinds", "identify = toy_kind:KIND", "KIND = 1")
+    with pytest.raises(PluginError, match=r"toy_kind:KIND in plcgen.kinds is no JobKind"):
+        kinds()
+
+
+def test_without_others_there_are_the_shipped_kinds() -> None:
+    """Read and write."""
+    assert [kind.key for kind in kinds()] == [kind.key for kind in SHIPPED] == ["read", "write"]
