@@ -77,7 +77,7 @@ def test_no_name_is_a_module_too():
 
 
 def test_one_root_of_exceptions():
-    """Every exception that a caller may see derives from PlcgenError: all but those inside the parser, the compiler and the verbs."""
+    """Every exception that a caller may see derives from PlcgenError; others end inside parser, compiler and verbs."""
     found = {
         value
         for module in modules()

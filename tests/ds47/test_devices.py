@@ -232,7 +232,7 @@ def test_defaults_of_a_profile_are_those_of_the_page(tmp_path: Path) -> None:
     device = api.check(
         write(tmp_path, profile="".join([*lines[:3], "drive_object: {default: 1}\n", *lines[9:]]))
     ).project
-    found = device.drives[0].device
+    found = device.plan(DrivePlan).drives[0].device
     assert (found.record_limit, found.max_parameters, found.drive_objects) == (240, 39, None)
     assert (found.answer_format, found.error_words, found.scalar_elements) == ("exact", 2, (1, 1))
     assert (found.strict_length, found.error_table) == (True, "sinamics")
