@@ -1,15 +1,22 @@
-"""A lock file back to a state. The file may come from anybody: bounded, every wrong value a diagnostic at its place."""
+"""A lock file back to a state. The file may come from anybody: bounded, every wrong value a diagnostic at its place.
+
+Every value is read as the text that ``lockfile`` wrote; only numbers become numbers.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Annotated, Literal, NamedTuple
 
-from plcgen.diagnostics import Diagnostic, Report, Span
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, PlainValidator
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
 from plcgen.input.text import read_text
-from plcgen.input.yaml import Node, load_yaml
+from plcgen.input.validation import Document, StrictModel, problem, read_document
+from plcgen.input.yaml import Node
 from plcgen.review.compare.lockfile import ACCESS, FORMAT, content_hash
 from plcgen.review.compare.model import BlockState, DriveState, JobState, MemberState, Snapshot, TelegramState
 
@@ -22,8 +29,10 @@ _SECTIONS |= {"return": "Return"}
 _KINDS = ("DB", "FB", "FC", "OB", "UDT")
 _HEX = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2}){0,254}\Z")
 _OPTIMIZED = {text: value for value, text in ACCESS.items()}
-_LARGEST = 1 << 31
 _LONGEST = 2000
+_DEEPEST = 64
+_SHAPE = frozenset({"PG104", "PG105", "PG106", "PG107"})
+_CODE, _HELP = "PG633", "write the lock again: plcgen lock"
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +44,130 @@ class Lock:
     sources: tuple[str, ...]
 
 
+class _Line(NamedTuple):
+    """What a lock says about one member."""
+
+    offset: int | None
+    bits: int | None
+    type: str
+    start: str
+    attributes: tuple[tuple[str, str], ...]
+
+
+def _line(text: object) -> _Line:
+    match = _VALUE.match(text) if isinstance(text, str) and len(text) <= _LONGEST else None
+    if match is None:
+        raise problem("this is no member: offset, size, type, start value")
+    offset = bits = None
+    if match["byte"] is not None:
+        offset = 8 * int(match["byte"]) + int(match["bit"])
+        bits = int(match["size"]) * (8 if match["unit"] == "B" else 1)
+    parts = (part.partition("=") for part in (match["braces"] or "").split(", "))
+    return _Line(
+        offset, bits, match["type"], match["start"] or "", tuple((name, value) for name, _, value in parts if name)
+    )
+
+
+def _number(text: object) -> object:
+    if isinstance(text, str) and re.fullmatch(r"[0-9]{1,10}", text):
+        return int(text)
+    raise problem(f'"{text}" is not a number' if isinstance(text, str) else "a number is needed")
+
+
+def _request(text: str) -> str:
+    if not _HEX.match(text):
+        raise problem("a request is 1 to 255 bytes in hexadecimal")
+    return text
+
+
+def _block_key(key: str) -> str:
+    kind, _, name = key.partition(" ")
+    if kind not in _KINDS or not name:
+        raise problem(f'"{key[:60]}" is no block: kind ({", ".join(_KINDS)}) and name')
+    return key
+
+
+Number = Annotated[int, BeforeValidator(_number), Field(le=0xFFFF_FFFF)]
+Texts = dict[str, str]
+Members = Annotated[dict[str, Annotated[_Line, PlainValidator(_line)]], Field(default_factory=dict)]
+
+
+class _Drive(StrictModel):
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, str]
+
+    what: str
+    address: Number
+
+
+class _Telegram(StrictModel):
+    request: Annotated[str, AfterValidator(_request)]
+    positive: Number
+    negative: Number
+    buffer: Number
+    protocol: Literal["ds47", "ppi"] = "ds47"
+
+    def state(self) -> TelegramState:
+        return TelegramState(bytes.fromhex(self.request), self.positive, self.negative, self.buffer, self.protocol)
+
+
+class _Job(StrictModel):
+    drive: str
+    timing: Texts = Field(default_factory=dict)
+    trigger: Texts = Field(default_factory=dict)
+    telegrams: tuple[_Telegram, ...] = ()
+
+
+class _Block(StrictModel):
+    hash: str = ""
+    number: Annotated[Number, Field(le=0xFFFF)] | None = None
+    bytes: Number | None = None
+    access: Literal["optimized", "standard", "unspecified"]
+    of: str = ""
+    retain: Literal["false"] | None = None
+    code: str = ""
+    attributes: Texts = Field(default_factory=dict)
+    members: Members
+    input: Members
+    output: Members
+    inout: Members
+    static: Members
+    return_: Members = Field(alias="return")
+    start_values: Texts = Field(default_factory=dict)
+
+    def section(self, name: str) -> Mapping[str, _Line]:
+        lines: Mapping[str, _Line] = getattr(self, "return_" if name == "return" else name)
+        return lines
+
+
+class _Lock(StrictModel):
+    format: str
+    sources: tuple[str, ...] = ()
+    drives: dict[str, _Drive] = Field(default_factory=dict)
+    jobs: dict[str, _Job] | None = None
+    blocks: dict[Annotated[str, AfterValidator(_block_key)], _Block]
+
+
+def _as_text(root: Node) -> Node:
+    """Check the format, and make the text of every scalar its value: 16#0A is a word here, not the number 10."""
+    form = root.get("format") if root.kind == "map" else None
+    if form is None or form.raw != str(FORMAT):
+        shown = "none" if form is None else form.raw
+        message = f"this is no layout lock of format {FORMAT} (format: {shown})"
+        raise DiagnosticError([Diagnostic(_CODE, message, (form or root).span, help=_HELP)])
+    waiting = [root]
+    while waiting:
+        node = waiting.pop()
+        if node.kind == "scalar":
+            node.value = node.raw
+        waiting += node.items
+        waiting += [value for _, value in node.pairs.values()]
+    return root
+
+
+_LOCK = Document(_Lock, "the lock", "a lock is a mapping", prepare=_as_text)
+
+
 def read_lock(path: Path) -> Lock:
     """Read a lock file.
 
@@ -43,175 +176,90 @@ def read_lock(path: Path) -> Lock:
             of a lock, PG634 for a block whose hash is not that of its lines.
     """
     file = path.as_posix()
-    root = load_yaml(read_text(path), file)
-    reader = _Reader(file)
-    snapshot, sources = reader.root(root)
-    reader.report.raise_on_errors()
-    return Lock(path, snapshot, sources)
+    found = Report()
+    loaded = read_document(read_text(path), file, _LOCK, found)
+    report = Report(
+        [replace(d, code=_CODE, help=_HELP) if d.code in {"PG104", "PG105", "PG106", "PG107"} else d for d in found]
+    )
+    report.raise_on_errors()
+    assert loaded is not None  # noqa: S101 - raise_on_errors leaves only this case
+    snapshot = _Reader(loaded.root, report).snapshot(file, loaded.model)
+    report.raise_on_errors()
+    return Lock(path, snapshot, loaded.model.sources)
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class _Reader:
-    file: str
-    report: Report = field(default_factory=Report)
+    """Puts the parts of a valid lock together, each with its place."""
 
-    def wrong(self, message: str, node: Node | Span) -> None:
-        place = node if isinstance(node, Span) else node.span
-        self.report.add(Diagnostic("PG633", message, place, help="write the lock again: plcgen lock"))
+    tree: Node
+    report: Report
 
-    def root(self, root: Node) -> tuple[Snapshot, tuple[str, ...]]:
-        snapshot = Snapshot(self.file, complete=False)
-        form = root.get("format") if root.kind == "map" else None
-        if form is None or form.value != FORMAT:
-            shown = "none" if form is None else form.raw
-            self.wrong(f"this is no layout lock of format {FORMAT} (format: {shown})", form or root)
-            return snapshot, ()
-        given = root.get("sources")
-        sources = tuple(item.raw for item in given.items) if given is not None and given.kind == "seq" else ()
-        jobs = root.get("jobs")
-        if jobs is not None:
-            snapshot.jobs = {key: self.job(key, node) for key, node in self.entries(jobs, "jobs")}
-            drives = root.get("drives")
-            for key, node in self.entries(drives, "drives") if drives is not None else ():
-                snapshot.drives[key] = self.drive(key, node)
-        blocks = root.get("blocks")
-        if blocks is None:
-            self.wrong("the lock has no blocks", root)
-        else:
-            snapshot.blocks = [
-                block for key, node in self.entries(blocks, "blocks") if (block := self.block(key, node))
-            ]
-        return snapshot, sources
+    def snapshot(self, file: str, lock: _Lock) -> Snapshot:
+        snapshot = Snapshot(file, complete=False)
+        if lock.jobs is not None:
+            snapshot.jobs = {key: self.job(key, job) for key, job in lock.jobs.items()}
+            snapshot.drives = {key: self.drive(key, drive) for key, drive in lock.drives.items()}
+        snapshot.blocks = [self.block(key, block) for key, block in lock.blocks.items()]
+        return snapshot
 
-    def entries(self, node: Node, what: str) -> Iterator[tuple[str, Node]]:
-        """Key and value of a mapping of mappings or texts."""
-        if node.kind != "map":
-            self.wrong(f"{what} is a mapping", node)
-            return
-        for key, (_, value) in node.pairs.items():
-            yield key, value
+    def drive(self, key: str, drive: _Drive) -> DriveState:
+        settings = tuple((drive.model_extra or {}).items())
+        return DriveState(key, drive.what, drive.address, settings, self.tree.find(("drives", key)).span)
 
-    def number(self, node: Node, key: str, largest: int = _LARGEST) -> int | None:
-        found = node.get(key)
-        if found is None:
-            return None
-        if isinstance(found.value, bool) or not isinstance(found.value, int) or not 0 <= found.value <= largest:
-            self.wrong(f"{key} is a number from 0 to {largest}", found)
-            return None
-        return found.value
+    def job(self, key: str, job: _Job) -> JobState:
+        telegrams = tuple(telegram.state() for telegram in job.telegrams)
+        timing, trigger = tuple(job.timing.items()), tuple(job.trigger.items())
+        return JobState(key, job.drive, telegrams, timing, trigger, self.tree.find(("jobs", key)).span)
 
-    def text(self, node: Node, key: str) -> str:
-        found = node.get(key)
-        if found is not None and found.kind != "scalar":
-            self.wrong(f"{key} is a text", found)
-            return ""
-        return "" if found is None else found.raw
-
-    def block(self, key: str, node: Node) -> BlockState | None:
+    def block(self, key: str, given: _Block) -> BlockState:
         kind, _, name = key.partition(" ")
-        if kind not in _KINDS or not name or node.kind != "map":
-            self.wrong(f'"{key[:60]}" is no block: kind ({", ".join(_KINDS)}) and name', node)
-            return None
-        access = self.text(node, "access")
-        if access not in _OPTIMIZED:
-            self.wrong(f'access is one of {", ".join(_OPTIMIZED)}, not "{access[:40]}"', node.get("access") or node)
-        attributes = node.get("attributes")
-        values = node.get("start_values")
-        members = [
-            member
-            for section in _SECTIONS
-            if (entries := node.get(section)) is not None
-            for member in self.members(entries, section, kind)
-        ]
+        node = self.tree.find(("blocks", key))
+        members = [member for section in _SECTIONS for member in self.members(node, given, section, kind)]
         block = BlockState(
-            kind, name, self.number(node, "number", 65535), self.number(node, "bytes"), _OPTIMIZED.get(access),
-            self.text(node, "of"), "", self.text(node, "retain") == "false",
-            attributes=() if attributes is None else self.pairs(attributes, "attributes"),
-            members=tuple(members), assignments=() if values is None else self.pairs(values, "start_values"),
-            code_hash=self.text(node, "code").removeprefix("sha256:"), span=node.span,
+            kind, name, given.number, given.bytes, _OPTIMIZED[given.access], given.of, "", given.retain is not None,
+            attributes=tuple(given.attributes.items()), members=tuple(members),
+            assignments=tuple(given.start_values.items()), code_hash=given.code.removeprefix("sha256:"), span=node.span,
         )  # fmt: skip
-        stored = self.text(node, "hash")
-        if not self.report.has_errors and stored != content_hash(block):
-            message = f"{key}: the lines do not belong to the hash {stored[:40] or '(none)'}"
+        if given.hash != content_hash(block):
+            message = f"{key}: the lines do not belong to the hash {given.hash[:40] or '(none)'}"
             help_ = "the lock was edited or merged by hand: write it again with plcgen lock"
-            self.report.add(Diagnostic("PG634", message, (node.get("hash") or node).span, help=help_))
+            self.report.add(Diagnostic("PG634", message, node.find(["hash"]).span, help=help_))
         return block
 
-    def pairs(self, node: Node, what: str) -> tuple[tuple[str, str], ...]:
-        return tuple((key, value.raw) for key, value in self.entries(node, what))
-
-    def members(self, node: Node, section: str, kind: str) -> list[MemberState]:
+    def members(self, block: Node, given: _Block, section: str, kind: str) -> Iterator[MemberState]:
         """Members of one section; nested ones follow their parent and begin with its path."""
-        flat = [m for key, value in self.entries(node, section) if (m := self.member(key, value, section, kind))]
         roots: list[_Tree] = []
         stack: list[_Tree] = []
-        for member in flat:
-            while stack and not member.path.startswith((f"{stack[-1].member.path}.", f"{stack[-1].member.path}[]")):
+        node = block.get(section)
+        for path, line in given.section(section).items():
+            while stack and not path.startswith((f"{stack[-1].path}.", f"{stack[-1].path}[]")):
                 stack.pop()
-            tree = _Tree(member)
+            tree = _Tree(path, line, node.find([path]) if node else block)
             (stack[-1].inner if stack else roots).append(tree)
-            if len(stack) >= 64:
-                self.wrong(f"{member.path[:60]}: nested too deeply", node)
-                return []
+            if len(stack) >= _DEEPEST:
+                message = f"{path[:60]}: nested too deeply"
+                self.report.add(Diagnostic(_CODE, message, tree.node.span, help=_HELP))
+                return
             stack.append(tree)
-        return [
-            tree.state("" if section == "members" and kind in {"FC", "OB"} else _SECTIONS[section]) for tree in roots
-        ]
-
-    def member(self, key: str, node: Node, section: str, kind: str) -> MemberState | None:
-        match = _VALUE.match(node.raw) if node.kind == "scalar" and len(node.raw) <= _LONGEST else None
-        if match is None:
-            self.wrong(f"{kind} {section}.{key[:60]} is no member: offset, size, type, start value", node)
-            return None
-        offset = bits = None
-        if match["byte"] is not None:
-            offset = 8 * int(match["byte"]) + int(match["bit"])
-            bits = int(match["size"]) * (8 if match["unit"] == "B" else 1)
-        braces = tuple(
-            (name, value)
-            for name, _, value in (part.partition("=") for part in (match["braces"] or "").split(", "))
-            if name
-        )
-        name = key.rpartition(".")[2]
-        return MemberState(name, key, match["type"], "", offset, bits, match["start"] or "", "", braces, span=node.span)
-
-    def drive(self, key: str, node: Node) -> DriveState:
-        address = self.number(node, "address", 0xFFFF_FFFF) or 0
-        settings = tuple(pair for pair in self.pairs(node, "drives") if pair[0] not in {"what", "address"})
-        return DriveState(key, self.text(node, "what") or "drive", address, settings, node.span)
-
-    def job(self, key: str, node: Node) -> JobState:
-        timing, trigger, telegrams = node.get("timing"), node.get("trigger"), node.get("telegrams")
-        found = [] if telegrams is None else [t for item in telegrams.items if (t := self.telegram(key, item))]
-        return JobState(
-            key, self.text(node, "drive"), tuple(found),
-            () if timing is None else self.pairs(timing, "timing"),
-            () if trigger is None else self.pairs(trigger, "trigger"), node.span,
-        )  # fmt: skip
-
-    def telegram(self, key: str, node: Node) -> TelegramState | None:
-        request = self.text(node, "request")
-        if not _HEX.match(request):
-            self.wrong(f"{key}: request is 1 to 255 bytes in hexadecimal", node.get("request") or node)
-            return None
-        lengths = [self.number(node, name) or 0 for name in ("positive", "negative", "buffer")]
-        protocol = self.text(node, "protocol") or "ds47"
-        if protocol not in {"ds47", "ppi"}:
-            self.wrong(f'protocol is ds47 or ppi, not "{protocol[:40]}"', node.get("protocol") or node)
-        return TelegramState(bytes.fromhex(request), lengths[0], lengths[1], lengths[2], protocol)
+        for tree in roots:
+            yield tree.state("" if section == "members" and kind in {"FC", "OB"} else _SECTIONS[section])
 
 
 @dataclass(slots=True)
 class _Tree:
     """A member while its nested ones are still being collected."""
 
-    member: MemberState
+    path: str
+    line: _Line
+    node: Node
     inner: list[_Tree] = field(default_factory=list)
 
     def state(self, section: str) -> MemberState:
         """The frozen member with everything below it; only the first level has a section."""
-        m = self.member
         inner = tuple(tree.state("") for tree in self.inner)
+        offset, bits, type_, start, attributes = self.line
+        name = self.path.rpartition(".")[2]
         return MemberState(
-            m.name, m.path, m.type, section, m.offset, m.bits, m.start, "", m.attributes, inner, span=m.span
+            name, self.path, type_, section, offset, bits, start, "", attributes, inner, span=self.node.span
         )

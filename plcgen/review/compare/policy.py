@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
-from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.diagnostics import DiagnosticError, Report, Span
 
 
 class Level(enum.StrEnum):
@@ -106,38 +105,25 @@ def load_policy(settings: Iterable[str]) -> dict[str, Level]:
     policy = {kind.id: kind.level for kind in _TABLE}
     report = Report()
     for setting in settings:
-        key, separator, value = setting.partition("=")
-        if separator:
-            _set(policy, key.strip(), value.strip(), Span(f"--policy {setting}"), report)
-        else:
-            _file(policy, Path(setting), report)
+        policy |= _read(setting, report)
     report.raise_on_errors()
     return policy
 
 
-def _set(policy: dict[str, Level], key: str, value: str, place: Span, report: Report) -> None:
-    if key not in KINDS:
-        hint = did_you_mean(key, KINDS) or "plcgen diff --list-changes shows all of them"
-        report.add(Diagnostic("PG631", f'there is no kind of change "{key}"', place, help=hint))
-    elif value.lower() not in {level.value for level in Level}:
-        help_ = "one of breaking, compatible, documentation"
-        report.add(Diagnostic("PG631", f'"{value}" is no class of change', place, help=help_))
-    else:
-        policy[key] = Level(value.lower())
-
-
-def _file(policy: dict[str, Level], path: Path, report: Report) -> None:
+def _read(setting: str, report: Report) -> dict[str, Level]:
     from plcgen.input.text import read_text
-    from plcgen.input.yaml import load_yaml
+    from plcgen.input.validation import read_document, validate
+    from plcgen.input.yaml import plain_node
+    from plcgen.review.compare.policyread import POLICY
 
+    key, separator, value = setting.partition("=")
+    if separator:
+        typed = validate(plain_node({key.strip(): value.strip()}, Span(f"--policy {setting}")), POLICY, report)
+        return typed.root if typed else {}
+    path = Path(setting)
     try:
-        root = load_yaml(read_text(path), path.as_posix())
+        loaded = read_document(read_text(path), path.as_posix(), POLICY, report)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
-        return
-    if root.kind != "map":
-        help_ = "for example: member-renamed: compatible"
-        report.add(Diagnostic("PG631", "a policy is a mapping of change ids to classes", root.span, help=help_))
-        return
-    for key, (name, value) in root.pairs.items():
-        _set(policy, key, str(value.raw), value.span if key in KINDS else name.span, report)
+        return {}
+    return loaded.model.root if loaded else {}

@@ -8,7 +8,16 @@ import pytest
 from plcgen.diagnostics import DiagnosticError
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.protocols.ds47.sim.habits import Habits
-from plcgen.protocols.ds47.sim.load import load_drive
+from plcgen.protocols.ds47.sim.load import (
+    DriveKeys,
+    FaultKeys,
+    HabitsKeys,
+    LimitsKeys,
+    ObjectKeys,
+    ParameterKeys,
+    Refusal,
+    load_drive,
+)
 from plcgen.protocols.ds47.sim.parameters import Condition, Limits
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "drive-yaml.md"
@@ -170,3 +179,98 @@ def test_all_problems_at_once():
         ("PG107", 4, 42),
         ("PG104", 4, 47),
     ]
+
+
+WRONG = """\
+habit: {}
+habits: {error_words: 3, answer_format: sizes, record_indexes: [65536, x], aliases: {x: 1, 2: 300}, local_object: 256,
+  max_parameters: 0, record_limit: 9, multi_supported: 1, attributes: 16, error_table: siemens,
+  processing: -1, fast: true}
+objects:
+  - {number: 256, state: 5}
+  - number: 1
+    parameters:
+      - {type: Unsigned16, value: 1}
+      - {pnu: 1, type: Real, value: 1}
+      - {pnu: 2, type: Unsigned8, value: 256, low: -1, high: 300}
+      - {pnu: 3, type: Unsigned8}
+      - {pnu: 4, type: Unsigned8, value: 1, values: [1]}
+      - {pnu: 5, type: Unsigned8, values: [1, 256, x]}
+      - {pnu: 6, type: OctetString, value: xyz}
+      - {pnu: 7, type: Unsigned8, values: [1, 2], array: false}
+      - {pnu: 8, type: Unsigned8, value: 1, state_limits: {run: {low: 300, lo: 1}}}
+      - {pnu: 9, type: Unsigned8, value: 1, allowed: [1, 300]}
+      - {pnu: 10, type: Unsigned8, value: 1, refuse: [{error: 17}, {while: [a]}]}
+      - {pnu: 2, type: Unsigned8, value: 1, maximum: 5}
+      - {pnu: 11, type: Unsigned8, value: 1, saves: all, clears_after: 1.5}
+  - {number: 1}
+faults:
+  - {kind: bussy}
+  - {kind: status}
+  - {kind: junk, data: xx}
+  - {kind: busy, times: never, after: -1}
+"""
+
+MISTAKES = [
+    ("PG104", 1, 1, 'unknown key "habit" in the drive'),
+    ("PG107", 2, 23, '"3" is not a value of "error_words"'),
+    ("PG107", 2, 41, '"sizes" is not a value of "answer_format"'),
+    ("PG107", 2, 65, '"record_indexes": must be less than or equal to 65535, not "65536"'),
+    ("PG106", 2, 72, 'expected a whole number instead of "x"'),
+    ("PG107", 2, 86, '"x" is no drive object number'),
+    ("PG107", 2, 95, '"2": must be less than or equal to 255, not "300"'),
+    ("PG107", 2, 115, '"local_object": must be less than or equal to 255, not "256"'),
+    ("PG107", 3, 19, '"max_parameters": must be greater than or equal to 1, not "0"'),
+    ("PG107", 3, 36, '"record_limit": must be greater than or equal to 10, not "9"'),
+    ("PG106", 3, 56, 'expected true or false instead of "1"'),
+    ("PG106", 3, 71, 'expected a list instead of "16"'),
+    ("PG107", 3, 88, '"siemens" is not a value of "error_table"'),
+    ("PG107", 4, 15, '"processing": must be greater than or equal to 0, not "-1"'),
+    ("PG104", 4, 19, 'unknown key "fast" in habits'),
+    ("PG107", 6, 14, '"number": must be less than or equal to 255, not "256"'),
+    ("PG106", 6, 26, 'expected text instead of "5"'),
+    ("PG105", 9, 9, 'objects.1.parameters.0 lacks the key "pnu"'),
+    ("PG107", 10, 24, '"Real" is no data type'),
+    ("PG107", 11, 42, "Unsigned8 takes an integer from 0 to 255, not 256"),
+    ("PG107", 11, 52, "Unsigned8 takes an integer from 0 to 255, not -1"),
+    ("PG107", 11, 62, "Unsigned8 takes an integer from 0 to 255, not 300"),
+    ("PG105", 12, 9, 'a parameter needs "value" or "values"'),
+    ("PG107", 13, 53, 'a parameter has "value" or "values", not both'),
+    ("PG107", 14, 47, "Unsigned8 takes an integer from 0 to 255, not 256"),
+    ("PG107", 14, 52, "Unsigned8 takes an integer from 0 to 255, not 'x'"),
+    ("PG107", 15, 44, '"xyz" is no hexadecimal text'),
+    ("PG107", 16, 58, "the parameter is no array but has 2 values"),
+    ("PG104", 17, 76, 'unknown key "lo" in objects.1.parameters.8.state_limits.run'),
+    ("PG107", 18, 58, "Unsigned8 takes an integer from 0 to 255, not 300"),
+    ("PG105", 19, 55, 'a refusal needs "while" or "unless" with states'),
+    ("PG105", 19, 68, 'objects.1.parameters.10.refuse.1 lacks the key "error"'),
+    ("PG107", 20, 15, "parameter 2 appears twice"),
+    ("PG104", 20, 45, 'unknown key "maximum" in objects.1.parameters.11'),
+    ("PG107", 21, 53, '"all" is not a value of "saves"'),
+    ("PG106", 21, 72, 'expected a whole number instead of "1.5"'),
+    ("PG107", 22, 14, "drive object 1 appears twice"),
+    ("PG107", 24, 12, '"bussy" is not a value of "kind"'),
+    ("PG105", 25, 5, 'a fault of the kind status lacks the key "status"'),
+    ("PG107", 26, 24, "bytes are hexadecimal text"),
+    ("PG106", 27, 25, 'expected a whole number instead of "never"'),
+    ("PG107", 27, 39, '"after": must be greater than or equal to 0, not "-1"'),
+]
+"""Written by hand, next to the text: code, line, column, how the message begins."""
+
+
+def test_every_mistake_is_told_in_one_run():
+    """More than 30 kinds of mistakes: each is one diagnostic at its line and column."""
+    found = problems(WRONG)
+    assert [entry[:3] for entry in found] == [entry[:3] for entry in MISTAKES]
+    assert [said[: len(start)] for (*_, said), (*_, start) in zip(found, MISTAKES, strict=True)] == [
+        start for *_, start in MISTAKES
+    ]
+
+
+def test_every_key_is_described():
+    """docs/drive-yaml.md names every key that a file may have."""
+    page = DOCUMENT.read_text(encoding="utf-8")
+    keys = set()
+    for model in (DriveKeys, HabitsKeys, ObjectKeys, ParameterKeys, LimitsKeys, Refusal, FaultKeys):
+        keys |= {info.alias or name for name, info in model.model_fields.items()}
+    assert {key for key in keys if not re.search(rf"\b{key}\b", page)} == set()

@@ -81,7 +81,7 @@ def test_options_go_before_the_file() -> None:
     ("text", "expected"),
     [
         ("cpu: 225", ("PG107", 1, 6, 'there is no CPU "225"')),
-        ("cpus: 224", ("PG104", 1, 1, 'unknown key "cpus" in the station')),
+        ("cpus: 224", ("PG104", 1, 1, 'unknown key "cpus" in the file')),
         ("address: 127", ("PG107", 1, 10, '"address": must be less than or equal to 126, not "127"')),
         ("address: two", ("PG106", 1, 10, 'expected a whole number instead of "two"')),
         ("mode: term", ("PG107", 1, 7, '"term" is not a value of "mode"')),
@@ -120,6 +120,88 @@ def test_all_mistakes_are_told_at_once() -> None:
         ("PG724", 5),
         ("PG107", 7),
     ]
+
+
+WRONG = """\
+stations:
+  - {cpu: 225, address: 127, mode: running, switch: on_, type: a text of more than twenty, pdu: 31, not_ready: -1}
+  - cpu: 224
+    addres: 3
+    frame_count: strickt
+    password: {level: 5, protects: [all, read], user: x}
+    write_inputs: 1
+    symbols: {a: XB1, b: VB9999, c: 5}
+  - address: 3
+    symbols: [a]
+  - address: 4
+    values:
+      VB1: 256
+      VB9999: 1
+      V1.8: true
+      VB10[2]: [1, 2, 3]
+      M0.0: 2
+      T32: {value: 1, one: true}
+      VD0: text
+      nothing: 1
+  - {address: 4}
+  - 5
+faults:
+  - {kind: not_ready, station: 127}
+  - {kind: slow}
+  - {times: twice}
+  - {kind: item, code: 255, item: 20}
+  - {kind: garbage, data: [1]}
+  - {kind: garbage, data: 1x, at: reply}
+station: {}
+"""
+
+MISTAKES = [
+    ("PG107", 2, 11, 'there is no CPU "225"'),
+    ("PG107", 2, 25, '"address": must be less than or equal to 126, not "127"'),
+    ("PG107", 2, 36, '"running" is not a value of "mode"'),
+    ("PG107", 2, 53, '"on_" is not a value of "switch"'),
+    ("PG107", 2, 64, "a type is at most 20 ASCII characters"),
+    ("PG107", 2, 97, '"pdu": must be greater than or equal to 32, not "31"'),
+    ("PG107", 2, 112, '"not_ready": must be greater than or equal to 0, not "-1"'),
+    ("PG104", 4, 5, 'unknown key "addres" in stations.1'),
+    ("PG107", 5, 18, '"strickt" is not a value of "frame_count"'),
+    ("PG107", 6, 23, '"level": must be less than or equal to 4, not "5"'),
+    ("PG107", 6, 37, '"all" is not a value of "protects"'),
+    ("PG104", 6, 49, 'unknown key "user" in stations.1.password'),
+    ("PG106", 7, 19, 'expected true or false instead of "1"'),
+    ("PG711", 8, 18, '"XB1": there is no memory area "X"'),
+    ("PG724", 8, 26, "VB9999 is beyond the memory of a CPU 224"),
+    ("PG106", 8, 37, "an address is a text such as VW100"),
+    ("PG106", 10, 14, "expected a mapping instead of a list"),
+    ("PG107", 13, 12, "VB1: 256 does not fit into 8 bits"),
+    ("PG724", 14, 7, "VB9999 is beyond the memory of a CPU 224"),
+    ("PG712", 15, 7, '"V1.8": bit 8 is outside 0..7'),
+    ("PG107", 16, 16, "VB10[2]: 3 values for 2 elements"),
+    ("PG107", 17, 13, "M0.0: a bit is true or false, not 2"),
+    ("PG107", 18, 12, "T32: the keys are value and on"),
+    ("PG107", 19, 12, "VD0: text goes into bytes"),
+    ("PG711", 20, 7, '"nothing": there is no memory area "NOTHING"'),
+    ("PG107", 21, 15, "two stations have the address 4"),
+    ("PG106", 22, 5, 'expected a mapping instead of "5"'),
+    ("PG107", 24, 32, '"station": must be less than or equal to 126, not "127"'),
+    ("PG107", 25, 12, '"slow" is not a value of "kind"'),
+    ("PG105", 26, 5, 'faults.2 lacks the key "kind"'),
+    ("PG106", 26, 13, 'expected a whole number instead of "twice"'),
+    ("PG107", 27, 24, "the return code of an item is 1 to 254, not 255"),
+    ("PG107", 27, 35, '"item": must be less than or equal to 19, not "20"'),
+    ("PG106", 28, 27, "expected hexadecimal text in quotes instead of a list"),
+    ("PG107", 29, 27, "bytes are hexadecimal text"),
+    ("PG107", 29, 35, '"reply" is not a value of "at"'),
+    ("PG104", 30, 1, 'unknown key "station" in the file'),
+]
+"""Written by hand, next to the text: code, line, column, how the message begins."""
+
+
+def test_every_mistake_is_told_in_one_run() -> None:
+    found = problems(WRONG)
+    assert [entry[:3] for entry in found] == [entry[:3] for entry in MISTAKES]
+    for (*_, said), (*_, start) in zip(found, MISTAKES, strict=True):
+        assert said.startswith(start)
 
 
 def test_options_for_one_station_do_not_suit_several() -> None:

@@ -204,6 +204,36 @@ def test_policy(tmp_path):
     assert 'did you mean "member-renamed"' in caught.value.diagnostics[1].help
 
 
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("- a", [("PG106", 1, 1, "a policy is a mapping of change ids to classes")]),
+        ("", [("PG101", 1, 1, "the file is empty")]),
+        ("code-changed: [breaking]", [("PG631", 1, 15, "this is no class of change")]),
+        (
+            "code-changd: breaking\ncode-changed: severe\nstart-value: 5\njob-added: BREAKING\njob-timing:\n",
+            [
+                ("PG631", 1, 1, 'there is no kind of change "code-changd"'),
+                ("PG631", 2, 15, '"severe" is no class of change'),
+                ("PG631", 3, 14, '"5" is no class of change'),
+                ("PG631", 5, 12, "this is no class of change"),
+            ],
+        ),
+        ("job-added: breaking\njob-added: compatible\nx: y", [
+            ("PG103", 2, 1, 'key "job-added" appears twice'), ("PG631", 3, 1, 'there is no kind of change "x"'),
+            ("PG631", 3, 4, '"y" is no class of change'),
+        ]),
+    ],
+)  # fmt: skip
+def test_mistakes_of_a_policy_are_told_with_their_place(tmp_path, text, expected):
+    """All of a file in one run."""
+    file = tmp_path / "policy.yaml"
+    file.write_text(text, "utf-8")
+    with pytest.raises(DiagnosticError) as caught:
+        load_policy([str(file)])
+    assert [(d.code, d.span.line, d.span.column, d.message) for d in caught.value.diagnostics] == expected
+
+
 def test_fail_on():
     """Each threshold includes what is worse."""
     table = {on: [level.value for level in Level if fails(level, on)] for on in ("breaking", "compatible", "any")}

@@ -293,3 +293,80 @@ def test_a_block_declared_twice_is_not_locked():
     assert not plcgen.lock("plc").ok
     assert not plcgen.check_lock("plc").readable
     assert Path("plcgen.lock.yaml").read_bytes() == before
+
+
+WRONG = """\
+format: 1
+source: [plc]
+sources: [plc, {a: b}]
+drives:
+  d: {what: drive, address: many}
+  e: {address: 1, colour: [red]}
+jobs:
+  j:
+    driv: d
+    timing: {cycle: {a: 1}}
+    telegrams:
+      - {request: "0G", positive: 1, negative: 2}
+      - {request: "01", positive: -1, negative: 4294967296, buffer: 1, protocol: modbus}
+      - 5
+  k: [1]
+blocks:
+  XB a: {access: standard}
+  DB: {access: standard}
+  DB a:
+    number: 70000
+    bytes: 16#10
+    acess: standard
+    retain: true
+    members: {a: [1], b: "", c: 0.0 1 bit BOOL}
+    attributes: {a: {b: c}}
+  DB b: 5
+  FB c: {access: open, static: {x: {y: z}}, output: 5, hash: [1]}
+"""
+
+MISTAKES = [
+    (2, 1, 'unknown key "source" in the lock'),
+    (3, 16, "expected text instead of a mapping"),
+    (5, 29, '"many" is not a number'),
+    (6, 6, 'drives.e lacks the key "what"'),
+    (6, 27, "expected text instead of a list"),
+    (9, 5, 'jobs.j lacks the key "drive"'),
+    (9, 5, 'unknown key "driv" in jobs.j'),
+    (10, 21, "expected text instead of a mapping"),
+    (12, 9, 'jobs.j.telegrams.0 lacks the key "buffer"'),
+    (12, 19, "a request is 1 to 255 bytes in hexadecimal"),
+    (13, 35, '"-1" is not a number'),
+    (13, 49, '"negative": must be less than or equal to 4294967295'),
+    (13, 82, '"modbus" is not a value of "protocol"'),
+    (14, 9, 'expected a mapping instead of "5"'),
+    (15, 6, "expected a mapping instead of a list"),
+    (17, 3, '"XB a" is no block: kind (DB, FB, FC, OB, UDT) and name'),
+    (18, 3, '"DB" is no block: kind (DB, FB, FC, OB, UDT) and name'),
+    (20, 5, 'blocks.DB a lacks the key "access"'),
+    (20, 13, '"number": must be less than or equal to 65535, not "70000"'),
+    (21, 12, '"16#10" is not a number'),
+    (22, 5, 'unknown key "acess" in blocks.DB a'),
+    (23, 13, '"true" is not a value of "retain"'),
+    (24, 18, "this is no member: offset, size, type, start value"),
+    (24, 26, "this is no member: offset, size, type, start value"),
+    (25, 21, "expected text instead of a mapping"),
+    (26, 9, 'expected a mapping instead of "5"'),
+    (27, 18, '"open" is not a value of "access"'),
+    (27, 36, "this is no member: offset, size, type, start value"),
+    (27, 53, 'expected a mapping instead of "5"'),
+    (27, 62, "expected text instead of a list"),
+]
+"""Written by hand, next to the text: line, column, how the message begins."""
+
+
+def test_every_mistake_is_told_in_one_run(tmp_path):
+    """Whatever is no part of a lock is PG633 at its line and column, and how to get a right one."""
+    path = tmp_path / "plcgen.lock.yaml"
+    path.write_text(WRONG, "utf-8")
+    found = plcgen.check_lock(lock=path).diagnostics
+    assert {(d.code, d.help) for d in found} == {("PG633", "write the lock again: plcgen lock")}
+    told = [(d.span.line, d.span.column, d.message) for d in found]
+    assert [entry[:2] for entry in told] == [entry[:2] for entry in MISTAKES]
+    for (*_, said), (*_, start) in zip(told, MISTAKES, strict=True):
+        assert said.startswith(start)

@@ -48,7 +48,7 @@ def load_bus(
     given = {"cpu": cpu, "address": address}
     document: Document[SingleKeys | BusKeys] = Document(
         lambda root: BusKeys if "stations" in root.pairs else SingleKeys,
-        "the station",
+        "the file",
         "a bus is a mapping with stations, or the keys of a single station",
         "docs/s7-200.md describes it",
         prepare=lambda root: _with_options(root, {key: value for key, value in given.items() if value is not None}),
@@ -160,15 +160,17 @@ class StationKeys(StrictModel):
     password: Password = Password()
     write_inputs: bool = True
     experimental: bool = False
-    symbols: dict[str, str] = Field(default_factory=dict)
+    symbols: dict[str, Any] = Field(default_factory=dict)
     values: dict[str, Any] = Field(default_factory=dict)
 
     @field_validator("symbols")
     @classmethod
-    def _have_addresses(cls, symbols: dict[str, str], info: ValidationInfo) -> dict[str, str]:
+    def _have_addresses(cls, symbols: dict[str, Any], info: ValidationInfo) -> dict[str, Any]:
         problems, memory = Problems(), _memory(info)
         for name, address in symbols.items():
             with problems.at(name):
+                if not isinstance(address, str):
+                    raise problem("an address is a text such as VW100", code="PG106")
                 _item(memory, address, at_key=False)
         problems.raise_any()
         return symbols
