@@ -13,7 +13,6 @@ import yaml
 
 from plcgen import api
 from plcgen.diagnostics import DiagnosticError
-from plcgen.project.schema import json_schema
 from plcgen.protocols.ds47 import devices
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.profile import (
@@ -25,7 +24,6 @@ from plcgen.protocols.ds47.profile import (
     RecordIndexes,
     ScalarElements,
 )
-from plcgen.protocols.registry import protocols
 from plcgen.resources import specs_dir
 
 PAGE = (Path(__file__).parents[2] / "docs" / "devices.md").read_text("utf-8")
@@ -166,6 +164,11 @@ def found(path: Path) -> list[tuple[str, str, int, int, str]]:
     ]
 
 
+def planned(path: Path) -> devices.Device:
+    """The device of the only drive."""
+    return api.check(path).project.plan(DrivePlan).drives[0].device
+
+
 # ---- Mistakes ------------------------------------------------------------------------------------------------
 
 
@@ -211,8 +214,7 @@ def test_a_wrong_profile_is_told_once(tmp_path: Path) -> None:
 
 def test_a_profile_says_everything_that_a_shipped_one_says(tmp_path: Path) -> None:
     """Every key reaches the device; a parameter without a source has that of the profile."""
-    project = api.check(write(tmp_path)).project
-    device = project.plan(DrivePlan).drives[0].device
+    device = planned(write(tmp_path))
     assert replace(device, parameters={}) == devices.Device(
         key="./acme.yaml", title="Acme Turbo", source="Acme manual 12", record_index={"profinet-global": 0xB02F},
         default_index="profinet-global", drive_object=7, drive_objects=(7, 8), drive_object_rule="7 is the motor",
@@ -229,10 +231,7 @@ def test_a_profile_says_everything_that_a_shipped_one_says(tmp_path: Path) -> No
 def test_defaults_of_a_profile_are_those_of_the_page(tmp_path: Path) -> None:
     """A title, a source, an index and an object are enough."""
     lines = ACME.splitlines(keepends=True)
-    device = api.check(
-        write(tmp_path, profile="".join([*lines[:3], "drive_object: {default: 1}\n", *lines[9:]]))
-    ).project
-    found = device.plan(DrivePlan).drives[0].device
+    found = planned(write(tmp_path, profile="".join([*lines[:3], "drive_object: {default: 1}\n", *lines[9:]])))
     assert (found.record_limit, found.max_parameters, found.drive_objects) == (240, 39, None)
     assert (found.answer_format, found.error_words, found.scalar_elements) == ("exact", 2, (1, 1))
     assert (found.strict_length, found.error_table) == (True, "sinamics")
@@ -342,10 +341,10 @@ def test_a_package_brings_devices(installed: Path, tmp_path: Path) -> None:
     (install(installed, "toy", "toy_drives") / "acme-turbo.yaml").write_text(ACME, "utf-8")
     path = write(tmp_path, "acme-turbo", None)
     assert found(path) == []
-    assert api.check(path).project.plan(DrivePlan).drives[0].device.key == "acme-turbo"
+    assert planned(path).key == "acme-turbo"
     assert "acme-turbo" in devices.device_names()
     assert devices.find_device("acme-turbo").title == "Acme Turbo"
-    offered = json_schema(protocols())["$defs"]["Drive"]["properties"]["device"]["anyOf"][0]["enum"]
+    offered = api.schema()["$defs"]["Drive"]["properties"]["device"]["anyOf"][0]["enum"]
     assert "acme-turbo" in offered
     path.write_text(path.read_text().replace("acme-turbo", "acme-turbu"))
     (told,) = api.check(path).diagnostics

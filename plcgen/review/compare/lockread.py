@@ -17,6 +17,7 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
 from plcgen.input.text import read_text
 from plcgen.input.validation import Document, StrictModel, problem, read_document
 from plcgen.input.yaml import Node
+from plcgen.protocols.registry import protocols
 from plcgen.review.compare.lockfile import ACCESS, FORMAT, content_hash
 from plcgen.review.compare.model import BlockState, DriveState, JobState, MemberState, Snapshot, TelegramState
 
@@ -80,6 +81,13 @@ def _request(text: str) -> str:
     return text
 
 
+def _protocol(key: str) -> str:
+    known = [protocol.key for protocol in protocols()]
+    if key not in known:
+        raise problem(f'"{key[:40]}" is not a protocol: {", ".join(known)}')
+    return key
+
+
 def _block_key(key: str) -> str:
     kind, _, name = key.partition(" ")
     if kind not in _KINDS or not name:
@@ -105,7 +113,7 @@ class _Telegram(StrictModel):
     positive: Number
     negative: Number
     buffer: Number
-    protocol: Literal["ds47", "ppi"] = "ds47"
+    protocol: Annotated[str, AfterValidator(_protocol)] = "ds47"
 
     def state(self) -> TelegramState:
         return TelegramState(bytes.fromhex(self.request), self.positive, self.negative, self.buffer, self.protocol)

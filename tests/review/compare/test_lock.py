@@ -338,7 +338,7 @@ MISTAKES = [
     (12, 19, "a request is 1 to 255 bytes in hexadecimal"),
     (13, 35, '"-1" is not a number'),
     (13, 49, '"negative": must be less than or equal to 4294967295'),
-    (13, 82, '"modbus" is not a value of "protocol"'),
+    (13, 82, '"modbus" is not a protocol: ds47, ppi'),
     (14, 9, 'expected a mapping instead of "5"'),
     (15, 6, "expected a mapping instead of a list"),
     (17, 3, '"XB a" is no block: kind (DB, FB, FC, OB, UDT) and name'),
