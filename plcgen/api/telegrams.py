@@ -49,6 +49,6 @@ def decode_status(value: int) -> Status:
 
 def explain(key: str) -> Page | None:
     """Explain a diagnostic code, DS47 error number, status word or STATUS; None if it is none of these."""
-    from plcgen.output.explain import explain_page
+    from plcgen.api.explanation import explain_page
 
     return explain_page(key)

@@ -57,17 +57,17 @@ def command(
 
 
 def _unknown(key: str) -> None:
+    from plcgen.api.explanation import known_keys
     from plcgen.diagnostics.suggest import did_you_mean
     from plcgen.output.cells import clean
-    from plcgen.output.explain import known_keys
 
     error_line(f'"{clean(key)[:60]}" is no code of plcgen, error number or status word', "PG703")
     help_line(did_you_mean(key, known_keys()) or "plcgen explain --list")
 
 
 def _list() -> Answer:
+    from plcgen.api.explanation import list_codes
     from plcgen.output.data import head
-    from plcgen.output.explain import list_codes
     from plcgen.output.results import Answer
     from plcgen.output.table import text_table
 

@@ -12,9 +12,8 @@ from pathlib import Path
 from plcgen.cpu.cpu import Cpu, Family
 from plcgen.cpu.folder import load_folder
 from plcgen.cpu.program import Program, Source
-from plcgen.cpu.system.bus import Bus
+from plcgen.cpu.system.bus import Bus, RecordServer
 from plcgen.diagnostics import DiagnosticError, PlcgenError
-from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.scl.dialect import BY_NAME, Dialect
 
 
@@ -26,7 +25,7 @@ class Bench:
     """A CPU with its program and its bus, and the few verbs a test needs."""
 
     def __init__(
-        self, program: Program, drives: Mapping[int, Drive] | None = None, family: Family | None = None
+        self, program: Program, drives: Mapping[int, RecordServer] | None = None, family: Family | None = None
     ) -> None:
         self.bus = Bus()
         for address, drive in (drives or {}).items():
@@ -54,7 +53,7 @@ class Bench:
                 return number
         raise ConditionError(f"the condition did not hold within {scans} scans")
 
-    def attach(self, address: int, drive: Drive) -> None:
+    def attach(self, address: int, drive: RecordServer) -> None:
         """Put a simulated drive at a logical address or hardware identifier."""
         self.bus.attach(address, drive)
 
@@ -64,7 +63,7 @@ def load_scl(
     dialect: str | Dialect = "tia-1500",
     tags: Mapping[str, str | tuple[str, str]] | None = None,
     numbers: Mapping[str, int] | None = None,
-    drives: Mapping[int, Drive] | None = None,
+    drives: Mapping[int, RecordServer] | None = None,
     family: Family | None = None,
     coverage: bool = False,
 ) -> Bench:

@@ -16,9 +16,11 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from plcgen.diagnostics import Diagnostic, Report, Span
+    from plcgen.output.page import Page
     from plcgen.project.loading import LoadedSpec, SpecPath
     from plcgen.project.nouns import Buffer, Field, Plan
     from plcgen.project.numbering import Numbering
+    from plcgen.protocols.dissection import ByteField
     from plcgen.review.compare.model import DriveState, JobState
 
 
@@ -82,3 +84,13 @@ class Protocol(typing.Protocol):
 
     def job_states(self, plan: Any) -> Iterator[JobState]:
         """The jobs of a plan, likewise."""
+
+    def request_fields(self, data: bytes) -> list[ByteField]:
+        """A request of the protocol field by field; what follows from other fields may be left out."""
+
+    @property
+    def length_note(self) -> str:
+        """What the length of a request is called where the block is called, in brackets; may be empty."""
+
+    def explain(self, digits: str) -> Page | None:
+        """What a hexadecimal number means in this protocol; None if nothing."""

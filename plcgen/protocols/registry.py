@@ -20,3 +20,8 @@ def protocols() -> tuple[Protocol, ...]:
     """
     shipped = [import_module(f"plcgen.protocols.{key}").PROTOCOL for key in SHIPPED]
     return (*shipped, *plugins(GROUP, Protocol).values())  # type: ignore[type-abstract]
+
+
+def protocol(key: str) -> Protocol:
+    """The protocol of this name. Raises KeyError."""
+    return {known.key: known for known in protocols()}[key]

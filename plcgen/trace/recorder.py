@@ -69,7 +69,7 @@ class RecordingCpu(Cpu):
 
     def _note_contacts(self, group: str) -> None:
         """Keep what a drive wrote into its journal during this call."""
-        for drive in self.bus.drives.values():
+        for drive in (unit for unit in self.bus.drives.values() if isinstance(unit, Drive)):
             seen = self._seen.get(id(drive), 0)
             for found in drive.journal[seen:]:
                 if found.direction == "write" and not found.status:

@@ -7,7 +7,7 @@ from plcgen.protocols.ds47.wire.dissect import dissect_request, dissect_response
 
 
 def _rows(fields):
-    return [(f.offset, f.length, f.name, f.value_text) for f in fields]
+    return [(f.offset, f.length, f.name, f.value) for f in fields]
 
 
 def test_request_fields():

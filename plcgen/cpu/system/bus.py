@@ -4,9 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from plcgen.cpu.system.port import Port
-from plcgen.protocols.ds47.sim.drive import Drive
+
+
+class RecordServer(Protocol):
+    """What answers WRREC and RDREC at an address: a simulated drive."""
+
+    def write_record(self, index: int, data: bytes) -> int:
+        """Take a data record; returns the STATUS, 0 if it is good."""
+
+    def read_record(self, index: int, max_length: int) -> tuple[int, bytes]:
+        """Return STATUS and the bytes of a data record."""
+
+    def advance(self, milliseconds: int) -> None:
+        """Let time pass."""
+
 
 Busy = int | Callable[[], int]
 
@@ -22,16 +36,16 @@ class Bus:
     (S7-1200/1500) or address of their module (S7-300/400).
     """
 
-    drives: dict[int, Drive] = field(default_factory=dict)
+    drives: dict[int, RecordServer] = field(default_factory=dict)
     write_busy: Busy | None = 2
     read_busy: Busy | None = 2
     ports: dict[int, Port] = field(default_factory=dict)
 
-    def attach(self, address: int, drive: Drive) -> None:
+    def attach(self, address: int, drive: RecordServer) -> None:
         """Put a drive at a logical address or hardware identifier."""
         self.drives[address] = drive
 
-    def find(self, address: int) -> Drive | None:
+    def find(self, address: int) -> RecordServer | None:
         """Return the drive at an address; bit 15 of an output-only module is looked through."""
         return self.drives.get(address) or self.drives.get(address & ~_OUTPUT_BIT & 0xFFFFFFFF)
 

@@ -9,10 +9,12 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from plcgen.diagnostics import Report
+    from plcgen.output.page import Page
     from plcgen.project.loading import LoadedSpec
     from plcgen.project.nouns import Buffer, Field
     from plcgen.project.numbering import Numbering
     from plcgen.protocols.base import Rules
+    from plcgen.protocols.dissection import ByteField
     from plcgen.protocols.ds47.plan.nouns import DrivePlan
     from plcgen.review.compare.model import DriveState, JobState
 
@@ -22,6 +24,7 @@ class Ds47:
 
     key = "ds47"
     sections = ("drives", "jobs")
+    length_note = " (LEN of WRREC)"
 
     def section(self, *, alone: bool) -> type[BaseModel]:
         """Drives and jobs; both may be missing beside another protocol."""
@@ -71,6 +74,18 @@ class Ds47:
         from plcgen.protocols.ds47.review import jobs
 
         return jobs(plan)
+
+    def request_fields(self, data: bytes) -> list[ByteField]:
+        """A request field by field."""
+        from plcgen.protocols.ds47.review import request_fields
+
+        return request_fields(data)
+
+    def explain(self, digits: str) -> Page | None:
+        """Error numbers of drives, status words of job blocks, STATUS of WRREC and RDREC."""
+        from plcgen.protocols.ds47.explanation import explain
+
+        return explain(digits)
 
 
 PROTOCOL = Ds47()

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.project.nouns import Buffer, Field
+from plcgen.protocols.dissection import ByteField
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive
+from plcgen.protocols.ds47.wire.dissect import dissect_request
 from plcgen.review.compare.model import DriveState, JobState, TelegramState
 
 
@@ -44,3 +46,8 @@ def jobs(plan: DrivePlan) -> Iterator[JobState]:
         trigger = tuple((name, address.text()) for name, address in job.trigger.items())
         place = plan.loaded.key_span(job.path)
         yield JobState(job.key, job.drive.key, telegrams, timing, trigger, place)
+
+
+def request_fields(data: bytes) -> list[ByteField]:
+    """A request field by field."""
+    return dissect_request(data)

@@ -18,7 +18,7 @@ from plcgen.output.table import text_table
 from plcgen.output.view import View
 
 if TYPE_CHECKING:
-    from plcgen.protocols.ds47.wire.dissect import Field
+    from plcgen.protocols.dissection import ByteField
     from plcgen.protocols.ds47.wire.status import Status
 
 HEADER = ("offset", "bytes", "field", "value", "meaning")
@@ -100,7 +100,7 @@ def dissect(
     return DecodedTelegram(guess, data, tuple(_field(f, data, labels) for f in fields), tuple(problems))
 
 
-def _field(found: Field, data: bytes, labels: dict[int, str]) -> TelegramField:
+def _field(found: ByteField, data: bytes, labels: dict[int, str]) -> TelegramField:
     chunk = data[found.offset : found.offset + found.length]
     name, note = found.name, found.note
     first, number, *rest = [*name.split(" ", 2), "", ""]
@@ -109,7 +109,7 @@ def _field(found: Field, data: bytes, labels: dict[int, str]) -> TelegramField:
     if note == "DoubleWord" and len(chunk) == 4 and " value" in name:
         real = real_note(chunk)
         note = f"{note}, {real}" if real else note
-    return TelegramField(found.offset, chunk, name, found.value_text, note, found.problem)
+    return TelegramField(found.offset, chunk, name, found.value, note, found.problem)
 
 
 def telegram_text(telegram: DecodedTelegram, view: View) -> str:

@@ -9,10 +9,12 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from plcgen.diagnostics import Report
+    from plcgen.output.page import Page
     from plcgen.project.loading import LoadedSpec
     from plcgen.project.nouns import Buffer, Field
     from plcgen.project.numbering import Numbering
     from plcgen.protocols.base import Rules
+    from plcgen.protocols.dissection import ByteField
     from plcgen.protocols.ppi.plan.nouns import PpiPlan
     from plcgen.review.compare.model import DriveState, JobState
 
@@ -22,6 +24,7 @@ class Ppi:
 
     key = "ppi"
     sections = ("ppi",)
+    length_note = ""
 
     def section(self, *, alone: bool) -> type[BaseModel]:  # noqa: ARG002 - the same in every company
         """Masters."""
@@ -71,6 +74,15 @@ class Ppi:
         from plcgen.protocols.ppi.review import jobs
 
         return jobs(plan)
+
+    def request_fields(self, data: bytes) -> list[ByteField]:
+        """A request field by field."""
+        from plcgen.protocols.ppi.review import request_fields
+
+        return request_fields(data)
+
+    def explain(self, digits: str) -> Page | None:
+        """The words of masters stand in their own table, docs/ppi-master.md."""
 
 
 PROTOCOL = Ppi()

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from dataclasses import replace
 
 from plcgen.project.nouns import Buffer, Field
+from plcgen.protocols.dissection import ByteField
 from plcgen.protocols.ppi.plan.nouns import PpiPlan
+from plcgen.protocols.ppi.wire.dissect import dissect
 from plcgen.review.compare.model import DriveState, JobState, TelegramState
 
 
@@ -42,3 +46,13 @@ def jobs(plan: PpiPlan) -> Iterator[JobState]:
             trigger = tuple((name, address.text()) for name, address in job.trigger.items())
             station, place = f"{master.key}.{job.station.key}", plan.loaded.key_span(job.path)
             yield JobState(f"{master.key}.{job.key}", station, telegrams, timing, trigger, place)
+
+
+_DERIVED = ("checksum", "length LE", "parameter length", "data length")
+_REMARK = re.compile(r" \([^)]*\)")
+
+
+def request_fields(data: bytes) -> list[ByteField]:
+    """A frame field by field, without lengths and checksum: they follow from the others."""
+    named = (replace(field, name=_REMARK.sub("", field.name)) for field in dissect(data))
+    return [field for field in named if not field.name.startswith(_DERIVED)]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 
 from plcgen.diagnostics import Span
-from plcgen.protocols.ds47.wire.dissect import Field, dissect_request
+from plcgen.protocols.dissection import ByteField
+from plcgen.protocols.registry import protocol
 from plcgen.review.compare.model import Change, DriveState, JobState, Snapshot, TelegramState
 from plcgen.review.compare.policy import Level
 
@@ -101,7 +101,7 @@ def _telegram(old: TelegramState, new: TelegramState) -> Iterator[tuple[str, str
         was, now = len(old.request), len(new.request)
         yield (
             "request-length",
-            f"request {was} -> {now} bytes{' (LEN of WRREC)' if new.protocol == 'ds47' else ''}",
+            f"request {was} -> {now} bytes{protocol(new.protocol).length_note}",
             str(was),
             str(now),
         )
@@ -110,9 +110,9 @@ def _telegram(old: TelegramState, new: TelegramState) -> Iterator[tuple[str, str
         earlier = before.get(name)
         if earlier is None:
             yield "telegram-field", f"byte {field.offset}: {name} {_value(field)} is new", "", _value(field)
-        elif (earlier.value_text, earlier.note) != (field.value_text, field.note):
+        elif (earlier.value, earlier.note) != (field.value, field.note):
             message = f"byte {field.offset}: {name} {_value(earlier)} -> {_value(field)}"
-            yield _kind(name), message, earlier.value_text, field.value_text
+            yield _kind(name), message, earlier.value, field.value
     for name, earlier in before.items():
         if name not in after:
             yield "telegram-field", f"byte {earlier.offset}: {name} {_value(earlier)} is gone", _value(earlier), ""
@@ -125,18 +125,9 @@ def _telegram(old: TelegramState, new: TelegramState) -> Iterator[tuple[str, str
             yield "response-length", f"{what} {was} -> {now} bytes", str(was), str(now)
 
 
-def _fields(telegram: TelegramState) -> dict[str, Field]:
-    """Fields of a request by name; lengths and checksums of a PPI frame follow from the others."""
-    if telegram.protocol == "ds47":
-        return {field.name: field for field in dissect_request(telegram.request)}
-    from plcgen.protocols.ppi.wire.dissect import dissect
-
-    found: dict[str, Field] = {}
-    for field in dissect(telegram.request):
-        name = re.sub(r" \([^)]*\)", "", field.name)
-        if not name.startswith(("checksum", "length LE", "parameter length", "data length")):
-            found[name] = Field(field.offset, field.length, name, field.value, field.note)
-    return found
+def _fields(telegram: TelegramState) -> dict[str, ByteField]:
+    """Fields of a request by name, without those that follow from the others."""
+    return {field.name: field for field in protocol(telegram.protocol).request_fields(telegram.request)}
 
 
 def _kind(name: str) -> str:
@@ -147,8 +138,8 @@ def _kind(name: str) -> str:
     return "telegram-value" if is_value else "telegram-field"
 
 
-def _value(field: Field) -> str:
-    return f"{field.value_text} ({field.note})" if field.note and field.note != field.value_text else field.value_text
+def _value(field: ByteField) -> str:
+    return f"{field.value} ({field.note})" if field.note and field.note != field.value else field.value
 
 
 def _hex(data: bytes) -> str:

@@ -5,9 +5,10 @@ Nothing here raises: it goes on as far as the lengths can be known and shows the
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from plcgen.protocols.dissection import ByteField, Walker
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.errors import error_text
 from plcgen.protocols.ds47.wire.model import MAX_ELEMENTS, MAX_PARAMETERS, Attribute, RequestId, ResponseId
@@ -28,55 +29,24 @@ _RESPONSES = {
 _ATTRIBUTES = {0x10: "value", 0x20: "description", 0x30: "text"}
 
 
-@dataclass(frozen=True, slots=True)
-class Field:
-    """One field: where, its name, the value as text, what it means; ``problem`` marks a wrong one."""
-
-    offset: int
-    length: int
-    name: str
-    value_text: str
-    note: str = ""
-    problem: bool = False
-
-
 @dataclass(slots=True)
-class _Walker:
-    data: bytes
-    table: Table
-    fields: list[Field] = field(default_factory=list)
-    offset: int = 0
+class _Walker(Walker):
+    """``table`` says whose error numbers the telegram has."""
 
-    @property
-    def left(self) -> int:
-        return len(self.data) - self.offset
+    table: Table = "profidrive"
 
-    def add(self, size: int, name: str, text: str = "", note: str = "", *, problem: bool = False) -> int:
-        """Append a field of up to ``size`` bytes (a short one is marked) and return its number."""
-        chunk = self.data[self.offset : self.offset + size]
-        if not chunk:
-            return 0
-        if len(chunk) < size:
-            note, problem = f"cut short: {len(chunk)} of {size} bytes", True
-            text = ""
-        shown = text or " ".join(f"{byte:02X}" for byte in chunk)
-        self.fields.append(Field(self.offset, len(chunk), name, shown, note, problem))
-        self.offset += len(chunk)
-        return int.from_bytes(chunk, "big")
-
-    def peek(self, size: int) -> int:
-        return int.from_bytes(self.data[self.offset : self.offset + size], "big")
-
-    def decimal(self, size: int, name: str, *, bad: str = "") -> int:
-        return self.add(size, name, str(self.peek(size)), bad, problem=bool(bad))
+    def number(self, size: int, name: str, *, bad: str = "") -> int:
+        """Append a decimal number; ``bad`` says what is wrong with it."""
+        return self.decimal(size, name, bad, problem=bool(bad))
 
     def rest(self, note: str) -> None:
+        """Append what is left as undecoded."""
         if self.left:
             self.add(self.left, "undecoded bytes", note=note, problem=True)
 
     def missing(self, what: str) -> None:
         """Append an empty field at the end: the telegram promises more than it has."""
-        self.fields.append(Field(len(self.data), 0, "missing", "", what, problem=True))
+        self.fields.append(ByteField(len(self.data), 0, "missing", "", what, problem=True))
 
 
 def _identifier(walker: _Walker, name: str, known: dict[int, str]) -> int:
@@ -92,10 +62,10 @@ def _header(walker: _Walker, mirror: str, name: str, known: dict[int, str]) -> t
     bad = "the reference 00h is reserved" if walker.left and reference == 0 else ""
     walker.add(1, f"request reference{mirror}", f"{reference:02X}h", bad, problem=bool(bad))
     identifier = _identifier(walker, name, known)
-    walker.decimal(1, f"drive object{mirror}")
+    walker.number(1, f"drive object{mirror}")
     count = walker.peek(1)
     bad = "" if 1 <= count <= MAX_PARAMETERS else f"outside 1 to {MAX_PARAMETERS}"
-    return identifier, walker.decimal(1, f"number of parameters{mirror}", bad=bad)
+    return identifier, walker.number(1, f"number of parameters{mirror}", bad=bad)
 
 
 def _address(walker: _Walker, at: str) -> None:
@@ -105,11 +75,11 @@ def _address(walker: _Walker, at: str) -> None:
     walker.add(1, f"{at} attribute", f"{attribute:02X}h", note, problem=not known)
     elements = walker.peek(1)
     bad = f"over {MAX_ELEMENTS}" if elements > MAX_ELEMENTS else ""
-    walker.decimal(1, f"{at} number of elements", bad=bad)
+    walker.number(1, f"{at} number of elements", bad=bad)
     pnu = walker.peek(2)
-    walker.decimal(2, f"{at} parameter number", bad="" if pnu else "the parameter number 0 is reserved")
+    walker.number(2, f"{at} parameter number", bad="" if pnu else "the parameter number 0 is reserved")
     subindex = walker.peek(2)
-    walker.decimal(2, f"{at} subindex", bad="the subindex FFFFh is reserved" if subindex == 0xFFFF else "")
+    walker.number(2, f"{at} subindex", bad="the subindex FFFFh is reserved" if subindex == 0xFFFF else "")
 
 
 def _show(value: formats.Value) -> str:
@@ -150,7 +120,7 @@ def _block(walker: _Walker, at: str, *, response: bool) -> bool:
     misplaced = fmt is not None and not fmt.writable and not response
     note = "unknown format" if fmt is None else fmt.name + (", in responses only" if misplaced else "")
     walker.add(1, f"{at} format", f"{code:02X}h", note, problem=fmt is None or misplaced)
-    count = walker.decimal(1, f"{at} number of values")
+    count = walker.number(1, f"{at} number of values")
     if fmt is None:
         return False
     if fmt.code == formats.ERROR:
@@ -160,9 +130,9 @@ def _block(walker: _Walker, at: str, *, response: bool) -> bool:
     return True
 
 
-def dissect_request(data: bytes) -> list[Field]:
+def dissect_request(data: bytes) -> list[ByteField]:
     """Return the fields of a request, covering every byte exactly once."""
-    walker = _Walker(bytes(data), "sinamics")
+    walker = _Walker(bytes(data), table="sinamics")
     identifier, count = _header(walker, "", "request id", _REQUESTS)
     for position in range(1, count + 1):
         if walker.left == 0:
@@ -180,9 +150,9 @@ def dissect_request(data: bytes) -> list[Field]:
     return walker.fields
 
 
-def dissect_response(data: bytes, table: Table = "sinamics") -> list[Field]:
+def dissect_response(data: bytes, table: Table = "sinamics") -> list[ByteField]:
     """Return the fields of a response, covering every byte exactly once."""
-    walker = _Walker(bytes(data), table)
+    walker = _Walker(bytes(data), table=table)
     identifier, count = _header(walker, " (mirrored)", "response id", _RESPONSES)
     promised: dict[int, int] = {ResponseId.CHANGE: 0, ResponseId.NOT_SUPPORTED: 1}
     expected = promised.get(identifier, count)

@@ -6,8 +6,9 @@ Nothing here raises: it goes on as far as the lengths can be known and shows the
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
+from plcgen.protocols.dissection import ByteField, Walker
 from plcgen.protocols.ppi.wire.address import address_text
 from plcgen.protocols.ppi.wire.areas import (
     ITEM_SIZE,
@@ -37,56 +38,12 @@ _CODES = {SizeCode.NONE: "none", SizeCode.BIT: "bit", SizeCode.WORDS: "bytes, le
           SizeCode.OCTETS: "bytes, length in bytes"}  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class Field:
-    """One field: where, its name, the value as text, what it means; ``problem`` marks a wrong one."""
-
-    offset: int
-    length: int
-    name: str
-    value: str
-    note: str = ""
-    problem: bool = False
-
-
-@dataclass(slots=True)
-class _Walker:
-    data: bytes
-    fields: list[Field] = field(default_factory=list)
-    offset: int = 0
-
-    @property
-    def left(self) -> int:
-        return len(self.data) - self.offset
-
-    def peek(self, size: int) -> int:
-        return int.from_bytes(self.data[self.offset : self.offset + size], "big")
-
-    def add(self, size: int, name: str, text: str = "", note: str = "") -> int:
-        """Append a field of up to ``size`` bytes (a short one is marked) and return its number."""
-        chunk = self.data[self.offset : self.offset + size]
-        if not chunk:
-            return 0
-        short = len(chunk) < size
-        if short:
-            note, text = f"cut short: {len(chunk)} of {size} bytes", ""
-        self.fields.append(Field(self.offset, len(chunk), name, text or chunk.hex(" ").upper(), note, short))
-        self.offset += len(chunk)
-        return int.from_bytes(chunk, "big")
-
-    def hexadecimal(self, size: int, name: str, note: str = "") -> int:
-        return self.add(size, name, f"{self.peek(size):0{2 * size}X}h", note)
-
-    def decimal(self, size: int, name: str, note: str = "") -> int:
-        return self.add(size, name, str(self.peek(size)), note)
-
-
-def dissect(data: bytes, violations: Iterable[Violation] = (), asked: Sequence[Item] = ()) -> list[Field]:
+def dissect(data: bytes, violations: Iterable[Violation] = (), asked: Sequence[Item] = ()) -> list[ByteField]:
     """Return the fields of a telegram, covering every byte exactly once.
 
     ``violations`` are those that ``telegram.examine`` found; ``asked`` are the items that a reply answers.
     """
-    walker = _Walker(bytes(data))
+    walker = Walker(bytes(data))
     start = walker.peek(1) if data else 0
     if start == SD2:
         _variable(walker, asked)
@@ -108,23 +65,23 @@ def dissect(data: bytes, violations: Iterable[Violation] = (), asked: Sequence[I
     return [_marked(entry, wrong) for entry in walker.fields]
 
 
-def _marked(entry: Field, wrong: set[int]) -> Field:
+def _marked(entry: ByteField, wrong: set[int]) -> ByteField:
     inside = any(entry.offset <= offset < entry.offset + entry.length for offset in wrong)
     return replace(entry, problem=True) if inside or entry.name == "undecoded bytes" else entry
 
 
-def _head(walker: _Walker) -> None:
+def _head(walker: Walker) -> None:
     walker.decimal(1, "destination DA")
     walker.decimal(1, "source SA")
     walker.hexadecimal(1, "function code FC", function_text(walker.peek(1)) if walker.left else "")
 
 
-def _tail(walker: _Walker) -> None:
+def _tail(walker: Walker) -> None:
     walker.hexadecimal(1, "checksum FCS")
     walker.hexadecimal(1, "end")
 
 
-def _variable(walker: _Walker, asked: Sequence[Item]) -> None:
+def _variable(walker: Walker, asked: Sequence[Item]) -> None:
     walker.hexadecimal(1, "start", "SD2")
     length = walker.decimal(1, "length LE", "bytes from DA to the end of the PDU")
     walker.decimal(1, "length LEr")
@@ -133,7 +90,7 @@ def _variable(walker: _Walker, asked: Sequence[Item]) -> None:
     end = min(len(walker.data), max(PDU_OFFSET, length + 4))
     if len(walker.data) > 2 and walker.data[2] != length and len(walker.data) == walker.data[2] + 6:
         end = len(walker.data) - 2
-    inner = _Walker(walker.data[:end], walker.fields, walker.offset)
+    inner = Walker(walker.data[:end], walker.fields, walker.offset)
     if inner.left:
         _pdu(inner, asked)
         if inner.left:
@@ -142,7 +99,7 @@ def _variable(walker: _Walker, asked: Sequence[Item]) -> None:
     _tail(walker)
 
 
-def _pdu(walker: _Walker, asked: Sequence[Item]) -> None:
+def _pdu(walker: Walker, asked: Sequence[Item]) -> None:
     walker.hexadecimal(1, "protocol")
     rosctr = walker.hexadecimal(
         1, "ROSCTR", _KINDS.get(Rosctr(walker.peek(1)), "") if _is_rosctr(walker) else "unknown"
@@ -165,17 +122,17 @@ def _pdu(walker: _Walker, asked: Sequence[Item]) -> None:
             _function(walker, parameters, asked, reply=reply)
 
 
-def _is_rosctr(walker: _Walker) -> bool:
+def _is_rosctr(walker: Walker) -> bool:
     return walker.left > 0 and walker.peek(1) in set(Rosctr)
 
 
-def _plain(walker: _Walker, parameters: int) -> None:
+def _plain(walker: Walker, parameters: int) -> None:
     walker.add(min(parameters, walker.left), "parameters")
     if walker.left:
         walker.add(walker.left, "data")
 
 
-def _function(walker: _Walker, parameters: int, asked: Sequence[Item], *, reply: bool) -> None:
+def _function(walker: Walker, parameters: int, asked: Sequence[Item], *, reply: bool) -> None:
     function = walker.peek(1)
     if function in {Function.READ, Function.WRITE}:
         walker.hexadecimal(1, "function", _FUNCTIONS[Function(function)])
@@ -202,7 +159,7 @@ def _function(walker: _Walker, parameters: int, asked: Sequence[Item], *, reply:
         _plain(walker, parameters)
 
 
-def _service(walker: _Walker, parameters: int, *, reply: bool) -> None:
+def _service(walker: Walker, parameters: int, *, reply: bool) -> None:
     function = Function(walker.peek(1))
     end = min(walker.offset + parameters, len(walker.data))
     walker.hexadecimal(1, "function", _FUNCTIONS[function])
@@ -221,7 +178,7 @@ def _label(items: Sequence[Item], number: int) -> str:
     return f" ({address_text(items[number - 1])})" if number <= len(items) else ""
 
 
-def _item(walker: _Walker, number: int) -> Item:
+def _item(walker: Walker, number: int) -> Item:
     data, at = walker.data, walker.offset
     complete = walker.left >= ITEM_SIZE
     item = bare_item(data, at + 3) if complete else Item(0, 0, 0, 0)
@@ -242,7 +199,7 @@ def _item(walker: _Walker, number: int) -> Item:
     return item
 
 
-def _values(walker: _Walker, count: int, items: Sequence[Item], *, reply: bool) -> None:
+def _values(walker: Walker, count: int, items: Sequence[Item], *, reply: bool) -> None:
     values, _, _ = find_values(walker.data, walker.offset, count, reply=reply)
     for number, value in enumerate(values, 1):
         label = f"value {number}{_label(items, number)}"
@@ -277,7 +234,7 @@ def _meaning(code: int, data: bytes, *, reply: bool) -> str:
     return f"signed {signed}" if len(data) in {1, 2, 4} and signed < 0 else ""
 
 
-def _userdata(walker: _Walker, parameters: int, size: int) -> None:
+def _userdata(walker: Walker, parameters: int, size: int) -> None:
     chunk = walker.data[walker.offset : walker.offset + parameters]
     forcing = chunk == FORCE_PARAMETER
     note = "force or unforce, not confirmed by a capture" if forcing else ""

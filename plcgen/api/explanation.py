@@ -1,0 +1,43 @@
+"""What every code and number means: diagnostics of plcgen, then the numbers of its protocols."""
+
+from __future__ import annotations
+
+import re
+
+from plcgen.diagnostics.codes import all_codes
+from plcgen.diagnostics.codes import code as code_info
+from plcgen.output.page import Page
+from plcgen.protocols.registry import protocols
+
+_NUMBER = re.compile(r"(?:(?:B|W|DW|BYTE|WORD|DWORD)#)?(?:16#|0x|\$)?([0-9a-f_]{1,10})(h?)\Z", re.IGNORECASE)
+_CODE = re.compile(r"PG[0-9]{3}\Z", re.IGNORECASE)
+
+
+def explain_page(key: str) -> Page | None:
+    """Explain ``PG209``, ``0x11`` (DS47 error), ``16#8101`` (status word) or ``DF80B500`` (STATUS); None: unknown."""
+    text = key.strip()
+    if _CODE.match(text):
+        return _diagnostic(text.upper())
+    match = _NUMBER.match(text)
+    digits = match[1].replace("_", "") if match else ""
+    pages = (protocol.explain(digits) for protocol in protocols() if match)
+    return next((page for page in pages if page is not None), None)
+
+
+def _diagnostic(code: str) -> Page | None:
+    try:
+        info = code_info(code)
+    except KeyError:
+        return None
+    sections = (("Why", info.why), ("Fix", info.fix), ("Wrong", info.bad), ("Right", info.good))
+    return Page(code, f"{info.severity.label}: {info.title}", sections)
+
+
+def list_codes() -> list[tuple[str, str, str]]:
+    """Every diagnostic code with severity and title, in order."""
+    return [(code, code_info(code).severity.label, code_info(code).title) for code in sorted(all_codes())]
+
+
+def known_keys() -> list[str]:
+    """Codes for "did you mean"."""
+    return sorted(all_codes())

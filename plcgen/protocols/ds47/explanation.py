@@ -1,0 +1,54 @@
+"""What the numbers of the parameter channel mean: error numbers, status words of blocks, STATUS double words."""
+
+from __future__ import annotations
+
+from plcgen.output.page import Page
+from plcgen.output.view import PLAIN
+from plcgen.protocols.ds47.texts import status_text
+from plcgen.protocols.ds47.wire.errors import MANUFACTURER_FIRST, error_text
+from plcgen.protocols.ds47.wire.status import explain as explain_status
+from plcgen.protocols.ds47.wire.status import explain_word
+from plcgen.protocols.ds47.words import STATUS_WORDS
+
+
+def explain(digits: str) -> Page | None:
+    """One or two hexadecimal digits are an error number, four a status word, eight a STATUS."""
+    value = int(digits, 16)
+    if len(digits) <= 2 or (len(digits) == 4 and digits.startswith("00")):
+        return error_page(value)
+    if len(digits) == 4:
+        return word_page(value)
+    return status_page(value) if len(digits) == 8 else None
+
+
+def error_page(number: int) -> Page:
+    """Explain an error number of data set 47."""
+    error = error_text(number)
+    info = {"none": "0 or absent", "subindex": "the subindex that failed"}.get(error.info, error.info)
+    sections = [("Information word", info), ("Source", error.origin)]
+    if error.note:
+        sections.append(("Note", error.note))
+    if number >= MANUFACTURER_FIRST:
+        sections.append(
+            ("Note", "65h to FFh belong to the manufacturer: this is the SINAMICS meaning, other drives differ")
+        )
+    return Page(f"{number:02X}h", f"DS47 error number: {error.meaning}", tuple(sections))
+
+
+def word_page(word: int) -> Page:
+    """Explain the status word of a generated block, or else the middle word of a STATUS."""
+    known = {value: (name, text) for name, value, text in STATUS_WORDS}
+    status = explain_word(word)
+    record = ("As the middle word of a WRREC or RDREC STATUS", status.text)
+    if word not in known:
+        return Page(f"16#{word:04X}", "not a status word of a generated block", (record,))
+    name, text = known[word]
+    sections = (("Constant", name), record) if word >> 8 == 0x70 else (("Constant", name),)
+    return Page(f"16#{word:04X}", f"block status: {text}", sections)
+
+
+def status_page(value: int) -> Page:
+    """Explain a STATUS double word of WRREC or RDREC."""
+    status = explain_status(value)
+    table = "\n".join(line.strip() for line in status_text(status, PLAIN).splitlines()[1:])
+    return Page(f"{value:08X}h", f"STATUS: {status.text}", (("Bytes", table),))
