@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 
 from plcgen.documents.document import RAW, Document
 from plcgen.documents.spelling import culture
@@ -73,7 +73,6 @@ def _main(project: Project, text: str) -> Iterator[Document]:
     yield _raw(f"xml/{block.name}.xml", document, version_note(project))
 
 
-@lru_cache(maxsize=4)
 def _setting(project: Frame) -> Setting:
     cultures = tuple(culture(language) for language in project.languages)
     return Setting(VERSIONS[project.target.xml_version or ""], project.target.classic, cultures)

@@ -7,7 +7,6 @@ Source of the structure: genuine exports as described by Siemens' Openness manua
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
 from typing import Any
 
 from plcgen.documents.code import VERSION_NOTE
@@ -117,7 +116,6 @@ def _texts(project: Frame, comment: dict[str, str], ids: _Ids) -> list[dict[str,
     return objects
 
 
-@lru_cache(maxsize=4)
 def _base(project: Frame) -> dict[str, Any]:
     version = VERSIONS[project.target.xml_version or ""]
     return {

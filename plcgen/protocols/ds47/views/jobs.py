@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Any
 
 from plcgen.documents.document import Document
+from plcgen.documents.recent import recent
 from plcgen.documents.spelling import comment_text, elements, encodable, literal, one_line, spelling_of, type_text
 from plcgen.project.nouns import Frame
 from plcgen.protocols.ds47.plan.fields import interface_type
@@ -39,7 +39,6 @@ def job_document(plan: DrivePlan, job: DriveJob) -> Document:
     return source(plan, f"scl/{job.block.name}.scl", "ds47/job.scl.j2", view)
 
 
-@lru_cache(maxsize=4)
 def common(plan: Frame) -> dict[str, Any]:
     """What every source template may ask: the CPU, and the folders with what differs in substance."""
     where = plan.target
@@ -59,7 +58,7 @@ def newline(plan: Frame) -> str:
     return "\r\n" if plan.target.v5 else "\n"
 
 
-@lru_cache(maxsize=16)
+@recent
 def title(plan: DrivePlan, job: DriveJob) -> str:
     """One-line title; a quote would end a STEP 7 V5 title."""
     verb = job.kind.capitalize()

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import NamedTuple
 
+from plcgen.documents.recent import recent
 from plcgen.documents.spelling import comment_text, culture, elements, literal, one_line, type_text
 from plcgen.project.nouns import BlockRef
 from plcgen.protocols.ds47.plan.nouns import DriveField, DrivePlan, DriveTelegram
@@ -39,7 +39,7 @@ class Row(NamedTuple):
     watch: tuple[tuple[str, str, str, str], ...]
 
 
-@lru_cache(maxsize=8)
+@recent
 def telegram_rows(plan: DrivePlan, telegram: DriveTelegram) -> tuple[list[Row], list[Row]]:
     """Rows of the request DB and of the response DB of one telegram."""
     return (

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
+from plcgen.documents.recent import recent
 from plcgen.documents.spelling import culture, elements, literal, one_line, type_text
 from plcgen.project.nouns import BlockRef
 from plcgen.protocols.ds47.views.rows import Row
@@ -20,13 +19,13 @@ _INTEGERS = SIGNED | UNSIGNED
 WATCHED = 8
 
 
-@lru_cache(maxsize=64)
+@recent
 def table_rows(plan: PpiPlan, telegram: PpiTelegram) -> list[Row]:
     """Rows of the telegram table."""
     return [_row(plan, telegram, telegram.request.db, f, "telegram.") for f in telegram.request.fields]
 
 
-@lru_cache(maxsize=64)
+@recent
 def answer_rows(plan: PpiPlan, telegram: PpiTelegram) -> list[Row]:
     """Rows of the response DB; none if the reply has no data."""
     if telegram.response is None:
