@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
-from plcgen.resources import collector_paused
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -112,8 +111,7 @@ def generate(
     from plcgen.documents.writing import compare_folder, write_folder
 
     target = _folder(spec, folder)
-    with collector_paused():
-        checked = check(spec)
+    checked = check(spec)
     if not checked.ok or checked.project is None:
         return GenerateResult(checked.spec, target, (), (), (), "", checked.diagnostics)
     report = Report(list(checked.diagnostics))

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Literal
 
 from plcgen.api.project import check
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
-from plcgen.resources import collector_paused
 from plcgen.review.layout.tables import BlockTable, LayoutResult
 
 if TYPE_CHECKING:
@@ -46,17 +45,12 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
     types in the sources suggest), ``block`` picks blocks by
     name or number (``DB3``), ``expand`` shows every element of every array.
     """
-    with collector_paused():
-        return _layout([Path(path) for path in paths], family, block, expand=expand)
-
-
-def _layout(paths: Sequence[Path], family: Family | None, block: str, *, expand: bool) -> LayoutResult:
     from plcgen.review.layout.planned import project_tables
 
     tables: list[BlockTable] = []
     report = Report()
     sources: list[Path] = []
-    for path in paths:
+    for path in map(Path, paths):
         if path.suffix.lower() in SPEC_SUFFIXES:
             checked = check(path)
             report.extend(checked.diagnostics)

@@ -15,6 +15,7 @@ from plcgen.s7.blocks import BlockKind
 from plcgen.s7.evidence import NO_DOUBTS, rule
 from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block, split_path
+from plcgen.s7.shapes import joined
 from plcgen.s7.spelling import type_text
 from plcgen.s7.types import ArrayType, Elementary
 
@@ -172,6 +173,7 @@ class _Rows:
     memory: _Memory | None
     expand: bool
     found: list[LayoutRow] = field(default_factory=list)
+    sorted: dict[frozenset[str], tuple[str, ...]] = field(default_factory=dict)
 
     def fields(self, shape: Shape, base: int, depth: int, prefix: str, doubts: frozenset[str]) -> None:
         """Members of a structure at bit ``base``, with the gaps before, between and behind them."""
@@ -183,7 +185,7 @@ class _Rows:
                     self.gap(end, start, depth)
                 end = start + (extent(child.shape) if child.shape.element else child.shape.bits)
             member, inner = child.member, child.shape
-            own = doubts | child.doubts if child.doubts else doubts
+            own = joined(doubts, child.doubts)
             self.row(member.name, _type(member, inner), inner, start, depth, own, prefix + member.name, member)
             if inner.fields or inner.element is not None:
                 self.inside(inner, start, depth + 1, prefix + member.name, own)
@@ -217,7 +219,7 @@ class _Rows:
                 self.fold(shape, (offset, place), depth, (done, total), index, doubts)
                 return
             self.gap(end, place, depth)
-            own = doubts | shape.stride_doubts if done and shape.stride_doubts else doubts
+            own = joined(doubts, shape.stride_doubts) if done else doubts
             name = f"[{index}]"
             self.row(name, type_text(element.type), element, place, depth, own, f"{path}{name}", None)
             self.inside(element, place, depth + 1, f"{path}{name}", own)
@@ -247,7 +249,7 @@ class _Rows:
         if not self.expand and self.memory is not None and not self.memory.alike(shape, place - offset):
             text += ", other start values"
         byte, bits = (None, 0) if self.block.optimized else (place // 8, extent(shape) - offset)
-        rules = self.rules(doubts | shape.stride_doubts)
+        rules = self.rules(joined(doubts, shape.stride_doubts))
         self.found.append(LayoutRow(byte, None, bits, "", name, text, "", depth, kind=MORE, rules=rules))
 
     def row(
@@ -277,7 +279,7 @@ class _Rows:
         address = ""
         if self.block.kind is BlockKind.DB:
             address = member_address(self.block.number, byte, shown, shape.bits if plain else 8)
-        rules = self.rules(doubts | shape.doubts if shape.doubts else doubts)
+        rules = self.rules(joined(doubts, shape.doubts))
         bits = shape.bits if plain else extent(shape)
         self.found.append(LayoutRow(byte, shown, bits, address, name, type_, start, depth, comment, rules=rules))
 
@@ -293,8 +295,11 @@ class _Rows:
         return ", ".join([start, *listed] if start else listed)
 
     def rules(self, doubts: frozenset[str]) -> tuple[str, ...]:
-        """Keys in a fixed order."""
-        return tuple(sorted(doubts)) if doubts else ()
+        """Keys in a fixed order; rows that rest on the same rules share them."""
+        known = self.sorted.get(doubts)
+        if known is None:
+            known = self.sorted[doubts] = tuple(sorted(doubts))
+        return known
 
 
 def _plain(path: str) -> str:

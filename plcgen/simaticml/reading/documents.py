@@ -6,7 +6,6 @@ import re
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
-from plcgen.resources import collector_paused
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types import ArrayType, Member
 from plcgen.simaticml.reading.interface import InterfaceReader, parse_datatype
@@ -64,9 +63,8 @@ def read_simaticml(
     Diagnostics: PG802 too large, PG804 unreadable, PG810 document type, PG811 not well formed, PG812 unknown
     kind, missing attribute or unusable data type.
     """
-    with collector_paused():
-        root, name, diagnostics = _open(source, file)
-        return ([] if root is None else _blocks(root, name, diagnostics, classic=classic)), diagnostics
+    root, name, diagnostics = _open(source, file)
+    return ([] if root is None else _blocks(root, name, diagnostics, classic=classic)), diagnostics
 
 
 def _blocks(root: Element, name: str, diagnostics: list[Diagnostic], *, classic: bool) -> list[Block]:

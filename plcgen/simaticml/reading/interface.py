@@ -21,7 +21,7 @@ from plcgen.s7.types import (
 )
 from plcgen.simaticml.datatypes import default_literal, innermost
 from plcgen.simaticml.reading.values import is_plain_value, is_start_value
-from plcgen.simaticml.reading.xml import TAGS, child, children, local, namespace, parts, span, text
+from plcgen.simaticml.reading.xml import TAGS, child, children, namespace, parts, span, text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -305,14 +305,22 @@ def _attributes(
     inner = innermost(type_)
     if version and isinstance(inner, NamedType) and not inner.quoted:
         found += [("InstructionName", inner.name), ("LibVersion", version)]
-    for entry in children(listed):
-        name, value = entry.get("Name", ""), text(entry).strip()
-        if name == "At":
-            at = value.strip('"') or None
-        elif _PLAIN.fullmatch(name) and entry.get("Informative") != "true":
-            value = value.capitalize() if local(entry) == "BooleanAttribute" else value
-            found.append(("S7_SetPoint" if name == "SetPoint" else name, value))
+    for entry in () if listed is None else listed:
+        kind, name = TAGS[entry.tag], entry.get("Name", "")
+        if name == "At" and kind:
+            at = text(entry).strip().strip('"') or None
+        elif kind and entry.get("Informative") != "true" and (pair := _attribute(kind, name, entry.text or "")):
+            found.append(pair)
     return at, tuple(found)
+
+
+@lru_cache(maxsize=4096)
+def _attribute(kind: str, name: str, value: str) -> tuple[str, str] | None:
+    """An attribute as sources have it, the same pair for every member that has it; None if its name is none there."""
+    if not _PLAIN.fullmatch(name):
+        return None
+    value = value.strip()
+    return "S7_SetPoint" if name == "SetPoint" else name, value.capitalize() if kind == "BooleanAttribute" else value
 
 
 def _quote(name: str) -> str:
