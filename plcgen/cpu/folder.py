@@ -7,10 +7,10 @@ from pathlib import Path
 
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import DiagnosticError, Severity
-from plcgen.documents.folder import generated_documents, generated_sources
 from plcgen.s7.blocks import BlockKind
 from plcgen.scl.dialect import Dialect
 from plcgen.simaticml.reading.documents import read_simaticml, read_tag_table
+from plcgen.sources.generated import generated_documents, generated_sources
 
 Tags = dict[str, str | tuple[str, str]]
 

@@ -10,10 +10,10 @@ from typing import Any
 
 from plcgen._version import __version__
 from plcgen.documents.environment import RenderedFile
-from plcgen.documents.folder import MANIFEST
 from plcgen.project.nouns import Project
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ppi.plan.nouns import PpiPlan
+from plcgen.sources.generated import MANIFEST
 
 
 def digest(data: bytes) -> str:

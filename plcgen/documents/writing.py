@@ -20,9 +20,9 @@ from typing import Self
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.documents.environment import RenderedFile
-from plcgen.documents.folder import MANIFEST, known_files
 from plcgen.documents.folder_lock import exclusive
 from plcgen.documents.manifest import digest
+from plcgen.sources.generated import MANIFEST, known_files
 
 JOURNAL = ".plcgen-journal.json"
 STAGE = ".plcgen-stage-"

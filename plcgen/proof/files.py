@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
-from plcgen.documents.folder import MANIFEST, generated_documents, generated_sources, known_files
 from plcgen.documents.manifest import digest
 from plcgen.documents.writing import JOURNAL
 from plcgen.project.nouns import Project
@@ -15,6 +14,7 @@ from plcgen.project.target import Dialect
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.simaticml.reading.invariants import check_invariants
+from plcgen.sources.generated import MANIFEST, generated_documents, generated_sources, known_files
 
 _DIALECTS = {
     Dialect.V5: "S7-SCL of STEP 7 V5",

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Span
-from plcgen.documents.folder import generated_documents, generated_sources
 from plcgen.project.target import Dialect as TargetDialect
 from plcgen.project.target import Target
 from plcgen.s7.shapes import TypeTable
 from plcgen.scl.dialect import Dialect
 from plcgen.simaticml.reading.documents import read_simaticml
+from plcgen.sources.generated import generated_documents, generated_sources
 from plcgen.sources.text import read_source
 
 DIALECTS = {

@@ -166,3 +166,9 @@ def format_moment(nanoseconds: int, digits: int) -> str:
     days, rest = divmod(nanoseconds, NS_PER_DAY)
     date = EPOCH.date() + dt.timedelta(days=days)
     return f"{date.isoformat()}-{format_clock(rest, digits)}"
+
+
+def spelled(milliseconds: int) -> str:
+    """A duration as messages write it."""
+    seconds, rest = divmod(milliseconds, 1000)
+    return f"{milliseconds} ms" if rest else f"{seconds} s"

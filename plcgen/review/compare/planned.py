@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from plcgen.documents.folder import SOURCES
 from plcgen.project.nouns import Project
 from plcgen.project.opening import open_spec
 from plcgen.review.compare.model import Snapshot
 from plcgen.review.compare.states import snapshot_of
 from plcgen.sources.blocks import read_texts
+from plcgen.sources.generated import SOURCES
 
 
 def spec_snapshot(path: Path) -> Snapshot:

@@ -8,6 +8,7 @@ from plcgen.diagnostics import Diagnostic, Note, Severity
 from plcgen.project.rules.places import key_or_value, owner_span
 from plcgen.protocols.ds47.plan.pack import longest_response
 from plcgen.protocols.ds47.rules.places import value_span
+from plcgen.s7.durations import spelled
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -169,9 +170,3 @@ def _label(plan: DrivePlan, block: BlockRef) -> str:
 
 def _bytes(count: int) -> str:
     return "1 byte" if count == 1 else f"{count} bytes"
-
-
-def spelled(milliseconds: int) -> str:
-    """A duration as messages write it."""
-    seconds, rest = divmod(milliseconds, 1000)
-    return f"{milliseconds} ms" if rest else f"{seconds} s"

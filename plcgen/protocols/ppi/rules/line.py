@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.project.rules.places import key_or_value, node_at
-from plcgen.protocols.ds47.rules.telegrams import spelled
+from plcgen.s7.durations import spelled
 
 if TYPE_CHECKING:
     from plcgen.project.loading import SpecPath
