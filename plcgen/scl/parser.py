@@ -13,9 +13,7 @@ from plcgen.scl.grammar.branches import Branches
 from plcgen.scl.grammar.cases import Cases
 from plcgen.scl.grammar.declarations import Declarations
 from plcgen.scl.grammar.expressions import Expressions
-from plcgen.scl.grammar.foreign import Foreign
 from plcgen.scl.grammar.labels import CaseLabels
-from plcgen.scl.grammar.mistakes import Mistakes
 from plcgen.scl.grammar.statements import Statements
 from plcgen.scl.grammar.units import Units
 from plcgen.scl.grammar.values import InitialValues
@@ -65,29 +63,28 @@ def parse_value(text: str) -> ast.Expression | None:
     """Parse the initial value that ``text`` begins with; None if it does not begin with one."""
     cursor = Cursor(tokenize(text, ""))
     try:
-        return InitialValues(cursor, Expressions(cursor, Mistakes(cursor))).read()
+        return InitialValues(cursor, Expressions(cursor)).read()
     except Halt:
         return None
 
 
 def _grammar(cursor: Cursor, *, bodies: bool) -> Units:
     """Put the parts together: each is given those it needs."""
-    mistakes, foreign = Mistakes(cursor), Foreign(cursor)
-    expressions = Expressions(cursor, mistakes)
+    expressions = Expressions(cursor)
     values = InitialValues(cursor, expressions)
     kinds = cursor.kinds
     jump_labels = frozenset(cursor.texts[i + 1].upper() for i, kind in enumerate(kinds) if kind == "GOTO")
     labels = CaseLabels(cursor, expressions, jump_labels)
-    statements = Statements(cursor, expressions, values, labels, mistakes, foreign, "END_REGION" in kinds)
-    branches = Branches(cursor, expressions, statements, mistakes)
+    statements = Statements(cursor, expressions, values, labels, "END_REGION" in kinds)
+    branches = Branches(cursor, expressions, statements)
     cases = Cases(cursor, expressions, labels, statements)
     statements.compound |= {
         "IF": branches.if_statement, "FOR": branches.for_statement, "WHILE": branches.while_statement,
         "REPEAT": branches.repeat_statement, "CASE": cases.case_statement, "REGION": cases.region,
         "EXIT": statements.jump, "CONTINUE": statements.jump, "RETURN": statements.jump, "GOTO": statements.goto,
     }  # fmt: skip
-    declarations = Declarations(cursor, expressions, values, foreign)
-    return Units(cursor, declarations, values, statements, mistakes, foreign, bodies=bodies)
+    declarations = Declarations(cursor, expressions, values)
+    return Units(cursor, declarations, values, statements, bodies)
 
 
 def _statement_list(text: str, file: str) -> Tokens:

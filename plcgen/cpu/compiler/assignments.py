@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from plcgen.cpu.compiler.access import Access
 from plcgen.cpu.compiler.context import Context, Listing
-from plcgen.cpu.compiler.conversions import Conversions
+from plcgen.cpu.compiler.conversions import coerce
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.scope import bare_shape, scalar_name
@@ -30,7 +30,6 @@ class Assignments:
     out: Listing
     access: Access
     expressions: Expressions
-    conversions: Conversions
     places: Places
 
     def assign(self, node: ast.Assign) -> None:
@@ -86,7 +85,7 @@ class Assignments:
         if part is None:
             return
         bits, type_ = part
-        code = self.conversions.coerce(value, type_, value_node)
+        code = coerce(self.context, value, type_, value_node)
         code = f"(1 if {code} else 0)" if type_ == "BOOL" else code
         mask = (1 << bits) - 1 << node.index * bits
         whole = scalar_name(place.shape)
@@ -101,7 +100,7 @@ class Assignments:
         if value.type == UNKNOWN:
             return
         if type_ and value.type:
-            code = self.conversions.coerce(value, type_, node)
+            code = coerce(self.context, value, type_, node)
             const = value.const if isinstance(value.const, bool) else None
             self.access.store(place, code, const)
             return

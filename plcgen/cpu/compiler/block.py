@@ -10,7 +10,6 @@ from plcgen.cpu.compiler.assignments import Assignments
 from plcgen.cpu.compiler.branches import Branches
 from plcgen.cpu.compiler.calls import Calls
 from plcgen.cpu.compiler.context import Context, Listing
-from plcgen.cpu.compiler.conversions import Conversions
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.functions import Functions
 from plcgen.cpu.compiler.loops import Labels, Loops, Watchdog, has_labels
@@ -62,18 +61,17 @@ def _frame(context: Context, expressions: Expressions, statements: Statements) -
     """Put the parts together: each is given those it needs."""
     out = context.out
     access = Access(context, out)
-    conversions = Conversions(context)
     places = Places(context, out, access, expressions)
-    references = References(context, out, access, expressions, conversions, places)
-    operators = Operators(context, access, expressions, conversions)
+    references = References(context, out, access, expressions, places)
+    operators = Operators(context, access, expressions)
     operands = Operands(context, access, expressions, places, references)
-    assignments = Assignments(context, out, access, expressions, conversions, places)
+    assignments = Assignments(context, out, access, expressions, places)
     arguments = Arguments(context, access, expressions, places, references, assignments)
-    functions = Functions(context, expressions, conversions)
-    moves = Moves(context, out, access, expressions, conversions, places, references, assignments, functions)
+    functions = Functions(context, expressions)
+    moves = Moves(context, out, access, expressions, places, references, assignments, functions)
     watchdog = Watchdog(out)
     calls = Calls(
-        context, out, access, expressions, conversions, places, references, assignments, arguments, functions, moves,
+        context, out, access, expressions, places, references, assignments, arguments, functions, moves,
         watchdog,
     )  # fmt: skip
     expressions.parts |= {
@@ -84,8 +82,8 @@ def _frame(context: Context, expressions: Expressions, statements: Statements) -
     paths = (ast.Member, ast.Index, ast.Address, ast.Peripheral, ast.Dereference)
     expressions.parts |= dict.fromkeys(paths, operands.variable)
     labels = Labels(context, out, access, watchdog, statements)
-    branches = Branches(context, out, access, expressions, conversions, statements)
-    loops = Loops(context, out, access, expressions, conversions, assignments, watchdog, labels, statements)
+    branches = Branches(context, out, access, expressions, statements)
+    loops = Loops(context, out, access, expressions, assignments, watchdog, labels, statements)
     statements.parts |= {
         ast.Assign: assignments.assign, ast.CallStatement: calls.call_statement,
         ast.If: branches.if_statement, ast.Case: branches.case_statement, ast.For: loops.for_statement,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from plcgen.cpu.compiler.access import Access, Key
 from plcgen.cpu.compiler.context import Context, Listing
-from plcgen.cpu.compiler.conversions import Conversions
+from plcgen.cpu.compiler.conversions import truth
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.statements import Statements
 from plcgen.cpu.compiler.values import UNKNOWN
@@ -22,7 +22,6 @@ class Branches:
     out: Listing
     access: Access
     expressions: Expressions
-    conversions: Conversions
     statements: Statements
 
     def branch(self, body: ast.Body, exits: list[dict[Key, str]], node: ast.Node, kind: str) -> bool:
@@ -47,7 +46,7 @@ class Branches:
             start = len(self.out.lines)
             if position:
                 self.out.indent += " "
-            code = self.conversions.truth(self.expressions.value(branch.condition), branch.condition)
+            code = truth(self.context, self.expressions.value(branch.condition), branch.condition)
             if position:
                 if len(self.out.lines) > start:
                     self.out.insert(start, self.out.indent[:-1] + "else:", self.out.line)

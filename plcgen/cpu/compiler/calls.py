@@ -8,7 +8,7 @@ from plcgen.cpu.compiler.access import Access
 from plcgen.cpu.compiler.arguments import Arguments
 from plcgen.cpu.compiler.assignments import Assignments
 from plcgen.cpu.compiler.context import Context, Listing
-from plcgen.cpu.compiler.conversions import Conversions
+from plcgen.cpu.compiler.conversions import coerce
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.functions import Functions, Reported
 from plcgen.cpu.compiler.loops import Watchdog
@@ -39,7 +39,6 @@ class Calls:
     out: Listing
     access: Access
     expressions: Expressions
-    conversions: Conversions
     places: Places
     references: References
     assignments: Assignments
@@ -253,7 +252,7 @@ class Calls:
             elif how == "pointer":
                 codes.append(self.references.reference(argument.value))
             elif kind is not _OUT:
-                codes.append(self.conversions.coerce(self.expressions.value(argument.value), type_, argument.value))
+                codes.append(coerce(self.context, self.expressions.value(argument.value), type_, argument.value))
             if how == "value" and kind is not _IN:
                 after.append((argument, type_))
         return self.emit_function(found, codes, after, result)

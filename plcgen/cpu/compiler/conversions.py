@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from plcgen.cpu.compiler.context import Context
 from plcgen.cpu.compiler.literals import as_real, source_of
 from plcgen.cpu.compiler.values import UNKNOWN, Val
@@ -24,79 +22,76 @@ from plcgen.s7.types import HARDWARE
 from plcgen.scl import ast
 
 
-@dataclass(slots=True, eq=False)
-class Conversions:
-    """Code of values as other types; PG821 and PG824 where the language converts nothing by itself."""
-
-    context: Context
-
-    def coerce(self, value: Val, target: str, node: ast.Expression) -> str:
-        """Code of a value as ``target``; PG821 if there is no implicit conversion, PG824 out of range."""
-        source = value.type
-        if UNKNOWN in {source, target}:
-            return value.code or "0"
-        if source == target:
-            return value.wrapped
-        if source in {INT_CONST, REAL_CONST, TEXT_CONST}:
-            return self.constant_as(value, target, node)
-        if not widens(source, target, classic=self.context.classic) and not (target in TEXTS and source in TEXTS):
-            shown = source or "a structure"
-            text = f"write {source}_TO_{target}(..)" if source in WIDTHS and target in WIDTHS else ""
-            text = remedy(source, target, text, self.context.link.dialect)
-            self.context.error("PG821", f"{shown} is not converted to {target} implicitly", node, text)
-            return "0"
-        if value.const is not None:
-            return self.constant_as(value, target, node)
-        code = value.wrapped
-        if target in REALS and source in INTEGERS:
-            return f"float({code})"
-        if (source, target) in {("TIME", "LTIME"), ("TIME_OF_DAY", "LTIME_OF_DAY")}:
-            return f"({code}*1000000)"
-        return f"chr({code})" if target in TEXTS and source in {"CHAR", "WCHAR"} else code
-
-    def constant_as(self, value: Val, target: str, node: ast.Expression) -> str:
-        """Code of a constant as a type."""
-        const = value.const
-        if isinstance(const, str):
-            if target in TEXTS:
-                return repr(const)
-            if target in {"CHAR", "WCHAR"} and len(const) == 1:
-                return str(ord(const))
-            if target in {"CHAR", "WCHAR"} and not const and not self.context.classic:
-                self.context.error("PG827", f"the soft CPU does not know the code of an empty {target}", node)
-                return "0"
-        elif isinstance(const, float):
-            if target in REALS:
-                return source_of(as_real(const, target))
-        elif isinstance(const, int):
-            number = self.integer_constant(const, target, node)
-            if number is not None:
-                return number
-        self.context.error("PG821", f"{self.context.text(node)} is no {target} constant", node)
+def coerce(context: Context, value: Val, target: str, node: ast.Expression) -> str:
+    """Code of a value as ``target``; PG821 if there is no implicit conversion, PG824 out of range."""
+    source = value.type
+    if UNKNOWN in {source, target}:
+        return value.code or "0"
+    if source == target:
+        return value.wrapped
+    if source in {INT_CONST, REAL_CONST, TEXT_CONST}:
+        return constant_as(context, value, target, node)
+    if not widens(source, target, classic=context.classic) and not (target in TEXTS and source in TEXTS):
+        shown = source or "a structure"
+        text = f"write {source}_TO_{target}(..)" if source in WIDTHS and target in WIDTHS else ""
+        text = remedy(source, target, text, context.link.dialect)
+        context.error("PG821", f"{shown} is not converted to {target} implicitly", node, text)
         return "0"
+    if value.const is not None:
+        return constant_as(context, value, target, node)
+    code = value.wrapped
+    if target in REALS and source in INTEGERS:
+        return f"float({code})"
+    if (source, target) in {("TIME", "LTIME"), ("TIME_OF_DAY", "LTIME_OF_DAY")}:
+        return f"({code}*1000000)"
+    return f"chr({code})" if target in TEXTS and source in {"CHAR", "WCHAR"} else code
 
-    def integer_constant(self, const: int, target: str, node: ast.Expression) -> str | None:
-        """Code of an integer constant as a type, None if the type takes none."""
+
+def constant_as(context: Context, value: Val, target: str, node: ast.Expression) -> str:
+    """Code of a constant as a type."""
+    const = value.const
+    if isinstance(const, str):
+        if target in TEXTS:
+            return repr(const)
+        if target in {"CHAR", "WCHAR"} and len(const) == 1:
+            return str(ord(const))
+        if target in {"CHAR", "WCHAR"} and not const and not context.classic:
+            context.error("PG827", f"the soft CPU does not know the code of an empty {target}", node)
+            return "0"
+    elif isinstance(const, float):
         if target in REALS:
-            return source_of(as_real(float(const), target))
-        if target == "BOOL" and const in {0, 1}:
-            return "True" if const else "False"
-        if target not in INTEGERS and target not in BITS and target not in HARDWARE and target != "TIME":
-            return None
-        low, high = limits(target) or (0, 0)
-        if target in BITS:
-            low = -(1 << BITS[target] - 1)
-        if not low <= const <= high:
-            self.context.error("PG824", f"{self.context.text(node)} is outside {target} ({low}..{high})", node)
-            return "0"
-        return source_of(const & (1 << BITS[target]) - 1 if target in BITS else const)
+            return source_of(as_real(const, target))
+    elif isinstance(const, int):
+        number = integer_constant(context, const, target, node)
+        if number is not None:
+            return number
+    context.error("PG821", f"{context.text(node)} is no {target} constant", node)
+    return "0"
 
-    def truth(self, value: Val, node: ast.Expression) -> str:
-        """Code of a condition."""
-        if value.type not in {"BOOL", UNKNOWN}:
-            self.context.error("PG821", f"a condition is BOOL, not {value.type or 'a structure'}", node)
-            return "0"
-        return value.code
+
+def integer_constant(context: Context, const: int, target: str, node: ast.Expression) -> str | None:
+    """Code of an integer constant as a type, None if the type takes none."""
+    if target in REALS:
+        return source_of(as_real(float(const), target))
+    if target == "BOOL" and const in {0, 1}:
+        return "True" if const else "False"
+    if target not in INTEGERS and target not in BITS and target not in HARDWARE and target != "TIME":
+        return None
+    low, high = limits(target) or (0, 0)
+    if target in BITS:
+        low = -(1 << BITS[target] - 1)
+    if not low <= const <= high:
+        context.error("PG824", f"{context.text(node)} is outside {target} ({low}..{high})", node)
+        return "0"
+    return source_of(const & (1 << BITS[target]) - 1 if target in BITS else const)
+
+
+def truth(context: Context, value: Val, node: ast.Expression) -> str:
+    """Code of a condition."""
+    if value.type not in {"BOOL", UNKNOWN}:
+        context.error("PG821", f"a condition is BOOL, not {value.type or 'a structure'}", node)
+        return "0"
+    return value.code
 
 
 def integer_code(value: Val) -> str:

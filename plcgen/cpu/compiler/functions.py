@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 
 from plcgen.cpu.compiler.context import Context
-from plcgen.cpu.compiler.conversions import Conversions
+from plcgen.cpu.compiler.conversions import coerce, truth
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.values import UNKNOWN, Val, unknown, wrapped
 from plcgen.cpu.type_rules import (
@@ -50,7 +50,6 @@ class Functions:
 
     context: Context
     expressions: Expressions
-    conversions: Conversions
 
     def compile(self, node: ast.Call, name: str) -> Val | None:
         """Compile a function of the language, None if there is none of that name."""
@@ -113,7 +112,7 @@ class Functions:
         if value.type in INTEGERS and name == "SQR":
             code = value.wrapped
             return Val(f"sqr({code})", value.type, raw=True, pure=value.pure)
-        code = f"m_{name.lower()}({self.conversions.coerce(value, type_, bound['IN'])})"
+        code = f"m_{name.lower()}({coerce(self.context, value, type_, bound['IN'])})"
         return Val(f"f32({code})" if type_ == "REAL" else code, type_, pure=value.pure)
 
     def absolute_value(self, node: ast.Call) -> Val:
@@ -123,7 +122,7 @@ class Functions:
         if value.type not in NUMERIC:
             return self.refuse(node, "ABS", value)
         type_ = {INT_CONST: "INT", REAL_CONST: "REAL"}.get(value.type, value.type)
-        code = self.conversions.coerce(value, type_, bound["IN"])
+        code = coerce(self.context, value, type_, bound["IN"])
         return Val(f"abs({code})", type_, raw=type_ in INTEGERS, pure=value.pure)
 
     def refuse(self, node: ast.Call, name: str, value: Val) -> Val:
@@ -137,7 +136,7 @@ class Functions:
         bound = self.bind(node, ("IN",))
         value = self.expressions.value(bound["IN"])
         type_ = "LREAL" if value.type == "LREAL" else "REAL"
-        code = self.conversions.coerce(value, type_, bound["IN"])
+        code = coerce(self.context, value, type_, bound["IN"])
         return Val(f"to_int({code},32,True,{name.lower()!r})", "DINT", pure=value.pure)
 
     def shift(self, node: ast.Call, name: str) -> Val:
@@ -150,7 +149,7 @@ class Functions:
         if count.type not in INTEGERS and count.type not in {INT_CONST, UNKNOWN}:
             self.context.error("PG821", f"N counts bits, it is no {count.type or 'structure'}", bound["N"])
         bits = WIDTHS[type_]
-        code, steps = self.conversions.coerce(value, type_, bound["IN"]), count.wrapped
+        code, steps = coerce(self.context, value, type_, bound["IN"]), count.wrapped
         pure = value.pure and count.pure
         if type_ in BITS and isinstance(count.const, int) and 0 <= count.const < bits and name in {"SHL", "SHR"}:
             shifted = f"({code}>>{steps})" if name == "SHR" else f"({code}<<{steps}&{(1 << bits) - 1})"
@@ -179,7 +178,7 @@ class Functions:
             self.context.error("PG821", f"the operands of {function.upper()} have no common type", node)
             return unknown()
         common = {INT_CONST: "INT", REAL_CONST: "REAL", TEXT_CONST: "STRING"}.get(common, common)
-        codes = [self.conversions.coerce(value, common, expression) for value, expression in values]
+        codes = [coerce(self.context, value, common, expression) for value, expression in values]
         return Val(f"{function}({','.join(codes)})", common, pure=all(value.pure for value, _ in values))
 
     def select(self, node: ast.Call, name: str) -> Val:
@@ -192,7 +191,7 @@ class Functions:
             arguments.sort(key=lambda item: (item[0] not in {"G", "K"}, len(item[0]), item[0]))
         selector = self.expressions.value(arguments[0][1])
         values = [(self.expressions.value(expression), expression) for _, expression in arguments[1:]]
-        code = f"int(not not {self.conversions.truth(selector, node)})" if name == "SEL" else selector.wrapped
+        code = f"int(not not {truth(self.context, selector, node)})" if name == "SEL" else selector.wrapped
         result = self.common_call(node, name.lower(), values)
         if result.type == UNKNOWN:
             return result
@@ -218,7 +217,7 @@ class Functions:
                 wide = wide or value.type == "WSTRING"
                 if value.type not in TEXTS and value.type not in {TEXT_CONST, "CHAR", "WCHAR", UNKNOWN}:
                     return self.refuse(node, name, value)
-                codes.append(self.conversions.coerce(value, "WSTRING" if wide else "STRING", expression))
+                codes.append(coerce(self.context, value, "WSTRING" if wide else "STRING", expression))
             else:
                 codes.append(value.wrapped)
         type_ = "INT" if name in {"LEN", "FIND"} else "WSTRING" if wide else "STRING"
@@ -239,7 +238,7 @@ class Functions:
             return unknown()
         bound = self.bind(node, ("IN",))
         value = self.expressions.value(bound["IN"])
-        code = self.conversions.coerce(value, source, bound["IN"])
+        code = coerce(self.context, value, source, bound["IN"])
         return Val(convert_code(code, source, target), target, pure=value.pure)
 
     def bcd(self, node: ast.Call, name: str) -> Val:
@@ -248,9 +247,9 @@ class Functions:
         double = "DINT" in name or "DWORD" in name
         value = self.expressions.value(bound["IN"])
         if name.endswith(("_TO_INT", "_TO_DINT")):
-            code = self.conversions.coerce(value, "DWORD" if double else "WORD", bound["IN"])
+            code = coerce(self.context, value, "DWORD" if double else "WORD", bound["IN"])
             return Val(f"from_bcd({code},{7 if double else 3})", "DINT" if double else "INT", pure=value.pure)
-        code = self.conversions.coerce(value, "DINT" if double else "INT", bound["IN"])
+        code = coerce(self.context, value, "DINT" if double else "INT", bound["IN"])
         return Val(f"to_bcd({code},{7 if double else 3})", "DWORD" if double else "WORD", pure=value.pure)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from plcgen.cpu.compiler.access import Access
 from plcgen.cpu.compiler.assignments import Assignments
 from plcgen.cpu.compiler.context import Context, Listing
-from plcgen.cpu.compiler.conversions import Conversions
+from plcgen.cpu.compiler.conversions import coerce, truth
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.scope import scalar_name
 from plcgen.cpu.compiler.statements import Statements
@@ -93,7 +93,6 @@ class Loops:
     out: Listing
     access: Access
     expressions: Expressions
-    conversions: Conversions
     assignments: Assignments
     watchdog: Watchdog
     labels: Labels
@@ -133,7 +132,7 @@ class Loops:
             self.context.error("PG821", f"a loop counts with an integer, not {type_ or 'a structure'}", node.variable)
             return
         first = self.expressions.value(node.first)
-        self.access.store(place, self.conversions.coerce(first, type_, node.first))
+        self.access.store(place, coerce(self.context, first, type_, node.first))
         last = self.limit_code(node.last, type_)
         step = self.limit_code(node.step, type_) if node.step is not None else "1"
         if step == "0":
@@ -161,7 +160,7 @@ class Loops:
     def limit_code(self, node: ast.Expression, type_: str) -> str:
         """Limit or step of a FOR, kept in a local unless it is a constant."""
         value = self.expressions.value(node)
-        code = self.conversions.coerce(value, type_, node)
+        code = coerce(self.context, value, type_, node)
         if value.const is not None:
             return code
         name = self.out.temporary()
@@ -171,7 +170,7 @@ class Loops:
     def while_statement(self, node: ast.While) -> None:
         """WHILE: the condition is evaluated before every pass."""
         self.open_loop(lambda: None)
-        condition = self.conversions.truth(self.expressions.value(node.condition), node.condition)
+        condition = truth(self.context, self.expressions.value(node.condition), node.condition)
         self.out.emit(f"if not {condition}:break")
         self.context.probe(node, "pass")
         self.statements.body(node.body)
@@ -181,7 +180,7 @@ class Loops:
         """REPEAT: the condition is evaluated behind every pass."""
 
         def again() -> None:
-            condition = self.conversions.truth(self.expressions.value(node.condition), node.condition)
+            condition = truth(self.context, self.expressions.value(node.condition), node.condition)
             self.out.emit(f"if {condition}:break")
 
         self.open_loop(again)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from plcgen.cpu.compiler.access import Access
 from plcgen.cpu.compiler.assignments import Assignments
 from plcgen.cpu.compiler.context import Context, Listing
-from plcgen.cpu.compiler.conversions import Conversions
+from plcgen.cpu.compiler.conversions import coerce, truth
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.functions import Functions
 from plcgen.cpu.compiler.places import Places
@@ -39,7 +39,6 @@ class Moves:
     out: Listing
     access: Access
     expressions: Expressions
-    conversions: Conversions
     places: Places
     references: References
     assignments: Assignments
@@ -94,7 +93,7 @@ class Moves:
             if place is None or target is None:
                 return unknown()
             type_ = scalar_name(place.shape)
-            value = self.conversions.coerce(self.expressions.value(bound["IN"]), type_, bound["IN"])
+            value = coerce(self.context, self.expressions.value(bound["IN"]), type_, bound["IN"])
             self.out.emit(f"fill_elements({target},{count},{type_!r},{value})")
         else:
             source = self.tail(bound["IN"])
@@ -125,12 +124,12 @@ class Moves:
             return None
         written = self.expressions.value(bound["VALUE"])
         if name == "POKE_BOOL":
-            self.out.emit(f"poke_bit({place},{self.conversions.truth(written, bound['VALUE'])})")
+            self.out.emit(f"poke_bit({place},{truth(self.context, written, bound['VALUE'])})")
         else:
             type_ = "BYTE" if written.type == INT_CONST else written.type
             if type_ not in CODECS:
                 return self.functions.refuse(node, name, written)
-            code = self.conversions.coerce(written, type_, bound["VALUE"])
+            code = coerce(self.context, written, type_, bound["VALUE"])
             self.out.emit(f"poke({place},{CODECS[type_].size},{code})")
         self.access.forget()
         return Val("", "")

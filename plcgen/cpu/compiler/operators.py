@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from plcgen.cpu.arithmetic import mod, quotient
 from plcgen.cpu.compiler.access import Access
 from plcgen.cpu.compiler.context import Context
-from plcgen.cpu.compiler.conversions import Conversions, integer_code
+from plcgen.cpu.compiler.conversions import coerce, integer_code
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.literals import source_of
 from plcgen.cpu.compiler.values import UNKNOWN, Val, unknown
@@ -39,7 +39,6 @@ class Operators:
     context: Context
     access: Access
     expressions: Expressions
-    conversions: Conversions
 
     def unary(self, node: ast.Unary) -> Val:
         """Signs and NOT."""
@@ -113,7 +112,7 @@ class Operators:
             return Val(f"((not not {left.code}){symbol}(not not {right.code}))", "BOOL", pure=pure)
         if common not in BITS:
             return self.mismatch(node, left, right)
-        codes = self.conversions.coerce(left, common, node.left), self.conversions.coerce(right, common, node.right)
+        codes = coerce(self.context, left, common, node.left), coerce(self.context, right, common, node.right)
         return Val(f"({codes[0]}{symbol}{codes[1]})", common, pure=pure)
 
     def compare(self, node: ast.Binary, left: Val, right: Val) -> Val:
@@ -134,7 +133,7 @@ class Operators:
         ordered = ordered or (common in BITS and not self.context.classic)
         if not equality and not ordered:
             return self.mismatch(node, left, right)
-        codes = self.conversions.coerce(left, common, node.left), self.conversions.coerce(right, common, node.right)
+        codes = coerce(self.context, left, common, node.left), coerce(self.context, right, common, node.right)
         if common in REALS and node.operator == "<>" and self.context.classic:
             return Val(f"real_ne({codes[0]},{codes[1]})", "BOOL", pure=pure)
         return Val(f"({codes[0]}{symbol}{codes[1]})", "BOOL", pure=pure)
@@ -161,7 +160,7 @@ class Operators:
             if operator == "*" and left.raw:
                 codes = f"({codes[0]})", codes[1]
             return Val(f"{codes[0]}{operator}{codes[1]}", common, raw=True, pure=pure)
-        codes = self.conversions.coerce(left, common, node.left), self.conversions.coerce(right, common, node.right)
+        codes = coerce(self.context, left, common, node.left), coerce(self.context, right, common, node.right)
         name = "mod" if operator == "MOD" else "div"
         if right.const == 0:
             self.context.error("PG824", "division by the constant 0", node)
@@ -169,11 +168,11 @@ class Operators:
 
     def ring(self, value: Val, common: str, node: ast.Expression) -> str:
         """Operand of + - *: a pending wrap of the same type may wait."""
-        return value.code if value.raw and value.type == common else self.conversions.coerce(value, common, node)
+        return value.code if value.raw and value.type == common else coerce(self.context, value, common, node)
 
     def real_arithmetic(self, node: ast.Binary, left: Val, right: Val, common: str) -> Val:
         """REAL rounds after every operation."""
-        codes = self.conversions.coerce(left, common, node.left), self.conversions.coerce(right, common, node.right)
+        codes = coerce(self.context, left, common, node.left), coerce(self.context, right, common, node.right)
         pure = left.pure and right.pure
         if node.operator in {"MOD", "DIV"}:
             self.context.error("PG821", f"{node.operator} does not take {common}", node)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from plcgen.cpu.compiler.access import Access
 from plcgen.cpu.compiler.context import Context, Listing
-from plcgen.cpu.compiler.conversions import Conversions
+from plcgen.cpu.compiler.conversions import coerce
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.scope import scalar_name
@@ -25,7 +25,6 @@ class References:
     out: Listing
     access: Access
     expressions: Expressions
-    conversions: Conversions
     places: Places
 
     def pointer(self, node: ast.Literal) -> Val:
@@ -64,7 +63,7 @@ class References:
         if type_ == "STRING":
             name = self.out.temporary()
             self.out.emit(f"{name}=local(256)")
-            self.out.emit(f"w_s({name},0,254,{self.conversions.coerce(value, type_, node)})")
+            self.out.emit(f"w_s({name},0,254,{coerce(self.context, value, type_, node)})")
             return f"({name},0,256)"
         if type_ not in CODECS and type_ != "BOOL":
             if type_ != UNKNOWN:
@@ -73,7 +72,7 @@ class References:
         name = self.out.temporary()
         size = CODECS[type_].size if type_ != "BOOL" else 1
         self.out.emit(f"{name}=local({size})")
-        code = self.conversions.coerce(value, type_, node)
+        code = coerce(self.context, value, type_, node)
         bit = f"{name}[0]=1 if {code} else 0"
         self.out.emit(bit if type_ == "BOOL" else CODECS[type_].write.format(m=name, o=0, v=code))
         return f"({name},0,{size})"

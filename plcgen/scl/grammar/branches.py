@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from plcgen.scl import ast
 from plcgen.scl.cursor import Cursor, Fault
+from plcgen.scl.grammar import mistakes
 from plcgen.scl.grammar.expressions import Expressions
-from plcgen.scl.grammar.mistakes import Mistakes
 from plcgen.scl.grammar.statements import Statements
 from plcgen.scl.grammar.words import CODE
 
@@ -19,7 +19,6 @@ class Branches:
     cursor: Cursor
     expressions: Expressions
     statements: Statements
-    mistakes: Mistakes
 
     def if_statement(self) -> ast.Statement:
         """IF .. THEN .. ELSIF .. ELSE .. END_IF."""
@@ -38,7 +37,7 @@ class Branches:
                 break
         otherwise = None
         if cursor.accept("ELSE"):
-            self.mistakes.braces("ELSE", "END_IF")
+            mistakes.braces(cursor, "ELSE", "END_IF")
             self.statements.else_if = (
                 cursor.kinds[cursor.pos] == "IF" and "\n" not in cursor.tokens.source[cursor.last_end : cursor.start]
             )

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 from plcgen.scl import ast
 from plcgen.scl.cursor import Cursor, Fault, unquote
+from plcgen.scl.grammar import foreign
 from plcgen.scl.grammar.expressions import Expressions
-from plcgen.scl.grammar.foreign import FOREIGN_SECTIONS, Foreign
+from plcgen.scl.grammar.foreign import FOREIGN_SECTIONS
 from plcgen.scl.grammar.values import InitialValues
 from plcgen.scl.grammar.words import SECTIONS, UNIT_ENDS, UNITS
 from plcgen.scl.lexer import EOF, INT, LOCAL, NAME, QUOTED, WORDS
@@ -29,7 +30,6 @@ class Declarations:
     cursor: Cursor
     expressions: Expressions
     values: InitialValues
-    foreign: Foreign
 
     def section(self) -> ast.Section:
         """One section with its END; faults inside cost one declaration each."""
@@ -42,7 +42,7 @@ class Declarations:
         cursor.pos += 1
         if keyword == "LABEL":
             return self.label_section(start)
-        self.foreign.skip_access()
+        foreign.skip_access(cursor)
         while cursor.upper() in _MODIFIERS and cursor.kind(1) not in {":", ",", "{"}:
             modifiers.append(cursor.upper())
             cursor.pos += 1
@@ -62,7 +62,7 @@ class Declarations:
         if upper not in _JOINED and upper not in FOREIGN_SECTIONS:
             return False
         if upper in FOREIGN_SECTIONS:
-            self.foreign.refuse(cursor.pos)
+            foreign.refuse(cursor, cursor.pos)
         cursor.kinds[cursor.pos] = "VAR"
         return True
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from plcgen.scl import ast
 from plcgen.scl.cursor import MAX_OPERATORS, Cursor, unquote
-from plcgen.scl.grammar.mistakes import Mistakes
+from plcgen.scl.grammar import mistakes
 from plcgen.scl.lexer import ADDRESS, INT, LOCAL, NAME, POINTER, QUOTED, REAL, STRING, TYPED, WORDS
 
 PRECEDENCE = {
@@ -37,7 +37,6 @@ class Expressions:
     """Operands, operators and calls."""
 
     cursor: Cursor
-    mistakes: Mistakes
     operators: int = 0
     call_depth: int = 0
 
@@ -137,7 +136,7 @@ class Expressions:
             cursor.expect(")")
             cursor.depth -= 1
             return replace(inner, start=start, end=cursor.last_end)
-        raise self.mistakes.no_expression()
+        raise mistakes.no_expression(cursor)
 
     def variable(self) -> ast.Expression:
         """Read an operand that may stand left of ``:=``."""

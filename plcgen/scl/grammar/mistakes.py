@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from difflib import get_close_matches
 
 from plcgen.scl.cursor import Cursor, Fault
@@ -46,100 +45,93 @@ def _meant(word: str, keywords: list[str]) -> str:
     return near[0] if near else ""
 
 
-@dataclass(slots=True, eq=False)
-class Mistakes:
-    """Goes on as if the right word stood there."""
+def rename(cursor: Cursor, index: int, keyword: str) -> None:
+    """Report a misspelt keyword and take it for the right one."""
+    fault = cursor.fault(f"{cursor.texts[index]} is no keyword", index=index, text=f"write {keyword}")
+    cursor.kinds[index] = keyword
+    cursor.report(fault)
 
-    cursor: Cursor
 
-    def rename(self, index: int, keyword: str) -> None:
-        """Report a misspelt keyword and take it for the right one."""
-        cursor = self.cursor
-        fault = cursor.fault(f"{cursor.texts[index]} is no keyword", index=index, text=f"write {keyword}")
-        cursor.kinds[index] = keyword
-        cursor.report(fault)
-
-    def misspelt_statement(self, began: int) -> bool:
-        """Whether the statement that failed began with a misspelt keyword; it is read again then."""
-        cursor = self.cursor
-        if cursor.kinds[began] != NAME:
-            return False
-        upper = cursor.texts[began].upper()
-        following = cursor.kinds[began + 1]
-        if upper == "END" and f"END_{following}" in _STATEMENTS:
-            fault = cursor.fault(f"END {following} is written in one word", index=began, text=f"write END_{following}")
-            cursor.kinds[began + 1] = f"END_{following}"
-            cursor.pos = began + 1
-            cursor.report(fault)
-            return True
-        keyword = _meant(upper, _STATEMENTS)
-        if not keyword:
-            return False
-        cursor.pos = began
-        self.rename(began, keyword)
-        return True
-
-    def misspelt_section(self) -> bool:
-        """Whether a section begins here whose keyword is misspelt."""
-        cursor = self.cursor
-        if cursor.kind(1) not in {NAME, QUOTED}:
-            return False
-        keyword = _meant(cursor.upper(), _SECTIONS)
-        if keyword:
-            self.rename(cursor.pos, keyword)
-        return bool(keyword)
-
-    def misspelt_unit(self) -> bool:
-        """Whether a block begins here whose keyword is misspelt."""
-        cursor = self.cursor
-        if cursor.kinds[cursor.pos] != NAME or cursor.kind(1) not in {NAME, QUOTED}:
-            return False
-        keyword = _meant(cursor.upper(), _UNITS)
-        if keyword:
-            self.rename(cursor.pos, keyword)
-        return bool(keyword)
-
-    def braces(self, keyword: str, closer: str) -> bool:
-        """Whether a ``{`` stands where statements begin; the matching ``}`` is taken for the END then."""
-        cursor = self.cursor
-        if cursor.kinds[cursor.pos] != "{" or (
-            cursor.kind(1) in WORDS and cursor.kind(2) in {":=", "="} and keyword == "ELSE"
-        ):
-            return False
-        fault = cursor.fault("SCL has no braces around statements", text=f"write {keyword} .. {closer}")
-        index, depth = cursor.pos, 0
-        while cursor.kinds[index] not in _BLOCK_ENDS:
-            depth += (cursor.kinds[index] == "{") - (cursor.kinds[index] == "}")
-            if not depth:
-                cursor.kinds[index] = ";" if cursor.kinds[index + 1] in {"ELSE", "ELSIF"} else closer
-                break
-            index += 1
-        cursor.pos += 1
+def misspelt_statement(cursor: Cursor, began: int) -> bool:
+    """Whether the statement that failed began with a misspelt keyword; it is read again then."""
+    if cursor.kinds[began] != NAME:
+        return False
+    upper = cursor.texts[began].upper()
+    following = cursor.kinds[began + 1]
+    if upper == "END" and f"END_{following}" in _STATEMENTS:
+        fault = cursor.fault(f"END {following} is written in one word", index=began, text=f"write END_{following}")
+        cursor.kinds[began + 1] = f"END_{following}"
+        cursor.pos = began + 1
         cursor.report(fault)
         return True
+    keyword = _meant(upper, _STATEMENTS)
+    if not keyword:
+        return False
+    cursor.pos = began
+    rename(cursor, began, keyword)
+    return True
 
-    def wrong_assignment(self) -> Fault:
-        """Return the fault about what follows the target of an assignment."""
-        cursor = self.cursor
-        kinds = cursor.kinds[cursor.pos], cursor.kind(1)
-        text = _ASSIGNMENTS.get(kinds, "")
-        if kinds[0] == "=" and not text:
-            return cursor.fault("'=' compares, it does not assign", text="write ':='")
-        return cursor.expected("':=' or '('", text)
 
-    def no_expression(self) -> Fault:
-        """Return the fault about a token that begins no expression."""
-        cursor = self.cursor
-        before = cursor.kinds[cursor.pos - 1] if cursor.pos else ""
-        return cursor.expected("an expression", _OPERATORS.get((before, cursor.kinds[cursor.pos]), ""))
+def misspelt_section(cursor: Cursor) -> bool:
+    """Whether a section begins here whose keyword is misspelt."""
+    if cursor.kind(1) not in {NAME, QUOTED}:
+        return False
+    keyword = _meant(cursor.upper(), _SECTIONS)
+    if keyword:
+        rename(cursor, cursor.pos, keyword)
+    return bool(keyword)
 
-    def no_end(self) -> Fault:
-        """Return the fault about a token in place of a semicolon."""
-        cursor = self.cursor
-        kind = cursor.kinds[cursor.pos]
-        text = ""
-        if kind in {")", "]"}:
-            text = f"there is one '{kind}' more than opened"
-        elif kind == "," and cursor.kinds[cursor.pos - 1] == INT and cursor.kind(1) == INT:
-            text = f"write {cursor.texts[cursor.pos - 1]}.{cursor.texts[cursor.pos + 1]} with a point"
-        return cursor.expected("';'", text)
+
+def misspelt_unit(cursor: Cursor) -> bool:
+    """Whether a block begins here whose keyword is misspelt."""
+    if cursor.kinds[cursor.pos] != NAME or cursor.kind(1) not in {NAME, QUOTED}:
+        return False
+    keyword = _meant(cursor.upper(), _UNITS)
+    if keyword:
+        rename(cursor, cursor.pos, keyword)
+    return bool(keyword)
+
+
+def braces(cursor: Cursor, keyword: str, closer: str) -> bool:
+    """Whether a ``{`` stands where statements begin; the matching ``}`` is taken for the END then."""
+    if cursor.kinds[cursor.pos] != "{" or (
+        cursor.kind(1) in WORDS and cursor.kind(2) in {":=", "="} and keyword == "ELSE"
+    ):
+        return False
+    fault = cursor.fault("SCL has no braces around statements", text=f"write {keyword} .. {closer}")
+    index, depth = cursor.pos, 0
+    while cursor.kinds[index] not in _BLOCK_ENDS:
+        depth += (cursor.kinds[index] == "{") - (cursor.kinds[index] == "}")
+        if not depth:
+            cursor.kinds[index] = ";" if cursor.kinds[index + 1] in {"ELSE", "ELSIF"} else closer
+            break
+        index += 1
+    cursor.pos += 1
+    cursor.report(fault)
+    return True
+
+
+def wrong_assignment(cursor: Cursor) -> Fault:
+    """Return the fault about what follows the target of an assignment."""
+    kinds = cursor.kinds[cursor.pos], cursor.kind(1)
+    text = _ASSIGNMENTS.get(kinds, "")
+    if kinds[0] == "=" and not text:
+        return cursor.fault("'=' compares, it does not assign", text="write ':='")
+    return cursor.expected("':=' or '('", text)
+
+
+def no_expression(cursor: Cursor) -> Fault:
+    """Return the fault about a token that begins no expression."""
+    before = cursor.kinds[cursor.pos - 1] if cursor.pos else ""
+    return cursor.expected("an expression", _OPERATORS.get((before, cursor.kinds[cursor.pos]), ""))
+
+
+def no_end(cursor: Cursor) -> Fault:
+    """Return the fault about a token in place of a semicolon."""
+    kind = cursor.kinds[cursor.pos]
+    text = ""
+    if kind in {")", "]"}:
+        text = f"there is one '{kind}' more than opened"
+    elif kind == "," and cursor.kinds[cursor.pos - 1] == INT and cursor.kind(1) == INT:
+        text = f"write {cursor.texts[cursor.pos - 1]}.{cursor.texts[cursor.pos + 1]} with a point"
+    return cursor.expected("';'", text)

@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from plcgen.diagnostics import Note
 from plcgen.scl import ast
 from plcgen.scl.cursor import Cursor, Fault
+from plcgen.scl.grammar import foreign, mistakes
 from plcgen.scl.grammar.expressions import Expressions
-from plcgen.scl.grammar.foreign import Foreign
 from plcgen.scl.grammar.labels import CaseLabels
-from plcgen.scl.grammar.mistakes import Mistakes
 from plcgen.scl.grammar.values import InitialValues
 from plcgen.scl.grammar.words import CLOSERS, SECTIONS, STARTS, STOPS
 from plcgen.scl.lexer import ADDRESS, INT, LOCAL, NAME, QUOTED
@@ -37,8 +36,6 @@ class Statements:
     expressions: Expressions
     values: InitialValues
     labels: CaseLabels
-    mistakes: Mistakes
-    foreign: Foreign
     has_regions: bool
     compound: dict[str, Callable[[], ast.Statement]] = field(default_factory=dict)
     data: bool = False
@@ -101,9 +98,9 @@ class Statements:
         if isinstance(target, ast.Call):
             self.semicolon()
             return ast.CallStatement(start, target.end, target)
-        if self.foreign.member(began) or self.mistakes.misspelt_statement(began):
+        if foreign.member(cursor, began) or mistakes.misspelt_statement(cursor, began):
             return None
-        raise self.mistakes.wrong_assignment()
+        raise mistakes.wrong_assignment(cursor)
 
     def chained(self, start: int, first: ast.Expression, operator: str, value: ast.Expression) -> ast.Statement:
         """Read ``a := b := c := value;``."""
@@ -124,7 +121,7 @@ class Statements:
         if "\n" in cursor.tokens.source[end : cursor.start] or cursor.kinds[cursor.pos] in STOPS:
             cursor.report(cursor.diagnostic("expected ';' at the end of the statement", end, end + 1))
             return
-        raise self.mistakes.no_end()
+        raise mistakes.no_end(cursor)
 
     def other(self, kind: str) -> ast.Statement | None:
         """Statements that begin with a keyword, labels and attributes."""
@@ -202,7 +199,7 @@ class Statements:
     def keyword(self, kind: str, closer: str) -> None:
         """THEN, DO, OF: if it is missing the body is read all the same."""
         cursor = self.cursor
-        if cursor.accept(kind) or self.mistakes.braces(kind, closer):
+        if cursor.accept(kind) or mistakes.braces(cursor, kind, closer):
             return
         fault = cursor.expected(kind)
         if cursor.kinds[cursor.pos] in {":=", ")", "]", "="}:

@@ -7,9 +7,8 @@ from dataclasses import dataclass, field, replace
 
 from plcgen.scl import ast
 from plcgen.scl.cursor import Abort, Cursor, Fault, unquote
+from plcgen.scl.grammar import foreign, mistakes
 from plcgen.scl.grammar.declarations import Declarations
-from plcgen.scl.grammar.foreign import Foreign
-from plcgen.scl.grammar.mistakes import Mistakes
 from plcgen.scl.grammar.statements import Statements
 from plcgen.scl.grammar.values import InitialValues
 from plcgen.scl.grammar.words import SECTIONS, UNIT_ENDS, UNITS
@@ -35,8 +34,6 @@ class Units:
     declarations: Declarations
     values: InitialValues
     statements: Statements
-    mistakes: Mistakes
-    foreign: Foreign
     bodies: bool
     comment_lines: list[str] = field(default_factory=list)
     code_start: int = 0
@@ -54,7 +51,7 @@ class Units:
                     self.namespace()
                     continue
                 if cursor.kinds[cursor.pos] not in UNITS:
-                    if self.foreign.unit() or self.mistakes.misspelt_unit():
+                    if foreign.unit(cursor) or mistakes.misspelt_unit(cursor):
                         continue
                     found = cursor.expected("a block or TYPE").diagnostic
                     cursor.report(found if found.help else replace(found, help=_NO_BLOCK))
@@ -108,10 +105,10 @@ class Units:
         opener = cursor.pos
         keyword = cursor.kinds[opener]
         cursor.pos += 1
-        self.foreign.skip_access()
+        foreign.skip_access(cursor)
         quoted = cursor.kinds[cursor.pos] == QUOTED
         name = self.block_name()
-        self.foreign.skip_inheritance()
+        foreign.skip_inheritance(cursor)
         return_type = None
         if keyword == "FUNCTION" and cursor.accept(":"):
             return_type = self.declarations.type_spec()
@@ -212,7 +209,7 @@ class Units:
             kind = cursor.kinds[cursor.pos]
             if kind in SECTIONS or (kind == NAME and self.declarations.joined_section()):
                 sections.append(self.declarations.section())
-            elif kind == NAME and not data and self.mistakes.misspelt_section():
+            elif kind == NAME and not data and mistakes.misspelt_section(cursor):
                 continue
             elif data and body_type is None and kind in {"STRUCT", "ARRAY", NAME, QUOTED, "{"}:
                 body_type = self.declarations.type_spec()
