@@ -37,7 +37,7 @@ def read_text(path: Path, file: str | None = None) -> str:
             [Diagnostic("PG110", f"cannot read the file: {why}", Span(name), help="check the path")]
         ) from problem
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        message = "the file is UTF-16, a spec is UTF-8"
+        message = "the file is UTF-16, not UTF-8"
         raise DiagnosticError([Diagnostic("PG102", message, Span(name, 1, 1, 1, 2), help="save the file as UTF-8")])
     try:
         return data.decode("utf-8-sig")

@@ -172,7 +172,7 @@ class _Builder:
                 "PG109",
                 f"nested more than {MAX_DEPTH} levels deep",
                 node.span,
-                "a spec needs about six levels",
+                "six levels are enough",
             )
             self.report.raise_on_errors()
         self.stack.append((node, None))
@@ -263,7 +263,7 @@ class _Builder:
             "PG109",
             f"YAML tag {tag.replace('tag:yaml.org,2002:', '!!')} is not accepted",
             span,
-            "a spec holds plain values only: remove the tag",
+            "write plain values only: remove the tag",
         )
 
     def alias(self, event: Any) -> None:

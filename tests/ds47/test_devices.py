@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from plcgen import api
-from plcgen.diagnostics import DiagnosticError
+from plcgen.diagnostics import DiagnosticError, PluginError
 from plcgen.protocols.ds47 import devices
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.profile import (
@@ -209,6 +209,14 @@ def test_a_wrong_profile_is_told_once(tmp_path: Path) -> None:
     assert [entry[:4] for entry in found(path)] == [("PG205", "acme.yaml", 12, 29)]
 
 
+def test_a_profile_is_read_once(tmp_path: Path) -> None:
+    """However many drives a spec has, they share one device."""
+    path = write(tmp_path)
+    path.write_text(path.read_text().replace("drives: {", "drives: {e: {device: ./acme.yaml, hardware_id: 1}, "))
+    first, second = api.check(path).project.plan(DrivePlan).drives
+    assert first.device is second.device
+
+
 # ---- A profile beside the spec --------------------------------------------------------------------------------
 
 
@@ -362,16 +370,21 @@ def test_a_package_names_a_folder_or_a_file(installed: Path, target: str) -> Non
 
 
 def test_packages_are_loaded_only_when_needed(installed: Path, tmp_path: Path) -> None:
-    """A package that fails does not harm a spec with shipped devices; it is told where its device may be missed."""
+    """A package that fails does not harm a spec with shipped devices; it is told where its device may be meant."""
     install(installed, "toy", "toy_broken", "raise RuntimeError('no licence')")
     path = write(tmp_path, "sinamics-g120", None)
     path.write_text(path.read_text().replace("[ramp, torque]", "[actual_speed]").partition("  set:")[0])
     assert found(path) == []
     assert "toy_broken" not in sys.modules
-    (told,) = api.check(write(tmp_path, "acme", None)).diagnostics
-    assert told.code == "PG201"
-    assert told.help.endswith("the device package toy cannot be loaded: no licence")
-    assert "sinamics-g120" in devices.device_names()
+    with pytest.raises(PluginError, match=r"toy_broken.* cannot be loaded: no licence"):
+        api.check(write(tmp_path, "acme", None))
+
+
+def test_an_entry_point_is_a_package_or_a_path(installed: Path) -> None:
+    """Anything else is told with its name."""
+    install(installed, "toy", "toy_number:FIVE", "FIVE = 5")
+    with pytest.raises(PluginError, match=r"the entry point toy in plcgen\.devices is neither a package nor a path"):
+        devices.device_names()
 
 
 def test_a_package_does_not_replace_a_shipped_device(installed: Path) -> None:

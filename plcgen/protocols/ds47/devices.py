@@ -10,13 +10,16 @@ import functools
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, PluginError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.text import read_text
-from plcgen.protocols.ds47.wire.errors import Table
+from plcgen.plugins import plugins
 from plcgen.resources import specs_dir
+
+if TYPE_CHECKING:
+    from plcgen.protocols.ds47.wire.errors import Table
 
 GROUP = "plcgen.devices"
 """Entry points of packages that bring device profiles."""
@@ -108,12 +111,10 @@ def is_path(name: str) -> bool:
 
 
 def _installed(name: str, place: Span) -> Path:
-    packaged = _packaged()
-    if name in packaged.paths:
-        return packaged.paths[name]
+    if name in _packaged():
+        return _packaged()[name]
     known = device_names()
     help_ = f"{did_you_mean(name, known)} known devices: {', '.join(known)}".strip()
-    help_ = "; ".join((help_, *packaged.broken))
     raise DiagnosticError([Diagnostic("PG201", f'unknown device "{name}"', place, help=help_)])
 
 
@@ -160,40 +161,19 @@ def _shipped_device(key: str) -> Device:
     return read_profile(_shipped()[key], key)
 
 
-@dataclass(frozen=True, slots=True)
-class _Packaged:
-    """Profiles of installed packages by device, and what to say about packages that cannot be loaded."""
-
-    paths: dict[str, Path]
-    broken: tuple[str, ...]
-
-
 @functools.cache
-def _packaged() -> _Packaged:
-    """Profiles that installed packages bring: asked for only if a device is none of the shipped ones."""
-    from importlib.metadata import entry_points
+def _packaged() -> dict[str, Path]:
+    """Profiles that other distributions bring: asked for only if a device is none of the shipped ones.
 
-    paths: dict[str, Path] = {}
-    broken: list[str] = []
-    for point in sorted(entry_points(group=GROUP), key=lambda point: (point.name, point.value)):
-        try:
-            found = _profiles(_folder(point.load()))
-        except Exception as problem:  # noqa: BLE001 - code of others: whatever it raises is told, nothing else fails
-            broken.append(f"the device package {point.name} cannot be loaded: {problem}")
-            continue
-        paths = found | paths
-    return _Packaged(paths, tuple(broken))
-
-
-def _folder(target: object) -> Path:
-    """Path that an entry point stands for: the folder of a package, or a path that the package names."""
-    if isinstance(target, ModuleType):
-        if target.__file__ is None:
-            raise ValueError(f"{target.__name__} is no package with an __init__.py")
-        return Path(target.__file__).parent
-    if isinstance(target, str | Path):
-        return Path(target)
-    raise TypeError(f"a package or a path is needed, not {type(target).__name__}")
+    An entry point is a package, which stands for its folder, or a path to a folder or file.
+    """
+    found: dict[str, Path] = {}
+    for name, target in plugins(GROUP, object).items():
+        place = getattr(target, "__file__", None) if isinstance(target, ModuleType) else target
+        if not isinstance(place, str | Path):
+            raise PluginError(f"the entry point {name} in {GROUP} is neither a package nor a path")
+        found = _profiles(Path(place).parent if isinstance(target, ModuleType) else Path(place)) | found
+    return found
 
 
 def _profiles(path: Path) -> dict[str, Path]:
@@ -204,7 +184,7 @@ def _profiles(path: Path) -> dict[str, Path]:
 
 def device_names() -> tuple[str, ...]:
     """Names of all devices that are shipped or come from installed packages, sorted."""
-    return tuple(sorted({*_shipped(), *_packaged().paths}))
+    return tuple(sorted({*_shipped(), *_packaged()}))
 
 
 def find_device(name: str) -> Device:
