@@ -24,7 +24,7 @@ def ratio(jobs: int = 1000) -> tuple[float, float, float]:
     Without the documents that are made from the text of others: see :func:`code`.
     """
     from plcgen.diagnostics import Report
-    from plcgen.documents import emit
+    from plcgen.documents.engine import emit
     from plcgen.documents.environment import environment, render_all
     from plcgen.documents.manifest import entry, manifest
     from plcgen.project.loading import parse_spec
@@ -45,6 +45,7 @@ def ratio(jobs: int = 1000) -> tuple[float, float, float]:
     loaded = parse_spec(text, "bench.yaml", Report())
     assert loaded is not None  # noqa: S101 - the spec is ours
     documents = list(emit(resolve(loaded, Report())))
+    documents = [document for document in documents if document.template]
     templates = {d.template: environment().get_template(d.template) for d in documents}
 
     def bare() -> None:
@@ -74,7 +75,7 @@ def code(jobs: int = 100) -> tuple[float, float, float, float]:
     from lxml import etree
 
     from plcgen.diagnostics import Report
-    from plcgen.documents import emit
+    from plcgen.documents.engine import emit
     from plcgen.documents.environment import render_text
     from plcgen.project.loading import parse_spec
     from plcgen.project.resolve import resolve
@@ -85,7 +86,7 @@ def code(jobs: int = 100) -> tuple[float, float, float, float]:
     texts = [(document.twins, render_text(document.template, document.view)) for document in found]
 
     def ours() -> list[str]:
-        return [twin.view["text"] for make, text in texts if make is not None for twin in make(text)]
+        return [twin.text for make, text in texts if make is not None for twin in make(text)]
 
     documents = ours()
     lists = [_elements(etree.fromstring(document.encode())) for document in documents]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -83,14 +83,18 @@ def _template(name: str, spelling: Spelling) -> jinja2.Template:
     return environment(spelling).get_template(name)
 
 
-def render_text(template: str, view: dict[str, Any], spelling: Spelling = Spelling.TIA) -> str:
+def render_text(template: str, view: Mapping[str, Any], spelling: Spelling = Spelling.TIA) -> str:
     """Render one template."""
     return _template(template, spelling).render(view)
 
 
 def render(document: Document) -> RenderedFile:
     """Render one document to bytes; characters were checked before, what is left over becomes ``?``."""
-    return _finished(document, render_text(document.template, document.view, document.spelling))
+    return _finished(document, _text(document))
+
+
+def _text(document: Document) -> str:
+    return render_text(document.template, document.view, document.spelling) if document.template else document.text
 
 
 def _finished(document: Document, text: str) -> RenderedFile:
@@ -107,7 +111,7 @@ def render_all(
     ``progress(what, done, 0)``: how many there will be is not known before.
     """
     for number, document in enumerate(documents, 1):
-        text = render_text(document.template, document.view, document.spelling)
+        text = _text(document)
         yield _finished(document, text)
         if document.twins is not None:
             yield from map(render, document.twins(text))

@@ -11,8 +11,6 @@ from typing import Any
 from plcgen._version import __version__
 from plcgen.documents.environment import RenderedFile
 from plcgen.project.nouns import Project
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ppi.plan.nouns import PpiPlan
 from plcgen.sources.generated import MANIFEST
 
 
@@ -29,7 +27,6 @@ def entry(file: RenderedFile) -> dict[str, Any]:
 
 def manifest(project: Project, entries: Sequence[dict[str, Any]]) -> RenderedFile:
     """Manifest of rendered files: reproducible, without date, user or path of the machine."""
-    drives = project.plan(DrivePlan)
     content: dict[str, Any] = {
         "format": 1,
         "generator": f"plcgen {__version__}",
@@ -37,47 +34,8 @@ def manifest(project: Project, entries: Sequence[dict[str, Any]]) -> RenderedFil
         "family": project.target.family,
         "toolchain": project.target.toolchain,
         "spec_sha256": digest(project.loaded.text.encode()),
-        "jobs": [
-            {
-                "job": job.key,
-                "block": job.block.name,
-                "telegrams": [
-                    {
-                        "request": telegram.request.data.hex(" ").upper(),
-                        "request_db": f"DB{telegram.request.db.number}",
-                        "response_db": f"DB{telegram.response.db.number}",
-                        "positive_bytes": telegram.positive_length,
-                        "longest_bytes": telegram.response.size,
-                    }
-                    for telegram in job.telegrams
-                ],
-            }
-            for job in (drives.jobs if drives else ())
-        ],
-        **_masters(project),
+        "jobs": [],
+        **{key: value for plan in project.plans for key, value in plan.protocol.documents(plan).manifest().items()},
         "files": sorted(entries, key=itemgetter("path")),
     }
     return RenderedFile(MANIFEST, (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode())
-
-
-def _masters(project: Project) -> dict[str, Any]:
-    """PPI masters with the telegrams of their tables; nothing for a spec without any."""
-    plan = project.plan(PpiPlan)
-    if plan is None:
-        return {}
-    masters = [
-        {
-            "master": master.key,
-            "block": master.block.name,
-            "telegrams": [
-                {
-                    "request": telegram.request.data.hex(" ").upper(),
-                    "request_db": f"DB{telegram.request.db.number}",
-                    **({"response_db": f"DB{telegram.response.db.number}"} if telegram.response else {}),
-                }
-                for telegram in master.telegrams
-            ],
-        }
-        for master in plan.masters
-    ]
-    return {"ppi": masters}

@@ -2,76 +2,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
-from plcgen.documents.code import RECORD_NOTE, VERSION_NOTE, version_note
 from plcgen.documents.document import Document
-from plcgen.documents.simaticml import TAG_TABLE, WATCH_NOTE
+from plcgen.documents.overview import Overview
+from plcgen.documents.simaticml import RECORD_NOTE, VERSION_NOTE, WATCH_NOTE
 from plcgen.project.nouns import Project
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.views.tables import tags
-from plcgen.protocols.ppi.plan.nouns import PpiPlan
 
 SCRIPT_NOTE = "the script was not run against a TIA Portal"
 
 
-def openness_documents(project: Project) -> Iterator[Document]:
-    """The page, and for S7-1200/1500 the script."""
-    steps = _steps(project)
+def openness_documents(project: Project, seen: Overview, note: str) -> Iterator[Document]:
+    """The page, and for S7-1200/1500 the script; ``note`` says why documents of this version are experimental."""
+    steps = _steps(seen)
+    version = project.target.xml_version
     view: dict[str, Any] = {
         "project": project.name,
-        "version": project.target.xml_version,
+        "version": version,
         "t15": project.target.t15,
         "steps": steps,
-        "experimental": _experimental(project, steps),
+        "experimental": _experimental(version, steps, note),
     }
     yield Document("xml/IMPORT.md", "text/xml_import.md.j2", view)
     if project.target.t15:
-        yield Document("xml/import.ps1", "text/import.ps1.j2", view, "utf-8-sig", "\r\n", SCRIPT_NOTE)
+        script = Document("xml/import.ps1", "text/import.ps1.j2", view, "", "utf-8-sig", "\r\n", SCRIPT_NOTE)
+        yield script
 
 
-def _steps(project: Project) -> list[dict[str, Any]]:
+def _steps(seen: Overview) -> list[dict[str, Any]]:
     """Import order: every document after what it needs."""
-    drives, ppi = project.plan(DrivePlan), project.plan(PpiPlan)
-    jobs = drives.jobs if drives else ()
-    types = [drives.diagnostics_type, drives.token_type] if drives and jobs else []
-    data = [token for token, _ in drives.tokens] if drives else []
-    for job in jobs:
-        for telegram in job.telegrams:
-            types += [telegram.request.type, telegram.response.type]
-            data += [telegram.request.db, telegram.response.db]
-    data += [drives.control_db] if drives and jobs else []
-    blocks = [(job.block.name, job.instance.name) for job in jobs]
-    tables = [TAG_TABLE] if drives and tags(drives) else []
-    if ppi is not None:
-        from plcgen.protocols.ppi.views.blocks import master_data, master_types, ppi_tags
-        from plcgen.protocols.ppi.views.tables import PPI_TAG_TABLE
-
-        types += master_types(ppi)
-        data += master_data(ppi)
-        blocks += [(master.block.name, master.instance.name) for master in ppi.masters]
-        tables += [PPI_TAG_TABLE] if ppi_tags(ppi) else []
+    blocks = [call.block for call in seen.calls]
     found = [
-        _step("types", "type", [block.name for block in types]),
-        _step("tag table", "tags", tables),
-        _step("data blocks", "block", [block.name for block in data]),
-        _step("function blocks", "block", [block for block, _ in blocks]),
-        _step("instance data blocks", "block", [instance for _, instance in blocks]),
+        _step("types", "type", seen.types),
+        _step("tag table", "tags", list(seen.tags)),
+        _step("data blocks", "block", seen.data),
+        _step("function blocks", "block", blocks),
+        _step("instance data blocks", "block", [call.instance for call in seen.calls]),
         _step("example of the main program", "block", ["Main"], "Main"),
-        _step("watch tables", "watch", [f"Watch_{block}" for block, _ in blocks], "WatchTables"),
+        _step("watch tables", "watch", [f"Watch_{block}" for block in blocks], "WatchTables"),
     ]
     return [step for step in found if step["files"]]
 
 
-def _step(title: str, kind: str, names: list[str], switch: str = "") -> dict[str, Any]:
+def _step(title: str, kind: str, names: Sequence[str], switch: str = "") -> dict[str, Any]:
     return {"title": title, "kind": kind, "switch": switch, "files": [f"{name}.xml" for name in names]}
 
 
-def _experimental(project: Project, steps: list[dict[str, Any]]) -> list[tuple[str, list[str]]]:
+def _experimental(version: str | None, steps: list[dict[str, Any]], note: str) -> list[tuple[str, list[str]]]:
     by_title = {step["title"]: step["files"] for step in steps}
     found = [(RECORD_NOTE, by_title["function blocks"]), (WATCH_NOTE, by_title["watch tables"])]
-    note = version_note(project)
     if note:
-        found.append((VERSION_NOTE, ["all other documents" if project.target.xml_version != "V20" else "Main.xml"]))
+        found.append((VERSION_NOTE, ["all other documents" if version != "V20" else "Main.xml"]))
     return found

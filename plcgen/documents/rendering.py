@@ -1,10 +1,10 @@
-"""A whole project rendered: every document of the emitters, then the manifest over them."""
+"""A whole project rendered: every document of the engine, then the manifest over them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from plcgen.documents import emit
+from plcgen.documents.engine import emit
 from plcgen.documents.environment import RenderedFile, render_all
 from plcgen.documents.manifest import entry, manifest
 from plcgen.project.nouns import Project

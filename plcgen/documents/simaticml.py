@@ -1,175 +1,130 @@
-"""SimaticML of types, global DBs, tag table and watch tables for TIA Portal V14 SP1..V21.
+"""SimaticML for TIA Portal V14 SP1..V21: the nouns of documents once more, and code blocks from their SCL text.
 
 Source of the structure: genuine exports as described by Siemens' Openness manual; the interface island follows
-``SW.InterfaceSections``. IDs are upper-case hexadecimal in document order; attribute lists are alphabetical.
+``SW.InterfaceSections``. IDs are upper-case hexadecimal in document order; attribute lists are alphabetical. Code is
+made from the rendered source, so that text and document can never differ.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import count
 from typing import Any
 
-from plcgen.documents.code import VERSION_NOTE
 from plcgen.documents.document import Document
-from plcgen.documents.spelling import culture, one_line, type_words
-from plcgen.project.nouns import BlockRef, Frame
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
-from plcgen.protocols.ds47.views.blocks import DIAGNOSTICS, TOKEN, control_fields
-from plcgen.protocols.ds47.views.jobs import title
-from plcgen.protocols.ds47.views.rows import Row, telegram_rows
-from plcgen.protocols.ds47.views.tables import tags
+from plcgen.documents.nouns import Call, DataBlock, LibraryInstance, Program, Tag, TypeBlock, WatchRow
+from plcgen.documents.spelling import culture, one_line
+from plcgen.project.nouns import Frame
+from plcgen.s7.blocks import Block, BlockKind
 from plcgen.simaticml.versions import VERSIONS
+from plcgen.simaticml.writing.documents import Setting
+from plcgen.simaticml.writing.twin import code_document, instance_document, read_block
 
-TAG_TABLE = "DriveJobTags"
-
+RECORD_NOTE = "the call form of WRREC and RDREC is inferred; no genuine export was at hand to compare with"
+VERSION_NOTE = "no genuine export of this TIA Portal version was at hand to compare with"
 WATCH_NOTE = "watch tables follow the Openness manual; no genuine export was at hand to compare with"
+_MAIN_NUMBER = 1
+
+Twins = Callable[[str], Iterator[Document]]
+"""Makes documents from the finished text of a source."""
 
 
-class _Ids:
-    """Counter of a document's IDs."""
+class SimaticMl:
+    """Documents of one project; its target has an ``xml_version``."""
 
-    def __init__(self) -> None:
-        self.next = 0
+    def __init__(self, frame: Frame) -> None:
+        version = VERSIONS[frame.target.xml_version or ""]
+        self._languages = frame.languages
+        self._cultures = tuple(culture(language) for language in frame.languages)
+        self._setting = Setting(version, frame.target.classic, self._cultures)
+        self._early = VERSION_NOTE if version.early else ""
+        self.note = VERSION_NOTE if version.inferred or version.early else ""
+        """Why documents of this version are experimental, if they are."""
+        self._base = {
+            "version": version.name,
+            "namespace": version.interface_namespace,
+            "layout": "Standard" if frame.target.t15 else "",
+            "with_namespace": version.has_type_namespace,
+        }
 
-    def __call__(self) -> str:
-        self.next += 1
-        return f"{self.next - 1:X}"
+    def type(self, made: TypeBlock) -> Document:
+        """A user type."""
+        return self._declared(made, "simaticml/type.xml.j2")
 
+    def data(self, made: DataBlock | LibraryInstance) -> Iterator[Document]:
+        """A global data block; instances of library blocks make themselves in the TIA Portal."""
+        if isinstance(made, DataBlock):
+            yield self._declared(made, "simaticml/db.xml.j2")
 
-def shared_xml(project: DrivePlan) -> Iterator[Document]:
-    """Types and tokens that every job uses."""
-    yield type_document(project, project.diagnostics_type, fixed_members(project, DIAGNOSTICS), {})
-    yield type_document(project, project.token_type, fixed_members(project, TOKEN), {})
-    for token, drives in project.tokens:
-        yield db_document(project, token, fixed_members(project, TOKEN), drives[0].comment)
+    def _declared(self, made: TypeBlock | DataBlock, template: str) -> Document:
+        ids = _ids()
+        block = made.block
+        view = {"name": block.name, "number": block.number, "members": made.members, "id": next(ids)}
+        return self._document(block.name, template, {**view, "texts": self._texts(made.comment, ids)}, self._early)
 
+    def watch(self, name: str, rows: Sequence[WatchRow]) -> Document:
+        """The watch table of a function block."""
+        ids = _ids()
+        view = {"name": f"Watch_{name}", "id": next(ids), "rows": [(next(ids), row) for row in rows]}
+        return self._document(f"Watch_{name}", "simaticml/watch.xml.j2", view, WATCH_NOTE)
 
-def job_xml(project: DrivePlan, job: DriveJob, watch: list[dict[str, str]]) -> Iterator[Document]:
-    """Types, buffers and watch table of one job."""
-    for telegram in job.telegrams:
-        request, response = telegram_rows(project, telegram)
-        yield type_document(project, telegram.request.type, request, job.comment)
-        yield db_document(project, telegram.request.db, request, job.comment)
-        yield type_document(project, telegram.response.type, response, job.comment)
-        yield db_document(project, telegram.response.db, response, job.comment)
-    yield watch_xml(project, job.block.name, watch)
+    def tags(self, name: str, rows: Sequence[Tag]) -> Document:
+        """A tag table."""
+        ids = _ids()
+        view: dict[str, Any] = {"name": name, "id": next(ids), "tags": []}
+        for row in rows:
+            tag = {**row._asdict(), "id": next(ids), "text_id": next(ids)}
+            tag["entries"] = [{"id": next(ids), "culture": shown} for shown in self._cultures]
+            view["tags"].append(tag)
+        return self._document(name, "simaticml/tags.xml.j2", view, self._early)
 
+    def program(self, made: Program) -> Twins:
+        """What makes the documents of a function block and of its instance DB from the block's text."""
+        return partial(self._pair, made)
 
-def watch_xml(project: Frame, block: str, watch: list[dict[str, str]]) -> Document:
-    """The watch table of a function block."""
-    ids = _Ids()
-    table_id = ids()
-    view = {
-        **_base(project),
-        "name": f"Watch_{block}",
-        "id": table_id,
-        "rows": [{**row, "id": ids()} for row in watch],
-    }
-    return _document(f"xml/Watch_{block}.xml", "simaticml/watch.xml.j2", view, WATCH_NOTE)
+    def main(self, calls: Sequence[Call]) -> Twins:
+        """What makes the document of the example OB1 from its text."""
+        return partial(self._main, calls)
 
+    def _pair(self, made: Program, text: str) -> Iterator[Document]:
+        block, db = replace(read_block(text), number=made.block.number), made.instance
+        yield self._finished(made.block.name, code_document(block, self._setting), made.note)
+        instance = Block(
+            BlockKind.DB, db.name, (), number=db.number, instance_of=block.name, attributes=block.attributes
+        )
+        yield self._finished(db.name, instance_document(instance, block, self._setting), self.note)
 
-def closing_xml(project: DrivePlan) -> Iterator[Document]:
-    """The control DB and the tag table."""
-    yield db_document(project, project.control_db, _control(project), {})
-    rows = tags(project)
-    if rows:
-        yield tag_document(project, TAG_TABLE, rows)
+    def _main(self, calls: Sequence[Call], text: str) -> Iterator[Document]:
+        instances = tuple(Block(BlockKind.DB, call.instance, (), instance_of=call.block) for call in calls)
+        block = replace(read_block(text), number=_MAIN_NUMBER)
+        yield self._finished(block.name, code_document(block, self._setting, instances), self.note)
 
+    def _finished(self, name: str, text: str, experimental: str) -> Document:
+        return Document(f"xml/{name}.xml", text=text, encoding="utf-8-sig", experimental=experimental)
 
-def fixed_members(project: Frame, rows: tuple[tuple[str, str, str], ...]) -> list[dict[str, Any]]:
-    """Members of a type that every project has."""
-    words = type_words(tia=True)
-    return [plain_member(project, name, words[type_], text) for name, type_, text in rows]
+    def _document(self, name: str, template: str, view: Mapping[str, Any], experimental: str) -> Document:
+        made = {**self._base, **view}
+        return Document(f"xml/{name}.xml", template, made, encoding="utf-8-sig", experimental=experimental)
 
-
-def plain_member(project: Frame, name: str, type_: str, text: str, start: str = "") -> dict[str, Any]:
-    """A member whose comment is not translated: the English text stands in every language of the project."""
-    comments = [(culture(language), one_line(text)) for language in project.languages] if text else []
-    return {"name": name, "type": type_, "start": start, "subs": (), "comments": comments, "members": ()}
-
-
-def _control(project: DrivePlan) -> list[dict[str, Any]]:
-    found = []
-    for job in project.jobs:
-        members = [
-            plain_member(project, row["name"], row["type"], row["text"], row["start"].removeprefix(" := "))
-            for row in control_fields(project, job)
-        ]
-        found.append({**plain_member(project, job.member, "Struct", title(project, job)), "members": members})
-    return found
-
-
-def _texts(project: Frame, comment: dict[str, str], ids: _Ids) -> list[dict[str, Any]]:
-    """Comment and Title objects of a block, one item a language."""
-    objects = []
-    for name in ("Comment", "Title"):
-        text_id = ids()
-        items = [
-            {
-                "id": ids(),
-                "culture": culture(language),
-                "text": one_line(comment.get(language, "")) if name == "Comment" else "",
-            }
-            for language in project.languages
-        ]
-        objects.append({"id": text_id, "name": name, "entries": items})
-    return objects
-
-
-def _base(project: Frame) -> dict[str, Any]:
-    version = VERSIONS[project.target.xml_version or ""]
-    return {
-        "version": version.name,
-        "namespace": version.interface_namespace,
-        "layout": "Standard" if project.target.t15 else "",
-        "with_namespace": version.has_type_namespace,
-        "note": VERSION_NOTE if version.early else "",
-    }
+    def _texts(self, comment: Mapping[str, str], ids: Iterator[str]) -> list[dict[str, Any]]:
+        """Comment and Title objects of a block, one item a language."""
+        objects = []
+        for name in ("Comment", "Title"):
+            text_id = next(ids)
+            items = [
+                {
+                    "id": next(ids),
+                    "culture": culture(language),
+                    "text": one_line(comment.get(language, "")) if name == "Comment" else "",
+                }
+                for language in self._languages
+            ]
+            objects.append({"id": text_id, "name": name, "entries": items})
+        return objects
 
 
-def _document(path: str, template: str, view: dict[str, Any], experimental: str = "") -> Document:
-    return Document(path, template, view, "utf-8-sig", "\n", experimental)
-
-
-def type_document(
-    project: Frame, block: BlockRef, members: Sequence[Row | dict[str, Any]], comment: dict[str, str]
-) -> Document:
-    """A user type."""
-    ids = _Ids()
-    view = {
-        **_base(project),
-        "name": block.name,
-        "members": members,
-        "id": ids(),
-        "texts": _texts(project, comment, ids),
-    }
-    return _document(f"xml/{block.name}.xml", "simaticml/type.xml.j2", view, view["note"])
-
-
-def db_document(
-    project: Frame, block: BlockRef, members: Sequence[Row | dict[str, Any]], comment: dict[str, str]
-) -> Document:
-    """A global data block."""
-    ids = _Ids()
-    view = {
-        **_base(project),
-        "name": block.name,
-        "number": block.number,
-        "members": members,
-        "id": ids(),
-        "texts": _texts(project, comment, ids),
-    }
-    return _document(f"xml/{block.name}.xml", "simaticml/db.xml.j2", view, view["note"])
-
-
-def tag_document(project: Frame, name: str, rows: list[dict[str, Any]]) -> Document:
-    """A tag table."""
-    ids = _Ids()
-    table_id = ids()
-    entries = []
-    for row in rows:
-        tag = {**row, "id": ids(), "text_id": ids()}
-        tag["entries"] = [{"id": ids(), "culture": culture(language)} for language in project.languages]
-        entries.append(tag)
-    view = {**_base(project), "name": name, "id": table_id, "tags": entries}
-    return _document(f"xml/{name}.xml", "simaticml/tags.xml.j2", view, view["note"])
+def _ids() -> Iterator[str]:
+    """IDs of a document, in order."""
+    return (f"{number:X}" for number in count())

@@ -80,6 +80,17 @@ def comment_text(texts: dict[str, str], languages: tuple[str, ...], where: Targe
     return fallback
 
 
+_MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
+"""What would begin or end something else in a TITLE line; a quote would end that of STEP 7 V5."""
+
+
+def clean_title(text: str) -> str:
+    """A text without what would begin or end something else in a TITLE line."""
+    for mark in _MARKS:
+        text = text.replace(mark, " ".join(mark) if len(mark) > 1 else " ")
+    return text
+
+
 @lru_cache(maxsize=65536)
 def one_line(text: str) -> str:
     """A text that is safe inside a line comment: no line breaks or control characters."""

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from plcgen.diagnostics import Diagnostic, Report, Span
+    from plcgen.documents.nouns import Contribution
     from plcgen.output.page import Page
     from plcgen.project.loading import LoadedSpec, SpecPath
     from plcgen.project.nouns import Buffer, Field, Plan
@@ -75,6 +76,9 @@ class Protocol(typing.Protocol):
 
     def rules(self) -> Rules:
         """What may be wrong with such a plan."""
+
+    def documents(self, plan: Any) -> Contribution:
+        """What a plan with jobs contributes to the documents; programs are made when they are asked for."""
 
     def buffers(self, plan: Any) -> Iterator[tuple[Buffer[Field], str]]:
         """Every buffer of a plan with its role, for layout tables."""

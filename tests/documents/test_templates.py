@@ -9,8 +9,8 @@ import pytest
 from projects import ROOT, SPECS, every_type
 
 from plcgen.diagnostics import Report
-from plcgen.documents import emit
 from plcgen.documents.document import Document
+from plcgen.documents.engine import emit
 from plcgen.documents.environment import render_text, respell_template
 from plcgen.project.loading import parse_spec
 from plcgen.project.resolve import resolve

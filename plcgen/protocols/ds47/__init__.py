@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from plcgen.diagnostics import Report
+    from plcgen.documents.nouns import Contribution
     from plcgen.output.page import Page
     from plcgen.project.loading import LoadedSpec
     from plcgen.project.nouns import Buffer, Field
@@ -56,6 +57,12 @@ class Ds47:
         from plcgen.protocols.ds47.rules import RULES
 
         return RULES
+
+    def documents(self, plan: DrivePlan) -> Contribution:
+        """Blocks, tables and pages."""
+        from plcgen.protocols.ds47.views.documents import contribution
+
+        return contribution(plan)
 
     def buffers(self, plan: DrivePlan) -> Iterator[tuple[Buffer[Field], str]]:
         """Buffers with their roles."""

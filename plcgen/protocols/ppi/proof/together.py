@@ -58,10 +58,9 @@ def together(plan: PpiPlan, program: Program, master: PlannedMaster) -> Result:
 
 def _control(plan: PpiPlan, job: PpiJob, signal: str) -> str:
     """Path of a signal as the caller supplies it: a member of the control DB, or a flag."""
-    from plcgen.protocols.ppi.views.blocks import control_jobs, place
+    from plcgen.protocols.ppi.views.documents import operand
 
-    member = next(member for _, other, member in control_jobs(plan) if other is job)
-    return place(plan, job, member, signal)
+    return operand(plan, job, signal)
 
 
 def _round(rig: MasterRig, plan: PpiPlan, number: int) -> None:

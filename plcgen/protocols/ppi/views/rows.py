@@ -2,63 +2,66 @@
 
 from __future__ import annotations
 
-from plcgen.documents.recent import recent
-from plcgen.documents.spelling import culture, elements, literal, one_line, type_text
+from plcgen.documents.members import buffer_member, display_format, plain
+from plcgen.documents.nouns import Assignment, DataBlock, Member, TypeBlock
+from plcgen.documents.spelling import comment_text, encodable, one_line
 from plcgen.project.nouns import BlockRef
-from plcgen.protocols.ds47.views.rows import Row
-from plcgen.protocols.ppi.plan.nouns import PpiField, PpiPlan, PpiTelegram
-from plcgen.protocols.ppi.views.masters import value_text
+from plcgen.protocols.ppi.plan.nouns import PpiField, PpiPlan, PpiTelegram, PpiValue
 from plcgen.protocols.ppi.views.texts import FIELD_TEXTS
 from plcgen.protocols.ppi.wire.areas import Area, TransportSize
-from plcgen.s7.types import ArrayType, Elementary
-from plcgen.s7.values import SIGNED, UNSIGNED
+from plcgen.s7.types import Elementary
 
 _COLUMN = {"en": 0, "de": 1, "zh": 2}
-_LETTER = {8: "DBB", 16: "DBW", 32: "DBD"}
-_INTEGERS = SIGNED | UNSIGNED
-WATCHED = 8
+_LEAD = "telegram"
+"""The member of a table that holds the telegram."""
 
 
-@recent
-def table_rows(plan: PpiPlan, telegram: PpiTelegram) -> list[Row]:
-    """Rows of the telegram table."""
-    return [_row(plan, telegram, telegram.request.db, f, "telegram.") for f in telegram.request.fields]
+def buffer_blocks(plan: PpiPlan, telegram: PpiTelegram, title: str) -> list[tuple[TypeBlock, DataBlock]]:
+    """Telegram table and response DB, if the reply has data; ``title`` is that of the telegram's job."""
+    table, answer = telegram.request, telegram.response
+    members = [_member(plan, telegram, table.db, field, f"{_LEAD}.") for field in table.fields]
+    whole = plain(plan, _LEAD, f'"{table.type.name}"', "the telegram behind its length")
+    whole = whole._replace(text="", expanded=tuple(members))
+    data = DataBlock(table.db, f"Telegram table: {title}", (whole,), _start_values(members))
+    found = [(TypeBlock(table.type, members), data)]
+    if answer is not None:
+        members = [_member(plan, telegram, answer.db, field, "") for field in answer.fields]
+        found.append((TypeBlock(answer.type, members), DataBlock(answer.db, f"Response: {title}", members)))
+    return found
 
 
-@recent
-def answer_rows(plan: PpiPlan, telegram: PpiTelegram) -> list[Row]:
-    """Rows of the response DB; none if the reply has no data."""
-    if telegram.response is None:
-        return []
-    return [_row(plan, telegram, telegram.response.db, f, "") for f in telegram.response.fields]
+def _start_values(members: list[Member]) -> list[Assignment]:
+    """All start values of a table: what the user type cannot hold."""
+    found = []
+    for member in members:
+        values = [(member.name, member.start)] if member.start else []
+        values += [(f"{member.name}[{index}]", text) for index, text in member.subs]
+        found += [Assignment(f"{_LEAD}.{path}", value, member.text) for path, value in values]
+    return found
 
 
-def _row(plan: PpiPlan, telegram: PpiTelegram, db: BlockRef, field: PpiField, prefix: str) -> Row:
-    where = plan.target
-    type_, start = field.type, ""
-    subs: tuple[tuple[int, str], ...] = ()
-    if isinstance(type_, Elementary) and any(field.data):
-        start = literal(type_, field.data, v5=where.v5)
-    elif isinstance(type_, ArrayType) and any(field.data):
-        subs = tuple(elements(type_, field.data, v5=where.v5))
+def _member(plan: PpiPlan, telegram: PpiTelegram, db: BlockRef, field: PpiField, path: str) -> Member:
     texts = {language: _text(plan, telegram, field, language) for language in plan.languages}
-    main = _text(plan, telegram, field, "en") if where.v5 else texts[plan.languages[0]]
-    return Row(
-        name=field.name,
-        type=type_text(type_, tia=not where.v5),
-        start=start,
-        subs=subs,
-        text=main,
-        comments=tuple((culture(language), text) for language, text in texts.items()),
-        offset=field.offset,
-        size=field.size,
-        address=f"DB{db.number}.{_LETTER.get(_bits(field), 'DBB')}{field.offset}",
-        watch=_watch(db, field, prefix),
+    return buffer_member(
+        plan,
+        db,
+        field,
+        texts,
+        _text(plan, telegram, field, "en") if plan.target.v5 else texts[plan.languages[0]],
+        starts=any(field.data),
+        path=path,
+        shown=None if field.role == "pad" else _shown,
     )
 
 
-def _bits(field: PpiField) -> int:
-    return field.type.bits if isinstance(field.type, Elementary) else 8
+def _shown(type_: Elementary) -> str:
+    return "Character" if type_.name == "CHAR" else display_format(type_)
+
+
+def value_text(plan: PpiPlan, value: PpiValue) -> str:
+    """Comment of a value: address or symbol, and what the spec or the symbol table says about it."""
+    title = value.title if encodable(value.title, plan.target) else ""
+    return one_line(f"{value.label} {comment_text(value.comment, plan.languages, plan.target, title)}".strip())
 
 
 def _text(plan: PpiPlan, telegram: PpiTelegram, field: PpiField, language: str) -> str:
@@ -75,25 +78,3 @@ def _text(plan: PpiPlan, telegram: PpiTelegram, field: PpiField, language: str) 
     if field.role == "area":
         text = f"{wire.item.area:02X}h = {Area(wire.item.area).name}"
     return one_line(f"{labels}: {text}")
-
-
-def _watch(db: BlockRef, field: PpiField, prefix: str) -> tuple[tuple[str, str, str, str], ...]:
-    """Watch lines of a member: one, or one per array element up to ``WATCHED``; nothing is to be modified."""
-    if field.role == "pad":
-        return ()
-    type_ = field.type
-    element = type_.element if isinstance(type_, ArrayType) else type_
-    if not isinstance(element, Elementary):
-        return ()
-    shown = "FloatingPoint" if element.name == "REAL" else "DEC" if element.name in _INTEGERS else "Hex"
-    shown = "Character" if element.name == "CHAR" else shown
-    letter = _LETTER.get(element.bits, "DBB")
-    name = f'"{db.name}".{prefix}{field.name}'
-    if not isinstance(type_, ArrayType):
-        return ((name, f"DB{db.number}.{letter}{field.offset}", shown, ""),)
-    low, high = type_.bounds[0]
-    step = element.bits // 8
-    count = min(high - low + 1, WATCHED)
-    return tuple(
-        (f"{name}[{low + n}]", f"DB{db.number}.{letter}{field.offset + n * step}", shown, "") for n in range(count)
-    )

@@ -4,36 +4,107 @@ from __future__ import annotations
 
 from typing import Any
 
-from plcgen.documents.document import Document
-from plcgen.documents.spelling import comment_text, elements, encodable, literal, one_line, type_text, type_words
-from plcgen.protocols.ds47.views.jobs import clean_title, source
+from plcgen.documents.control import signals
+from plcgen.documents.members import initializer, plain
+from plcgen.documents.nouns import Command, DataBlock, Member, Program, Value
+from plcgen.documents.spelling import clean_title, comment_text, type_text, type_words
 from plcgen.protocols.ppi.plan.fields import value_length
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue, WireItem
+from plcgen.protocols.ppi.views.rows import buffer_blocks, value_text
 from plcgen.protocols.ppi.views.values import into_response, into_table, output_moves, stat_name
 from plcgen.protocols.ppi.words import CLOCK_END, DRAIN_MS, ONLY_CLASSIC, ONLY_NEW, STATES, STATUS_WORDS
-from plcgen.s7.types import ArrayType
+from plcgen.s7.types import Elementary
 
+SERIAL_NOTE = (
+    "the call form of the blocks for serial modules is inferred; no genuine export was at hand to compare with"
+)
 MAX_MESSAGE = 512
 """Bytes of one message that are looked at, and the length at which the module ends one."""
 RECEIVE_LAST = MAX_MESSAGE + 23
 SEND_BYTES = 256
 MODULES = {"cm1241": "CM 1241", "cm-ptp": "CM PtP", "cp341": "CP 341"}
 BAUD_CODES = {9600: 6, 19200: 7}
+_FORMATS = {"REAL": "FloatingPoint", "BOOL": "Bool", "BYTE": "Hex", "WORD": "Hex", "DWORD": "Hex"}
+"""Display format of a value in a watch table, by type."""
 VERBS = {"read": "Read", "write": "Write", "run": "Switch to RUN", "stop": "Switch to STOP"}
 
 
-def master_document(plan: PpiPlan, master: PlannedMaster) -> Document:
-    """The function block of a master as a document."""
+def program(plan: PpiPlan, master: PlannedMaster) -> Program:
+    """The function block of a master with its tables, its buffer and the commands of its jobs."""
     buffer = f'"{master.buffer.name}"' if master.buffer else ""
-    view = {
-        "m": _Views(plan, master).view(),
-        "receive": f"{buffer}.receive" if buffer else "#statReceive",
-        "table": f"{buffer}.send" if buffer else "#statTable",
-    }
-    return source(plan, f"scl/{master.block.name}.scl", "ppi/master.scl.j2", view)
+    label = _title(plan, master)
+    titles = {t.number: job_title(plan, job) for job in master.jobs for t in job.telegrams}
+    titles |= {t.number: f"first frame to {t.station.key}" for t in master.syncs}
+    return Program(
+        block=master.block,
+        instance=master.instance,
+        title=label,
+        template="ppi/master.scl.j2",
+        view={
+            "m": _Views(plan, master).view() | {"title": label},
+            "receive": f"{buffer}.receive" if buffer else "#statReceive",
+            "table": f"{buffer}.send" if buffer else "#statTable",
+        },
+        note=SERIAL_NOTE,
+        buffers=[pair for t in master.telegrams for pair in buffer_blocks(plan, t, titles[t.number])],
+        commands=[command(plan, master, job) for job in master.jobs],
+        telegrams=[
+            f"telegram {t.number}: {titles[t.number]}: `{t.request.data.hex(' ').upper()}` "
+            f"({len(t.request.data)} bytes; function code, reference, FCS and inputs change)"
+            for t in master.telegrams
+        ],
+        data=[DataBlock(master.buffer, f"Frames: {label}", _frames(plan))] if master.buffer else [],
+        open_call="\n    ",
+    )
 
 
-def master_title(plan: PpiPlan, master: PlannedMaster) -> str:
+def command(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Command:
+    """A job as its caller sees it; with several masters its member begins with the master."""
+    name = f"{master.member}{job.member[:1].upper()}{job.member[1:]}" if len(plan.masters) > 1 else job.member
+    texts = {"busy": "the job is running or waits for the port"}
+    if job.cycle:
+        texts["execute"] = f"TRUE: the job runs every {job.cycle} ms"
+    outputs = [_value(plan, job, value) for value in job.outputs]
+    if job.values:
+        t = type_words(tia=not plan.target.v5)
+        kind = f"{t['ARRAY']}[1..{len(job.values)}] {t['OF']} {t['WORD']}"
+        errors = plain(plan, "errors", kind, "per address: 0 = good, 16#80nn = return code nn")
+        outputs.append(Value(errors, tuple((f"[{number}]", "Hex") for number in range(1, len(job.values) + 1))))
+    return Command(
+        member=name,
+        stem=job.member,
+        title=job_title(plan, job),
+        flags=dict(job.trigger.items()),
+        signals=signals(plan, texts, starts=bool(job.cycle)),
+        inputs=[_value(plan, job, value) for value in job.inputs],
+        outputs=outputs,
+        pin=job.pin,
+    )
+
+
+def _value(plan: PpiPlan, job: PpiJob, value: PpiValue) -> Value:
+    shown = (("", _FORMATS.get(value.type.name, "DEC")),) if isinstance(value.type, Elementary) else ()
+    return Value(_interface(plan, job, value), shown)
+
+
+def _interface(plan: PpiPlan, job: PpiJob, value: PpiValue) -> Member:
+    """Declaration of a value at the block and in the control DB."""
+    v5 = plan.target.v5
+    start = initializer(value.type, value.data, v5=v5) if job.kind == "write" and any(value.data) else ""
+    return plain(plan, value.member, type_text(value.type, tia=not v5), value_text(plan, value), start=start)
+
+
+def _frames(plan: PpiPlan) -> list[Member]:
+    """Members of the buffer DB of a CP 341."""
+    t = type_words(tia=not plan.target.v5)
+    kind = f"{t['ARRAY']}[0..{{}}] {t['OF']} {t['BYTE']}"
+    return [
+        plain(plan, "send", kind.format(SEND_BYTES - 1), "length and frame that P_SND_RK sends"),
+        plain(plan, "receive", kind.format(RECEIVE_LAST), "frame that P_RCV_RK received"),
+    ]
+
+
+def _title(plan: PpiPlan, master: PlannedMaster) -> str:
     """One-line title of a master."""
     names = ", ".join(station.key for station in master.stations[:4]) + (", .." if len(master.stations) > 4 else "")
     return clean_title(comment_text(master.comment, plan.languages, plan.target, f"PPI master of {names}"))
@@ -44,28 +115,6 @@ def job_title(plan: PpiPlan, job: PpiJob) -> str:
     labels = ", ".join(value.label for value in job.values[:4]) + (", .." if len(job.values) > 4 else "")
     text = " ".join(part for part in (VERBS[job.kind], labels, f"of {job.station.key}") if part)
     return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
-
-
-def value_text(plan: PpiPlan, value: PpiValue) -> str:
-    """Comment of a value: address or symbol, and what the spec or the symbol table says about it."""
-    title = value.title if encodable(value.title, plan.target) else ""
-    return one_line(f"{value.label} {comment_text(value.comment, plan.languages, plan.target, title)}".strip())
-
-
-def interface_row(plan: PpiPlan, job: PpiJob, value: PpiValue) -> dict[str, Any]:
-    """A value at the block or in the control DB: name, type, initialiser, comment."""
-    where = plan.target
-    type_ = value.type
-    start = ""
-    if job.kind == "write" and any(value.data):
-        if not isinstance(type_, ArrayType):
-            start = f" := {literal(value.element, value.data, v5=where.v5)}"
-        else:
-            texts = [text for _, text in elements(type_, value.data, v5=where.v5)]
-            start = f" := {value.count}({texts[0]})" if where.v5 else f" := [{value.count}({texts[0]})]"
-    text = type_text(type_, tia=not where.v5)
-    return {"name": value.member, "pin": job.pin(value.member), "type": text, "start": start,
-            "text": value_text(plan, value)}  # fmt: skip
 
 
 class _Views:
@@ -83,7 +132,6 @@ class _Views:
         extra = master.module_instances
         return {
             "key": master.key,
-            "title": master_title(plan, master),
             "block": master.block.name,
             "module_title": MODULES[master.module],
             "baud": master.baud,
@@ -148,15 +196,17 @@ class _Views:
             "outputs": [self.output(job, value) for value in job.outputs],
         }
 
+    def row(self, job: PpiJob, value: PpiValue) -> dict[str, Any]:
+        """A value at the block."""
+        return {**_interface(self.plan, job, value)._asdict(), "pin": job.pin(value.member)}
+
     def input(self, job: PpiJob, value: PpiValue) -> dict[str, Any]:
         """A value that the caller supplies, with the copy taken when the job starts."""
-        row = interface_row(self.plan, job, value)
-        return {**row, "stat": stat_name(job, value), "loop": value.count > 1, "last": value.count - 1}
+        return {**self.row(job, value), "stat": stat_name(job, value), "loop": value.count > 1, "last": value.count - 1}
 
     def output(self, job: PpiJob, value: PpiValue) -> dict[str, Any]:
         """A value that the job returns, with the expression over the response DB."""
-        row = interface_row(self.plan, job, value)
-        return {**row, "moves": output_moves(self.plan, job, value)}
+        return {**self.row(job, value), "moves": output_moves(self.plan, job, value)}
 
     def telegram(self, telegram: PpiTelegram) -> dict[str, Any]:
         """One telegram with its table and its items."""

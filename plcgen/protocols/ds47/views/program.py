@@ -4,28 +4,68 @@ from __future__ import annotations
 
 from typing import Any
 
-from plcgen.documents.document import Document
-from plcgen.documents.recent import recent
-from plcgen.documents.spelling import comment_text, elements, encodable, literal, one_line, spelling_of, type_text
-from plcgen.project.nouns import Frame
+from plcgen.documents.control import signals
+from plcgen.documents.members import initializer, plain
+from plcgen.documents.nouns import Command, LibraryInstance, Member, Program, Value
+from plcgen.documents.simaticml import RECORD_NOTE
+from plcgen.documents.spelling import clean_title, comment_text, encodable, literal, one_line, type_text
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
 from plcgen.protocols.ds47.plan.types import element_type
+from plcgen.protocols.ds47.views.rows import buffer_blocks
 from plcgen.protocols.ds47.wire.formats import generic_of, padded
 from plcgen.protocols.ds47.wire.model import RequestId
 from plcgen.protocols.ds47.words import DRAIN_MS, HEARTBEATS, LEASE_MS, STATES, STATUS_WORDS
-from plcgen.s7.types import ArrayType, DataType, Elementary
-
-_MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
-"""What would begin or end something else in a TITLE line."""
+from plcgen.s7.types import ArrayType, Elementary
 
 
-def job_document(plan: DrivePlan, job: DriveJob) -> Document:
-    """The function block of a job as a document."""
+def program(plan: DrivePlan, job: DriveJob) -> Program:
+    """The function block of a job with its buffers and the command of its caller."""
+    label = title(plan, job)
+    records = job.record_instances
+    names = (("SFB53", "SFB 53"), ("SFB52", "SFB 52"))
+    return Program(
+        block=job.block,
+        instance=job.instance,
+        title=label,
+        template="ds47/job.scl.j2",
+        view=_view(plan, job, label),
+        note=RECORD_NOTE,
+        buffers=buffer_blocks(plan, job, label),
+        commands=(_command(plan, job, label),),
+        telegrams=[
+            f"request `{telegram.request.data.hex(' ').upper()}` (LEN {len(telegram.request.data)}), "
+            f"good answer {telegram.positive_length} bytes, longest answer {telegram.response.size} bytes"
+            for telegram in job.telegrams
+        ],
+        data=[LibraryInstance(block, *name) for block, name in zip(records or (), names, strict=False)],
+    )
+
+
+def _command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
+    return Command(
+        member=job.member,
+        stem=job.member,
+        title=label,
+        flags=dict(job.trigger.items()),
+        signals=signals(plan),
+        inputs=[_value(plan, use, start=True) for use in job.inputs],
+        outputs=[_value(plan, use, start=False) for use in job.outputs],
+    )
+
+
+def _value(plan: DrivePlan, use: Use, *, start: bool) -> Value:
+    type_ = interface_type(use.format, use.count, use.subindex, plan.target)
+    if not isinstance(type_, Elementary):
+        return Value(_interface(plan, use, start=start), ())
+    shown = {"REAL": "FloatingPoint", "LREAL": "FloatingPoint", "BOOL": "Bool"}.get(type_.name, "DEC")
+    return Value(_interface(plan, use, start=start), (("", shown),))
+
+
+def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     where = plan.target
-    made = _job(plan, job)
-    view = {
-        **common(plan),
+    made = _job(plan, job, label)
+    return {
         "job": made,
         "telegram": made["telegrams"][0],
         "record_index_type": "DInt" if where.t15 else "Int",
@@ -36,44 +76,16 @@ def job_document(plan: DrivePlan, job: DriveJob) -> Document:
         "states": STATES,
         "statuses": [(n, f"W#16#{v:04X}", text) for n, v, text in STATUS_WORDS if n not in _unused(plan, job)],
     }
-    return source(plan, f"scl/{job.block.name}.scl", "ds47/job.scl.j2", view)
 
 
-def common(plan: Frame) -> dict[str, Any]:
-    """What every source template may ask: the CPU, and the folders with what differs in substance."""
-    where = plan.target
-    system = "s7-1500" if where.t15 else "s7-300"
-    return {"s7_1500": where.t15, "system": system, "calls": "step7-v5" if where.v5 else system}
-
-
-def source(plan: Frame, path: str, template: str, view: dict[str, Any]) -> Document:
-    """A source text in the target's spelling, encoding and line ends."""
-    where = plan.target
-    view = {**common(plan), **view}
-    return Document(path, template, view, where.encoding, newline(plan), spelling=spelling_of(where))
-
-
-def newline(plan: Frame) -> str:
-    """Line ending of source texts: STEP 7 V5 reads Windows files, everything else is LF."""
-    return "\r\n" if plan.target.v5 else "\n"
-
-
-@recent
 def title(plan: DrivePlan, job: DriveJob) -> str:
-    """One-line title; a quote would end a STEP 7 V5 title."""
+    """One-line title of a job."""
     verb = job.kind.capitalize()
     labels = ", ".join(use.label for use in job.uses[:4]) + (", .." if len(job.uses) > 4 else "")
     return clean_title(comment_text(job.comment, plan.languages, plan.target, f"{verb} {labels}"))
 
 
-def clean_title(text: str) -> str:
-    """A text without what would begin or end something else in a TITLE line."""
-    for mark in _MARKS:
-        text = text.replace(mark, " ".join(mark) if len(mark) > 1 else " ")
-    return text
-
-
-def _job(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
+def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     where = plan.target
     parts = [part for telegram in job.telegrams for part in telegram.parts]
     comments = [job.comment[lang] for lang in plan.languages if job.comment.get(lang)]
@@ -89,7 +101,7 @@ def _job(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
         "gaps": _gaps(job),
         "mixed": _refusable(job) and any(len(telegram.parts) == 1 for telegram in job.telegrams),
         "owner": job.owner,
-        "title": title(plan, job),
+        "title": label,
         "comment_lines": [one_line(text) for text in comments[1:] if encodable(text, where)],
         "labels": [_label(job, use) for use in job.uses],
         "drive": _drive(job),
@@ -100,8 +112,8 @@ def _job(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
         "heartbeats": HEARTBEATS,
         "retries": job.retries,
         "use_count": len(job.uses),
-        "inputs": [interface_row(plan, use, start=True) for use in job.inputs],
-        "outputs": [interface_row(plan, use, start=False) for use in job.outputs],
+        "inputs": [_interface(plan, use, start=True) for use in job.inputs],
+        "outputs": [_interface(plan, use, start=False) for use in job.outputs],
         "request_last": max(len(t.request.data) for t in job.telegrams) - 1,
         "response_last": max(t.response.size for t in job.telegrams) - 1,
         "positive_id": f"B#16#{RequestId.CHANGE if job.writes else RequestId.READ:02X}",
@@ -156,31 +168,16 @@ def _drive(job: DriveJob) -> dict[str, Any]:
     }
 
 
-def interface_row(plan: DrivePlan, use: Use, *, start: bool) -> dict[str, str]:
-    """Declaration of a value at the interface or in the control DB: name, type, initialiser, comment."""
+def _interface(plan: DrivePlan, use: Use, *, start: bool) -> Member:
+    """Declaration of a value at the interface and in the control DB."""
     where = plan.target
     type_ = interface_type(use.format, use.count, use.subindex, where)
-    initial = _initial(type_, use.data, v5=where.v5) if start and any(use.data) else ""
+    initial = initializer(type_, use.data, v5=where.v5) if start and any(use.data) else ""
     unit = f" [{use.parameter.unit}]" if use.parameter.unit else ""
     own = comment_text(use.comment, plan.languages, where, use.parameter.title)
-    text = type_text(type_, tia=not where.v5)
-    return {"name": use.member, "type": text, "start": initial, "text": one_line(f"{use.label} {own}{unit}")}
-
-
-def _initial(type_: DataType, data: bytes, *, v5: bool) -> str:
-    if isinstance(type_, ArrayType):
-        return _array_start(type_, data, v5=v5)
-    return f" := {literal(type_, data, v5=v5)}" if isinstance(type_, Elementary) else ""
-
-
-def _array_start(type_: ArrayType, data: bytes, *, v5: bool) -> str:
-    """Initialiser of an input array; only a uniform one is written: ``[3(10.0)]`` or ``3(10.0)``."""
-    found = elements(type_, data, v5=v5)
-    low, high = type_.bounds[0]
-    if len({text for _, text in found}) != 1 or len(found) != high - low + 1:
-        return ""
-    count = high - low + 1
-    return f" := {count}({found[0][1]})" if v5 else f" := [{count}({found[0][1]})]"
+    return plain(
+        plan, use.member, type_text(type_, tia=not where.v5), one_line(f"{use.label} {own}{unit}"), start=initial
+    )
 
 
 def _single_bool(use: Use) -> bool:

@@ -1,0 +1,87 @@
+"""Jobs as their caller sees them: structures of the control DB, flags, calls and lines of a watch table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcgen.documents.members import plain
+from plcgen.documents.nouns import Call, Command, Member, Program, Tag, WatchRow
+from plcgen.documents.spelling import type_words
+from plcgen.project.nouns import BlockRef, Frame
+
+_SIGNALS = {
+    "execute": ("BOOL", "a rising edge starts the job"),
+    "busy": ("BOOL", "the job is running"),
+    "done": ("BOOL", "the job ended well"),
+    "error": ("BOOL", "the job failed"),
+    "status": ("WORD", "result of the job"),
+}
+
+
+def signals(frame: Frame, texts: dict[str, str] | None = None, *, starts: bool = False) -> list[Member]:
+    """The signals that every job has; ``texts`` replaces comments, ``starts`` says that execute is TRUE at start."""
+    words = type_words(tia=not frame.target.v5)
+    return [
+        plain(frame, name, words[type_], (texts or {}).get(name, text), "TRUE" if starts and name == "execute" else "")
+        for name, (type_, text) in _SIGNALS.items()
+    ]
+
+
+def place(control: BlockRef, command: Command, name: str) -> str:
+    """Operand of a signal or value: its flag, else its member of the control DB."""
+    if name in command.flags:
+        return f'"{flag_name(command.stem, name)}"'
+    return f'"{control.name}".{command.member}.{name}'
+
+
+def flag_name(stem: str, signal: str) -> str:
+    """Tag name of an absolute flag."""
+    return f"{stem}{signal.capitalize()}"
+
+
+def structure(frame: Frame, command: Command) -> Member:
+    """A job's structure in the control DB: what the trigger does not place in flags, and the values."""
+    inner = [signal for signal in command.signals if signal.name not in command.flags]
+    values = [value.member for value in (*command.inputs, *command.outputs)]
+    return plain(frame, command.member, "Struct", command.title)._replace(members=(*inner, *values))
+
+
+def tags(command: Command) -> list[Tag]:
+    """The absolute flags of a job."""
+    return [
+        Tag(
+            flag_name(command.stem, signal),
+            "Word" if address.width_bits > 1 else "Bool",
+            address.text(percent=False),
+            f"{signal}: {command.title}",
+        )
+        for signal, address in command.flags.items()
+    ]
+
+
+def watch_rows(control: BlockRef, command: Command) -> Iterator[WatchRow]:
+    """Signals and values of a job."""
+    for signal in command.signals:
+        address = command.flags.get(signal.name)
+        yield WatchRow(
+            place(control, command, signal.name),
+            "" if address is None else address.text(percent=False),
+            "Hex" if signal.name == "status" else "Bool",
+            "TRUE" if signal.name == "execute" else "",
+        )
+    for value in (*command.inputs, *command.outputs):
+        for suffix, shown in value.shown:
+            yield WatchRow(place(control, command, value.member.name) + suffix, "", shown, "")
+
+
+def call(control: BlockRef, program: Program) -> Call:
+    """The call of a function block with every command of its jobs."""
+    inputs: list[str] = []
+    outputs: list[tuple[str, str]] = []
+    for command in program.commands:
+        execute, *results = [signal.name for signal in command.signals]
+        names = [execute, *(value.member.name for value in command.inputs)]
+        inputs += [f"{command.pin(name)} := {place(control, command, name)}" for name in names]
+        names = [*results, *(value.member.name for value in command.outputs)]
+        outputs += [(command.pin(name), place(control, command, name)) for name in names]
+    return Call(program.title, program.block.name, program.instance.name, program.open_call, inputs, outputs)

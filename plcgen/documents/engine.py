@@ -1,0 +1,92 @@
+"""Every document of a project, from what the protocols contribute; which protocol it is does not matter here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from plcgen.documents import control
+from plcgen.documents.document import Document
+from plcgen.documents.nouns import Command, Contribution, DataBlock, LibraryInstance, Program, TypeBlock
+from plcgen.documents.openness import openness_documents
+from plcgen.documents.overview import Overview
+from plcgen.documents.simaticml import SimaticMl
+from plcgen.documents.sources import Sources
+from plcgen.documents.tables import table_documents, watch_document
+from plcgen.project.nouns import BlockRef, Project
+
+
+def emit(project: Project) -> Iterator[Document]:
+    """Every document, one function block after the other; the import order is made of what was emitted."""
+    sources, seen = Sources(project), Overview()
+    xml = SimaticMl(project) if project.target.xml_version is not None else None
+    for plan in project.plans:
+        if plan.jobs:
+            contribution = plan.protocol.documents(plan)
+            seen.contributions.append(contribution)
+            yield from _Emitter(project, contribution, sources, xml, seen).documents()
+    only = seen.contributions[0].jobs if len(seen.contributions) == 1 else "jobs"
+    main = sources.main(seen.calls, only, next((found.family for found in seen.contributions), ""))
+    yield main if xml is None else replace(main, twins=xml.main(seen.calls))
+    if xml is not None:
+        for name, rows in seen.tags.items():
+            yield xml.tags(name, rows)
+        yield from openness_documents(project, seen, xml.note)
+    yield from table_documents(project, seen, sources)
+
+
+class _Emitter:
+    """Writes what one protocol contributes, and remembers it for the tables."""
+
+    def __init__(
+        self, project: Project, contribution: Contribution, sources: Sources, xml: SimaticMl | None, seen: Overview
+    ) -> None:
+        self.project, self.contribution = project, contribution
+        self.sources, self.xml, self.seen = sources, xml, seen
+
+    def documents(self) -> Iterator[Document]:
+        """Shared blocks, function blocks one by one, the control DB."""
+        contribution = self.contribution
+        commands: list[Command] = []
+        for type_ in contribution.types:
+            yield from self.type(type_)
+        for data in contribution.data:
+            yield from self.data(data)
+        for program in contribution.programs:
+            yield from self.program(program, contribution.control)
+            commands += program.commands
+        members = [control.structure(self.project, command) for command in commands]
+        yield from self.data(DataBlock(contribution.control, contribution.control_title, members))
+        if tags := [tag for command in commands for tag in control.tags(command)]:
+            self.seen.tags[contribution.tag_table] = tags
+
+    def type(self, made: TypeBlock) -> Iterator[Document]:
+        """A user type, as source and as document."""
+        self.seen.types.append(made.block.name)
+        yield self.sources.type(made)
+        if self.xml is not None:
+            yield self.xml.type(made)
+
+    def data(self, made: DataBlock | LibraryInstance) -> Iterator[Document]:
+        """A data block, as source and as document."""
+        self.seen.stored(made)
+        yield self.sources.stored(made, self.contribution.family)
+        if self.xml is not None:
+            yield from self.xml.data(made)
+
+    def program(self, made: Program, control_db: BlockRef) -> Iterator[Document]:
+        """A function block with buffers, instance and watch table."""
+        for type_, data in made.buffers:
+            yield from self.type(type_)
+            yield from self.data(data)
+        for block in made.data:
+            yield from self.data(block)
+        self.seen.program(made, control.call(control_db, made))
+        source = self.sources.program(made)
+        yield source if self.xml is None else replace(source, twins=self.xml.program(made))
+        yield self.sources.instance(made.instance, f'"{made.block.name}"', self.contribution.family)
+        rows = [row for command in made.commands for row in control.watch_rows(control_db, command)]
+        rows += [row for type_, _ in made.buffers for member in type_.members for row in member.watch]
+        yield watch_document(made.block.name, rows)
+        if self.xml is not None:
+            yield self.xml.watch(made.block.name, rows)

@@ -1,0 +1,126 @@
+"""Members of types and data blocks: from fields of a telegram, or from name, type and text alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from plcgen.documents.nouns import Assignment, Member, WatchRow
+from plcgen.documents.spelling import culture, elements, literal, one_line, type_text, type_words
+from plcgen.project.nouns import BlockRef, Field, Frame
+from plcgen.s7.types import ArrayType, DataType, Elementary
+from plcgen.s7.values import SIGNED, UNSIGNED
+
+WATCHED = 8
+"""Elements of an array that a watch table shows."""
+
+_INTEGERS = SIGNED | UNSIGNED
+_LETTER = {8: "DBB", 16: "DBW", 32: "DBD"}
+
+
+def plain(frame: Frame, name: str, type_: str, text: str, start: str = "") -> Member:
+    """A member whose comment is not translated: the same text stands in every language of the project."""
+    return Member(name, type_, text, start, comments=same_in_all(frame, text))
+
+
+def same_in_all(frame: Frame, text: str) -> tuple[tuple[str, str], ...]:
+    """A comment in every language of the project; none where no document will be made of it."""
+    if not text or frame.target.xml_version is None:
+        return ()
+    return tuple((culture(language), one_line(text)) for language in frame.languages)
+
+
+def fixed(frame: Frame, rows: Iterable[tuple[str, str, str]]) -> list[Member]:
+    """Members of a type that every project has: name, elementary type, text."""
+    words = type_words(tia=not frame.target.v5)
+    return [plain(frame, name, words[type_], text) for name, type_, text in rows]
+
+
+def initializer(type_: DataType, data: bytes, *, v5: bool) -> str:
+    """Literal of a start value; of an array only if all elements are alike: ``[3(10.0)]``, STEP 7 V5: ``3(10.0)``."""
+    if not isinstance(type_, ArrayType):
+        return literal(type_, data, v5=v5) if isinstance(type_, Elementary) else ""
+    found = elements(type_, data, v5=v5)
+    low, high = type_.bounds[0]
+    count = high - low + 1
+    if len({text for _, text in found}) != 1 or len(found) != count:
+        return ""
+    return f"{count}({found[0][1]})" if v5 else f"[{count}({found[0][1]})]"
+
+
+def display_format(type_: Elementary) -> str:
+    """Display format of a watch table."""
+    if type_.name in {"REAL", "LREAL"}:
+        return "FloatingPoint"
+    return "DEC" if type_.name in _INTEGERS else "Hex"
+
+
+def buffer_member(
+    frame: Frame,
+    db: BlockRef,
+    field: Field,
+    texts: Mapping[str, str],
+    text: str,
+    *,
+    starts: bool,
+    path: str = "",
+    shown: Callable[[Elementary], str] | None = display_format,
+    modify: Callable[[Elementary, bytes], str] | None = None,
+) -> Member:
+    """A member of a buffer, worked out once for all documents.
+
+    ``texts`` is its comment by language, ``text`` that of the sources; ``starts`` whether array elements have start
+    values; ``path`` what stands before the name inside the block; ``shown`` gives the display format (None: not
+    watched), ``modify`` the modify value of wire bytes.
+    """
+    v5 = frame.target.v5
+    type_, start = field.type, ""
+    subs: tuple[tuple[int, str], ...] = ()
+    if isinstance(type_, Elementary) and any(field.data):
+        start = literal(type_, field.data, v5=v5)
+    elif isinstance(type_, ArrayType) and starts:
+        subs = tuple(elements(type_, field.data, v5=v5))
+    return Member(
+        name=field.name,
+        type=type_text(type_, tia=not v5),
+        text=text,
+        start=start,
+        subs=subs,
+        comments=tuple((culture(language), text) for language, text in texts.items()),
+        offset=field.offset,
+        size=field.size,
+        address=_address(db, type_, field.offset),
+        watch=tuple(_watch(db, field, path, shown, modify)) if shown else (),
+    )
+
+
+def _address(db: BlockRef, type_: DataType, offset: int) -> str:
+    """Absolute address of a member, ``DB3.DBW6``; wider or array members by their first byte."""
+    width = type_.bits if isinstance(type_, Elementary) else 8
+    return f"DB{db.number}.{_LETTER.get(width, 'DBB')}{offset}"
+
+
+def _watch(
+    db: BlockRef,
+    field: Field,
+    path: str,
+    shown: Callable[[Elementary], str],
+    modify: Callable[[Elementary, bytes], str] | None,
+) -> Iterable[WatchRow]:
+    """Watch lines of a member: one, or one per array element up to ``WATCHED``."""
+    type_ = field.type
+    name = f'"{db.name}".{path}{field.name}'
+    if isinstance(type_, Elementary):
+        value = modify(type_, field.data) if modify else ""
+        yield WatchRow(name, _address(db, type_, field.offset), shown(type_), value)
+    elif isinstance(type_, ArrayType) and isinstance(type_.element, Elementary):
+        element, (low, high) = type_.element, type_.bounds[0]
+        step = element.bits // 8
+        for number in range(min(high - low + 1, WATCHED)):
+            value = modify(element, field.data[number * step : (number + 1) * step]) if modify else ""
+            address = _address(db, element, field.offset + number * step)
+            yield WatchRow(f"{name}[{low + number}]", address, shown(element), value)
+
+
+def assignments(members: Iterable[Member]) -> list[Assignment]:
+    """Start values of array elements."""
+    return [Assignment(f"{member.name}[{index}]", value) for member in members for index, value in member.subs]

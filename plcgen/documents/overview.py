@@ -1,0 +1,42 @@
+"""What is remembered of the documents while they are made: names, calls and rows for the tables behind them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from plcgen.documents.nouns import Call, Contribution, DataBlock, LibraryInstance, Program, Tag
+from plcgen.project.nouns import BlockRef
+
+
+@dataclass(slots=True)
+class Overview:
+    """All blocks of a project by group, in import order.
+
+    ``types`` and ``data`` are names; ``tags`` the rows of each tag table that has any; ``symbols`` what an instance DB
+    is in a symbol table; ``sheets`` the parts of the layout sheet, one a function block.
+    """
+
+    types: list[str] = field(default_factory=list)
+    data: list[str] = field(default_factory=list)
+    calls: list[Call] = field(default_factory=list)
+    tags: dict[str, list[Tag]] = field(default_factory=dict)
+    symbols: dict[BlockRef, str] = field(default_factory=dict)
+    sheets: list[dict[str, Any]] = field(default_factory=list)
+    contributions: list[Contribution] = field(default_factory=list)
+
+    def stored(self, made: DataBlock | LibraryInstance) -> None:
+        """Remember a data block."""
+        self.data.append(made.block.name)
+        if isinstance(made, LibraryInstance):
+            self.symbols[made.block] = made.symbol
+
+    def program(self, made: Program, call: Call) -> None:
+        """Remember a function block; its buffers are remembered by :meth:`stored`."""
+        self.calls.append(call)
+        self.symbols[made.instance] = f"FB {made.block.number}"
+        blocks = [
+            {"db": data.block, "rows": type_.members, "size": type_.members[-1].offset + type_.members[-1].size}
+            for type_, data in made.buffers
+        ]
+        self.sheets.append({"title": made.title, "block": made.block, "telegrams": made.telegrams, "blocks": blocks})

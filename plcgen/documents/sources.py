@@ -1,0 +1,76 @@
+"""Source texts for the compiler: types, data blocks, instance DBs, function blocks and the example OB."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from plcgen.documents.document import Document
+from plcgen.documents.nouns import Call, DataBlock, LibraryInstance, Program, TypeBlock
+from plcgen.documents.spelling import spelling_of
+from plcgen.project.nouns import BlockRef, Frame
+
+
+class Sources:
+    """Sources of one project in the target's spelling, encoding, line ends and file names."""
+
+    def __init__(self, frame: Frame) -> None:
+        where = frame.target
+        system = "s7-1500" if where.t15 else "s7-300"
+        self.v5, self.classic = where.v5, where.classic
+        self._encoding, self._spelling = where.encoding, spelling_of(where)
+        self._newline = "\r\n" if where.v5 else "\n"
+        self._common = {"s7_1500": where.t15, "system": system, "calls": "step7-v5" if where.v5 else system}
+
+    def path(self, folder: str, name: str) -> str:
+        """Path of a source in one of the folders udt, db and scl: STEP 7 V5 knows only the ending .scl."""
+        return f"{folder}/{name}.{'scl' if self.v5 else folder}"
+
+    def type(self, made: TypeBlock) -> Document:
+        """A user type."""
+        view = {"name": made.block.name, "members": made.members}
+        return self._document("udt", made.block.name, "shared/type.udt.j2", view)
+
+    def data(self, made: DataBlock, family: str) -> Document:
+        """A global data block."""
+        view = {"name": made.block.name, "title": made.title, "family": family, "members": made.members}
+        return self._document("db", made.block.name, "shared/data.db.j2", {**view, "assignments": made.assignments})
+
+    def instance(self, block: BlockRef, of: str, family: str) -> Document:
+        """An instance DB of ``of``, as a source writes it."""
+        template = "shared/instance_v5.db.j2" if self.v5 else "shared/instance.db.j2"
+        return self._document("db", block.name, template, {"name": block.name, "of": of, "family": family})
+
+    def stored(self, made: DataBlock | LibraryInstance, family: str) -> Document:
+        """A data block of either kind."""
+        return self.data(made, family) if isinstance(made, DataBlock) else self.instance(made.block, made.of, family)
+
+    def program(self, made: Program) -> Document:
+        """A function block."""
+        return self._document("scl", made.block.name, made.template, made.view)
+
+    def main(self, calls: Sequence[Call], jobs: str, family: str) -> Document:
+        """The example OB1."""
+        view = {
+            "block": "OB1" if self.v5 else '"Main"',
+            "title": f"Example: calls of all {jobs}",
+            "family": family,
+            "start_information": self.classic,
+            "calls": calls,
+            "call_form": "shared/call_v5.scl.j2" if self.v5 else "shared/call.scl.j2",
+        }
+        return self._document("scl", "Main", "shared/main.scl.j2", view)
+
+    def table(self, path: str, text: str) -> Document:
+        """A finished text for the same tool."""
+        return Document(path, text=text, encoding=self._encoding, newline=self._newline)
+
+    def _document(self, folder: str, name: str, template: str, view: Mapping[str, Any]) -> Document:
+        return Document(
+            self.path(folder, name),
+            template,
+            {**self._common, **view},
+            encoding=self._encoding,
+            newline=self._newline,
+            spelling=self._spelling,
+        )

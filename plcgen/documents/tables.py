@@ -1,0 +1,76 @@
+"""Tables around the blocks: watch tables, tags, V5 symbols and compile order, import guide and layout sheet."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Iterator, Sequence
+
+from plcgen.documents.document import Document
+from plcgen.documents.nouns import Tag, WatchRow
+from plcgen.documents.overview import Overview
+from plcgen.documents.sources import Sources
+from plcgen.documents.spelling import encodable
+from plcgen.project.nouns import Project
+
+
+def watch_document(name: str, rows: Sequence[WatchRow]) -> Document:
+    """The watch table of a function block as CSV."""
+    return Document(f"watch/{name}.csv", text=_csv((("name", "address", "display format", "modify value"), *rows)))
+
+
+def table_documents(project: Project, seen: Overview, sources: Sources) -> Iterator[Document]:
+    """The STEP 7 V5 symbol table and compile order or the tags, the import guide and the layout sheet."""
+    order = _import_order(seen, sources)
+    tags = [tag for rows in seen.tags.values() for tag in rows]
+    if project.target.v5:
+        yield sources.table("symbols.sdf", _symbols(project, seen, tags))
+        yield sources.table("compile.inp", "".join(f"{path.split('/')[1].removesuffix('.scl')}\n" for path in order))
+    elif tags:
+        rows = [(tag.name, tag.type, f"%{tag.address}", tag.text) for tag in tags]
+        yield Document("tags.csv", text=_csv((("Name", "Data Type", "Logical Address", "Comment"), *rows)))
+    guides = [contribution.guide() for contribution in seen.contributions]
+    view = {
+        "project": project.name,
+        "v5": project.target.v5,
+        "t15": project.target.t15,
+        "xml": project.target.xml_version,
+        "toolchain": project.target.toolchain,
+        "system_blocks": [name for contribution in seen.contributions for name in contribution.system_blocks],
+        "tag_table": next(iter(seen.tags), ""),
+        "parts": [part for before, _ in guides for part in before],
+        "order": [*order, "scl/Main.scl"],
+        "closing": [part for _, behind in guides for part in behind],
+    }
+    yield Document("IMPORT.md", "text/import.md.j2", view)
+    yield Document("LAYOUT.md", "text/layout.md.j2", {"project": project.name, "sheets": seen.sheets})
+
+
+def _import_order(seen: Overview, sources: Sources) -> list[str]:
+    """Source files in the order a compiler wants them: types, data, function blocks, their instances."""
+    groups = (
+        ("udt", seen.types),
+        ("db", seen.data),
+        ("scl", [call.block for call in seen.calls]),
+        ("db", [call.instance for call in seen.calls]),
+    )
+    return [sources.path(folder, name) for folder, names in groups for name in names]
+
+
+def _symbols(project: Project, seen: Overview, tags: Sequence[Tag]) -> str:
+    rows: list[Sequence[str]] = [symbol for contribution in seen.contributions for symbol in contribution.symbols]
+    for block in project.blocks:
+        address = f"{block.kind} {block.number}"
+        rows.append((block.name, address, seen.symbols.get(block, address), ""))
+    for tag in tags:
+        area = tag.address.rstrip("0123456789.")
+        text = tag.text if encodable(tag.text, project.target) else ""
+        rows.append((tag.name, f"{area} {tag.address[len(area) :]}", tag.type.upper(), text[:80]))
+    return _csv(rows, csv.QUOTE_ALL)
+
+
+def _csv(rows: Iterable[Sequence[str]], quoting: int = csv.QUOTE_MINIMAL) -> str:
+    """Rows as CSV with LF."""
+    out = io.StringIO()
+    csv.writer(out, quoting=quoting, lineterminator="\n").writerows(rows)  # type: ignore[arg-type]
+    return out.getvalue()

@@ -1,0 +1,98 @@
+"""What PPI masters contribute to the documents: diagnostics, function blocks, parts of the import guide."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+from plcgen.documents.control import place
+from plcgen.documents.members import fixed
+from plcgen.documents.nouns import Contribution, GuidePart, LibraryInstance, TypeBlock
+from plcgen.documents.spelling import literal
+from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
+from plcgen.protocols.ppi.views.program import MODULES, command, program
+from plcgen.protocols.ppi.words import DIAGNOSTICS
+from plcgen.s7.types import Elementary
+
+_SYMBOLS = (("P_RCV_RK", "FB 7", "FB 7", "CP 341: receive"), ("P_SND_RK", "FB 8", "FB 8", "CP 341: send"))
+
+
+def contribution(plan: PpiPlan) -> Contribution:
+    """Everything of a plan."""
+    return Contribution(
+        family="PPI",
+        jobs="jobs",
+        types=(TypeBlock(plan.diagnostics_type, fixed(plan, DIAGNOSTICS)),),
+        data=[
+            LibraryInstance(block, *name)
+            for master in plan.masters
+            for block, name in zip(
+                master.module_instances or (), (('"P_SND_RK"', "FB 8"), ('"P_RCV_RK"', "FB 7")), strict=False
+            )
+        ],
+        programs=(program(plan, master) for master in plan.masters),
+        control=plan.control_db,
+        control_title="Commands and results of all PPI jobs",
+        tag_table="PpiJobTags",
+        guide=partial(_guide, plan),
+        manifest=partial(_manifest, plan),
+        symbols=_SYMBOLS,
+    )
+
+
+def operand(plan: PpiPlan, job: PpiJob, signal: str) -> str:
+    """Operand by which the caller sees a signal or value of a job."""
+    master = next(master for master in plan.masters if job in master.jobs)
+    return place(plan.control_db, command(plan, master, job), signal)
+
+
+def _guide(plan: PpiPlan) -> tuple[list[GuidePart], list[GuidePart]]:
+    """Modules and their settings, numbers of the buffers, what is written."""
+    view = {
+        "masters": [
+            {
+                "block": master.block.name,
+                "module": MODULES[master.module],
+                "baud": master.baud,
+                "port": master.port,
+                "gap_ms": max(4, -(-35_000 // master.baud)),
+            }
+            for master in plan.masters
+        ],
+        "writes": [row for master in plan.masters for row in _writes(plan, master)],
+        "numbered": [master.buffer for master in plan.masters if master.buffer is not None],
+    }
+    return [("ppi/import.md.j2", view)], []
+
+
+def _writes(plan: PpiPlan, master: PlannedMaster) -> Iterator[dict[str, str]]:
+    for job in master.jobs:
+        row = {"job": f"{master.block.name}, job {job.key}", "station": f"{job.station.key} ({job.station.address})"}
+        if job.kind in {"run", "stop"}:
+            yield {**row, "label": "CPU", "value": job.kind.upper()}
+        for value in job.values if job.kind == "write" else ():
+            text = "block input"
+            if value.constant and isinstance(value.element, Elementary):
+                text = literal(value.element, value.data[: value.size], v5=plan.target.v5)
+            yield {**row, "label": value.label, "value": text}
+
+
+def _manifest(plan: PpiPlan) -> dict[str, Any]:
+    """Masters with the telegrams of their tables."""
+    masters = [
+        {
+            "master": master.key,
+            "block": master.block.name,
+            "telegrams": [
+                {
+                    "request": telegram.request.data.hex(" ").upper(),
+                    "request_db": f"DB{telegram.request.db.number}",
+                    **({"response_db": f"DB{telegram.response.db.number}"} if telegram.response else {}),
+                }
+                for telegram in master.telegrams
+            ],
+        }
+        for master in plan.masters
+    ]
+    return {"ppi": masters}
