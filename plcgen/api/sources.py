@@ -136,7 +136,7 @@ def diff(
     policy: Sequence[str] = (),
     classic: bool = False,
 ) -> Comparison:
-    """Compare two versions of sources (files or folders) or specs by what others notice.
+    """Compare two versions of sources (files or folders) or specs from the outside.
 
     ``policy`` holds ``id=class`` settings and policy files, later ones win; ``classic``: SimaticML documents are
     for S7-300/400.

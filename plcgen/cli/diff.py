@@ -52,10 +52,10 @@ def command(
     format_: Format,
     output: Path | None,
 ) -> int:
-    """Compare two versions of PLC sources or specs by what others notice.
+    """Compare two versions of PLC sources or specs from the outside.
 
     OLD and NEW are files (.scl .udt .db .awl, SimaticML), folders or specs. Every change is breaking, compatible
-    or documentation; layout, comments, blanks and the order of files are no changes.
+    or documentation; layout, comments, spaces and the order of files are no changes.
     """
     out = console()
     if list_changes:

@@ -41,7 +41,7 @@ def command(
     device: str | None,
     format_: Format,
 ) -> int:
-    """Print request telegrams as hex, one a line: of a spec's jobs, or of parameters given here.
+    """Print request telegrams as hex, one per line: of a spec's jobs, or of parameters given here.
 
     Types are those of data set 47 (FloatingPoint, Unsigned16, ...); with --device the catalogue knows them.
     A file that is called read or write is ./read or ./write.

@@ -1,4 +1,4 @@
-"""Bytes in any spelling an engineer has at hand: watch tables, traces, manuals, C and Python."""
+"""Bytes in any common spelling: watch tables, traces, manuals, C and Python."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class HexText:
     places: tuple[tuple[int, int], ...]
 
     def place(self, offset: int) -> tuple[int, int]:
-        """Where byte ``offset`` stands; behind the last byte: just after it."""
+        """Where byte ``offset`` stands; after the last byte: just after it."""
         if offset < len(self.places):
             return self.places[offset]
         column, length = self.places[-1] if self.places else (0, 0)

@@ -35,7 +35,7 @@ SECTIONS: Sections = (
     (
         "Review and guard",
         (
-            ("diff", "Compare two versions of sources or specs by what others notice."),
+            ("diff", "Compare two versions of sources or specs from the outside."),
             ("lock", "Write a layout lock file, or check that nothing moved."),
             ("audit", "Audit hand-written request and response DBs against a spec."),
         ),

@@ -45,7 +45,7 @@ def check_source(path: Path | str, target: Dialect | None = None) -> SourceCheck
 
 
 def repeated_blocks(checks: Iterable[SourceCheck]) -> Iterator[tuple[Path, Diagnostic]]:
-    """PG805, a warning, for every block that one of the files declares again, with the file it stands in."""
+    """PG805, a warning, forevery block that one of the files declares again, with the file it stands in."""
     first: dict[tuple[str, str], Span] = {}
     for check in checks:
         for kind, name, place in check.declared:

@@ -91,7 +91,7 @@ def remedy(source: str, target: str, text: str, dialect: Dialect) -> str:
     """
     new = dialect is Dialect.TIA_1200_1500
     off = (source, target) in (_UNCHECKED if new else _UNCHECKED_CLASSIC) or (new and {source, target} <= _PATTERNS)
-    return f"{text}; without IEC check the TIA Portal converts by itself" if dialect.is_tia and off else text
+    return f"{text}; without IEC check the TIA Portal converts on its own" if dialect.is_tia and off else text
 
 
 def common_type(left: str, right: str, *, classic: bool) -> str | None:

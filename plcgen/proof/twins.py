@@ -42,7 +42,7 @@ def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
         verdict = f"{problems[0].message}{more}"
         yield Check("files.twins", "text and SimaticML", text, Outcome.ERROR, verdict, problems[0])
     else:
-        yield Check("files.twins", "text and SimaticML", text, Outcome.OK, "say the same")
+        yield Check("files.twins", "text and SimaticML", text, Outcome.OK, "agree")
 
 
 def difference(text: Block, document: Block, known: dict[str, Block]) -> tuple[str, int]:

@@ -40,7 +40,7 @@ _MANUAL = "Siemens, STEP 7 Programming manual, appendix data types"
 _TABLE = (
     Rule("bit", "BOOL takes the next free bit, eight to a byte; ARRAY OF BOOL packs bits", COMPILED, _V5,
          ("c004", "c017", "c026", "c044", "c046", "c057", "c068", "c080", "c086", "c097", "c119", "c132")),
-    Rule("bit-array-end", "behind an ARRAY OF BOOL nothing starts before the next whole byte", COMPILED, _V5,
+    Rule("bit-array-end", "after an ARRAY OF BOOL nothing starts before the next whole byte", COMPILED, _V5,
          ("c086",)),
     Rule("byte", "types of 8 bits take the next whole byte, odd or even", COMPILED, _V5,
          ("c046", "c057", "c058", "c067", "c068", "c086", "c092", "c097")),

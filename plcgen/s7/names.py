@@ -125,7 +125,7 @@ def check_name(name: str, toolchain_is_v5: bool, role: str) -> str | None:  # no
     if not name:
         return "a name must not be empty"
     if name != name.strip():
-        return "a name must not begin or end with a blank"
+        return "a name must not begin or end with a space"
     for char in name:
         if not char.isprintable():
             return f"the character U+{ord(char):04X} is not allowed"
@@ -164,7 +164,7 @@ def check_file_name(name: str) -> str | None:
     if name in (".", ".."):
         return f"{name} is a folder, not a name"
     if name[-1] in ". ":
-        return "a file name must not end with a dot or a blank"
+        return "a file name must not end with a dot or a space"
     if name.split(".", 1)[0].rstrip().upper() in _DEVICES:
         return f"{name} is a device name on Windows"
     return None

@@ -1,4 +1,4 @@
-"""Python values to big-endian bytes and back, for every elementary type and string.
+"""Python values to big-endian bytes and back, forevery elementary type and string.
 
 BOOL is bool; bit strings and integers are int; REAL and LREAL float; characters and strings str;
 TIME, S5TIME and TIME_OF_DAY int milliseconds; LTIME and LTIME_OF_DAY int nanoseconds;

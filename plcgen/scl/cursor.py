@@ -219,5 +219,5 @@ def lexical_error(text: str) -> tuple[str, str]:
     if text[0] in _HABITS:
         return f"unexpected character {first!r} (U+{ord(first):04X})", _HABITS[first]
     if first == "#":
-        return "'#' without a name", "write the name of a local variable directly behind it"
+        return "'#' without a name", "write the name of a local variable directly after it"
     return f"unexpected character {text[0]!r} (U+{ord(first):04X})", ""

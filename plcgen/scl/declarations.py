@@ -149,7 +149,7 @@ class _Builder:
                 path, literal = self.text(statement.target), self.text(statement.value)
                 found.append(Assignment(path, literal, self.result.span(statement)))
             elif not isinstance(statement, ast.Label):
-                self.error("PG801", "only assignments stand behind BEGIN of a data block", statement)
+                self.error("PG801", "only assignments are allowed after BEGIN of a data block", statement)
         return tuple(found)
 
     def block_constants(self, unit: ast.Unit) -> dict[str, int]:

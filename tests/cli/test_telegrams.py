@@ -40,7 +40,7 @@ def test_every_usual_spelling(text):
     [("03 1 02", 3, 1), ("03 xyz 01", 3, 3), ("B#16#123", 0, 8), ("03 +1", 3, 2), ("030", 0, 3)],
 )
 def test_what_is_no_byte_is_refused_at_its_place(text, column, length):
-    """An odd digit would shift all bytes behind it."""
+    """An odd digit would shift all bytes after it."""
     with pytest.raises(HexError) as caught:
         parse_hex(text)
     assert (caught.value.column, caught.value.length) == (column, length)

@@ -83,15 +83,15 @@ def test_response_symmetry(value):
 def near(valid):
     """Arbitrary bytes, and valid telegrams with one byte changed or cut short."""
 
-    def spoil(item):
+    def damage(item):
         data, position, value, length = item
         changed = bytearray(data)
         changed[position % len(data)] = value
         return bytes(changed)[: length % (len(data) + 2)]
 
-    spoiled = st.tuples(valid, st.integers(0, 300), byte, st.integers(0, 300)).map(spoil)
+    damaged = st.tuples(valid, st.integers(0, 300), byte, st.integers(0, 300)).map(damage)
     header = st.tuples(byte, st.sampled_from([1, 2, 0x80, 0x81, 0x82]), byte, st.integers(0, 4)).map(bytes)
-    return st.binary(max_size=60) | spoiled | st.tuples(header, st.binary(max_size=60)).map(b"".join)
+    return st.binary(max_size=60) | damaged | st.tuples(header, st.binary(max_size=60)).map(b"".join)
 
 
 telegrams = near(requests().map(encode_request) | responses().map(encode_response))
@@ -152,6 +152,6 @@ def format_values(draw):
 
 @given(format_values())
 def test_values_symmetry(case):
-    """unpack(pack(values)) is the values, for every format."""
+    """unpack(pack(values)) is the values, forevery format."""
     fmt, values = case
     assert formats.unpack_values(fmt, len(values), formats.pack_values(fmt, values)) == values

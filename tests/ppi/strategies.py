@@ -112,7 +112,7 @@ def frames(draw):
 
 
 @st.composite
-def spoiled(draw, valid):
+def damaged(draw, valid):
     """Valid bytes with some bytes changed, cut short, or prolonged."""
     data = bytearray(draw(valid))
     for _ in range(draw(st.integers(0, 3))):

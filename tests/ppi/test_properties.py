@@ -6,7 +6,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from ppi.strategies import frames, pdus, spoiled
+from ppi.strategies import damaged, frames, pdus
 
 from plcgen.protocols.ppi.wire.description import frame_text
 from plcgen.protocols.ppi.wire.dissect import dissect, title
@@ -33,7 +33,7 @@ def test_frame_symmetry(frame):
 
 
 encoded = frames().map(encode_frame)
-anything = st.binary(max_size=60) | spoiled(encoded) | spoiled(pdus.map(lambda pdu: encode_pdu(pdu, experimental=True)))
+anything = st.binary(max_size=60) | damaged(encoded) | damaged(pdus.map(lambda pdu: encode_pdu(pdu, experimental=True)))
 
 
 def closed(data):
@@ -53,7 +53,7 @@ def refused(decode_it, data):
     return ()
 
 
-@given(anything | spoiled(encoded).map(closed))
+@given(anything | damaged(encoded).map(closed))
 def test_decoding_raises_ppi_errors_only(data):
     """Any bytes decode or raise PpiError with offsets inside; what decodes strictly encodes back to the same bytes."""
     for decode_it in (decode_frame, decode, decode_pdu):
@@ -74,7 +74,7 @@ def test_decoding_raises_ppi_errors_only(data):
         assert encode_pdu(pdu, experimental=True) == data
 
 
-@given(anything | spoiled(encoded).map(closed))
+@given(anything | damaged(encoded).map(closed))
 def test_dissection_covers_every_byte_once(data):
     """Fields lie one behind the other from byte 0 to the last one; nothing raises; what is valid is not marked."""
     seen = examine(data)
@@ -117,7 +117,7 @@ def test_splitting_finds_every_frame(parts, last, data):
     assert split(stream) == found
 
 
-@given(st.binary(max_size=400) | st.lists(spoiled(encoded), max_size=5).map(b"".join), st.booleans())
+@given(st.binary(max_size=400) | st.lists(damaged(encoded), max_size=5).map(b"".join), st.booleans())
 def test_splitting_loses_no_byte(stream, tolerant):
     """Any bytes are frames that decode, or garbage; together they are the stream."""
     found = split(stream, tolerant=tolerant)

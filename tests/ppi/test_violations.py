@@ -39,13 +39,13 @@ POLL = bytes.fromhex("10 02 00 5C 5E 16")
 
 def changed(data, *changes, fcs=True):
     """Return a frame with bytes changed as (offset, value), its checksum made right again."""
-    spoiled = bytearray(data)
+    damaged = bytearray(data)
     for offset, value in changes:
-        spoiled[offset] = value
+        damaged[offset] = value
     if fcs:
-        first = 4 if spoiled[0] == 0x68 else 1
-        spoiled[-2] = checksum(spoiled[first:-2])
-    return bytes(spoiled)
+        first = 4 if damaged[0] == 0x68 else 1
+        damaged[-2] = checksum(damaged[first:-2])
+    return bytes(damaged)
 
 
 def found(data):
@@ -134,7 +134,7 @@ def test_all_violations_at_once():
 
 
 def test_what_tolerant_accepts_is_listed():
-    """F9 and FE for E5, a pad behind the last value of a reply, values without pads in between; nothing else."""
+    """F9 and FE for E5, a pad after the last value of a reply, values without pads in between; nothing else."""
     assert decode(b"\xf9", tolerant=True).frame == Acknowledgement()
     assert decode(b"\xf9", tolerant=True).tolerated[0].kind is Kind.ACKNOWLEDGEMENT
     assert decode(b"\xe5", tolerant=True).tolerated == ()
@@ -296,11 +296,11 @@ def test_run_is_fixed_byte_by_byte():
     """Every byte of RUN and STOP counts."""
     pdu = encode_pdu(RunRequest(1))
     for offset in range(11, len(pdu)):
-        spoiled = bytearray(pdu)
-        spoiled[offset] ^= 0x01
-        if b"P_PROGRAM" not in spoiled or spoiled[20] != 9:
+        damaged = bytearray(pdu)
+        damaged[offset] ^= 0x01
+        if b"P_PROGRAM" not in damaged or damaged[20] != 9:
             continue
         with pytest.raises(PpiError) as caught:
-            decode_pdu(bytes(spoiled))
+            decode_pdu(bytes(damaged))
         assert caught.value.kinds == (Kind.SERVICE,)
         assert caught.value.violations[0].offset == offset

@@ -238,7 +238,7 @@ def values(name):
 @given(st.data())
 @pytest.mark.parametrize("name", sorted(ELEMENTARY))
 def test_value_bytes_and_text_round_trip(name, data):
-    """Value -> bytes -> value and value -> text -> value, in both spellings, for every elementary type."""
+    """Value -> bytes -> value and value -> text -> value, in both spellings, forevery elementary type."""
     value = data.draw(values(name))
     packed = pack_value(value, ELEMENTARY[name])
     assert max(1, ELEMENTARY[name].bits // 8) == len(packed)

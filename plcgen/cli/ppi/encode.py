@@ -71,9 +71,9 @@ def command(
     symbols: str | None,
     format_: Format,
 ) -> int:
-    """Print PPI request telegrams as hex, one a line.
+    """Print PPI request telegrams as hex, one per line.
 
-    Addresses: VB100, VW100, VD100, V100.3, M0.0, SMB34, AIW0, T32, C5, HC0, VB100[20]; a type behind a colon:
+    Addresses: VB100, VW100, VD100, V100.3, M0.0, SMB34, AIW0, T32, C5, HC0, VB100[20]; a type after a colon:
     VD100:REAL, VW100:INT, VB0[21]:STRING. German mnemonics (EB0, A0.0, Z5) work as well.
     """
     from plcgen.cli.ppi.places import find_profile, find_symbols, telegram_problems

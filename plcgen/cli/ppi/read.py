@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 def command(*, words: tuple[str, ...], cpu: str | None, symbols: str | None, format_: Format, **given: Any) -> int:
     """Read values by address or symbol, in as few telegrams as possible.
 
-    A type behind a colon says how to read the bytes: BYTE, WORD, INT, DWORD, DINT, REAL, CHAR, STRING. Without one
+    A type after a colon says how to read the bytes: BYTE, WORD, INT, DWORD, DINT, REAL, CHAR, STRING. Without one
     bytes, words and double words are unsigned numbers. Exit code 1 if the station refuses an item.
     """
     from plcgen.cli.ppi.places import find_profile, find_symbols, places

@@ -32,7 +32,7 @@ class Bus:
     """Drives by logical address or hardware identifier.
 
     ``write_busy`` and ``read_busy`` say how many calls of a job answer BUSY before the last one; a function is
-    asked anew for every job. None keeps a job busy for ever. ``ports`` are serial ports by hardware identifier
+    asked anew for every job. None keeps a job busy forever. ``ports`` are serial ports by hardware identifier
     (S7-1200/1500) or address of their module (S7-300/400).
     """
 

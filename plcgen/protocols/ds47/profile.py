@@ -45,7 +45,7 @@ class RecordIndexes(StrictModel):
     profibus: RecordIndex | None = None
     profinet_local: RecordIndex | None = Field(None, alias="profinet-local")
     profinet_global: RecordIndex | None = Field(None, alias="profinet-global")
-    default: Literal["profibus", "profinet-local", "profinet-global"] = Field(description="the one a job takes")
+    default: Literal["profibus", "profinet-local", "profinet-global"] = Field(description="the one that a job takes")
 
     @field_validator("default")
     @classmethod

@@ -219,7 +219,7 @@ class Expressions:
             cursor.pos = pos + 1
             return ast.Literal(base.start, end, cursor.tokens.source[base.start : end], "typed")
         if kind == LOCAL:
-            raise cursor.fault("'#' behind a dot", text="only the first name of a path has a '#'")
+            raise cursor.fault("'#' after a dot", text="only the first name of a path has a '#'")
         raise cursor.expected("a member name")
 
     def indices(self) -> tuple[ast.Expression, ...]:

@@ -23,7 +23,7 @@ _OPERATORS = {
 }  # fmt: skip
 """Two operators in a row that other languages have, or that were turned around."""
 _ASSIGNMENTS = {
-    (":", "="): "write ':=' without a blank", ("+", "+"): "write x := x + 1", ("-", "-"): "write x := x - 1",
+    (":", "="): "write ':=' without a space", ("+", "+"): "write x := x + 1", ("-", "-"): "write x := x - 1",
     ("=", ":"): "write ':='",
 }  # fmt: skip
 

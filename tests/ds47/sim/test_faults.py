@@ -25,7 +25,7 @@ def run(unit, data=READ):
     return (written, *unit.read_record(47, 240))
 
 
-SPOILED = [
+DAMAGED = [
     (Fault(FaultKind.REFERENCE), "08 01 01 01 06 01 00 05"),
     (Fault(FaultKind.REFERENCE, value=0), "00 01 01 01 06 01 00 05"),
     (Fault(FaultKind.RESPONSE_ID), "07 02 01 01 06 01 00 05"),
@@ -47,7 +47,7 @@ SPOILED = [
 ]
 
 
-@pytest.mark.parametrize(("fault", "answer"), SPOILED, ids=lambda item: getattr(item, "kind", None))
+@pytest.mark.parametrize(("fault", "answer"), DAMAGED, ids=lambda item: getattr(item, "kind", None))
 def test_spoiled_response(fault, answer):
     """The response is wrong in exactly the way asked for, once; the next one is right."""
     unit = drive(Fault(**{name: getattr(fault, name) for name in fault.__slots__}))
@@ -78,7 +78,7 @@ def test_busy(code):
 
 
 def test_status_for_ever():
-    """Any STATUS, on one service only, for ever."""
+    """Any STATUS, on one service only, forever."""
     unit = drive(Fault(FaultKind.STATUS, times=None, call="write", status=0xC0809000))
     assert {unit.write_record(47, READ) for _ in range(50)} == {0xC0809000}
     assert unit.read_record(47, 240)[0] == 0xDE80B500
@@ -140,7 +140,7 @@ def test_error_behind_the_last_parameter_waits():
 
 
 def test_wrong_format_needs_a_block():
-    """A positive change response has no block, so there is nothing to spoil."""
+    """A positive change response has no block, so there is nothing to damage."""
     change = bytes.fromhex("01 02 01 01 10 01 00 01 00 00 06 01 00 09")
     assert run(drive(Fault(FaultKind.FORMAT)), change)[2] == bytes.fromhex("01 02 01 01")
 

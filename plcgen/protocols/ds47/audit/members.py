@@ -115,7 +115,7 @@ class _Check:
         if at_end:
             return
         for slot in slots:
-            message = f"{slot.path} at byte {slot.offset} is no part of the telegram: everything behind it moves"
+            message = f"{slot.path} at byte {slot.offset} is no part of the telegram: everything after it moves"
             self.match.report("PG653", message, slot.span, "remove it, or move it behind the telegram")
         self.moved = True
 
@@ -177,9 +177,7 @@ class _Check:
             help_ = (
                 "words, structures and arrays start at even bytes: put the members in the order of the telegram, flat"
             )
-            notes = (
-                (Note("the gap is behind this member", self.last.span),) if gap > 0 and self.last is not None else ()
-            )
+            notes = (Note("the gap is after this member", self.last.span),) if gap > 0 and self.last is not None else ()
             if slot.offset < field.offset:
                 help_ = "a member before it is missing or too short"
             self.match.report("PG653", message, slot.span, help_, notes=notes)

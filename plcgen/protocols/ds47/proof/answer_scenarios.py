@@ -230,12 +230,12 @@ def _leftovers(shape: Shape) -> Iterator[Scenario]:
                 blocks[0], blocks[-1] = bytes.fromhex("440200110007"), b""
 
             name = "last block missing, 41 00 left behind"
-            yield shape.scenario(name, "RESPONSE_FORMAT", shape.negative(change), soil=b"\x41\x00")
+            yield shape.scenario(name, "RESPONSE_FORMAT", shape.negative(change), litter=b"\x41\x00")
         return
     before, total = 0, shape.telegram.positive_length
     for index, (at, size) in enumerate(shape.blocks, 1):
         name = f"block {index} missing, format 0Eh left behind"
-        yield shape.scenario(name, "RESPONSE_FORMAT", cut(at), soil=b"\x0e\x01")
+        yield shape.scenario(name, "RESPONSE_FORMAT", cut(at), litter=b"\x0e\x01")
         if before:
             wrong = bytes((0x0E, 1)) + bytes(before - 2)
             name = f"block {index} in format 0Eh, as long as the one before"

@@ -264,7 +264,7 @@ def _job_checks(job: DriveJob, result: JobResult, level: Level) -> Iterator[Chec
 def _program_check(plan: DrivePlan, result: JobResult) -> Check:
     text = f"{len(plan.jobs)} jobs on {len(plan.tokens)} drives through OB1: {result.statistics.runs} scenarios"
     if not result.failures:
-        return Check("together", "all jobs", text, Outcome.OK, "never two requests at once, none starves")
+        return Check("together", "all jobs", text, Outcome.OK, "never two requests at once, every job gets its turn")
     found = _diagnostic("PG621", "all jobs", result.failures)
     return Check("together", "all jobs", text, Outcome.ERROR, str(result.failures[0]), found)
 

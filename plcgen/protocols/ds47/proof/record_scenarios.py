@@ -93,7 +93,7 @@ def _status_always(limits: Limits) -> Iterator[Scenario]:
     step = max(1, limits.pause // 20)
     if limits.retries and limits.timeout > limits.pause + 20 * step:
         yield Scenario(
-            name="TIMEOUT in the pause behind a late error",
+            name="TIMEOUT in the pause after a late error",
             status=(WORDS["TIMEOUT"],),
             writes={1: 0xDF80C300},
             busy=((limits.timeout - limits.pause // 2) // step - 4, 0),
@@ -142,7 +142,7 @@ def _busy(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
         )
         for clock in (None, CLOCK_END - timeout - 2000, CLOCK_END - 3000):
             yield Scenario(
-                name=f"{name} busy for ever"
+                name=f"{name} busy forever"
                 + ("" if clock is None else f", the clock wraps after {CLOCK_END - clock} ms"),
                 status=(WORDS["DRAIN_TIMEOUT"],),
                 busy=(for_ever, 0) if write else (0, for_ever),
@@ -187,7 +187,7 @@ def _stale(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
             )
     results = limits.repeated(10, 2)
     yield Scenario(
-        name="old answers for ever",
+        name="old answers forever",
         status=results,
         stale=range(1, ALWAYS),
         busy=(0, 0),

@@ -174,7 +174,7 @@ class JobRig:
             (self.instance, Spot.of(layout, "statResponse").byte, max(t.response.size for t in job.telegrams)),
         ]
 
-    def soil(self, pattern: bytes) -> None:
+    def litter(self, pattern: bytes) -> None:
         """Fill everything that the next request and its answer will overwrite."""
         buffers = list(self.buffers)
         if self.plan.target.classic:
@@ -207,7 +207,7 @@ class JobRig:
         self.instance[spot.byte] = self.instance[spot.byte] & 255 - mask | (mask if value else 0)
 
     def words(self, name: str) -> list[int]:
-        """Array of words of the instance, for every use of the job."""
+        """Array of words of the instance, forevery use of the job."""
         at = self.spots[name].byte
         return [int.from_bytes(self.instance[at + 2 * i : at + 2 * i + 2]) for i in range(len(self.job.uses))]
 

@@ -22,7 +22,7 @@ from plcgen.protocols.ds47.words import HEARTBEATS
 
 MAX_SCANS = 40_000
 HOLD_SCANS = 2
-SOIL = (b"\x40\x00", b"\x44\x02\x00\x11\x00\x07", b"\xa5")
+LITTER = (b"\x40\x00", b"\x44\x02\x00\x11\x00\x07", b"\xa5")
 """What the buffers hold before a request is built: good blocks, error blocks, garbage. None of it may count."""
 
 
@@ -156,7 +156,7 @@ class Runner(EndChecks, TimeChecks):
         self.foreign()
         rig.set_flag("execute", value=self.execute)
         if self.state == BUILD:
-            rig.soil(scenario.soil or SOIL[self.statistics.runs % len(SOIL)])
+            rig.litter(scenario.litter or LITTER[self.statistics.runs % len(LITTER)])
         heartbeat, owner = rig.token_get("heartbeat"), rig.token_get("owner")
         coverage = rig.cpu.coverage
         self.before = [coverage[i] for i in rig.probes]

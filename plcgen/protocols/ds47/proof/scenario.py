@@ -47,7 +47,7 @@ class Scenario:
     WRREC and RDREC answer BUSY. ``status`` are the permitted results; ``retries``, ``telegram``, ``calls`` None are
     not checked; ``took`` bounds the time in ms. ``leftover`` says that a record call is still active at the end,
     ``factory`` that the drive has its factory settings, ``tolerate`` that the block finds wrong DBs by trying, which
-    the simulated CPU calls a misuse. ``soil`` fills the buffers before a request is built, None with changing bytes.
+    the simulated CPU calls a misuse. ``litter`` fills the buffers before a request is built, None with changing bytes.
     """
 
     name: str
@@ -74,7 +74,7 @@ class Scenario:
     took: tuple[int, int] | None = None
     leftover: bool = False
     tolerate: bool = False
-    soil: bytes | None = None
+    litter: bytes | None = None
     factory: bool = False
     follow: bool = True
 

@@ -89,7 +89,7 @@ class TimeChecks:
         if passed >= limits.timeout and state not in {IDLE, DRAIN}:
             raise ScenarioError(f"{passed} ms after the start, with a TIMEOUT of {limits.timeout}, the job goes on")
         if passed < limits.timeout and self.rig.get("status") == WORDS["TIMEOUT"]:
-            raise ScenarioError(f"time-out {passed} ms after the start, TIMEOUT is {limits.timeout}")
+            raise ScenarioError(f"timeout {passed} ms after the start, TIMEOUT is {limits.timeout}")
 
     def watch_lease(self, heartbeat: int, owner: int) -> None:
         """A foreign owner keeps the drive as long as it shows itself, and LEASE longer."""

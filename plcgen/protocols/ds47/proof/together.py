@@ -175,7 +175,7 @@ def _fall(plant: Plant, job: DriveJob) -> None:
 
 
 def _again_and_again(plant: Plant) -> None:
-    """Every job is started again as soon as it has ended: none starves, one request at a time."""
+    """Every job is started again as soon as it has ended: each gets its turn, one request at a time."""
     jobs = plant.plan.jobs
     ended = dict.fromkeys((job.key for job in jobs), 0)
     for job in jobs:
@@ -196,7 +196,7 @@ def _again_and_again(plant: Plant) -> None:
     for _, drives in plant.plan.tokens:
         counts = [ended[job.key] for job in jobs if job.drive in drives]
         if counts and (min(counts) < max(counts) - 1 or not min(counts)):
-            raise ScenarioError(f"a job starves: {counts} jobs ended")
+            raise ScenarioError(f"a job never gets its turn: {counts} jobs ended")
 
 
 def _at_once(plant: Plant) -> None:
@@ -269,7 +269,7 @@ def wrong_numbers(plan: DrivePlan, program: Program, job: DriveJob) -> Iterator[
             for byte in (0, index, 0xFF - index):
                 title = f"the {which} DB is missing, byte {byte:02X}h is left behind"
                 cases.append((title, {name: UNUSED_NUMBER}, bytes((byte,))))
-        for title, numbers, soil in cases:
+        for title, numbers, litter in cases:
             before = {name: blocks[name].number for name in numbers}
             for name, number in numbers.items():
                 blocks[name].number = number
@@ -278,7 +278,7 @@ def wrong_numbers(plan: DrivePlan, program: Program, job: DriveJob) -> Iterator[
                 status=(WORDS["WRONG_DB"],),
                 telegram=index,
                 calls=(-1, -1),
-                soil=soil,
+                litter=litter,
                 tolerate=True,
                 follow=False,
             )

@@ -11,7 +11,7 @@ import enum
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plcgen.protocols.ds47.sim.faults import CALL_FAULTS, RESPONSE_FAULTS, Fault, FaultKind, spoil
+from plcgen.protocols.ds47.sim.faults import CALL_FAULTS, RESPONSE_FAULTS, Fault, FaultKind, damage
 from plcgen.protocols.ds47.sim.habits import Habits
 from plcgen.protocols.ds47.sim.server import WHOLE, Server
 from plcgen.protocols.ds47.wire.codec import encode_response
@@ -164,7 +164,7 @@ class Drive:
         self._server.written.clear()
         for fault in [item for item in self.faults if item.kind in RESPONSE_FAULTS]:
             if fault.use():
-                response = spoil(fault, response, self._previous)
+                response = damage(fault, response, self._previous)
         self._drop_spent()
         self._response = response
 

@@ -89,7 +89,7 @@ class Fault:
         return ErrorBlock(self.number, self.info if self.words == 2 else None)
 
 
-def spoil(fault: Fault, response: bytes, previous: bytes | None) -> bytes:
+def damage(fault: Fault, response: bytes, previous: bytes | None) -> bytes:
     """Return the response as the struck drive delivers it."""
     if fault.kind is FaultKind.STALE:
         older = bytes((response[0] - 1 or 255, *response[1:]))

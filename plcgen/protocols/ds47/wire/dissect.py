@@ -146,7 +146,7 @@ def dissect_request(data: bytes) -> list[ByteField]:
                 break
             if not _block(walker, f"parameter {position}", response=False):
                 break
-    walker.rest("behind the end of the request")
+    walker.rest("beyond the end of the request")
     return walker.fields
 
 
@@ -163,7 +163,7 @@ def dissect_response(data: bytes, table: Table = "sinamics") -> list[ByteField]:
             break
         if not _block(walker, f"parameter {position}", response=True):
             break
-    walker.rest("behind the end of the response")
+    walker.rest("beyond the end of the response")
     return walker.fields
 
 

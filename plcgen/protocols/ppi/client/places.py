@@ -1,4 +1,4 @@
-"""What is to be read or written: an address or a symbol, with a data type behind a colon: ``VD100:REAL``, ``level``."""
+"""What is to be read or written: an address or a symbol, with a data type after a colon: ``VD100:REAL``, ``level``."""
 
 from __future__ import annotations
 

@@ -244,7 +244,7 @@ def _together(master: PlannedMaster, result: JobResult) -> Check:
     if result.failures:
         found = diagnostic("PG621", f"jobs of {master.key}", result.failures)
         return Check(name, subject, text, Outcome.ERROR, str(result.failures[0]), found)
-    return Check(name, subject, text, Outcome.OK, "round robin, one frame at a time, none starves")
+    return Check(name, subject, text, Outcome.OK, "round robin, one frame at a time, every job gets its turn")
 
 
 def _coverage(plan: PpiPlan, program: Program, master: PlannedMaster, counts: list[int]) -> Check:

@@ -10,7 +10,7 @@ from plcgen.protocols.ds47.proof.runner import Failure, Statistics
 from plcgen.protocols.ppi.plan.nouns import PpiJob
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import DONE, WORDS, PpiScenario
-from plcgen.protocols.ppi.proof.tables import check_tables, soil
+from plcgen.protocols.ppi.proof.tables import check_tables, litter
 from plcgen.protocols.ppi.wire.areas import Function
 from plcgen.protocols.ppi.wire.fdl import examine_frame
 from plcgen.protocols.ppi.wire.model import FCB, FIRST, FixedFrame, VariableFrame
@@ -98,7 +98,7 @@ class MasterRunner:
             rig.cpu.restart("cold")
             self.codes.clear()
         rig.new_values(job)
-        soil(rig)
+        litter(rig)
         rig.line.faults[:] = [replace(fault) for fault in scenario.faults]
         rig.line.journal.clear()
         rig.executed.clear()

@@ -96,7 +96,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
             retries=most,
             polls=None,
         )
-    repeats: tuple[tuple[int | None, str], ...] = ((1, "once"), (None, "for ever"))
+    repeats: tuple[tuple[int | None, str], ...] = ((1, "once"), (None, "forever"))
     for number, how in repeats:  # the second answer before is the right one
         stale = (fault("stale", "poll", number),)
         yield PpiScenario(name=f"an old answer {how}", faults=stale, retries=min(1, most), status=again)
@@ -162,17 +162,17 @@ def pace_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
 def _spoilt(master: PlannedMaster) -> Iterator[PpiScenario]:
     """Requests that are not heard and answers that are lost or damaged: as often as is repeated, and for ever."""
     most = master.retries
-    spoilt: tuple[tuple[At, tuple[str, ...]], ...] = (
+    damaged: tuple[tuple[At, tuple[str, ...]], ...] = (
         ("request", ("deaf", "silence", "garbage", "clipped")),
         ("poll", ("deaf", "silence", "garbage", "fcs", "cut", "address", "function", "reference")),
     )
-    for at, kinds in spoilt:
+    for at, kinds in damaged:
         for kind in kinds:
             for times in sorted({1, max(1, most)}):
                 if times <= most:
                     name = f"{kind} at the {at}, {times} times"
                     yield PpiScenario(name=name, faults=(fault(kind, at, times),), retries=times)
-            name = f"{kind} at the {at}, for ever"
+            name = f"{kind} at the {at}, forever"
             yield PpiScenario(
                 name=name,
                 faults=(fault(kind, at, None),),
@@ -316,7 +316,7 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
             polls=1 if most or at == "poll" else 0,
         )
     yield PpiScenario(
-        name="sending fails for ever",
+        name="sending fails forever",
         port={0: 0x80D1},
         status=(WORDS["SEND_ERROR"],),
         retries=most,
@@ -350,7 +350,7 @@ def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int) -> Iterator[P
         yield PpiScenario(name=f"{kind} at the {at}", faults=(once,), **_repeated(master, polls=at == "poll"))
     dead = (fault("deaf", times=None),)
     yield PpiScenario(
-        name="silence for ever", faults=dead, status=(WORDS["NO_ANSWER"],), retries=master.retries, polls=0
+        name="silence forever", faults=dead, status=(WORDS["NO_ANSWER"],), retries=master.retries, polls=0
     )
     yield from _ready(master.polls)
     yield from _refusals(job)

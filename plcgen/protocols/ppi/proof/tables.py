@@ -1,6 +1,6 @@
 """Telegram tables and response DBs of a PPI master after a job: what was sent, and what the line brought.
 
-Both are soiled before the job, so a copy that is missing shows.
+Both are littered before the job, so a copy that is missing shows.
 """
 
 from __future__ import annotations
@@ -12,23 +12,23 @@ from plcgen.protocols.ppi.wire.fdl import examine_frame
 from plcgen.protocols.ppi.wire.model import ReadReply, VariableFrame, WriteReply
 from plcgen.protocols.ppi.wire.pdu import examine_pdu
 
-SOIL = 0xA5
+LITTER = 0xA5
 DATA = 14
 """Where the data of a reply with items begins: header 12, function, number of items."""
 RUN_TIME = frozenset({"function_code", "reference", "fcs"})
 """Members of a table that the block fills whatever they were."""
 
 
-def soil(rig: MasterRig) -> None:
+def litter(rig: MasterRig) -> None:
     """Fill every response DB and what the block fills in every table with a pattern."""
     for telegram in rig.master.telegrams:
         table = rig.cpu.db(telegram.request.db.name)
         for field in telegram.request.fields:
             if field.role in RUN_TIME:
-                table[field.offset : field.offset + field.size] = bytes((SOIL,)) * field.size
+                table[field.offset : field.offset + field.size] = bytes((LITTER,)) * field.size
         if telegram.response is not None:
             response = rig.cpu.db(telegram.response.db.name)
-            response[:] = bytes((SOIL,)) * len(response)
+            response[:] = bytes((LITTER,)) * len(response)
 
 
 def check_tables(rig: MasterRig, job: PpiJob, *, refused: bool) -> None:
@@ -39,7 +39,7 @@ def check_tables(rig: MasterRig, job: PpiJob, *, refused: bool) -> None:
         if mine:
             reply = _exchange(rig, telegram)
             _compare(rig, telegram, reply, refused=refused and telegram.number == last)
-        elif telegram.response is not None and set(rig.cpu.db(telegram.response.db.name)) - {SOIL}:
+        elif telegram.response is not None and set(rig.cpu.db(telegram.response.db.name)) - {LITTER}:
             raise ScenarioError(f'"{telegram.response.db.name}" changed although its telegram was not sent')
 
 
@@ -72,11 +72,11 @@ def _compare(rig: MasterRig, telegram: PpiTelegram, pdu: bytes, *, refused: bool
         raise ScenarioError(f'"{telegram.response.db.name}": the reply has no items')
     for field in telegram.response.fields:
         size = telegram.items[field.item - 1].item.octets if field.role == "value" else field.size  # without pad
-        soiled = bytes((SOIL,)) * size
+        littered = bytes((LITTER,)) * size
         if field.role == "return_code":
             wanted = bytes((codes[field.item - 1],))
         elif field.role == "pad" or refused:
-            wanted = soiled
+            wanted = littered
         else:
             wanted = pdu[DATA + field.offset : DATA + field.offset + size]
         octets = bytes(found[field.offset : field.offset + size])

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from plcgen.protocols.ppi.sim.cpu import BUSY
-from plcgen.protocols.ppi.sim.faults import BEFORE, SPOILING, Fault, FaultKind, before, can_spoil, spoil
+from plcgen.protocols.ppi.sim.faults import BEFORE, DAMAGING, Fault, FaultKind, before, can_damage, damage
 from plcgen.protocols.ppi.sim.station import Interference, Station
 from plcgen.protocols.ppi.wire.fdl import encode_frame, examine_frame
 from plcgen.protocols.ppi.wire.model import Acknowledgement, FixedFrame, Frame, VariableFrame
@@ -120,7 +120,7 @@ class Bus:
         return self.stations.get(frame.destination) if isinstance(frame, FixedFrame | VariableFrame) else None
 
     def _deliver(self, station: Station, raw: bytes, frame: Frame, now: int) -> None:
-        """Let a station answer a frame, and the faults spoil the answer."""
+        """Let a station answer a frame, and the faults damage the answer."""
         if self._strike(FaultKind.DEAF, station, frame):
             return
         answer = self._refusal(station, frame) or station.receive(frame, lambda: self._interference(station, frame))
@@ -134,8 +134,8 @@ class Bus:
             return
         clean = encode_frame(answer)
         sent, notes = clean, ["late"] if late else []
-        for fault in self._struck(SPOILING, station, frame, answer):
-            sent = spoil(fault, sent, self._previous.get(station.address))
+        for fault in self._struck(DAMAGING, station, frame, answer):
+            sent = damage(fault, sent, self._previous.get(station.address))
             notes.append(fault.kind.value)
         if not isinstance(answer, Acknowledgement):
             self._previous[station.address] = clean
@@ -166,8 +166,8 @@ class Bus:
     def _struck(
         self, kinds: AbstractSet[FaultKind], station: Station, frame: Frame, answer: Frame | None
     ) -> list[Fault]:
-        """Faults of some kinds that strike a frame; each counts the occasion, and those that spoil need an answer
-        that can be spoilt.
+        """Faults of some kinds that strike a frame; each counts the occasion, and those that damage need an answer
+        that can be damaged.
         """
         if not self.faults:
             return []
@@ -176,7 +176,7 @@ class Bus:
             for fault in self.faults
             if fault.kind in kinds
             and fault.meets(station.address, frame)
-            and (answer is None or fault.kind not in SPOILING or can_spoil(fault, answer))
+            and (answer is None or fault.kind not in DAMAGING or can_damage(fault, answer))
             and fault.use()
         ]
         self.faults[:] = [fault for fault in self.faults if not fault.spent]

@@ -54,7 +54,7 @@ class FaultKind(enum.Enum):
 class Fault:
     """One fault: it lets ``after`` occasions pass, strikes ``times`` occasions (None: all), then is gone.
 
-    An occasion is a frame to a station (``at``: a request, a poll, or both) whose answer the fault can spoil.
+    An occasion is a frame to a station (``at``: a request, a poll, or both) whose answer the fault can damage.
     ``station`` None means every station. ``value`` None puts some wrong value.
     """
 
@@ -95,7 +95,7 @@ class Fault:
 BEFORE = frozenset({FaultKind.ECHO, FaultKind.FOREIGN, FaultKind.TOKEN, FaultKind.NOISE})
 """Faults that put something in front of the answer."""
 
-SPOILING = frozenset({
+DAMAGING = frozenset({
     FaultKind.FCS, FaultKind.CUT, FaultKind.GARBAGE, FaultKind.CLIPPED, FaultKind.STALE, FaultKind.REFERENCE,
     FaultKind.ADDRESS, FaultKind.FUNCTION, FaultKind.COUNT, FaultKind.LENGTH,
 })  # fmt: skip
@@ -109,8 +109,8 @@ _GARBAGE = bytes.fromhex("00FF6816681055AA")
 _PDU = 7
 
 
-def can_spoil(fault: Fault, answer: Frame) -> bool:
-    """Whether this answer has what the fault spoils: a checksum, a reference, a length."""
+def can_damage(fault: Fault, answer: Frame) -> bool:
+    """Whether this answer has what the fault damages: a checksum, a reference, a length."""
     if fault.kind is FaultKind.CLIPPED:
         return isinstance(answer, Acknowledgement)
     if fault.kind is FaultKind.GARBAGE:
@@ -120,17 +120,17 @@ def can_spoil(fault: Fault, answer: Frame) -> bool:
     return isinstance(answer, VariableFrame) and len(answer.pdu) >= _LEAST_PDU.get(fault.kind, 6)
 
 
-def spoil(fault: Fault, raw: bytes, previous: bytes | None) -> bytes:
+def damage(fault: Fault, raw: bytes, previous: bytes | None) -> bytes:
     """Return the bytes of an answer as they arrive at the master.
 
-    ``raw`` are the bytes that ``can_spoil`` found fit, ``previous`` is the data answer before it.
+    ``raw`` are the bytes that ``can_damage`` found fit, ``previous`` is the data answer before it.
     """
     kind, value = fault.kind, fault.value
     if kind is FaultKind.GARBAGE:
         return fault.data or _GARBAGE
     frame = examine_frame(raw)[0]
-    if frame is None or not can_spoil(fault, frame):
-        return raw  # another fault has left nothing to spoil
+    if frame is None or not can_damage(fault, frame):
+        return raw  # another fault has left nothing to damage
     if kind is FaultKind.CLIPPED:
         return _byte(0xF9 if value is None else value)
     if kind is FaultKind.CUT:

@@ -185,7 +185,7 @@ def _variable(data: bytes) -> Examined:
 def _check_end(found: list[Violation], data: bytes, size: int) -> None:
     if len(data) > size:
         more = len(data) - size
-        found.append(Violation(Kind.TRAILING, size, f"{more} byte{'s' * (more > 1)} behind the end of the frame"))
+        found.append(Violation(Kind.TRAILING, size, f"{more} byte{'s' * (more > 1)} beyond the end of the frame"))
 
 
 def _check_tail(found: list[Violation], data: bytes, first: int, size: int) -> None:

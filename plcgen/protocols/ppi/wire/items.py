@@ -240,11 +240,11 @@ def read_values(findings: Findings, data: bytes, at: int, count: int, *, reply: 
     odd = bool(values) and len(values[-1].data) % 2 == 1
     if left == 1 and odd:
         if data[end]:
-            findings.add(Kind.PAD, end, f"the pad byte behind the last value is {data[end]:02X}h instead of 00h")
+            findings.add(Kind.PAD, end, f"the pad byte after the last value is {data[end]:02X}h instead of 00h")
         elif reply:
-            findings.add(Kind.PAD, end, "a pad byte behind the last value")
+            findings.add(Kind.PAD, end, "a pad byte after the last value")
     elif left:
-        findings.add(Kind.DATA_LENGTH, end, f"{left} byte{'s' * (left > 1)} behind the last value")
+        findings.add(Kind.DATA_LENGTH, end, f"{left} byte{'s' * (left > 1)} after the last value")
     return values, left == 1 and odd
 
 
