@@ -75,7 +75,7 @@ def test_valid_telegrams_have_no_problems(row):
         ("01 01 01 01 10 01 00 01 00", "parameter 1 subindex", "cut short: 1 of 2 bytes"),
         ("01 01 01 02 10 01 00 01 00 00", "missing", "the address of parameter 2"),
         ("01 02 01 01 10 01 00 01 00 00", "missing", "the value of parameter 1"),
-        ("01 01 01 01 10 01 00 01 00 00 AA", "undecoded bytes", "behind the end"),
+        ("01 01 01 01 10 01 00 01 00 00 AA", "undecoded bytes", "beyond the end"),
         ("01 02 01 01 10 01 00 01 00 00 0E 01 AA BB", "parameter 1 format", "unknown format"),
         ("01 02 01 01 10 01 00 01 00 00 44 01 AA BB", "parameter 1 format", "in responses only"),
         ("01 02 01 01 10 01 00 01 00 00 05 01 AA BB", "parameter 1 pad", "a pad is 00h"),

@@ -27,7 +27,7 @@ from plcgen.s7.names import RESERVED, camel_case, check_name, pascal_case, short
         ("a.b", False, "symbol", "character ."),
         ("a\tb", False, "symbol", "U+0009"),
         ("a\u200bb", False, "identifier", "U+200B"),
-        (" a", False, "symbol", "blank"),
+        (" a", False, "symbol", "space"),
         ("begin", False, "identifier", "BEGIN is a reserved"),
         ("Größe", True, "identifier", "A-Z"),
         ("1st", True, "identifier", "no digit first"),
