@@ -49,7 +49,7 @@ def command(
 ) -> int:
     """Run the files in a generated folder against a simulated drive and compare every byte.
 
-    What lies on disk is read back, laid out by independent calculators, executed scan by scan and fed with
+    What lies on disk is read back, laid out and held to the telegrams, executed scan by scan and fed with
     errors. Exit code 1 if any check fails; a check that could not be run is listed and fails nothing.
     """
     from plcgen import api

@@ -1,9 +1,10 @@
-"""Offsets of every buffer, computed three times and compared: from the telegram, the text sources, the SimaticML."""
+"""Offsets of every buffer in two ways from three sources: places in the telegram; the layout of text and SimaticML."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.project.nouns import BlockRef, Buffer, Frame
@@ -12,17 +13,18 @@ from plcgen.proof.folder import Folder
 from plcgen.protocols.ds47.plan.nouns import DriveField, DrivePlan, DriveTelegram
 from plcgen.s7.blocks import Block
 from plcgen.s7.layout import Layout, layout_block
+from plcgen.s7.spelling import type_text
 from plcgen.s7.types import DataType, Elementary
 
 TELEGRAM, TEXT, XML = "telegram", "text source", "SimaticML"
-"""The three calculators, as messages name them."""
+"""The three sources, as messages name them; the last two are laid out by one engine."""
 
 _WIDTH = {16: ":W", 32: ":D", 64: ":L"}
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A member as one calculator sees it: offset and size in bytes."""
+    """A member as one source has it: offset and size in bytes."""
 
     name: str
     offset: int
@@ -55,16 +57,16 @@ def _buffer(plan: DrivePlan, folder: Folder, buffer: Buffer[DriveField], answers
 
 
 def agreement(project: Frame) -> str:
-    """``3 calculators agree``; which ones, where there are fewer."""
+    """``3 sources agree``; which ones, where there are fewer."""
     if project.target.xml_version is not None:
-        return "3 calculators agree"
-    return f"2 calculators agree: {TELEGRAM}, {TEXT}; no {XML}"
+        return "3 sources agree"
+    return f"2 sources agree: {TELEGRAM}, {TEXT}; no {XML}"
 
 
 def compare(
     project: Frame, folder: Folder, refs: tuple[tuple[BlockRef, str], ...], planned: list[Row], size: int
 ) -> Diagnostic | None:
-    """The first disagreement between the calculators, about the DB and then about its type.
+    """The first disagreement between the sources, about the DB and then about its type.
 
     ``refs`` are the blocks with the planned members, and the path of the structure they lie in (``telegram.``).
     """
@@ -104,30 +106,23 @@ def _laid_out(
 
 
 def _disagreement(found: dict[str, tuple[list[Row], int]]) -> str:
-    """Name the calculator that stands alone, and where it differs first; empty if all agree."""
-    votes = {origin: sum(value == other for other in found.values()) for origin, value in found.items()}
-    reference = max(found, key=votes.__getitem__)
-    alone = next((origin for origin, value in found.items() if value != found[reference]), None)
-    if alone is None:
-        return ""
-    others = [origin for origin, value in found.items() if value == found[reference]]
-    (own, own_size), (agreed, agreed_size) = found[alone], found[reference]
-    rest = f"{' and '.join(map(_the, others))} {'has' if len(others) == 1 else 'have'}"
-    for actual, expected in zip(own, agreed, strict=False):
-        if actual != expected:
-            return f"{_the(alone)} has {_place(actual)}, {rest} {_place(expected)}"
-    if len(own) != len(agreed):
-        return f"{_the(alone)} has {len(own)} members, {rest} {len(agreed)}"
-    return f"{_the(alone)} has {own_size} bytes, {rest} {agreed_size}"
+    """What each source says where they differ first; empty if all agree. None is outvoted: two of them share a way."""
+    for said in zip_longest(*(rows for rows, _ in found.values())):
+        if any(row != said[0] for row in said):
+            return _said(found, [_place(row) for row in said])
+    sizes = [size for _, size in found.values()]
+    return _said(found, [f"{size} bytes" for size in sizes]) if len(set(sizes)) > 1 else ""
 
 
-def _the(origin: str) -> str:
-    return f"the {origin}"
+def _said(origins: Iterable[str], texts: Sequence[str]) -> str:
+    groups: dict[str, list[str]] = {}
+    for origin, text in zip(origins, texts, strict=True):
+        groups.setdefault(text, []).append(f"the {origin}")
+    return ", ".join(f"{' and '.join(who)} {'has' if len(who) == 1 else 'have'} {text}" for text, who in groups.items())
 
 
-def _place(row: Row) -> str:
-    type_ = row.type.name if isinstance(row.type, Elementary) else type(row.type).__name__
-    return f"{row.name}@{row.offset} ({row.size} B, {type_})"
+def _place(row: Row | None) -> str:
+    return "no more members" if row is None else f"{row.name}@{row.offset} ({row.size} B, {type_text(row.type)})"
 
 
 def rows(layout: Layout, prefix: str = "") -> list[Row]:

@@ -31,7 +31,7 @@ VERIFICATION = Verification(
             "layout",
             "Layout",
             (
-                Check("layout.DB3", 'DB3 "WR"', "10 B ref@0", Outcome.OK, "3 calculators agree"),
+                Check("layout.DB3", 'DB3 "WR"', "10 B ref@0", Outcome.OK, "3 sources agree"),
                 Check("layout.DB6", 'DB6 "RD_1"', "4 B", Outcome.ERROR, "6 bytes too small", LIMIT),
             ),
         ),

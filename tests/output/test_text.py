@@ -114,7 +114,7 @@ def test_verification_in_columns():
         "Demo, s7-300 / tia-v16: out\n"
         "\n"
         "Layout\n"
-        '  DB3 "WR"    10 B ref@0  ok: 3 calculators agree\n'
+        '  DB3 "WR"    10 B ref@0  ok: 3 sources agree\n'
         '  DB6 "RD_1"  4 B         error: 6 bytes too small\n'
         "\n"
         "Execution\n"
@@ -153,7 +153,7 @@ def test_verification_with_long_figures_stacks_them():
     text = verification_text(results.VERIFICATION, View(width=44))
     assert (
         "Layout\n"
-        '  DB3 "WR"    ok: 3 calculators agree\n'
+        '  DB3 "WR"    ok: 3 sources agree\n'
         "      10 B ref@0\n"
         '  DB6 "RD_1"  error: 6 bytes too small\n'
         "      4 B\n"

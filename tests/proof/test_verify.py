@@ -249,8 +249,8 @@ SHIFTS = {
 
 
 @pytest.mark.parametrize("alone", SHIFTS)
-def test_a_shift_in_one_of_three_calculations_is_named(alone: str, tmp_path: Path) -> None:
-    """The calculator that stands against the two others is the one that is named."""
+def test_a_shift_in_one_of_three_sources_is_named(alone: str, tmp_path: Path) -> None:
+    """Any source that differs is an error, whatever the two others say; the message has all three."""
     shutil.copytree(GOLDEN, tmp_path / "out")
     file, old, new = SHIFTS[alone]
     if file:
@@ -261,14 +261,29 @@ def test_a_shift_in_one_of_three_calculations_is_named(alone: str, tmp_path: Pat
     checks = {c.id: c for c in check_layouts(project, read_folder(tmp_path / "out", project.target))}
     others = " and ".join(name for name in SHIFTS if name != alone)
     verdict = checks["layout.WR_DataBuffer"].verdict
-    assert verdict.startswith(f'DB "WR_DataBuffer": {alone} has ')
-    assert f", {others} have Axis@2 (1 B, BYTE)" in verdict
+    assert verdict.startswith('DB "WR_DataBuffer": the telegram ')
+    assert f"{others} have Axis@2 (1 B, BYTE)" in verdict
+    assert f"{alone} has " in verdict
     assert {c.outcome for name, c in checks.items() if name != "layout.WR_DataBuffer"} == {Outcome.OK}
 
 
+def test_two_sources_outvote_none(tmp_path: Path) -> None:
+    """Text and SimaticML shifted alike, as one engine would: the telegram is not outvoted, and who is wrong is open."""
+    shutil.copytree(GOLDEN, tmp_path / "out")
+    for name in ("the text source", "the SimaticML"):
+        file, old, new = SHIFTS[name]
+        edit(tmp_path / "out" / file, old, new.replace("gap : Word;\n    Axis : Byte", "Axis : Word"))
+    plan = api.check(FAQ).project.plan(DrivePlan)
+    checks = {c.id: c for c in check_layouts(plan, read_folder(tmp_path / "out", plan.target))}
+    assert checks["layout.WR_DataBuffer"].verdict == (
+        'DB "WR_DataBuffer": the telegram has Axis@2 (1 B, BYTE), '
+        "the text source and the SimaticML have Axis@2 (2 B, WORD)"
+    )
+
+
 @pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.stem)
-def test_every_buffer_is_calculated_by_all(spec: Path) -> None:
-    """One line per request and response; where there is no SimaticML it says who calculated."""
+def test_every_buffer_is_in_all_sources(spec: Path) -> None:
+    """One line per request and response; where there is no SimaticML it says which sources there are."""
     folder = ROOT / "examples" / spec.stem / "expected"
     project = api.check(spec).project
     assert project is not None
@@ -277,7 +292,7 @@ def test_every_buffer_is_calculated_by_all(spec: Path) -> None:
     checks = [*(check_layouts(drives, files) if drives else ()), *(check_ppi_layouts(ppi, files) if ppi else ())]
     buffers = [buffer.db.name for plan in project.plans for buffer, _ in plan.protocol.buffers(plan)]
     assert [c.id for c in checks] == [f"layout.{name}" for name in buffers]
-    expected = "3 calculators agree"
+    expected = "3 sources agree"
     if project.target.xml_version is None:
-        expected = "2 calculators agree: telegram, text source; no SimaticML"
+        expected = "2 sources agree: telegram, text source; no SimaticML"
     assert {c.verdict for c in checks} == {expected}

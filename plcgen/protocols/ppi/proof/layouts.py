@@ -1,4 +1,4 @@
-"""PPI telegram tables and response DBs: offsets computed three times, start values decoded with the strict codec."""
+"""PPI telegram tables and response DBs: offsets from three sources, start values decoded with the strict codec."""
 
 from __future__ import annotations
 
