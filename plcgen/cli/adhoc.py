@@ -12,7 +12,7 @@ from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind, V
 from plcgen.protocols.ds47.wire.model import ParameterAddress, ValueBlock
 
 if TYPE_CHECKING:
-    from plcgen.protocols.ds47.devices import Device
+    from plcgen.protocols.ds47.device import Device
 
 
 def find_device(key: str | None) -> Device | None:

@@ -11,7 +11,7 @@ from plcgen.cli.options import PATH, Verb, console
 from plcgen.cli.output import OK, PROBLEMS, OutputError, error_line, help_line
 
 if TYPE_CHECKING:
-    from plcgen.protocols.ds47.devices import Device, Parameter
+    from plcgen.protocols.ds47.device import Device, Parameter
 
 FAMILIES = ("s7-300", "s7-400", "s7-1200", "s7-1500")
 

@@ -19,9 +19,8 @@ from pydantic import (
 )
 
 from plcgen.input.validation import Document, Problems, StrictModel, problem
-from plcgen.protocols.ds47.devices import Device, Parameter, parameter_from
+from plcgen.protocols.ds47.device import Device, Parameter, ParameterDef, parameter_from
 from plcgen.protocols.ds47.plan.references import parse_bico, parse_reference
-from plcgen.protocols.ds47.schema import ParameterDef
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind

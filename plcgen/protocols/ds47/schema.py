@@ -13,24 +13,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, create_model
 
 from plcgen.input.validation import StrictModel
-from plcgen.project.schema import BlockName, Duration, Naming, Text, Trigger, Value, trigger_short
+from plcgen.project.schema import BlockName, Duration, Naming, Text, Trigger, trigger_short
+from plcgen.protocols.ds47.device import ParameterDef
 from plcgen.protocols.ds47.devices import offer_names
 from plcgen.protocols.ds47.kinds import kinds
-
-
-class ParameterDef(StrictModel):
-    """A drive parameter that the device catalogue does not hold (or holds differently)."""
-
-    type: str = Field(description="DS47 data type, e.g. FloatingPoint, Unsigned16, OctetString[4]")
-    name: str | None = Field(None, description="symbolic name, snake_case; becomes the block's member name")
-    title: str | None = Field(None, description="text for comments")
-    unit: str | None = None
-    access: Literal["r", "w", "rw"] = "rw"
-    array: int | None = Field(None, ge=1, le=65535, description="number of indexes; absent: not indexed")
-    min: float | None = None
-    max: float | None = None
-    default: Value | None = None
-    bico: bool = Field(default=False, description="value is a BICO source such as r0722.0")
 
 
 class Drive(StrictModel):

@@ -12,7 +12,7 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.review.compare.lockfile import lock_text, reduced
 from plcgen.review.compare.lockread import read_lock
 from plcgen.review.compare.model import Comparison, Snapshot
-from plcgen.review.compare.policy import load_policy
+from plcgen.review.compare.policyfile import load_policy
 from plcgen.review.compare.run import compare_snapshots, snapshot
 
 DEFAULT = "plcgen.lock.yaml"

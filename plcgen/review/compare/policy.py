@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from types import MappingProxyType
-
-from plcgen.diagnostics import DiagnosticError, Report, Span
 
 
 class Level(enum.StrEnum):
@@ -94,36 +91,3 @@ def fails(level: Level, fail_on: str) -> bool:
     if fail_on == "never":
         return False
     return fail_on == "any" or level.rank <= Level(fail_on).rank
-
-
-def load_policy(settings: Iterable[str]) -> dict[str, Level]:
-    """Levels by change id: the defaults, then every setting in order, ``id=level`` or the path of a YAML file.
-
-    Raises:
-        DiagnosticError: PG631 for an unknown id or level, and the codes of reading YAML.
-    """
-    policy = {kind.id: kind.level for kind in _TABLE}
-    report = Report()
-    for setting in settings:
-        policy |= _read(setting, report)
-    report.raise_on_errors()
-    return policy
-
-
-def _read(setting: str, report: Report) -> dict[str, Level]:
-    from plcgen.input.text import read_text
-    from plcgen.input.validation import read_document, validate
-    from plcgen.input.yaml import plain_node
-    from plcgen.review.compare.policyread import POLICY
-
-    key, separator, value = setting.partition("=")
-    if separator:
-        typed = validate(plain_node({key.strip(): value.strip()}, Span(f"--policy {setting}")), POLICY, report)
-        return typed.root if typed else {}
-    path = Path(setting)
-    try:
-        loaded = read_document(read_text(path), path.as_posix(), POLICY, report)
-    except DiagnosticError as problem:
-        report.extend(problem.diagnostics)
-        return {}
-    return loaded.model.root if loaded else {}

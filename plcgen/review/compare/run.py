@@ -11,7 +11,8 @@ from plcgen.review.compare.blocks import compare_blocks
 from plcgen.review.compare.jobs import compare_jobs
 from plcgen.review.compare.model import Comparison, Snapshot
 from plcgen.review.compare.planned import spec_snapshot
-from plcgen.review.compare.policy import Level, load_policy
+from plcgen.review.compare.policy import Level
+from plcgen.review.compare.policyfile import load_policy
 from plcgen.review.compare.states import snapshot_of
 from plcgen.sources.blocks import read_sources
 

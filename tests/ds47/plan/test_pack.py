@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.protocols.ds47.devices import Parameter
+from plcgen.protocols.ds47.device import Parameter
 from plcgen.protocols.ds47.plan.nouns import Use
 from plcgen.protocols.ds47.plan.pack import longest_response, negative_length, pack, positive_length, request_length
 from plcgen.protocols.ds47.wire.formats import by_name

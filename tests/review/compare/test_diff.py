@@ -15,7 +15,8 @@ from plcgen.diagnostics import DiagnosticError
 from plcgen.output.registry import find
 from plcgen.output.view import View
 from plcgen.review.compare.model import Comparison
-from plcgen.review.compare.policy import KINDS, Level, fails, load_policy
+from plcgen.review.compare.policy import KINDS, Level, fails
+from plcgen.review.compare.policyfile import load_policy
 
 CASES = yaml.safe_load((ROOT / "tests" / "vectors" / "diff.yaml").read_text("utf-8"))
 GOLDEN = ROOT / "examples" / FAQ.stem / "expected"

@@ -10,7 +10,7 @@ from functools import cached_property
 
 from plcgen.project.loading import SpecPath
 from plcgen.project.nouns import BlockRef, Buffer, Field, Link, Plan, PlannedJob, Telegram
-from plcgen.protocols.ds47.devices import Device, Parameter
+from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.protocols.ds47.schema import DriveSections
 from plcgen.protocols.ds47.wire.formats import Format
 

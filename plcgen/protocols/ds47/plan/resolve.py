@@ -11,7 +11,8 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.project.loading import LoadedSpec
 from plcgen.project.nouns import BlockRef
 from plcgen.project.numbering import Numbering
-from plcgen.protocols.ds47.devices import Catalogue, Device, Parameter, parameter_from
+from plcgen.protocols.ds47.device import Device, Parameter, parameter_from
+from plcgen.protocols.ds47.devices import Catalogue
 from plcgen.protocols.ds47.plan.jobs import plan_job
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
 from plcgen.protocols.ds47.plan.references import parse_reference

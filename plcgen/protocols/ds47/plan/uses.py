@@ -8,7 +8,7 @@ from typing import Any
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.project.loading import LoadedSpec, SpecPath
-from plcgen.protocols.ds47.devices import Device, Parameter
+from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.protocols.ds47.kinds import ReadItem, WriteItem
 from plcgen.protocols.ds47.plan.nouns import Use
 from plcgen.protocols.ds47.plan.references import Reference, parse_bico, parse_reference

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from plcgen.protocols.ds47 import devices as catalog
+from plcgen.protocols.ds47.device import Parameter as CatalogueParameter
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault
@@ -58,7 +58,7 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> Parameter:
 _NUMERIC = {Kind.SIGNED, Kind.UNSIGNED, Kind.FLOAT}
 
 
-def _value(use: Use, definition: catalog.Parameter, number: int, *, distinct: bool) -> Value:
+def _value(use: Use, definition: CatalogueParameter, number: int, *, distinct: bool) -> Value:
     """Content of one element: the factory setting, or a number of its own within the limits."""
     fmt = use.format
     if fmt.is_string or fmt.kind is Kind.OPAQUE:
@@ -75,7 +75,7 @@ def _value(use: Use, definition: catalog.Parameter, number: int, *, distinct: bo
     return int(low) + number % (int(min(high - low, 100.0)) + 1)
 
 
-def _octets(fmt: Format, definition: catalog.Parameter, number: int, count: int, *, distinct: bool) -> Value:
+def _octets(fmt: Format, definition: CatalogueParameter, number: int, count: int, *, distinct: bool) -> Value:
     text = definition.default if isinstance(definition.default, str) and not distinct else ""
     if fmt.kind is Kind.TEXT:
         return (text or "".join(chr(65 + (number + i) % 26) for i in range(count))).ljust(count)[:count]

@@ -13,7 +13,7 @@ from plcgen.protocols.ds47.rules.places import parameter_span, spelling
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plcgen.protocols.ds47.devices import Parameter
+    from plcgen.protocols.ds47.device import Parameter
     from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 
 _OPAQUE = frozenset({"BinaryDate", "TimeOfDay"})
