@@ -14,6 +14,7 @@ import pytest
 from plcgen import api
 from plcgen.resources import specs_dir
 
+pytestmark = pytest.mark.slow
 GOOD = {path.stem: path.read_text("utf-8") for path in sorted(specs_dir().glob("*.yaml"))}
 _KEY = re.compile(r"(?<=[\s{,])[A-Za-z_][\w]*(?=: )")
 _VALUE = re.compile(r"(?<=: )[^\s{}\[\],#][^{}\[\],#\n]*(?=[,}\]\n])")

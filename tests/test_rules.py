@@ -109,6 +109,7 @@ def test_the_names_made_from_the_catalogue_fit(toolchain: str, tmp_path: Path) -
     assert _check(jobs, tmp_path, PLC.replace("tia-v16", toolchain) + DRIVE) == ()
 
 
+@pytest.mark.slow
 def test_rules_are_linear() -> None:
     """Four times the jobs, full of findings, take four times the work: 4,000 of them seconds, not minutes."""
     works = []

@@ -64,6 +64,7 @@ ALIASES = "".join(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("data", "code"),
     [

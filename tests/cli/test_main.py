@@ -194,6 +194,7 @@ def test_ascii_console_does_not_crash(process, tmp_path):
     assert b"Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="needs file names that are no text")
 @pytest.mark.parametrize("format_", ["text", "json", "sarif", "junit", "github"])
 def test_file_names_that_are_no_text(process, format_):

@@ -300,6 +300,7 @@ def test_verify_exit_codes(plcgen, monkeypatch, outcome, code):
         assert plcgen("verify", "job.yaml", "--format", format_).code == code
 
 
+@pytest.mark.slow
 def test_verify_for_real(plcgen, good):
     """What generate wrote is verified; without it verify fails with a diagnostic."""
     before = plcgen("verify", good)
@@ -371,6 +372,7 @@ def test_schema_for_real(plcgen):
     assert json.loads(result.out)["$schema"] == "https://json-schema.org/draft/2020-12/schema"
 
 
+@pytest.mark.slow
 def test_demo(plcgen, tmp_path, monkeypatch):
     """Shipped specs are copied, generated and verified; changed copies are kept."""
     seen = []

@@ -69,6 +69,7 @@ def test_nested_statements(opening, closing):
     assert codes(source({"vars": "a : Int;", "code": code})) <= {"PG827", "PG802"}
 
 
+@pytest.mark.slow
 def test_long_else_chain():
     """2,000 ELSIF are compiled or refused."""
     code = "IF #a = 0 THEN ;" + "".join(f"ELSIF #a = {n} THEN #a := 1;" for n in range(1, 2000)) + "END_IF;"

@@ -123,6 +123,7 @@ def test_any_text_gives_a_node_or_a_diagnostic(text: str) -> None:
     assert node is not None or report.has_errors or blank
 
 
+@pytest.mark.slow
 @given(
     st.recursive(
         st.integers(-(2**40), 2**40) | st.booleans() | st.none() | st.text("abcxyz", min_size=2, max_size=8),

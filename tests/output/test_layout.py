@@ -221,6 +221,7 @@ def test_programs_get_whole_names_and_markdown_keeps_the_indentation():
     assert f"| {indent}x | BYTE |" in show("markdown", found)
 
 
+@pytest.mark.slow
 def test_expanding_a_huge_array_stops_at_a_bound():
     rows = tables("a : ARRAY[0..999999] OF BYTE;\n", expand=True)[0].rows
     assert len(rows) == 200_001

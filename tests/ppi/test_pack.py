@@ -138,6 +138,7 @@ blocks = st.builds(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(st.lists(blocks, min_size=1, max_size=6))
 def test_no_distribution_needs_fewer_telegrams(asked):
@@ -166,6 +167,7 @@ def writes(draw):
     return draw(st.permutations(found))
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(writes())
 def test_no_distribution_writes_with_fewer_telegrams(asked):
@@ -207,6 +209,7 @@ analog = st.builds(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=200)
 @given(st.lists(bits | words | long | elements | analog, min_size=1, max_size=30), st.booleans())
 def test_every_value_comes_back(asked, merge):
@@ -220,6 +223,7 @@ def test_every_value_comes_back(asked, merge):
     assert plan.collect(replies) == tuple(ItemResult.of(item, stored(item)) for item in asked)
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(st.lists(bits | words | long | analog, min_size=1, max_size=20), st.data())
 def test_every_byte_is_written_once(asked, data):

@@ -99,6 +99,7 @@ garbage = st.binary(max_size=12).map(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(garbage, frames()), max_size=6), garbage, st.data())
 def test_splitting_finds_every_frame(parts, last, data):
     """Whatever pieces the bytes come in: frames come out whole, and everything else is reported with its place."""
@@ -117,6 +118,7 @@ def test_splitting_finds_every_frame(parts, last, data):
     assert split(stream) == found
 
 
+@pytest.mark.slow
 @given(st.binary(max_size=400) | st.lists(damaged(encoded), max_size=5).map(b"".join), st.booleans())
 def test_splitting_loses_no_byte(stream, tolerant):
     """Any bytes are frames that decode, or garbage; together they are the stream."""

@@ -107,6 +107,7 @@ def named(members):
     return [{**member, "name": f"m{n}"} for n, member in enumerate(members)]
 
 
+@pytest.mark.slow
 @given(st.lists(nested, min_size=1, max_size=8))
 def test_any_declaration_lies_where_the_independent_calculator_puts_it(members):
     """Two calculators written apart; every leaf and the length."""
@@ -119,6 +120,7 @@ def test_any_declaration_lies_where_the_independent_calculator_puts_it(members):
         assert places[entry.path] == entry.offset
 
 
+@pytest.mark.slow
 @given(st.lists(nested, min_size=1, max_size=8))
 def test_a_place_without_doubts_needs_no_literature_rule(members):
     """Switch both rules of arrays and structures off: a confirmed member stays where it is."""

@@ -336,6 +336,7 @@ def test_nesting_and_doubling_bombs_are_refused_at_once():
     assert codes(layout_block, db("x : U49"), types) == ["PG808"]
 
 
+@pytest.mark.slow
 def test_layout_is_linear():
     """Four times the members take four times the work; arrays are not walked element by element."""
     works = []
@@ -373,6 +374,7 @@ any_type = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(any_type, min_size=1, max_size=8))
 def test_members_never_overlap_stay_inside_and_are_aligned(types):
     """For any declaration: offsets ascend, leaves are disjoint, wide and composite types start even."""

@@ -24,6 +24,7 @@ STRANGE = st.sampled_from([*WORDS, *PAIRS, "9" * 30, *"()[]{};:=#'\"-^\0\ufeffİ
 MUTATION = st.tuples(st.integers(0, 10_000), st.integers(0, 40), st.sampled_from("dris"), STRANGE)
 
 
+@pytest.mark.slow
 @given(
     st.sampled_from(SOURCES),
     st.lists(MUTATION, min_size=1, max_size=8),
@@ -53,6 +54,7 @@ def test_damaged_sources_give_diagnostics_only(
     assert all(d.span.line is not None and 0 <= d.span.line <= lines for d in diagnostics)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     [

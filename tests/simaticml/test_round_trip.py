@@ -57,6 +57,7 @@ def without_begin_comments(text: str) -> str:
     return head + begin + re.sub(r"  // .*", "", tail)
 
 
+@pytest.mark.slow
 def test_every_generated_source_comes_back_as_the_same_text(generated: dict[str, tuple[Path, bool]]) -> None:
     """UDT, DB, instance DB, FB, OB of all targets: text -> document -> text is the identity."""
     seen = 0
@@ -75,6 +76,7 @@ def test_every_generated_source_comes_back_as_the_same_text(generated: dict[str,
     assert seen > 150
 
 
+@pytest.mark.slow
 def test_every_generated_code_document_comes_back_as_its_source(generated: dict[str, tuple[Path, bool]]) -> None:
     """The documents on disk say what the text sources on disk say, and give the same document again."""
     for folder, classic in generated.values():
@@ -190,6 +192,7 @@ statements = st.one_of(simple, regions, whens, calls(expressions).map(lambda c: 
 codes = st.lists(st.tuples(statements, gaps).map("".join), max_size=5).map("\n".join)
 
 
+@pytest.mark.slow
 @given(codes)
 def test_any_code_comes_back(code: str) -> None:
     """Random code: the same text but for tabs, and the same document again."""

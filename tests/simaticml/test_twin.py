@@ -38,6 +38,7 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return {name: base / name for name in specs}
 
 
+@pytest.mark.slow
 def test_line_by_line_and_as_a_whole_give_the_same_document(generated: dict[str, Path]) -> None:
     """The kept pieces of code are what the whole text gives, in a fresh memory and in a used one."""
     twin._LINES.pieces.clear()

@@ -49,6 +49,7 @@ def test_objects_of_one_unit_take_turns(project: tuple[Path, Path]) -> None:
     assert objects == [4, 4]
 
 
+@pytest.mark.slow
 def test_a_fault_of_one_drive(project: tuple[Path, Path]) -> None:
     """``drive=z`` leaves the others alone; without it every unit has the fault once."""
     one = ends(api.simulate(*project, faults=["busy:drive=z"]))

@@ -71,6 +71,7 @@ def test_the_seed_has_its_requests() -> None:
     assert len(SEED) == 21
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_the_requests_of_the_seed_lie_in_the_tables(target: str, tmp_path: Path) -> None:
     """Text sources and SimaticML: length in byte 0, then exactly the bytes that the document prints."""

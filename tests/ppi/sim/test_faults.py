@@ -201,6 +201,7 @@ def test_several_faults_at_once() -> None:
     assert master.bus.transmit(50) == GOOD[:-2] + b"\x80\x16"
 
 
+@pytest.mark.slow
 @given(st.lists(st.sampled_from(list(FaultKind)), max_size=6), st.integers(0, 0xFFFF) | st.none())
 def test_any_mixture_of_faults_is_survived(kinds: list[FaultKind], value: int | None) -> None:
     """Whatever strikes, nothing raises, and the exchange after the faults is right."""

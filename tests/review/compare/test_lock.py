@@ -148,6 +148,7 @@ def test_code_and_constants():
         assert [c.kind for c in plcgen.check_lock().changes] == ["code-changed"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.stem)
 def test_round_trip_of_the_examples(spec, tmp_path):
     """Specs and generated folders: what was locked is what is read back."""

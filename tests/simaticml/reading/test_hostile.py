@@ -103,6 +103,7 @@ def test_every_truncation_is_one_diagnostic() -> None:
         assert 1 <= problems[0][1] <= lines
 
 
+@pytest.mark.slow
 @given(st.integers(0, len(EXAMPLE) - 1), st.binary(min_size=1, max_size=4))
 def test_damage_never_raises(place: int, junk: bytes) -> None:
     """Any bytes anywhere: blocks or diagnostics, never an exception."""
