@@ -14,6 +14,7 @@ import yaml
 from plcgen import api
 from plcgen.diagnostics import DiagnosticError, PluginError
 from plcgen.protocols.ds47 import devices
+from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.profile import (
     Answers,
@@ -164,7 +165,7 @@ def found(path: Path) -> list[tuple[str, str, int, int, str]]:
     ]
 
 
-def planned(path: Path) -> devices.Device:
+def planned(path: Path) -> Device:
     """The device of the only drive."""
     return api.check(path).project.plan(DrivePlan).drives[0].device
 
@@ -223,13 +224,13 @@ def test_a_profile_is_read_once(tmp_path: Path) -> None:
 def test_a_profile_says_everything_that_a_shipped_one_says(tmp_path: Path) -> None:
     """Every key reaches the device; a parameter without a source has that of the profile."""
     device = planned(write(tmp_path))
-    assert replace(device, parameters={}) == devices.Device(
+    assert replace(device, parameters={}) == Device(
         key="./acme.yaml", title="Acme Turbo", source="Acme manual 12", record_index={"profinet-global": 0xB02F},
         default_index="profinet-global", drive_object=7, drive_objects=(7, 8), drive_object_rule="7 is the motor",
         record_limit=100, max_parameters=5, answer_format="size", error_words=1, scalar_elements=(0, 1),
         strict_length=False, error_table="profidrive", parameters={},
     )  # fmt: skip
-    assert device.parameters[10] == devices.Parameter(
+    assert device.parameters[10] == Parameter(
         10, "FloatingPoint", "ramp", "Ramp time", "s", "rw", 3, 0.0, 10.0, 1.5, source="Acme manual 12"
     )
     assert (device.parameters[11].source, device.parameters[12].access) == ("chapter 4", "r")
