@@ -19,23 +19,16 @@ def read_text(path: Path, file: str | None = None) -> str:
     try:
         if not path.is_file():
             raise FileNotFoundError(2, "no such file" if not path.exists() else "not a file")
-        if path.stat().st_size > MAX_BYTES:
-            raise DiagnosticError(
-                [
-                    Diagnostic(
-                        "PG109",
-                        f"larger than {MAX_BYTES // 1024 // 1024} MiB",
-                        Span(name),
-                        help="split the file",
-                    )
-                ]
-            )
-        data = path.read_bytes()
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
     except (OSError, ValueError) as problem:  # ValueError: a NUL in the path
         why = getattr(problem, "strerror", None) or str(problem)
         raise DiagnosticError(
             [Diagnostic("PG110", f"cannot read the file: {why}", Span(name), help="check the path")]
         ) from problem
+    if len(data) > MAX_BYTES:
+        message = f"larger than {MAX_BYTES // 1024 // 1024} MiB"
+        raise DiagnosticError([Diagnostic("PG109", message, Span(name), help="split the file")])
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         message = "the file is UTF-16, not UTF-8"
         raise DiagnosticError([Diagnostic("PG102", message, Span(name, 1, 1, 1, 2), help="save the file as UTF-8")])
