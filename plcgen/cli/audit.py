@@ -7,20 +7,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import PATH, Verb, console, format_option, output_option
+from plcgen.cli.options import PATH, console, format_option, output_option, verb
 
 if TYPE_CHECKING:
     from plcgen.output.registry import Format
 
 
-@click.command(
+@verb(
     "audit",
-    cls=Verb,
-    examples=(
-        "plcgen audit project/*.db --spec job.yaml",
-        "plcgen audit old_project.awl types.udt --spec job.yaml",
-        "plcgen audit exports/ --spec job.yaml --format sarif --output audit.sarif",
-    ),
+    "plcgen audit project/*.db --spec job.yaml",
+    "plcgen audit old_project.awl types.udt --spec job.yaml",
+    "plcgen audit exports/ --spec job.yaml --format sarif --output audit.sarif",
 )
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="FILE|FOLDER...")
 @click.option("--spec", required=True, type=PATH, metavar="FILE", help="Spec that says what is read and written.")

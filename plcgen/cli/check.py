@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import PATH, Verb, console, format_option, output_option
+from plcgen.cli.options import PATH, console, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS, Console
 
 if TYPE_CHECKING:
@@ -20,16 +20,13 @@ TARGETS = ("v5", "tia-300", "tia-1500")
 Subject = tuple[str, Sequence["Diagnostic"]]
 
 
-@click.command(
+@verb(
     "check",
-    cls=Verb,
-    examples=(
-        "plcgen check job.yaml",
-        "plcgen check machines/*.yaml --format github",
-        "plcgen check job.yaml --format sarif --output plcgen.sarif",
-        "plcgen check old_project/ --target tia-1500     what TIA would refuse in V5 sources",
-        "plcgen check sources/ --program --target v5     compile it: names, types, calls",
-    ),
+    "plcgen check job.yaml",
+    "plcgen check machines/*.yaml --format github",
+    "plcgen check job.yaml --format sarif --output plcgen.sarif",
+    "plcgen check old_project/ --target tia-1500     what TIA would refuse in V5 sources",
+    "plcgen check sources/ --program --target v5     compile it: names, types, calls",
 )
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="SPEC|SOURCE|FOLDER...")
 @click.option(

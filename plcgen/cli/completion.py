@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import click
 
-from plcgen.cli.options import Verb, console
+from plcgen.cli.options import console, verb
 from plcgen.cli.output import OK
 
 
-@click.command(
+@verb(
     "completion",
-    cls=Verb,
-    examples=(
-        'bash:  eval "$(plcgen completion bash)"          in ~/.bashrc',
-        'zsh:   eval "$(plcgen completion zsh)"           in ~/.zshrc',
-        "fish:  plcgen completion fish > ~/.config/fish/completions/plcgen.fish",
-    ),
+    'bash:  eval "$(plcgen completion bash)"          in ~/.bashrc',
+    'zsh:   eval "$(plcgen completion zsh)"           in ~/.zshrc',
+    "fish:  plcgen completion fish > ~/.config/fish/completions/plcgen.fish",
 )
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
 def command(*, shell: str) -> int:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from plcgen.cli.options import PATH, Verb, console, format_option
+from plcgen.cli.options import PATH, console, format_option, verb
 from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
@@ -17,14 +17,11 @@ if TYPE_CHECKING:
 VERSIONS = ("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21")
 
 
-@click.command(
+@verb(
     "convert",
-    cls=Verb,
-    examples=(
-        "plcgen convert scl udt db --to xml --tia V18 --out xml",
-        "plcgen convert export/Motor.xml --to scl --out scl",
-        "plcgen convert old.scl --to xml --classic --out xml",
-    ),
+    "plcgen convert scl udt db --to xml --tia V18 --out xml",
+    "plcgen convert export/Motor.xml --to scl --out scl",
+    "plcgen convert old.scl --to xml --classic --out xml",
 )
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="FILE|FOLDER...")
 @click.option("--to", type=click.Choice(["scl", "xml"]), required=True, help="Text sources, or SimaticML.")
@@ -43,18 +40,7 @@ VERSIONS = ("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21")
 @click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")
 @click.option("--force", is_flag=True, help="Overwrite files that exist.")
 @format_option("findings")
-def command(
-    *,
-    paths: tuple[Path, ...],
-    to: Literal["scl", "xml"],
-    folder: Path,
-    version: str,
-    classic: bool,
-    culture: str,
-    encoding: str | None,
-    force: bool,
-    format_: Format,
-) -> int:
+def command(*, paths: tuple[Path, ...], folder: Path, culture: str, format_: Format, **options: Any) -> int:
     """Turn blocks into SimaticML for TIA Openness, or documents into SCL, UDT and DB sources.
 
     One file per block, named after it; comments and layout of the code are kept. Name the sources of all types
@@ -66,9 +52,7 @@ def command(
     if not _is_culture(culture):
         raise click.BadParameter("write it like en-US", param_hint="--culture")
     out = console()
-    result = api.convert(
-        *paths, to=to, out=folder, version=version, classic=classic, culture=culture, encoding=encoding, force=force
-    )
+    result = api.convert(*paths, out=folder, culture=culture, **options)
     if format_.name != "text":
         from plcgen.output.results import Findings
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Literal
 
 import click
 
-from plcgen.cli.hexbytes import HexError, HexText, parse_hex, strip_comment
-from plcgen.cli.options import Verb, console, format_option
-from plcgen.cli.output import PROBLEMS, is_terminal
+from plcgen.cli.hexbytes import HexError, HexText, parse_hex, read_stdin, strip_comment
+from plcgen.cli.options import console, format_option, verb
+from plcgen.cli.output import PROBLEMS
 from plcgen.diagnostics import Diagnostic, Span
 
 if TYPE_CHECKING:
@@ -17,19 +16,15 @@ if TYPE_CHECKING:
     from plcgen.protocols.ds47.texts import DecodedTelegram
 
 ARGUMENTS, STDIN, REQUEST = "<arguments>", "<stdin>", "<request>"
-_MAX_INPUT = 16 * 1024 * 1024
 _SPELLINGS = "write bytes as 03 01, 0301, 16#03, 0x03, 03h or W#16#0101, one telegram a line"
 
 
-@click.command(
+@verb(
     "decode",
-    cls=Verb,
-    examples=(
-        "plcgen decode 03 01 02 01 10 01 C4 7F 00 00",
-        'plcgen decode 0301020108014120 0000 --request "0301020110 01C47F0000"',
-        "plcgen encode job.yaml | plcgen decode",
-        "plcgen decode --status DF80B500",
-    ),
+    "plcgen decode 03 01 02 01 10 01 C4 7F 00 00",
+    'plcgen decode 0301020108014120 0000 --request "0301020110 01C47F0000"',
+    "plcgen encode job.yaml | plcgen decode",
+    "plcgen decode --status DF80B500",
 )
 @click.argument("hex_", nargs=-1, metavar="[HEX...]")
 @click.option("--as", "kind", type=click.Choice(["request", "response"]), help="Do not guess what it is.")
@@ -60,7 +55,8 @@ def command(
     if hex_:
         lines, name = [known[ARGUMENTS]], ARGUMENTS
     else:
-        lines, name = _stdin(known), STDIN
+        text = read_stdin("").decode("utf-8-sig", "replace").replace("\r\n", "\n").replace("\r", "\n")
+        known[STDIN], lines, name = text, text.split("\n"), STDIN
     telegrams: list[DecodedTelegram] = []
     for number, line in enumerate(lines, 1):
         body = strip_comment(line)
@@ -72,17 +68,6 @@ def command(
     if not telegrams and not found:
         found.append(Diagnostic("PG701", "there are no bytes to decode", Span(name), help=_SPELLINGS))
     return out.answer(format_, telegrams_answer(telegrams, found), known=known)
-
-
-def _stdin(known: dict[str, str]) -> list[str]:
-    if sys.stdin is None or is_terminal(sys.stdin):
-        raise click.UsageError("give the bytes as arguments or on stdin")
-    stream = getattr(sys.stdin, "buffer", None)
-    data = stream.read(_MAX_INPUT + 1) if stream is not None else sys.stdin.read(_MAX_INPUT + 1).encode()
-    if len(data) > _MAX_INPUT:
-        raise click.UsageError(f"more than {_MAX_INPUT // 1024 // 1024} MiB on stdin")
-    known[STDIN] = data.decode("utf-8-sig", "replace").replace("\r\n", "\n").replace("\r", "\n")
-    return known[STDIN].split("\n")
 
 
 def _read(text: str, name: str, line: int, found: list[Diagnostic]) -> HexText | None:

@@ -7,17 +7,14 @@ from pathlib import Path
 import click
 
 from plcgen.api import default_folder
-from plcgen.cli.options import PATH, Verb, console
+from plcgen.cli.options import PATH, console, verb
 from plcgen.cli.output import OK, PROBLEMS, Console
 
 
-@click.command(
+@verb(
     "demo",
-    cls=Verb,
-    examples=(
-        "plcgen demo",
-        "plcgen demo /tmp/plcgen",
-    ),
+    "plcgen demo",
+    "plcgen demo /tmp/plcgen",
 )
 @click.argument("folder", type=PATH, default="plcgen-demo", metavar="[DIR]")
 def command(*, folder: Path) -> int:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import PATH, Verb, console, format_option, output_option
+from plcgen.cli.options import PATH, console, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
@@ -16,16 +16,13 @@ if TYPE_CHECKING:
 FAIL_ON = ("breaking", "compatible", "any", "never")
 
 
-@click.command(
+@verb(
     "diff",
-    cls=Verb,
-    examples=(
-        "plcgen diff old/plc plc",
-        "plcgen diff old.db new.db --verbose",
-        "plcgen diff main/job.yaml job.yaml --format markdown",
-        "plcgen diff old/plc plc --policy member-renamed=compatible --fail-on any",
-        "plcgen diff --list-changes",
-    ),
+    "plcgen diff old/plc plc",
+    "plcgen diff old.db new.db --verbose",
+    "plcgen diff main/job.yaml job.yaml --format markdown",
+    "plcgen diff old/plc plc --policy member-renamed=compatible --fail-on any",
+    "plcgen diff --list-changes",
 )
 @click.argument("paths", nargs=-1, type=PATH, metavar="OLD NEW")
 @click.option(

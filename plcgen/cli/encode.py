@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import Verb, console, format_option
+from plcgen.cli.options import console, format_option, verb
 from plcgen.cli.output import Console
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 
@@ -17,16 +17,13 @@ if TYPE_CHECKING:
     from plcgen.output.results import Answer
 
 
-@click.command(
+@verb(
     "encode",
-    cls=Verb,
-    examples=(
-        "plcgen encode job.yaml",
-        "plcgen encode job.yaml read_ramp_up",
-        'plcgen encode read P50303 "P2155[1..2]" --do 2 --ref 3',
-        "plcgen encode write P50304=100.0:FloatingPoint --do 2",
-        "plcgen encode write ramp_down_time_1=100.0 --device sinamics-dcm",
-    ),
+    "plcgen encode job.yaml",
+    "plcgen encode job.yaml read_ramp_up",
+    'plcgen encode read P50303 "P2155[1..2]" --do 2 --ref 3',
+    "plcgen encode write P50304=100.0:FloatingPoint --do 2",
+    "plcgen encode write ramp_down_time_1=100.0 --device sinamics-dcm",
 )
 @click.argument("words", nargs=-1, required=True, metavar="SPEC [JOB] | read P... | write P=VALUE:TYPE...")
 @click.option("--do", "drive_object", type=click.IntRange(0, 255), help="Drive object.  [default: the device's, or 1]")
@@ -34,12 +31,7 @@ if TYPE_CHECKING:
 @click.option("--device", metavar="DEVICE", help="Device profile: names, data types, drive object.")
 @format_option("answer")
 def command(
-    *,
-    words: tuple[str, ...],
-    drive_object: int | None,
-    reference: int,
-    device: str | None,
-    format_: Format,
+    *, words: tuple[str, ...], drive_object: int | None, reference: int, device: str | None, format_: Format
 ) -> int:
     """Print request telegrams as hex, one per line: of a spec's jobs, or of parameters given here.
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import Verb, console, format_option
+from plcgen.cli.options import console, format_option, verb
 from plcgen.cli.output import OK, PROBLEMS, error_line, help_line
 
 if TYPE_CHECKING:
@@ -14,26 +14,18 @@ if TYPE_CHECKING:
     from plcgen.output.results import Answer
 
 
-@click.command(
+@verb(
     "explain",
-    cls=Verb,
-    examples=(
-        "plcgen explain PG209            a diagnostic of plcgen",
-        "plcgen explain 0x11             an error number in a drive's answer",
-        "plcgen explain 16#8401          the status word of a generated block",
-        "plcgen explain DF80B500         a STATUS double word of WRREC or RDREC",
-        "plcgen explain --list",
-    ),
+    "plcgen explain PG209            a diagnostic of plcgen",
+    "plcgen explain 0x11             an error number in a drive's answer",
+    "plcgen explain 16#8401          the status word of a generated block",
+    "plcgen explain DF80B500         a STATUS double word of WRREC or RDREC",
+    "plcgen explain --list",
 )
 @click.argument("codes", nargs=-1, metavar="CODE...")
 @click.option("--list", "list_all", is_flag=True, help="List every diagnostic code.")
 @format_option("answer")
-def command(
-    *,
-    codes: tuple[str, ...],
-    list_all: bool,
-    format_: Format,
-) -> int:
+def command(*, codes: tuple[str, ...], list_all: bool, format_: Format) -> int:
     """Explain diagnostic codes, error numbers of a drive, and status words.
 
     Numbers are hexadecimal, in any usual spelling; their length says what they are.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.api import default_folder
-from plcgen.cli.options import PATH, Verb, console, format_option
+from plcgen.cli.options import PATH, console, folder_option, format_option, verb
 from plcgen.cli.output import OK, PROBLEMS, Console, error_detail, error_line, help_line
 
 if TYPE_CHECKING:
@@ -18,32 +18,19 @@ if TYPE_CHECKING:
     from plcgen.output.registry import Format
 
 
-@click.command(
+@verb(
     "generate",
-    cls=Verb,
-    examples=(
-        "plcgen generate job.yaml",
-        "plcgen generate job.yaml --out plc/drives",
-        "plcgen generate job.yaml --check",
-    ),
+    "plcgen generate job.yaml",
+    "plcgen generate job.yaml --out plc/drives",
+    "plcgen generate job.yaml --check",
 )
 @click.argument("spec", type=PATH)
-@click.option(
-    "--out", "folder", type=PATH, metavar="DIR", help="Output folder.  [default: <spec>_generated beside the spec]"
-)
+@folder_option("Output folder")
 @click.option("--check", "check_only", is_flag=True, help="Write nothing; exit 1 if the folder is not up to date.")
 @click.option("--diff", is_flag=True, help="Show what would change as a unified diff; write nothing.")
 @click.option("--force", is_flag=True, help="Overwrite files that were changed by hand.")
 @format_option("findings")
-def command(
-    *,
-    spec: Path,
-    folder: Path | None,
-    check_only: bool,
-    diff: bool,
-    force: bool,
-    format_: Format,
-) -> int:
+def command(*, spec: Path, folder: Path | None, check_only: bool, diff: bool, force: bool, format_: Format) -> int:
     """Generate the PLC sources of a spec into a folder.
 
     The folder is replaced as a whole or not at all. Files that you changed by hand are never overwritten

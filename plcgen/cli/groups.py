@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib import import_module
+from types import MappingProxyType
 from typing import Any
 
 import click
@@ -22,13 +23,22 @@ def _show_help() -> None:
 
 
 class VerbGroup(Examples, click.Group):
-    """A group whose verbs live in modules of the same name in ``package`` and whose help needs none of them."""
+    """A group whose verbs live in modules of the same name in ``package`` and whose help needs none of them.
+
+    ``modules`` names the modules in which several verbs live, each under its own name.
+    """
 
     def __init__(
-        self, *args: Any, sections: Sections, package: str, hint: Callable[[str], str] | None = None, **kwargs: Any
+        self,
+        *args: Any,
+        sections: Sections,
+        package: str,
+        modules: Mapping[str, str] = MappingProxyType({}),
+        hint: Callable[[str], str] | None = None,
+        **kwargs: Any,
     ) -> None:
         super().__init__(*args, callback=_show_help, invoke_without_command=True, **kwargs)
-        self.sections, self.package, self.hint = sections, package, hint
+        self.sections, self.package, self.modules, self.hint = sections, package, modules, hint
 
     @property
     def verbs(self) -> tuple[str, ...]:
@@ -43,7 +53,8 @@ class VerbGroup(Examples, click.Group):
         """Import the verb's module."""
         if cmd_name not in self.verbs:
             return None
-        found: click.Command = import_module(f"{self.package}.{cmd_name}").command
+        module, command = self.modules.get(cmd_name, cmd_name), cmd_name if cmd_name in self.modules else "command"
+        found: click.Command = getattr(import_module(f"{self.package}.{module}"), command)
         return found
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002

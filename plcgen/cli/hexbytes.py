@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 import re
+import sys
 from dataclasses import dataclass
 
+import click
+
+from plcgen.cli.output import is_terminal
+
+MAX_INPUT = 16 * 1024 * 1024
 MAX_BYTES = 64 * 1024
 """Longest telegram text that is taken apart; a record has 240 bytes at most."""
 
@@ -91,3 +97,19 @@ def _append(match: re.Match[str], data: bytearray, places: list[tuple[int, int]]
     plain = len(match["digits"]) == len(digits)
     first = match.start("digits")
     places += [(first + 2 * n, 2) if plain else (start, length) for n in range(len(piece))]
+
+
+def read_stdin(ways: str) -> bytes:
+    """Everything on stdin; ``ways`` are further ways to give bytes. Raises UsageError for a terminal and too much."""
+    if sys.stdin is None or is_terminal(sys.stdin):
+        raise click.UsageError(f"give the bytes as arguments{ways} or on stdin")
+    stream = getattr(sys.stdin, "buffer", None)
+    data: bytes = stream.read(MAX_INPUT + 1) if stream is not None else sys.stdin.read(MAX_INPUT + 1).encode()
+    require_size(data, "stdin")
+    return data
+
+
+def require_size(data: bytes, name: str) -> None:
+    """Raise UsageError for more bytes than anybody records."""
+    if len(data) > MAX_INPUT:
+        raise click.UsageError(f"more than {MAX_INPUT // 1024 // 1024} MiB {'on' if name == 'stdin' else 'in'} {name}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import PATH, Verb, console, format_option
+from plcgen.cli.options import PATH, console, format_option, verb
 from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
@@ -15,15 +15,12 @@ if TYPE_CHECKING:
     from plcgen.output.registry import Format
 
 
-@click.command(
+@verb(
     "layout",
-    cls=Verb,
-    examples=(
-        "plcgen layout job.yaml",
-        "plcgen layout old_project.awl types.udt --block DB3",
-        "plcgen layout exported_project/ --format csv --out layout.csv",
-        "plcgen layout exported_project/ --format html --out layout.html",
-    ),
+    "plcgen layout job.yaml",
+    "plcgen layout old_project.awl types.udt --block DB3",
+    "plcgen layout exported_project/ --format csv --out layout.csv",
+    "plcgen layout exported_project/ --format html --out layout.html",
 )
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="SPEC|FILE|FOLDER...")
 @format_option("layout")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.diff import FAIL_ON
-from plcgen.cli.options import PATH, Verb, console, format_option, output_option
+from plcgen.cli.options import PATH, console, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
@@ -17,15 +17,12 @@ if TYPE_CHECKING:
     from plcgen.review.compare.model import Comparison
 
 
-@click.command(
+@verb(
     "lock",
-    cls=Verb,
-    examples=(
-        "plcgen lock plc",
-        "plcgen lock --check",
-        "plcgen lock job.yaml --out job.lock.yaml",
-        "plcgen lock --check --fail-on breaking --format sarif --output lock.sarif",
-    ),
+    "plcgen lock plc",
+    "plcgen lock --check",
+    "plcgen lock job.yaml --out job.lock.yaml",
+    "plcgen lock --check --fail-on breaking --format sarif --output lock.sarif",
 )
 @click.argument("paths", nargs=-1, type=PATH, metavar="[SPEC|FILE|FOLDER]...")
 @click.option("--out", "path", type=PATH, default="plcgen.lock.yaml", show_default=True, help="The lock file.")

@@ -95,6 +95,11 @@ class Verb(Examples):
         return super().invoke(ctx)
 
 
+def verb(name: str, *examples: str, help: str | None = None) -> Callable[[Callable[..., int]], click.Command]:  # noqa: A002
+    """Make a verb of a function that takes its parameters by name; the help is its docstring if it is not given."""
+    return click.command(name, cls=Verb, examples=examples, help=help)
+
+
 def _would_destroy(target: Path, read: Path) -> bool:
     """Whether an existing file is ``read``, or a PLC source below the folder ``read``."""
     try:
@@ -112,6 +117,12 @@ def output_option(verb: Callback) -> Callback:
         "-o", "--output", type=PATH, metavar="FILE", help="Write the result to FILE instead of stdout."
     )
     return option(verb)
+
+
+def folder_option(what: str) -> Callable[[Callback], Callback]:
+    """Add ``--out DIR`` for the generated files of a spec; the parameter is called ``folder``."""
+    help_ = f"{what}.  [default: <spec>_generated beside the spec]"
+    return click.option("--out", "folder", type=PATH, metavar="DIR", help=help_)
 
 
 class _FormatName(click.ParamType[Any]):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import Verb, console, format_option, output_option
+from plcgen.cli.options import console, format_option, output_option, verb
 from plcgen.cli.output import OK
 
 if TYPE_CHECKING:
@@ -15,23 +15,15 @@ if TYPE_CHECKING:
     from plcgen.output.results import Answer
 
 
-@click.command(
+@verb(
     "schema",
-    cls=Verb,
-    examples=(
-        "plcgen schema --output plcgen.schema.json",
-        "plcgen schema --devices",
-    ),
+    "plcgen schema --output plcgen.schema.json",
+    "plcgen schema --devices",
 )
 @click.option("--devices", is_flag=True, help="List the device profiles instead.")
 @format_option("answer")
 @output_option
-def command(
-    *,
-    devices: bool,
-    format_: Format,
-    output: Path | None,
-) -> int:
+def command(*, devices: bool, format_: Format, output: Path | None) -> int:
     """Print the JSON schema of a spec for your editor, or the known devices."""
     out = console()
     if devices:

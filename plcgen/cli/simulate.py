@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from plcgen.api import default_folder
-from plcgen.cli.options import PATH, Verb, console, format_option, output_option
+from plcgen.cli.options import PATH, console, folder_option, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS, USAGE, Console
 
 if TYPE_CHECKING:
@@ -18,21 +18,16 @@ if TYPE_CHECKING:
 _MAX_SCANS = 10_000_000
 
 
-@click.command(
+@verb(
     "simulate",
-    cls=Verb,
-    examples=(
-        "plcgen simulate job.yaml",
-        "plcgen simulate job.yaml --job read_speed --fault busy:times=2",
-        "plcgen simulate job.yaml --set setRamps.rampUpTime=5.0 --fault error:number=2",
-        "plcgen simulate job.yaml --with my_main.scl --watch MyData.step",
-        "plcgen simulate job.yaml --format vcd --output run.vcd",
-    ),
+    "plcgen simulate job.yaml",
+    "plcgen simulate job.yaml --job read_speed --fault busy:times=2",
+    "plcgen simulate job.yaml --set setRamps.rampUpTime=5.0 --fault error:number=2",
+    "plcgen simulate job.yaml --with my_main.scl --watch MyData.step",
+    "plcgen simulate job.yaml --format vcd --output run.vcd",
 )
 @click.argument("spec", type=PATH)
-@click.option(
-    "--out", "folder", type=PATH, metavar="DIR", help="Generated folder.  [default: <spec>_generated beside the spec]"
-)
+@folder_option("Generated folder")
 @click.option("--job", "jobs", multiple=True, metavar="NAME", help="Start this job only; may be repeated.")
 @click.option(
     "--scans", type=click.IntRange(1, _MAX_SCANS), metavar="N", help="End after N scans.  [default: all jobs ended]"

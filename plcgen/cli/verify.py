@@ -8,26 +8,21 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from plcgen.api import default_folder
-from plcgen.cli.options import PATH, Verb, console, format_option, output_option
+from plcgen.cli.options import PATH, console, folder_option, format_option, output_option, verb
 
 if TYPE_CHECKING:
     from plcgen.output.registry import Format
 
 
-@click.command(
+@verb(
     "verify",
-    cls=Verb,
-    examples=(
-        "plcgen verify job.yaml",
-        "plcgen verify job.yaml --drive press3.yaml",
-        "plcgen verify job.yaml --faults full",
-        "plcgen verify job.yaml --format junit --output verify.xml",
-    ),
+    "plcgen verify job.yaml",
+    "plcgen verify job.yaml --drive press3.yaml",
+    "plcgen verify job.yaml --faults full",
+    "plcgen verify job.yaml --format junit --output verify.xml",
 )
 @click.argument("spec", type=PATH)
-@click.option(
-    "--out", "folder", type=PATH, metavar="DIR", help="Generated folder.  [default: <spec>_generated beside the spec]"
-)
+@folder_option("Generated folder")
 @click.option("--drive", type=PATH, metavar="FILE", help="Drive file: the parameters of your real drive.")
 @click.option(
     "--faults",

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from plcgen.cli import decode
+from plcgen.cli import hexbytes
 from plcgen.cli.hexbytes import HexError, parse_hex
 
 READ = "03 01 02 01 10 01 C4 7F 00 00"
@@ -159,7 +159,7 @@ def test_huge_and_binary_input(plcgen):
 
 def test_endless_stdin_is_refused(plcgen, monkeypatch):
     """Reading stops at a bound instead of filling the memory."""
-    monkeypatch.setattr(decode, "_MAX_INPUT", 10)
+    monkeypatch.setattr(hexbytes, "MAX_INPUT", 10)
     result = plcgen("decode", stdin="03 01 02 01 10 01")
     assert (result.code, result.out) == (2, "")
 

@@ -37,6 +37,7 @@ command = VerbGroup(
     help="Talk to S7-200 PLCs over PPI: telegrams, values, a simulated station.",
     sections=SECTIONS,
     package="plcgen.cli.ppi",
+    modules={"info": "cpu", "run": "cpu", "stop": "cpu"},
     examples=(
         "plcgen ppi read VB100 VD200:REAL M0.0 --port /dev/ttyUSB0",
         "plcgen ppi monitor VW100 --port socket://192.168.1.50:4000",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,8 +9,8 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.arguments import ARGUMENTS
-from plcgen.cli.options import PATH, Verb, console, format_option
-from plcgen.cli.output import is_terminal
+from plcgen.cli.hexbytes import MAX_INPUT, read_stdin, require_size
+from plcgen.cli.options import PATH, console, format_option, verb
 from plcgen.diagnostics import Diagnostic, Severity, Span
 
 if TYPE_CHECKING:
@@ -20,18 +19,14 @@ if TYPE_CHECKING:
     from plcgen.protocols.ppi.texts import PpiTelegram
 
 STDIN = "<stdin>"
-_MAX_INPUT = 16 * 1024 * 1024
 
 
-@click.command(
+@verb(
     "decode",
-    cls=Verb,
-    examples=(
-        "plcgen ppi decode 68 16 16 68 00 02 08 32 03 00 00 00 00 00 02 00 05 00 00 04 01 FF 04 00 08 22 78 16",
-        "plcgen ppi decode F9 --tolerant",
-        "plcgen ppi decode --file capture.txt --short",
-        "plcgen ppi encode read VB100 | plcgen ppi decode --json",
-    ),
+    "plcgen ppi decode 68 16 16 68 00 02 08 32 03 00 00 00 00 00 02 00 05 00 00 04 01 FF 04 00 08 22 78 16",
+    "plcgen ppi decode F9 --tolerant",
+    "plcgen ppi decode --file capture.txt --short",
+    "plcgen ppi encode read VB100 | plcgen ppi decode --json",
 )
 @click.argument("hex_", nargs=-1, metavar="[HEX...]")
 @click.option("--file", "file", type=PATH, metavar="FILE", help="Read a capture: hexadecimal lines, or raw bytes.")
@@ -40,14 +35,7 @@ _MAX_INPUT = 16 * 1024 * 1024
 )
 @click.option("-s", "--short", is_flag=True, help="One line a telegram.")
 @format_option("answer")
-def command(
-    *,
-    hex_: tuple[str, ...],
-    file: Path | None,
-    tolerant: bool,
-    short: bool,
-    format_: Format,
-) -> int:
+def command(*, hex_: tuple[str, ...], file: Path | None, tolerant: bool, short: bool, format_: Format) -> int:
     """Explain PPI telegrams byte by byte: from arguments, a file or stdin.
 
     All bytes are one stream; frames are found in it, and what belongs to no frame is named. An answer is shown with
@@ -76,37 +64,21 @@ def _capture(hex_: Sequence[str], file: Path | None) -> tuple[Capture, dict[str,
         capture = Capture(ARGUMENTS)
         capture.add_line(text, 1)
         return capture, {ARGUMENTS: text}
-    if file is not None:
-        with file.open("rb") as stream:
-            data = stream.read(_MAX_INPUT + 1)
-        name = str(file)
-    else:
-        data, name = _stdin(), STDIN
-    if len(data) > _MAX_INPUT:
-        raise click.UsageError(f"more than {_MAX_INPUT // 1024 // 1024} MiB in {name}")
-    return capture_of(name, data), {STDIN: data.decode("utf-8", "replace")} if name == STDIN else {}
-
-
-def _stdin() -> bytes:
-    if sys.stdin is None or is_terminal(sys.stdin):
-        raise click.UsageError("give the bytes as arguments, as --file or on stdin")
-    stream = getattr(sys.stdin, "buffer", None)
-    data: bytes = stream.read(_MAX_INPUT + 1) if stream is not None else sys.stdin.read(_MAX_INPUT + 1).encode()
-    return data
+    if file is None:
+        data = read_stdin(", as --file")
+        return capture_of(STDIN, data), {STDIN: data.decode("utf-8", "replace")}
+    with file.open("rb") as stream:
+        data = stream.read(MAX_INPUT + 1)
+    require_size(data, str(file))
+    return capture_of(str(file), data), {}
 
 
 def _diagnostics(telegram: PpiTelegram, capture: Capture) -> list[Diagnostic]:
-    wrong = [
-        Diagnostic("PG710", f"byte {problem.offset}: {problem.message}", capture.span(telegram.offset + problem.offset))
-        for problem in telegram.problems
-    ]
-    tolerated = [
-        Diagnostic(
-            "PG710",
-            f"tolerated: byte {problem.offset}: {problem.message}",
-            capture.span(telegram.offset + problem.offset),
-            Severity.WARNING,
+    return [
+        Diagnostic("PG710", f"{mark}byte {p.offset}: {p.message}", capture.span(telegram.offset + p.offset), severity)
+        for mark, severity, problems in (
+            ("", Severity.ERROR, telegram.problems),
+            ("tolerated: ", Severity.WARNING, telegram.tolerated),
         )
-        for problem in telegram.tolerated
+        for p in problems
     ]
-    return wrong + tolerated

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.arguments import ARGUMENTS
-from plcgen.cli.options import Verb, console, format_option
+from plcgen.cli.options import console, format_option, verb
 from plcgen.cli.ppi.places import cpu_option, symbols_option
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 
@@ -35,16 +35,13 @@ class _How:
     experimental: bool
 
 
-@click.command(
+@verb(
     "encode",
-    cls=Verb,
-    examples=(
-        "plcgen ppi encode read VB100 M0.0 --station 2",
-        "plcgen ppi encode write VW100=1234 VD200:REAL=1.5",
-        "plcgen ppi encode read VB0[500] --pack",
-        "plcgen ppi encode poll --fcb 0",
-        "plcgen ppi encode run --ref 7 | plcgen ppi decode",
-    ),
+    "plcgen ppi encode read VB100 M0.0 --station 2",
+    "plcgen ppi encode write VW100=1234 VD200:REAL=1.5",
+    "plcgen ppi encode read VB0[500] --pack",
+    "plcgen ppi encode poll --fcb 0",
+    "plcgen ppi encode run --ref 7 | plcgen ppi decode",
 )
 @click.argument("words", nargs=-1, required=True, metavar="read A... | write A=VALUE... | run | stop | setup | poll")
 @click.option("--station", type=click.IntRange(0, 126), default=2, help="Station of the PLC (DA).  [default: 2]")

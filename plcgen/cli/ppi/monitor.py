@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from plcgen.cli.arguments import ARGUMENTS
-from plcgen.cli.options import Verb, console, stream_option
+from plcgen.cli.options import console, stream_option, verb
 from plcgen.cli.output import OK, PROBLEMS, Console, is_terminal
 from plcgen.cli.ppi.connection import failure, line_options, open_client
 from plcgen.cli.ppi.places import cpu_option, symbols_option
@@ -22,14 +22,11 @@ if TYPE_CHECKING:
     from plcgen.protocols.ppi.client.places import Place
 
 
-@click.command(
+@verb(
     "monitor",
-    cls=Verb,
-    examples=(
-        "plcgen ppi monitor VW100 M0.0 T32 --port /dev/ttyUSB0",
-        "plcgen ppi monitor level:REAL --symbols press.csv --interval 0.2 --port COM3",
-        "plcgen ppi monitor VB0 --count 10 --json --port socket://10.0.0.5:4000 > log.jsonl",
-    ),
+    "plcgen ppi monitor VW100 M0.0 T32 --port /dev/ttyUSB0",
+    "plcgen ppi monitor level:REAL --symbols press.csv --interval 0.2 --port COM3",
+    "plcgen ppi monitor VB0 --count 10 --json --port socket://10.0.0.5:4000 > log.jsonl",
 )
 @click.argument("words", nargs=-1, required=True, metavar="ADDRESS...")
 @click.option(

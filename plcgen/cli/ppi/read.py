@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plcgen.cli.options import Verb, format_option
+from plcgen.cli.options import format_option, verb
 from plcgen.cli.ppi.connection import ask, line_options, open_client
 from plcgen.cli.ppi.places import cpu_option, symbols_option
 
@@ -15,15 +15,12 @@ if TYPE_CHECKING:
     from plcgen.output.results import Answer
 
 
-@click.command(
+@verb(
     "read",
-    cls=Verb,
-    examples=(
-        "plcgen ppi read VB100 M0.0 T32 --port /dev/ttyUSB0",
-        "plcgen ppi read VD200:REAL VB0[21]:STRING --port socket://192.168.1.50:4000",
-        "plcgen ppi read pump_speed level:REAL --symbols press.csv --port COM3",
-        "plcgen ppi read VB0[1000] --port /dev/ttyUSB0 --json",
-    ),
+    "plcgen ppi read VB100 M0.0 T32 --port /dev/ttyUSB0",
+    "plcgen ppi read VD200:REAL VB0[21]:STRING --port socket://192.168.1.50:4000",
+    "plcgen ppi read pump_speed level:REAL --symbols press.csv --port COM3",
+    "plcgen ppi read VB0[1000] --port /dev/ttyUSB0 --json",
 )
 @click.argument("words", nargs=-1, required=True, metavar="ADDRESS...")
 @line_options

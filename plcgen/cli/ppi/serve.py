@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plcgen.cli.options import PATH, Verb, console, stream_option
+from plcgen.cli.options import PATH, console, stream_option, verb
 from plcgen.cli.output import OK, Console
 from plcgen.cli.ppi.places import find_symbols, symbols_option
 
@@ -20,16 +20,13 @@ if TYPE_CHECKING:
     from plcgen.protocols.ppi.sim import Bus, Traffic
 
 
-@click.command(
+@verb(
     "serve",
-    cls=Verb,
-    examples=(
-        "plcgen ppi serve                                  a CPU 224 on a pseudo terminal",
-        "plcgen ppi serve --cpu 226 --set VW100=1234 --log",
-        "plcgen ppi serve --values plant.yaml --tcp 0.0.0.0:4000",
-        "plcgen ppi serve --port /dev/ttyUSB0 --baud 19200",
-        "plcgen ppi serve --fault not_ready:times=always --fault fcs:after=3",
-    ),
+    "plcgen ppi serve                                  a CPU 224 on a pseudo terminal",
+    "plcgen ppi serve --cpu 226 --set VW100=1234 --log",
+    "plcgen ppi serve --values plant.yaml --tcp 0.0.0.0:4000",
+    "plcgen ppi serve --port /dev/ttyUSB0 --baud 19200",
+    "plcgen ppi serve --fault not_ready:times=always --fault fcs:after=3",
 )
 @click.option("--values", "file", type=PATH, metavar="FILE", help="Stations, values and faults from a YAML file.")
 @click.option("--cpu", metavar="CPU", help="221, 222, 224, 224XP, 226, ST20 or ST40.  [default: 224]")

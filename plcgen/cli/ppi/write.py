@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plcgen.cli.options import Verb, console, format_option
+from plcgen.cli.options import console, format_option, verb
 from plcgen.cli.ppi.connection import ask, line_options, open_client
 from plcgen.cli.ppi.places import cpu_option, symbols_option
 
@@ -15,14 +15,11 @@ if TYPE_CHECKING:
     from plcgen.output.results import Answer
 
 
-@click.command(
+@verb(
     "write",
-    cls=Verb,
-    examples=(
-        "plcgen ppi write VW100=1234 M0.0=1 --port /dev/ttyUSB0 --yes-write",
-        "plcgen ppi write VD200:REAL=1.5 VB0[21]:STRING='Recipe 7' --port COM3 --yes-write",
-        "plcgen ppi write setpoint=16#04D2 --symbols press.csv --port socket://10.0.0.5:4000 --yes-write",
-    ),
+    "plcgen ppi write VW100=1234 M0.0=1 --port /dev/ttyUSB0 --yes-write",
+    "plcgen ppi write VD200:REAL=1.5 VB0[21]:STRING='Recipe 7' --port COM3 --yes-write",
+    "plcgen ppi write setpoint=16#04D2 --symbols press.csv --port socket://10.0.0.5:4000 --yes-write",
 )
 @click.argument("words", nargs=-1, required=True, metavar="ADDRESS=VALUE...")
 @click.option("--yes-write", is_flag=True, help="Really write; without it only what would be written is shown.")
