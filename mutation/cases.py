@@ -12,8 +12,7 @@ from plcgen.diagnostics import Report
 from plcgen.project.loading import load_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ppi.plan.nouns import PpiPlan
+from plcgen.proof.suite import CodeBlock
 
 ROOT = Path(__file__).resolve().parent.parent
 KINDS: dict[str, Callable[[str], Iterable[Mutant]]] = {"dropped": dropped, "exchanged": swapped, "changed": tokens}
@@ -22,11 +21,11 @@ KINDS: dict[str, Callable[[str], Iterable[Mutant]]] = {"dropped": dropped, "exch
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A mutant in its place; ``job`` is the key of a drive job or PPI master, empty for the main program."""
+    """A mutant in its place; ``key`` is that of the block, empty for the main program."""
 
     spec: str
     file: str
-    job: str
+    key: str
     mutant: Mutant
 
 
@@ -43,6 +42,12 @@ def project_of(spec: str) -> Project:
     return _projects[spec]
 
 
+def blocks_of(spec: str) -> list[CodeBlock]:
+    """The function blocks of a shipped spec."""
+    plans = project_of(spec).plans
+    return [block for plan in plans for suite in plan.protocol.proof(plan).suites() for block in suite.blocks()]
+
+
 def golden(spec: str) -> Path:
     """The generated files of a shipped spec."""
     return ROOT / "examples" / spec / "expected"
@@ -56,15 +61,12 @@ def encoding_of(spec: str) -> str:
 def cases(specs: Iterable[str], kinds: Iterable[str] = tuple(KINDS), *, main: bool = False) -> Iterator[Case]:
     """Every mutant of every function block; ``main`` takes the organization block too."""
     for spec in specs:
-        project = project_of(spec)
-        drives, ppi = project.plan(DrivePlan), project.plan(PpiPlan)
-        files = {f"scl/{job.block.name}.scl": job.key for job in drives.jobs} if drives else {}
-        files |= {f"scl/{master.block.name}.scl": master.key for master in ppi.masters} if ppi else {}
-        for file, job in {**files, **({"scl/Main.scl": ""} if main else {})}.items():
+        files = {f"scl/{block.block}.scl": block.key for block in blocks_of(spec)}
+        for file, key in {**files, **({"scl/Main.scl": ""} if main else {})}.items():
             text = (golden(spec) / file).read_text(encoding=encoding_of(spec))
             for kind in kinds:
                 for mutant in KINDS[kind](text):
-                    yield Case(spec, file, job, mutant)
+                    yield Case(spec, file, key, mutant)
 
 
 def known_cases() -> Iterator[Case]:
@@ -73,6 +75,5 @@ def known_cases() -> Iterator[Case]:
         text = (golden(known.spec) / known.file).read_text(encoding=encoding_of(known.spec))
         if known.old not in text:
             raise SystemExit(f"{known.name}: {known.old!r} is not in {known.file}")
-        drives = project_of(known.spec).plan(DrivePlan)
-        key = next(job.key for job in (drives.jobs if drives else ()) if job.block.name in known.file)
+        key = next(block.key for block in blocks_of(known.spec) if block.block in known.file)
         yield Case(known.spec, known.file, key, Mutant(known.name, 0, text.replace(known.old, known.new)))

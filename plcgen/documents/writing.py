@@ -22,9 +22,8 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.documents.environment import RenderedFile
 from plcgen.documents.folder_lock import exclusive
 from plcgen.documents.manifest import digest
-from plcgen.sources.generated import MANIFEST, known_files
+from plcgen.sources.generated import JOURNAL, MANIFEST, known_files
 
-JOURNAL = ".plcgen-journal.json"
 STAGE = ".plcgen-stage-"
 MAX_DIFF = 400_000
 """Bytes of a file, old and new, up to which its lines are compared."""

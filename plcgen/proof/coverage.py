@@ -2,49 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from plcgen.cpu.linkage import Probe
 from plcgen.cpu.program import Program
-from plcgen.protocols.ds47.plan.nouns import DriveJob
+from plcgen.proof.reach import Premise, reachable
+from plcgen.scl import ast
 
 Step = tuple[int, int]
 NO_OTHER = "the selector has no other value"
-ONE_ERROR = "a telegram of one parameter has one error"
-NO_RETRY = "retries: 0"
-NO_RETRIES = "MAX_RETRIES x RETRY_PAUSE is longer than TIMEOUT"
-
-
-def explanation(job: DriveJob, probe: Probe, line: str) -> str:
-    """Why a branch or statement of a generated block cannot run; empty if it should."""
-    text = line.replace("#", "")
-    if probe.kind == "else" and text.startswith(("CASE statTelegram OF", "CASE tempBlock OF")):
-        return NO_OTHER
-    if probe.kind == "else" and text == "IF statFailed = 0 THEN" and all(len(t.parts) == 1 for t in job.telegrams):
-        return ONE_ERROR
-    if not job.retries and _retries_only(probe, text):
-        return NO_RETRY
-    retries = ("IF statRetries < MAX_RETRIES THEN", "statResult := STATUS_RETRIES;", "statState := STATE_DRAIN;")
-    if job.retries * (job.retry_pause + 4) >= job.timeout and text in retries and probe.kind != "branch":
-        return NO_RETRIES
-    return ""
-
-
-def _retries_only(probe: Probe, text: str) -> bool:
-    """Whether a place belongs to the pause before a retry."""
-    statements = (
-        "statRetries := statRetries + 1;",
-        "statResume := tempResume;",
-        "statState := STATE_WAIT;",
-        "statState := statResume;",
-        "IF tempPauseOver THEN",
-    )
-    return (
-        text in statements
-        or (probe.kind == "branch" and text == "IF statRetries < MAX_RETRIES THEN")
-        or "STATE_WAIT" in text
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +25,7 @@ class Coverage:
     branches: int
     missing: tuple[Probe, ...]
     explained: tuple[tuple[Probe, str], ...]
-    steps: frozenset[Step] | None = frozenset()
+    steps: frozenset[Step] | None = None
 
     @property
     def text(self) -> str:
@@ -80,44 +47,42 @@ class Coverage:
         return f"ok but {len(self.explained)} that cannot run: {'; '.join(reasons)}"
 
 
-def measure(program: Program, name: str, counts: Sequence[int]) -> tuple[list[tuple[Probe, int]], list[str]]:
-    """Probes of a block with their counts, and the lines of its source."""
-    block = program.link.find(name)
-    if block is None:
-        return [], []
-    file = block.result.tokens.file
-    found = [(probe, count) for probe, count in zip(program.probes, counts, strict=True) if probe.file == file]
-    return found, block.result.tokens.source.splitlines()
-
-
-def merge(
-    job: DriveJob, found: tuple[Iterable[tuple[Probe, int]], Sequence[str]], steps: frozenset[Step] = frozenset()
-) -> Coverage:
-    """Coverage of a job's block."""
-    return cover(found, lambda probe, line: explanation(job, probe, line), steps)
-
-
 def cover(
-    found: tuple[Iterable[tuple[Probe, int]], Sequence[str]],
-    explain: Callable[[Probe, str], str],
+    program: Program,
+    block: str,
+    counts: Sequence[int],
+    premises: Sequence[Premise] = (),
+    opened: Sequence[str] = (),
     steps: frozenset[Step] | None = None,
 ) -> Coverage:
-    """Add up the probes that stand at one place: a block may have been compiled twice.
+    """Coverage of a block. A block may have been compiled twice: probes at one place are added up.
 
-    ``explain`` says why a probe on a line cannot run, or nothing.
+    A missing ELSE of a CASE is explained if the selector has no other value. Anything else is explained by the premise
+    that excludes it; what the block alone excludes is dead code. ``opened`` are the names that premises may follow.
     """
-    probes, lines = found
+    entry = program.link.find(block)
+    if entry is None:
+        return Coverage(0, 0, (), (), steps)
     totals: dict[Probe, int] = {}
-    for probe, count in probes:
-        totals[probe] = totals.get(probe, 0) + count
-    missing: list[Probe] = []
+    for probe, count in zip(program.probes, counts, strict=True):
+        if probe.file == entry.result.tokens.file:
+            totals[probe] = totals.get(probe, 0) + count
+    missing = [probe for probe, count in totals.items() if not count]
     explained: list[tuple[Probe, str]] = []
-    for probe in (probe for probe, count in totals.items() if not count):
-        line = lines[probe.line - 1].strip() if probe.line <= len(lines) else ""
-        reason = explain(probe, line)
-        if reason:
-            explained.append((probe, reason))
-        else:
-            missing.append(probe)
+    position = entry.result.tokens.position
+    cases = {position(node.start) for node in ast.walk(entry.unit) if isinstance(node, ast.Case)}
+
+    def excluded(known: Sequence[Premise], open_names: Sequence[str]) -> list[Probe]:
+        reached = {(*position(offset), kind) for offset, kind in reachable(entry.unit, known, open_names)}
+        return [probe for probe in missing if (probe.line, probe.column, probe.kind) not in reached]
+
+    others = [probe for probe in missing if probe.kind == "else" and (probe.line, probe.column) in cases]
+    if others:
+        explained += [(probe, NO_OTHER) for probe in excluded(premises, ()) if probe in others]
+    missing = [probe for probe in missing if (probe, NO_OTHER) not in explained]
+    dead = excluded((), opened) if missing else []
+    for known, premise in enumerate(premises if len(dead) < len(missing) else (), 1):
+        explained += [(probe, premise.reason) for probe in excluded(premises[:known], opened) if probe not in dead]
+        missing = [probe for probe in missing if (probe, premise.reason) not in explained]
     statements = sum(probe.kind == "statement" for probe in totals)
     return Coverage(statements, len(totals) - statements, tuple(missing), tuple(explained), steps)

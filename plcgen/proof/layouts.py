@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.project.nouns import BlockRef, Buffer, Frame
+from plcgen.project.nouns import BlockRef, Frame
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
-from plcgen.protocols.ds47.plan.nouns import DriveField, DrivePlan, DriveTelegram
+from plcgen.proof.suite import LaidOut
 from plcgen.s7.blocks import Block
 from plcgen.s7.layout import Layout, layout_block
 from plcgen.s7.spelling import type_text
@@ -32,46 +32,40 @@ class Row:
     type: DataType
 
 
-def check_layouts(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
-    """Checks of the group ``layout``: one per buffer DB."""
-    for job in plan.jobs:
-        for telegram in job.telegrams:
-            yield _buffer(plan, folder, telegram.request, None)
-            yield _buffer(plan, folder, telegram.response, telegram)
-
-
-def _buffer(plan: DrivePlan, folder: Folder, buffer: Buffer[DriveField], answers: DriveTelegram | None) -> Check:
-    db, type_block, fields = buffer.db, buffer.type, buffer.fields
+def check_layout(frame: Frame, folder: Folder, laid: LaidOut) -> Check:
+    """The check of one buffer, of the group ``layout``."""
+    db, fields = laid.buffer.db, laid.buffer.fields
     size = fields[-1].offset + fields[-1].size
-    subject = f'DB{db.number} "{db.name}"'
-    figures = " ".join(f"{f.name}@{f.offset}{width_mark(f.type)}" for f in fields if f.role != "reserve")
-    text = f"{size} B  {figures}"
+    name, subject = f"layout.{db.name}", f'DB{db.number} "{db.name}"'
+    figures = " ".join(f"{f.name}@{f.offset}{width_mark(f.type)}" for f in fields if laid.shown(f))
     planned = [Row(f.name, f.offset, f.size, f.type) for f in fields]
-    problem = compare(plan, folder, ((db, ""), (type_block, "")), planned, size)
-    if problem is None and answers is not None:
-        problem = _room(answers, size, folder)
-        text = f"{size} B  positive {answers.positive_length} / negative {answers.negative_length}  {figures}"
+    problem = compare(frame, folder, ((db, laid.prefix), (laid.buffer.type, "")), planned, size)
+    text = f"{size} B  {laid.note}{figures}"
+    if problem is None and size < laid.room:
+        message = f"response buffer {laid.room - size} bytes too small"
+        help_ = f"an answer needs {laid.room} bytes"
+        problem = Diagnostic("PG605", message, folder.place(db.name), help=help_)
     if problem is not None:
-        return Check(f"layout.{db.name}", subject, text, Outcome.ERROR, problem.message, problem)
-    return Check(f"layout.{db.name}", subject, text, Outcome.OK, agreement(plan))
+        return Check(name, subject, text, Outcome.ERROR, problem.message, problem)
+    return Check(name, subject, text, Outcome.OK, agreement(frame))
 
 
-def agreement(project: Frame) -> str:
+def agreement(frame: Frame) -> str:
     """``3 sources agree``; which ones, where there are fewer."""
-    if project.target.xml_version is not None:
+    if frame.target.xml_version is not None:
         return "3 sources agree"
     return f"2 sources agree: {TELEGRAM}, {TEXT}; no {XML}"
 
 
 def compare(
-    project: Frame, folder: Folder, refs: tuple[tuple[BlockRef, str], ...], planned: list[Row], size: int
+    frame: Frame, folder: Folder, refs: tuple[tuple[BlockRef, str], ...], planned: list[Row], size: int
 ) -> Diagnostic | None:
     """The first disagreement between the sources, about the DB and then about its type.
 
     ``refs`` are the blocks with the planned members, and the path of the structure they lie in (``telegram.``).
     """
     sources = [(TEXT, folder.text)]
-    if project.target.xml_version is not None:
+    if frame.target.xml_version is not None:
         sources.append((XML, folder.xml))
     for ref, prefix in refs:
         sizes = {TELEGRAM: (planned, size + size % 2)}
@@ -80,7 +74,7 @@ def compare(
             if block is None:
                 message = f'{ref.kind} "{ref.name}" is missing in the {origin}s'
                 return Diagnostic("PG608", message, folder.place(ref.name), help="run plcgen generate")
-            found = _laid_out(project, block, blocks, origin, prefix)
+            found = _laid_out(frame, block, blocks, origin, prefix)
             if isinstance(found, Diagnostic):
                 return Diagnostic(found.code, found.message, folder.place(ref.name))
             sizes[origin] = found
@@ -91,11 +85,11 @@ def compare(
 
 
 def _laid_out(
-    project: Frame, block: Block, blocks: dict[str, Block], origin: str, prefix: str
+    frame: Frame, block: Block, blocks: dict[str, Block], origin: str, prefix: str
 ) -> tuple[list[Row], int] | Diagnostic:
     """Rows and size of one block as its source declares it."""
     what = f'{origin} of {block.kind} "{block.name}"'
-    if project.target.t15 and block.kind == "DB" and block.optimized is not False:
+    if frame.target.t15 and block.kind == "DB" and block.optimized is not False:
         return Diagnostic("PG609", f"{what}: access is optimized, offsets are lost", Span(""))
     try:
         layout = layout_block(block, blocks)
@@ -130,14 +124,6 @@ def rows(layout: Layout, prefix: str = "") -> list[Row]:
     depth = prefix.count(".")
     entries = (e for e in layout.entries if e.depth == depth and e.path.startswith(prefix))
     return [Row(e.path.removeprefix(prefix).strip('"'), e.byte, (e.size + 7) // 8, e.type) for e in entries]
-
-
-def _room(telegram: DriveTelegram, size: int, folder: Folder) -> Diagnostic | None:
-    need = max(telegram.positive_length, telegram.negative_length)
-    if size >= need:
-        return None
-    message = f"response buffer {need - size} bytes too small"
-    return Diagnostic("PG605", message, folder.place(telegram.response.db.name), help=f"an answer needs {need} bytes")
 
 
 def width_mark(type_: DataType) -> str:

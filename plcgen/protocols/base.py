@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from plcgen.project.loading import LoadedSpec, SpecPath
     from plcgen.project.nouns import Buffer, Field, Plan
     from plcgen.project.numbering import Numbering
+    from plcgen.proof.suite import Proof
     from plcgen.protocols.dissection import ByteField
     from plcgen.review.compare.model import DriveState, JobState
 
@@ -98,3 +99,6 @@ class Protocol(typing.Protocol):
 
     def explain(self, digits: str) -> Page | None:
         """What a hexadecimal number means in this protocol; None if nothing."""
+
+    def proof(self, plan: Any) -> Proof:
+        """What verification must know to prove what was generated from a plan."""

@@ -6,6 +6,8 @@ import json
 from pathlib import Path
 
 MANIFEST = "manifest.json"
+JOURNAL = ".plcgen-journal.json"
+"""Stands in a folder while its files are replaced."""
 SOURCES = (".scl", ".udt", ".db", ".awl")
 
 

@@ -14,8 +14,9 @@ from plcgen.project.loading import load_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
 from plcgen.proof.checks import Check, Outcome
-from plcgen.protocols.ds47.proof.execution import check_execution
-from plcgen.protocols.ds47.proof.scenario import WORDS, Limits
+from plcgen.proof.execution import check_execution
+from plcgen.protocols.ds47.proof.scenario import Limits
+from plcgen.protocols.ds47.proof.words import WORDS
 
 PROJECTS = {
     **{f"every type {target}": every_type(target) for target in ("v5", "t3", "t15")},

@@ -12,15 +12,14 @@ import pytest
 from projects import FAQ, MM4, ROOT, SPECS
 
 from plcgen import api
-from plcgen.proof.checks import Outcome, Verification
-from plcgen.proof.folder import read_folder
-from plcgen.proof.layouts import check_layouts
+from plcgen.project.nouns import Plan
+from plcgen.proof.checks import Check, Outcome, Verification
+from plcgen.proof.folder import Folder, read_folder
+from plcgen.proof.layouts import check_layout
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.proof import exchanges
 from plcgen.protocols.ds47.proof.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
-from plcgen.protocols.ppi.plan.nouns import PpiPlan
-from plcgen.protocols.ppi.proof.layouts import check_ppi_layouts
 
 GOLDEN = ROOT / "examples" / FAQ.stem / "expected"
 
@@ -241,6 +240,11 @@ def shifted(project: DrivePlan) -> DrivePlan:
     return dataclasses.replace(project, jobs=(dataclasses.replace(job, telegrams=(moved,)), *project.jobs[1:]))
 
 
+def layouts(plan: Plan, files: Folder) -> list[Check]:
+    """The checks of the group ``layout``."""
+    return [check_layout(plan, files, laid) for laid in plan.protocol.proof(plan).layouts()]
+
+
 SHIFTS = {
     "the telegram": ("", "", ""),
     "the text source": ("db/WR_DataBuffer.db", "    Axis : Byte", "    gap : Word;\n    Axis : Byte"),
@@ -255,10 +259,10 @@ def test_a_shift_in_one_of_three_sources_is_named(alone: str, tmp_path: Path) ->
     file, old, new = SHIFTS[alone]
     if file:
         edit(tmp_path / "out" / file, old, new)
-    project = api.check(FAQ).project.plan(DrivePlan)
+    plan = api.check(FAQ).project.plan(DrivePlan)
     if not file:
-        project = shifted(project)
-    checks = {c.id: c for c in check_layouts(project, read_folder(tmp_path / "out", project.target))}
+        plan = shifted(plan)
+    checks = {c.id: c for c in layouts(plan, read_folder(tmp_path / "out", plan.target))}
     others = " and ".join(name for name in SHIFTS if name != alone)
     verdict = checks["layout.WR_DataBuffer"].verdict
     assert verdict.startswith('DB "WR_DataBuffer": the telegram ')
@@ -274,7 +278,7 @@ def test_two_sources_outvote_none(tmp_path: Path) -> None:
         file, old, new = SHIFTS[name]
         edit(tmp_path / "out" / file, old, new.replace("gap : Word;\n    Axis : Byte", "Axis : Word"))
     plan = api.check(FAQ).project.plan(DrivePlan)
-    checks = {c.id: c for c in check_layouts(plan, read_folder(tmp_path / "out", plan.target))}
+    checks = {c.id: c for c in layouts(plan, read_folder(tmp_path / "out", plan.target))}
     assert checks["layout.WR_DataBuffer"].verdict == (
         'DB "WR_DataBuffer": the telegram has Axis@2 (1 B, BYTE), '
         "the text source and the SimaticML have Axis@2 (2 B, WORD)"
@@ -288,8 +292,7 @@ def test_every_buffer_is_in_all_sources(spec: Path) -> None:
     project = api.check(spec).project
     assert project is not None
     files = read_folder(folder, project.target)
-    drives, ppi = project.plan(DrivePlan), project.plan(PpiPlan)
-    checks = [*(check_layouts(drives, files) if drives else ()), *(check_ppi_layouts(ppi, files) if ppi else ())]
+    checks = [check for plan in project.plans for check in layouts(plan, files)]
     buffers = [buffer.db.name for plan in project.plans for buffer, _ in plan.protocol.buffers(plan)]
     assert [c.id for c in checks] == [f"layout.{name}" for name in buffers]
     expected = "3 sources agree"

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from plcgen.protocols.base import Rules
     from plcgen.protocols.dissection import ByteField
     from plcgen.protocols.ds47.plan.nouns import DrivePlan
+    from plcgen.protocols.ds47.proof.suite import DriveProof
     from plcgen.review.compare.model import DriveState, JobState
 
 
@@ -93,6 +94,12 @@ class Ds47:
         from plcgen.protocols.ds47.explanation import explain
 
         return explain(digits)
+
+    def proof(self, plan: DrivePlan) -> DriveProof:
+        """Scenarios of drives and record calls."""
+        from plcgen.protocols.ds47.proof.suite import DriveProof
+
+        return DriveProof(plan)
 
 
 PROTOCOL = Ds47()

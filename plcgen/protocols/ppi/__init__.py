@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from plcgen.protocols.base import Rules
     from plcgen.protocols.dissection import ByteField
     from plcgen.protocols.ppi.plan.nouns import PpiPlan
+    from plcgen.protocols.ppi.proof.suite import PpiProof
     from plcgen.review.compare.model import DriveState, JobState
 
 
@@ -90,6 +91,12 @@ class Ppi:
 
     def explain(self, digits: str) -> Page | None:
         """The words of masters stand in their own table, docs/ppi-master.md."""
+
+    def proof(self, plan: PpiPlan) -> PpiProof:
+        """Scenarios of line, module and stations."""
+        from plcgen.protocols.ppi.proof.suite import PpiProof
+
+        return PpiProof(plan)
 
 
 PROTOCOL = Ppi()

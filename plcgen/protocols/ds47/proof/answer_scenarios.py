@@ -8,7 +8,8 @@ from typing import Literal
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.protocols.ds47.proof.record_scenarios import ends
-from plcgen.protocols.ds47.proof.scenario import DONE, WORDS, Edit, Scenario
+from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
+from plcgen.protocols.ds47.proof.words import DONE, WORDS
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.protocols.ds47.wire.errors import known_numbers
 from plcgen.protocols.ds47.wire.formats import generic_of, padded
@@ -17,7 +18,7 @@ INFO = 0x1234
 NOT_SUPPORTED = bytes.fromhex("44010021")
 
 
-def error_matrix(job: DriveJob, numbers: Iterable[int] | None = None) -> Iterator[Scenario]:
+def error_matrix(job: DriveJob, numbers: Iterable[int] | None = None) -> Iterator[DriveScenario]:
     """Every error number at every position with one and two error words."""
     for number in known_numbers() if numbers is None else numbers:
         for telegram in job.telegrams:
@@ -26,12 +27,12 @@ def error_matrix(job: DriveJob, numbers: Iterable[int] | None = None) -> Iterato
                     yield _error(job, telegram, number, position, 2 if words == 2 else 1)
 
 
-def _error(job: DriveJob, telegram: DriveTelegram, number: int, position: int, words: Literal[1, 2]) -> Scenario:
+def _error(job: DriveJob, telegram: DriveTelegram, number: int, position: int, words: Literal[1, 2]) -> DriveScenario:
     before = sum(len(other.parts) >= position for other in job.telegrams[: telegram.number - 1])
     info = INFO + position
     fault = Fault(FaultKind.ERROR, number=number, position=position, words=words, info=info, after=before)
     use = telegram.parts[position - 1].use
-    return Scenario(
+    return DriveScenario(
         name=f"error {number:02X}h at parameter {position} of telegram {telegram.number}, {words} error words",
         status=(WORDS["PARAMETER_ERROR"],),
         faults=(fault,),
@@ -80,12 +81,12 @@ class Shape:
 
         return edit
 
-    def scenario(self, name: str, word: str, edit: Edit, length: int | None = None, **more: object) -> Scenario:
+    def scenario(self, name: str, word: str, edit: Edit, length: int | None = None, **more: object) -> DriveScenario:
         """A scenario with one edited answer; beyond the buffer RDREC itself fails."""
         if length is not None and length > self.telegram.response.size:
             word = "READ_ERROR" if length > self.room else "RESPONSE_FORMAT"
         status = WORDS[word]
-        return Scenario(
+        return DriveScenario(
             name=f"telegram {self.telegram.number}: {name}",
             status=(status,),
             reads={self.telegram.number: edit},
@@ -96,7 +97,7 @@ class Shape:
         )
 
 
-def answer_scenarios(job: DriveJob, *, classic: bool) -> Iterator[Scenario]:
+def answer_scenarios(job: DriveJob, *, classic: bool) -> Iterator[DriveScenario]:
     """Everything an answer may be."""
     largest = max(telegram.response.size for telegram in job.telegrams)
     for number in ends(job):
@@ -110,7 +111,7 @@ def answer_scenarios(job: DriveJob, *, classic: bool) -> Iterator[Scenario]:
         if not job.writes:
             yield from _formats(shape)
     for generic in (False, True):
-        yield Scenario(name=f"answers in {'41h to 43h' if generic else 'the types themselves'}", generic=generic)
+        yield DriveScenario(name=f"answers in {'41h to 43h' if generic else 'the types themselves'}", generic=generic)
 
 
 def put(at: int, value: int) -> Edit:
@@ -128,7 +129,7 @@ def longer(more: int) -> Edit:
     return lambda answer: answer + bytes(more)
 
 
-def _header(shape: Shape) -> Iterator[Scenario]:
+def _header(shape: Shape) -> Iterator[DriveScenario]:
     good, other = shape.good, 3 - shape.good
     for value in (0, other, 3, 0x7F, 0x80 | other, 0x83, 0xFF):
         yield shape.scenario(f"response id {value:02X}h", "RESPONSE_ID", put(1, value))
@@ -144,7 +145,7 @@ def _header(shape: Shape) -> Iterator[Scenario]:
         yield shape.scenario(f"{value} parameters", "PARAMETER_COUNT", put(3, value))
 
 
-def _length(shape: Shape) -> Iterator[Scenario]:
+def _length(shape: Shape) -> Iterator[DriveScenario]:
     length = shape.telegram.positive_length
     marks = {0, 1, 2, 3, 4, 5, length - 2, length - 1} | {at + step for at, _ in shape.blocks for step in (0, 1, 2, 3)}
     for kept in sorted(marks):
@@ -160,7 +161,7 @@ def _length(shape: Shape) -> Iterator[Scenario]:
         )
 
 
-def _negative(shape: Shape) -> Iterator[Scenario]:
+def _negative(shape: Shape) -> Iterator[DriveScenario]:
     parts = shape.telegram.parts
     sizes = [2] * len(parts) if shape.job.writes else [size for _, size in shape.blocks]
     total = 4 + sum(sizes)
@@ -193,7 +194,7 @@ def _negative(shape: Shape) -> Iterator[Scenario]:
         yield from _written(shape)
 
 
-def _positive_error(shape: Shape) -> Iterator[Scenario]:
+def _positive_error(shape: Shape) -> Iterator[DriveScenario]:
     """An error block under the id of a positive answer."""
     for words in (1, 2):
         block = bytes((0x44, words, 0, 0x11, 0, 7)[: 2 + 2 * words])
@@ -205,7 +206,7 @@ def _positive_error(shape: Shape) -> Iterator[Scenario]:
         yield shape.scenario(f"error block of {words} words in a good answer", "RESPONSE_FORMAT", edit)
 
 
-def _missing(shape: Shape) -> Iterator[Scenario]:
+def _missing(shape: Shape) -> Iterator[DriveScenario]:
     """An answer that lacks the block of one parameter."""
     count = len(shape.telegram.parts)
     for index in range(count) if count > 1 else ():
@@ -221,7 +222,7 @@ def _missing(shape: Shape) -> Iterator[Scenario]:
             yield shape.scenario(f"good without block {index + 1}", "RESPONSE_FORMAT", without(at, size))
 
 
-def _leftovers(shape: Shape) -> Iterator[Scenario]:
+def _leftovers(shape: Shape) -> Iterator[DriveScenario]:
     """What stands in the buffer behind a short answer does not count, nor what a block before the wrong one was."""
     if shape.job.writes:
         if len(shape.telegram.parts) > 2:
@@ -253,7 +254,7 @@ def without(at: int, size: int) -> Edit:
     return lambda answer: answer[:at] + answer[at + size :]
 
 
-def _failed(shape: Shape, sizes: list[int]) -> Iterator[Scenario]:
+def _failed(shape: Shape, sizes: list[int]) -> Iterator[DriveScenario]:
     parts = shape.telegram.parts
     two = bytes.fromhex("440200110007")
     for name, chosen in (("all parameters fail", range(len(parts))), ("first and last fail", {0, len(parts) - 1})):
@@ -271,7 +272,7 @@ def _failed(shape: Shape, sizes: list[int]) -> Iterator[Scenario]:
             )
 
 
-def _written(shape: Shape) -> Iterator[Scenario]:
+def _written(shape: Shape) -> Iterator[DriveScenario]:
     """Blocks of good parameters in a partly refused change are 40 00, nothing else."""
     count = len(shape.telegram.parts)
     for wrong in (b"\x40\x01", b"\x41\x00", b"\x00\x00"):
@@ -287,7 +288,7 @@ def _written(shape: Shape) -> Iterator[Scenario]:
             )
 
 
-def _refused(shape: Shape) -> Iterator[Scenario]:
+def _refused(shape: Shape) -> Iterator[DriveScenario]:
     single = len(shape.telegram.parts) == 1
     for number in (0x00, 0x11, 0x19, 0x21, 0x23, 0xFF):
         for words in (1, 2):
@@ -299,7 +300,7 @@ def _refused(shape: Shape) -> Iterator[Scenario]:
             yield shape.scenario(name, "PARAMETER_ERROR" if single else "REFUSED", edit, errors=errors)
 
 
-def _formats(shape: Shape) -> Iterator[Scenario]:
+def _formats(shape: Shape) -> Iterator[DriveScenario]:
     for index, (at, _) in enumerate(shape.blocks):
         part = shape.telegram.parts[index]
         generic = None if part.use.format.is_string else generic_of(part.use.format.size)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveTelegram
-from plcgen.protocols.ds47.proof.rig import JobRig, ScenarioError
-from plcgen.protocols.ds47.proof.scenario import DONE, WORDS, Scenario
+from plcgen.protocols.ds47.proof.rig import JobRig
+from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.words import DONE, WORDS
 
 CHECKED = frozenset(
     WORDS[name]
@@ -20,8 +22,6 @@ CHECKED = frozenset(
     )
 )
 """Results that come from looking at an answer."""
-FOREIGN = 99
-"""Owner number of the job of somebody else."""
 
 
 def following(reference: int) -> int:
@@ -29,45 +29,28 @@ def following(reference: int) -> int:
     return reference + 1 if 0 <= reference < 255 else 1
 
 
-class EndChecks:
+class End:
     """The checks of a finished run; ``reference`` is the last one before it, None if it is not known."""
 
-    rig: JobRig
-    scenario: Scenario
-    started: int
-    stolen: bool
-    reference: int | None
+    def __init__(self, rig: JobRig, scenario: DriveScenario, reference: int | None) -> None:
+        self.rig, self.scenario, self.reference = rig, scenario, reference
 
-    def check_end(self) -> None:
-        """Result, values, errors, diagnostics, wire."""
-        rig, scenario = self.rig, self.scenario
-        status = rig.get("status")
-        if status not in scenario.status:
-            wanted = " or ".join(f"16#{word:04X}" for word in scenario.status)
-            raise ScenarioError(f"status is 16#{status:04X} instead of {wanted}")
-        if rig.flag("done") != (status == DONE):
-            raise ScenarioError(f"done is {rig.flag('done')} with status 16#{status:04X}")
-        if scenario.took is not None:
-            passed = rig.cpu.clock - self.started
-            if not scenario.took[0] <= passed <= scenario.took[1]:
-                raise ScenarioError(f"took {passed} ms instead of {scenario.took[0]} to {scenario.took[1]}")
+    def check(self, status: int) -> None:
+        """Values, wire, errors, diagnostics."""
         if status == DONE:
             self.check_values()
         elif status in CHECKED:
-            last = rig.drive.journal[-1].data
-            self.check_response(rig.job.telegrams[rig.get("telegram") - 1], last)
+            telegram = self.rig.job.telegrams[self.rig.db.get("telegram") - 1]
+            self.check_response(telegram, self.rig.drive.journal[-1].data)
         self.check_wire(status)
         self.check_diagnostics(status)
-        owner = rig.token_get("owner")
-        if owner not in ((FOREIGN, 0) if scenario.owner else (FOREIGN,) if self.stolen else (0,)):
-            raise ScenarioError(f"the drive is not released, it belongs to job {owner}")
 
     def check_values(self) -> None:
         """Outputs and response DBs hold what the drive has; the drive holds what was written."""
         rig = self.rig
         for use in rig.job.outputs:
             expected = rig.expected(use)
-            found = rig.shown(rig.instance, rig.spots[use.member], len(expected))
+            found = rig.db.bytes(use.member, len(expected))
             if found != expected:
                 raise ScenarioError(f"{use.member} is {found.hex(' ')}, the drive has {expected.hex(' ')}")
         for telegram, answer in zip(rig.job.telegrams, self.answers(), strict=False):
@@ -154,5 +137,5 @@ class EndChecks:
             expected["telegram"] = scenario.telegram or len(rig.job.telegrams)
         restarted = {"cold", "warm", "reset", "lost"} & set(scenario.happens.values())
         for name, value in expected.items():
-            if rig.get(name) != value and not (restarted and name != "failedParameter"):
-                raise ScenarioError(f"diagnostics.{name} is {rig.get(name)} instead of {value} (16#{status:04X})")
+            if rig.db.get(name) != value and not (restarted and name != "failedParameter"):
+                raise ScenarioError(f"diagnostics.{name} is {rig.db.get(name)} instead of {value} (16#{status:04X})")

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
+from plcgen.proof.rig import value_text
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part
 from plcgen.protocols.ds47.proof.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -240,16 +241,7 @@ def _read_back(
     value = read_member(memory, layout, field.name)
     unit = f" {part.use.parameter.unit}" if part.use.parameter.unit else ""
     address = f" at DB{telegram.response.db.number}.DBD{entry.byte}" if entry.size == 32 else ""
-    return f"{part.use.label} = {_value(value)}{unit}{address}"
-
-
-def _value(value: object) -> str:
-    if isinstance(value, list | tuple):
-        inner = ", ".join(_value(item) for item in value[:4])
-        return f"[{inner}{', ..' if len(value) > 4 else ''}]"
-    if isinstance(value, float):
-        return f"{value:.7g}.0" if value.is_integer() and abs(value) < 1e7 else f"{value:.7g}"
-    return str(value)
+    return f"{part.use.label} = {value_text(value)}{unit}{address}"
 
 
 def _written(job: DriveJob, part: Part, drive: Drive) -> None:

@@ -7,17 +7,14 @@ from collections.abc import Callable, Iterator
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic
 from plcgen.proof.checks import Check, Outcome
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
-from plcgen.protocols.ds47.proof.rig import JobRig, ScenarioError
-from plcgen.protocols.ds47.proof.scenario import DONE
+from plcgen.proof.scenario import ScenarioError
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.protocols.ds47.proof.rig import JobRig, held
+from plcgen.protocols.ds47.proof.words import DONE, MEANINGS
 from plcgen.protocols.ds47.sim.drive import Drive
-from plcgen.protocols.ds47.sim.parameters import Parameter
 from plcgen.protocols.ds47.wire import errors
-from plcgen.protocols.ds47.wire.formats import pack_values
-from plcgen.protocols.ds47.words import STATUS_WORDS
 
 SCAN = 10
-MEANINGS = {word: text for _, word, text in STATUS_WORDS}
 
 
 def own_checks(plan: DrivePlan, program: Program, make: Callable[[], Drive]) -> Iterator[Check]:
@@ -38,7 +35,7 @@ def _run(rig: JobRig, drive: Drive) -> int:
     """Scans until the job is done. Raises ScenarioError if it ends otherwise or values differ."""
     job, name = rig.job, rig.job.instance.name
     rig.bus.attach(job.drive.id_value, drive)
-    rig.set_flag("execute", value=True)
+    rig.db.set("execute", 1)
     latest = rig.limits.timeout + rig.limits.drain + 100
     scans = 0
     while scans * SCAN < latest:
@@ -46,14 +43,16 @@ def _run(rig: JobRig, drive: Drive) -> int:
         rig.cpu.call(name, SCAN)
         if rig.cpu.misuses:
             raise ScenarioError(str(rig.cpu.misuses[0]))
-        if not rig.flag("busy"):
+        if not rig.db.flag("busy"):
             break
-    status = rig.get("status")
+    status = rig.db.get("status")
     if status != DONE:
-        raise ScenarioError(f"with your drive it ends with 16#{status:04X}, {MEANINGS.get(status, '')}{_refused(rig)}")
+        meaning = MEANINGS.get(status, ("", ""))[1]
+        raise ScenarioError(f"with your drive it ends with 16#{status:04X}, {meaning}{_refused(rig)}")
+    number = drive.habits.aliases.get(job.drive.drive_object, job.drive.drive_object)
     for use in job.uses:
-        expected = _held(drive, job, use)
-        found = use.data if job.writes else rig.shown(rig.instance, rig.spots[use.member], len(expected))
+        expected = held(drive, number, use)
+        found = use.data if job.writes else rig.db.bytes(use.member, len(expected))
         if found != expected:
             raise ScenarioError(f"{use.label} is {found.hex(' ')}, your drive has {expected.hex(' ')}")
     return scans
@@ -67,12 +66,3 @@ def _refused(rig: JobRig) -> str:
         if word
     ]
     return f" ({'; '.join(found)})" if found else ""
-
-
-def _held(drive: Drive, job: DriveJob, use: Use) -> bytes:
-    """Wire bytes of a value the drive holds. Raises ScenarioError."""
-    number = drive.habits.aliases.get(job.drive.drive_object, job.drive.drive_object)
-    parameter: Parameter = drive.objects[number].parameters[use.parameter.pnu]
-    values = parameter.values
-    chosen = [values[0]] if use.format.is_string else values[use.subindex : use.subindex + use.count]
-    return pack_values(use.format, chosen)

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from math import ceil
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob
-from plcgen.protocols.ds47.proof.scenario import WORDS, Foreign, Happening, Limits, Scenario
+from plcgen.protocols.ds47.proof.scenario import DriveScenario, Foreign, Limits
+from plcgen.protocols.ds47.proof.words import WORDS
 
 STATE_CONFLICT = 0xDE80B500
 WRITE, READ, LOCAL = 0xDF800000, 0xDE800000, 0xC0800000
@@ -28,7 +29,7 @@ def ends(job: DriveJob) -> tuple[int, ...]:
     return tuple(sorted({1, len(job.telegrams)}))
 
 
-def record_scenarios(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
+def record_scenarios(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
     """Everything the record calls may do."""
     yield from _status_once(job, limits)
     yield from _status_always(limits)
@@ -37,7 +38,7 @@ def record_scenarios(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
     yield from _stale(job, limits)
 
 
-def _status_once(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
+def _status_once(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
     for number in ends(job):
         for code in CODES:
             for base, name in ((WRITE, "WRREC"), (READ, "RDREC"), (LOCAL, "WRREC locally"), (LOCAL, "RDREC locally")):
@@ -50,7 +51,7 @@ def _status_once(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
                 yield _once(name, base | decode << 16 | code << 8, 1, job, limits)
 
 
-def _once(name: str, status: int, number: int, job: DriveJob, limits: Limits) -> Scenario:
+def _once(name: str, status: int, number: int, job: DriveJob, limits: Limits) -> DriveScenario:
     """One STATUS on the call of one telegram."""
     total = len(job.telegrams)
     title = f"{name} of telegram {number} ends with {status:08X}"
@@ -62,13 +63,13 @@ def _once(name: str, status: int, number: int, job: DriveJob, limits: Limits) ->
         retries = 1 if number == total else 0
         calls = (1 if writing or again else 0, 0 if writing else 1)
         expected = limits.after(1, total, retries=retries, calls=calls)
-        return Scenario(name=title, follow=False, **expected, **script)  # type: ignore[arg-type]
+        return DriveScenario(name=title, follow=False, **expected, **script)  # type: ignore[arg-type]
     word = WORDS["WRITE_ERROR" if writing else "READ_ERROR"]
     calls = (0, -1 if writing else 0)
-    return Scenario(name=title, status=(word,), telegram=number, calls=calls, **script)  # type: ignore[arg-type]
+    return DriveScenario(name=title, status=(word,), telegram=number, calls=calls, **script)  # type: ignore[arg-type]
 
 
-def _status_always(limits: Limits) -> Iterator[Scenario]:
+def _status_always(limits: Limits) -> Iterator[DriveScenario]:
     for code in CODES_FOR_EVER:
         for base, name in ((WRITE, "WRREC"), (READ, "RDREC")):
             writing = name[0] == "W"
@@ -78,7 +79,7 @@ def _status_always(limits: Limits) -> Iterator[Scenario]:
             script = {"writes" if writing else "reads": {0: base | code << 8}}
             results = limits.repeated(1, 4 if again else 1)
             retries = limits.retries if results == (WORDS["RETRIES"],) else None
-            yield Scenario(
+            yield DriveScenario(
                 name=f"{name} always ends with {base | code << 8:08X}",
                 status=results,
                 scan=1,
@@ -92,8 +93,8 @@ def _status_always(limits: Limits) -> Iterator[Scenario]:
     slow = max(1, ceil((limits.timeout / max(limits.retries, 1) - limits.pause) / scan) + 3)
     step = max(1, limits.pause // 20)
     if limits.retries and limits.timeout > limits.pause + 20 * step:
-        yield Scenario(
-            name="TIMEOUT in the pause after a late error",
+        yield DriveScenario(
+            name="TIMEOUT in the pause behind a late error",
             status=(WORDS["TIMEOUT"],),
             writes={1: 0xDF80C300},
             busy=((limits.timeout - limits.pause // 2) // step - 4, 0),
@@ -106,7 +107,7 @@ def _status_always(limits: Limits) -> Iterator[Scenario]:
     if not limits.retries or slow * scan > limits.drain // 2:
         return
     for script in ({"writes": {0: 0xDF80C300}}, {"reads": {0: STATE_CONFLICT}}):
-        yield Scenario(
+        yield DriveScenario(
             name=f"{'WRREC' if 'writes' in script else 'RDREC'} always ends with a temporary error on a slow bus",
             status=(WORDS["TIMEOUT"],),
             busy=(slow, slow),
@@ -119,19 +120,19 @@ def _status_always(limits: Limits) -> Iterator[Scenario]:
         )
 
 
-def _busy(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
+def _busy(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
     tries = len(job.telegrams)
     for scans in BUSY_SCANS:
         if (scans + 10) * 10 * tries * 2 > limits.timeout:
             continue
-        yield Scenario(name=f"WRREC busy for {scans} scans", busy=(scans, 0), follow=False)
-        yield Scenario(name=f"RDREC busy for {scans} scans", busy=(0, scans), follow=False)
+        yield DriveScenario(name=f"WRREC busy for {scans} scans", busy=(scans, 0), follow=False)
+        yield DriveScenario(name=f"RDREC busy for {scans} scans", busy=(0, scans), follow=False)
     scan = limits.even(max(50, limits.timeout // 200))
     long = ceil((limits.timeout + 1000) / scan)
     for_ever = ceil((limits.timeout + limits.drain + 2000) / scan)
     timeout, drained = limits.timeout, limits.drained(scan)
     for write, name in ((True, "WRREC"), (False, "RDREC")):
-        yield Scenario(
+        yield DriveScenario(
             name=f"{name} busy beyond TIMEOUT",
             status=(WORDS["TIMEOUT"],),
             busy=(long, 0) if write else (0, long),
@@ -141,7 +142,7 @@ def _busy(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
             calls=(0, -1) if write else (0, 0),
         )
         for clock in (None, CLOCK_END - timeout - 2000, CLOCK_END - 3000):
-            yield Scenario(
+            yield DriveScenario(
                 name=f"{name} busy forever"
                 + ("" if clock is None else f", the clock wraps after {CLOCK_END - clock} ms"),
                 status=(WORDS["DRAIN_TIMEOUT"],),
@@ -155,16 +156,16 @@ def _busy(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
             )
 
 
-def _late(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
+def _late(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
     total = len(job.telegrams)
     for late in (25, 350, 2000):
         if limits.fits(ceil(late / limits.pause) * total, total) and late < limits.retries * limits.pause:
-            yield Scenario(name=f"answer after {late} ms", processing=late, retries=None, calls=None, follow=False)
+            yield DriveScenario(name=f"answer after {late} ms", processing=late, retries=None, calls=None, follow=False)
     once = {"busy": (0, 0), "telegram": 1, "calls": None}
     for name, silent, late in (("drive silent", True, 0), ("answer after TIMEOUT", False, limits.timeout + 500)):
         results = limits.repeated(10, 1)
         left = late - limits.retries * limits.pause
-        yield Scenario(
+        yield DriveScenario(
             name=name,
             follow=limits.fits(max(0, ceil(left / limits.pause)) + 2, total) if late else True,
             status=results,
@@ -175,18 +176,18 @@ def _late(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
         )
 
 
-def _stale(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
+def _stale(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
     total = len(job.telegrams)
     for number in ends(job):
         for count in (1, 3):
-            yield Scenario(
+            yield DriveScenario(
                 name=f"{count} old answers before that of telegram {number}",
                 stale=range(number, number + count),
                 follow=False,
                 **limits.after(count, total, retries=count if number == total else 0, calls=(0, count)),
             )
     results = limits.repeated(10, 2)
-    yield Scenario(
+    yield DriveScenario(
         name="old answers forever",
         status=results,
         stale=range(1, ALWAYS),
@@ -200,7 +201,7 @@ def _stale(job: DriveJob, limits: Limits) -> Iterator[Scenario]:
 # --- the CPU ----------------------------------------------------------------------------------------------
 
 
-def cpu_scenarios(job: DriveJob, limits: Limits, scans: int, *, retentive: bool) -> Iterator[Scenario]:
+def cpu_scenarios(job: DriveJob, limits: Limits, scans: int, *, retentive: bool) -> Iterator[DriveScenario]:
     """What the CPU and its program may do.
 
     ``scans`` is how long a good run takes, ``retentive`` says that instances keep their values at a warm restart.
@@ -210,14 +211,14 @@ def cpu_scenarios(job: DriveJob, limits: Limits, scans: int, *, retentive: bool)
     lost = limits.after(1, total, least=0, **loose)
     pause = limits.pause // 10 + 4
     for at in range(2, scans + 1):
-        yield Scenario(name=f"execute falls before scan {at}", happens={at: "drop"}, follow=False)
+        yield DriveScenario(name=f"execute falls before scan {at}", happens={at: "drop"}, follow=False)
     for kind in ("cold", "warm"):
         for at in range(2, scans + 1):
-            happens: dict[int, Happening] = {at: "cold" if kind == "cold" else "warm"}
-            yield Scenario(name=f"{kind} restart before scan {at}", happens=happens, **lost)
+            happens: dict[int, str] = {at: "cold" if kind == "cold" else "warm"}
+            yield DriveScenario(name=f"{kind} restart before scan {at}", happens=happens, **lost)
         for at in range(5, 8 + pause, 3):
             happens = {at: "cold" if kind == "cold" else "warm"}
-            yield Scenario(
+            yield DriveScenario(
                 name=f"{kind} restart before scan {at} of a job with a retry",
                 happens=happens,
                 reads={1: STATE_CONFLICT},
@@ -225,7 +226,7 @@ def cpu_scenarios(job: DriveJob, limits: Limits, scans: int, *, retentive: bool)
             )
     long = ceil((limits.timeout + 2000) / 50)
     for busy in ((long, 0), (0, long)) if retentive else ():
-        yield Scenario(
+        yield DriveScenario(
             name=f"warm restart while {'WRREC' if busy[0] else 'RDREC'} is drained",
             status=(WORDS["TIMEOUT"],),
             busy=busy,
@@ -234,17 +235,17 @@ def cpu_scenarios(job: DriveJob, limits: Limits, scans: int, *, retentive: bool)
             **loose,  # type: ignore[arg-type]
         )
     for at in range(3, scans) if retentive else ():
-        yield Scenario(
+        yield DriveScenario(
             name=f"warm restart before scan {at}, the clock starts again",
             status=(WORDS["TIMEOUT"],),
             happens={at: "reset"},
             **loose,  # type: ignore[arg-type]
         )
     for at in range(5, scans):
-        yield Scenario(name=f"the record call is lost before scan {at}", happens={at: "lost"}, busy=(2, 2), **lost)
+        yield DriveScenario(name=f"the record call is lost before scan {at}", happens={at: "lost"}, busy=(2, 2), **lost)
     options = (400, 150, 0)
     for number in range(6) if limits.fits(0, 3 * total) else ():
-        yield Scenario(
+        yield DriveScenario(
             name=f"scans of random length {number}",
             jitter=True,
             busy=(number, 5 - number),
@@ -259,12 +260,12 @@ def cpu_scenarios(job: DriveJob, limits: Limits, scans: int, *, retentive: bool)
     yield from _clock(limits, total)
 
 
-def _owner(limits: Limits, scans: int) -> Iterator[Scenario]:
+def _owner(limits: Limits, scans: int) -> Iterator[DriveScenario]:
     loose = {"retries": None, "telegram": None, "calls": None}
     none = {"telegram": 1, "calls": (-1, -1)}
     if limits.fits(0, 3):
-        yield Scenario(name="the drive is busy with another job", owner=Foreign(20, leaves=True))
-    yield Scenario(
+        yield DriveScenario(name="the drive is busy with another job", owner=Foreign(20, leaves=True))
+    yield DriveScenario(
         name="another job keeps the drive",
         status=(WORDS["DRIVE_OCCUPIED"],),
         owner=Foreign(ALWAYS),
@@ -274,7 +275,7 @@ def _owner(limits: Limits, scans: int) -> Iterator[Scenario]:
     )
     if limits.timeout <= limits.lease + 500 + 10 * scans:
         early = limits.timeout <= limits.lease
-        yield Scenario(
+        yield DriveScenario(
             name="the owner of the drive is not called any more, TIMEOUT comes at the same time",
             status=tuple(WORDS[w] for w in (("DRIVE_OCCUPIED",) if early else ("DRIVE_OCCUPIED", "TIMEOUT", "DONE"))),
             owner=Foreign(8),
@@ -282,43 +283,43 @@ def _owner(limits: Limits, scans: int) -> Iterator[Scenario]:
         )
     else:
         for clock in (None, CLOCK_END - 1000):
-            yield Scenario(
+            yield DriveScenario(
                 name="the owner of the drive is not called any more" + ("" if clock is None else ", the clock wraps"),
                 owner=Foreign(8),
                 took=(limits.lease + 70, limits.lease + 70 + (scans + 8) * 10),
                 clock=clock,
             )
     if limits.timeout > limits.lease + 2500 + 10 * scans:
-        yield Scenario(
+        yield DriveScenario(
             name="a dead owner of the drive is followed by another one",
             owner=Foreign(8, follows=200),
             took=(limits.lease + 1990, limits.lease + 1990 + (scans + 8) * 10),
         )
-        yield Scenario(
+        yield DriveScenario(
             name="the drive is taken away between claim and confirmation",
             happens={2: "steal"},
             took=(limits.lease, limits.lease + (scans + 8) * 10),
         )
-        yield Scenario(name="not called for a while", happens={5: "away"}, **loose)  # type: ignore[arg-type]
+        yield DriveScenario(name="not called for a while", happens={5: "away"}, **loose)  # type: ignore[arg-type]
     for at in range(3, scans):
-        yield Scenario(
+        yield DriveScenario(
             name=f"another job takes the drive before scan {at}",
             status=(WORDS["DRIVE_LOST"],),
             happens={at: "steal"},
             **loose,  # type: ignore[arg-type]
         )
-    yield Scenario(name="another job takes the drive at the end", happens={scans: "steal"})
+    yield DriveScenario(name="another job takes the drive at the end", happens={scans: "steal"})
 
 
-def _clock(limits: Limits, total: int) -> Iterator[Scenario]:
+def _clock(limits: Limits, total: int) -> Iterator[DriveScenario]:
     for before in (15, 60, 150):
-        yield Scenario(
+        yield DriveScenario(
             name=f"the clock wraps after {before} ms",
             reads={1: STATE_CONFLICT},
             clock=CLOCK_END - before,
             **limits.after(1, total, retries=None, calls=(0, 1)),
         )
     for beat in (0, 29_995, 29_998, 30_000, 30_001, 32_767):
-        yield Scenario(name=f"heartbeat starts at {beat}", heartbeat=beat, follow=False)
+        yield DriveScenario(name=f"heartbeat starts at {beat}", heartbeat=beat, follow=False)
     for reference in (0, 1, 126, 127, 128, 253, 254, 255, 256, 1000, -1, -300):
-        yield Scenario(name=f"last reference was {reference}", reference=reference, follow=False)
+        yield DriveScenario(name=f"last reference was {reference}", reference=reference, follow=False)

@@ -8,22 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import ceil, gcd
-from typing import Any, Literal
+from typing import Any
 
+from plcgen.proof.scenario import Scenario
+from plcgen.protocols.ds47.proof.words import WORDS
 from plcgen.protocols.ds47.sim.faults import Fault
-from plcgen.protocols.ds47.words import STATUS_WORDS
-
-WORDS = {name.removeprefix("STATUS_"): word for name, word, _ in STATUS_WORDS}
-"""Status words by name: ``WORDS["TIMEOUT"]``."""
-
-DONE = WORDS["DONE"]
 
 Edit = Callable[[bytes], bytes]
 """What becomes of the bytes of an answer on its way."""
-
-Happening = Literal["drop", "cold", "warm", "reset", "lost", "steal", "away"]
-"""``drop`` takes execute away, ``cold`` and ``warm`` restart the CPU, ``reset`` restarts its clock as well, ``lost``
-forgets the running record calls, ``steal`` gives the drive to another job, ``away`` leaves the block uncalled."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,19 +31,18 @@ class Foreign:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Scenario:
-    """One run of a job: circumstances first, then what must come out.
+class DriveScenario(Scenario):
+    """One run of a job on a drive.
 
     ``writes`` and ``reads`` act on the n-th WRREC or RDREC that reaches the drive (0: on every one): a STATUS, or
     for a read an edit of the answer. ``stale`` reads deliver an older answer first. ``busy`` is how many calls of
-    WRREC and RDREC answer BUSY. ``status`` are the permitted results; ``retries``, ``telegram``, ``calls`` None are
-    not checked; ``took`` bounds the time in ms. ``leftover`` says that a record call is still active at the end,
-    ``factory`` that the drive has its factory settings, ``tolerate`` that the block finds wrong DBs by trying, which
-    the simulated CPU calls a misuse. ``litter`` fills the buffers before a request is built, None with changing bytes.
+    WRREC and RDREC answer BUSY. Besides what every scenario knows, ``reset`` restarts the clock of the CPU as well,
+    ``lost`` forgets the running record calls, ``steal`` gives the drive to another job, ``away`` leaves the block
+    uncalled. ``telegram`` and ``calls`` None are not checked. ``leftover`` says that a record call is still active at
+    the end, ``factory`` that the drive has its factory settings. ``litter`` fills the buffers before a request is
+    built, None with changing bytes.
     """
 
-    name: str
-    status: tuple[int, ...] = (DONE,)
     faults: tuple[Fault, ...] = ()
     writes: Mapping[int, int] = field(default_factory=dict)
     reads: Mapping[int, int | Edit] = field(default_factory=dict)
@@ -60,23 +51,15 @@ class Scenario:
     busy: tuple[int, int] = (1, 1)
     processing: int = 0
     generic: bool | None = None
-    scan: int = 10
-    jitter: bool = False
     owner: Foreign | None = None
-    happens: Mapping[int, Happening] = field(default_factory=dict)
-    clock: int | None = None
     heartbeat: int | None = None
     reference: int | None = None
     errors: Mapping[int, tuple[int, int]] = field(default_factory=dict)
-    retries: int | None = 0
     telegram: int | None = 0
     calls: tuple[int, int] | None = (0, 0)
-    took: tuple[int, int] | None = None
     leftover: bool = False
-    tolerate: bool = False
     litter: bytes | None = None
     factory: bool = False
-    follow: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +110,7 @@ class Limits:
         return next((scan for scan in range(least, 3 * least) if not common % scan), least)
 
     def repeated(self, scan: int, calls: int) -> tuple[int, ...]:
-        """Result of a temporary error for ever: retries run out, or the time does.
+        """Result of a temporary error forever: retries run out, or the time does.
 
         ``calls`` is how many scans one try takes at least besides the pause.
         """

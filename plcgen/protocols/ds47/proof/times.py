@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
-import random
-
+from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob
-from plcgen.protocols.ds47.proof.rig import JobRig, ScenarioError
-from plcgen.protocols.ds47.proof.scenario import WORDS, Scenario
-from plcgen.protocols.ds47.words import STATES
-
-IDLE, ACQUIRE, BUILD, WRITE, READ, CHECK, WAIT, DRAIN = (number for _, number, _ in STATES)
-STATE_NAMES = {number: name.removeprefix("STATE_") for name, number, _ in STATES}
+from plcgen.protocols.ds47.proof.rig import JobRig
+from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.words import (
+    ACQUIRE,
+    BUILD,
+    CHECK,
+    DRAIN,
+    IDLE,
+    READ,
+    WAIT,
+    WORDS,
+    WRITE,
+    state_name,
+)  # fmt: skip
 
 
 def transitions(job: DriveJob, *, classic: bool) -> frozenset[tuple[int, int]]:
@@ -29,36 +36,33 @@ def transitions(job: DriveJob, *, classic: bool) -> frozenset[tuple[int, int]]:
     return frozenset(found | {(BUILD, DRAIN)} if classic else found)
 
 
-class TimeChecks:
+class Times:
     """Clock of a run. ``since`` are the calls in which pause and lease began, None if that is not known."""
 
-    rig: JobRig
-    scenario: Scenario
-    state: int
-    random: random.Random
-    started: int
-    pausing: bool
-    pause_since: int | None
-    lease_since: int | None
-    seen: tuple[int, int] | None
-    timing: int | None
-
-    def begin_times(self) -> None:
-        """Nothing runs yet."""
+    def __init__(self, rig: JobRig) -> None:
+        self.rig = rig
+        self.state: int = IDLE
         self.pausing = False
-        self.pause_since = self.lease_since = self.seen = self.timing = None
+        self.pause_since: int | None = None
+        self.lease_since: int | None = None
+        self.timing: int | None = None
+        self.seen: tuple[int, int] | None = None
 
-    def length(self) -> int:
+    def length(self, scenario: DriveScenario, started: int) -> int:
         """Length of this scan in ms; a pause passes in one long scan and ends with a short one."""
-        scenario, clock = self.scenario, self.rig.cpu.clock
-        if scenario.jitter:
-            return self.random.randint(1, 50)
         if self.pausing and self.pause_since is not None and not scenario.happens:
             limits = self.rig.limits
-            over = self.pause_since + limits.pause, self.started + limits.timed_out(scenario.scan)
-            left = min(over) - clock
+            over = self.pause_since + limits.pause, started + limits.timed_out(scenario.scan)
+            left = min(over) - self.rig.cpu.clock
             return left - scenario.scan if left > scenario.scan else max(left, 1)
         return scenario.scan
+
+    def observe(self, state: int, heartbeat: int, owner: int) -> None:
+        """Hold the state behind a call to the clock; heartbeat and owner are those in front of it."""
+        self.watch_pause(state)
+        self.watch_timeout(state)
+        self.watch_lease(heartbeat, owner)
+        self.state = state
 
     def watch_pause(self, state: int) -> None:
         """A retry waits RETRY_PAUSE: no call less and none more."""
@@ -73,7 +77,7 @@ class TimeChecks:
             passed = clock - self.pause_since
             if (passed >= limits.pause) != (state != WAIT):
                 raise ScenarioError(
-                    f"after {passed} ms of the pause of {limits.pause} the state is {STATE_NAMES[state]}"
+                    f"after {passed} ms of the pause of {limits.pause} the state is {state_name(state)}"
                 )
         self.pausing = self.pausing and state == WAIT
 
@@ -88,7 +92,7 @@ class TimeChecks:
         passed = clock - self.timing
         if passed >= limits.timeout and state not in {IDLE, DRAIN}:
             raise ScenarioError(f"{passed} ms after the start, with a TIMEOUT of {limits.timeout}, the job goes on")
-        if passed < limits.timeout and self.rig.get("status") == WORDS["TIMEOUT"]:
+        if passed < limits.timeout and self.rig.db.get("status") == WORDS["TIMEOUT"]:
             raise ScenarioError(f"timeout {passed} ms after the start, TIMEOUT is {limits.timeout}")
 
     def watch_lease(self, heartbeat: int, owner: int) -> None:
@@ -102,7 +106,7 @@ class TimeChecks:
         if self.state != ACQUIRE or owner in {0, own}:
             return
         passed = clock - self.lease_since if self.lease_since is not None else 0
-        claimed = self.rig.token_get("owner") == own
+        claimed = self.rig.token.get("owner") == own
         if claimed != (passed >= limits.lease):
             verb = "claimed" if claimed else "not claimed"
             raise ScenarioError(f"the drive of a dead owner is {verb} after {passed} ms, LEASE is {limits.lease}")

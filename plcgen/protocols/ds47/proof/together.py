@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Bus
+from plcgen.proof.rig import Members
+from plcgen.proof.runner import Runner
+from plcgen.proof.scenario import Failure, ScenarioError
+from plcgen.proof.suite import Procedure
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof.bench import build_drive
-from plcgen.protocols.ds47.proof.rig import JobRig, ScenarioError, ScriptedDrive
-from plcgen.protocols.ds47.proof.runner import Failure, Runner
-from plcgen.protocols.ds47.proof.scenario import DONE, WORDS, Scenario
+from plcgen.protocols.ds47.proof.conduct import JobConduct
+from plcgen.protocols.ds47.proof.rig import JobRig, ScriptedDrive
+from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.words import DONE, LEASE_MS, WORDS
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
-from plcgen.protocols.ds47.words import LEASE_MS
 from plcgen.s7.blocks import BlockKind
 
 ROUNDS = 500
@@ -43,7 +47,10 @@ class Plant:
             self.bus.attach(planned.id_value, self.drives[planned.id_value])
         self.cpu = Cpu(program, self.bus, job_limit=job_limit)
         self.cpu.restart("cold")
-        self.scan = 0
+        self.scans = 0
+        main = program.main()
+        line = main.result.tokens.position(main.unit.start)[0] if main is not None else 1
+        self.place = (main.result.tokens.file if main is not None else "", line)
 
     def path(self, job: DriveJob, signal: str) -> str:
         """Where OB1 takes or leaves a signal of a job."""
@@ -56,7 +63,7 @@ class Plant:
 
     def step(self) -> None:
         """One scan of OB1."""
-        self.scan += 1
+        self.scans += 1
         self.cpu.scan(10)
         if self.cpu.misuses or self.cpu.faulted:
             raise ScenarioError("misuse")
@@ -68,26 +75,21 @@ class Plant:
         return next(flags), next(flags), int(status) if isinstance(status, int) else -1
 
 
-@dataclass(frozen=True, slots=True)
-class ProgramScenario:
-    """A named procedure with the whole program."""
-
-    name: str
-    run: Callable[[Plant], None]
-    job_limit: int | None = None
-
-
-def program_scenarios(plan: DrivePlan) -> Iterator[ProgramScenario]:
+def procedures(plan: DrivePlan, program: Program) -> Iterator[Procedure]:
     """What the jobs do to each other."""
-    yield ProgramScenario("every job through OB1", _one_by_one)
+
+    def procedure(name: str, run: Callable[[Plant], None], job_limit: int | None = None) -> Procedure:
+        return Procedure(name, lambda: Plant(plan, program, job_limit), run)
+
+    yield procedure("every job through OB1", _one_by_one)
     jobs = plan.jobs
     least = min(job.timeout for job in jobs)
     round_ = 100 + sum(100 + 60 * len(job.telegrams) for job in jobs)
     if round_ < least:
-        yield ProgramScenario("all jobs again and again", _again_and_again)
+        yield procedure("all jobs again and again", _again_and_again)
     waits = sum(len(job.telegrams) for job in jobs)
     if all(job.retries > waits and waits * (job.retry_pause + 100) + round_ < job.timeout for job in jobs):
-        yield ProgramScenario("all jobs at once, one record call at a time in the CPU", _at_once, 1)
+        yield procedure("all jobs at once, one record call at a time in the CPU", _at_once, 1)
     for token, drives in plan.tokens:
         sharing = [job for job in jobs if job.drive in drives]
         for first, second in itertools.pairwise(sharing):
@@ -95,26 +97,7 @@ def program_scenarios(plan: DrivePlan) -> Iterator[ProgramScenario]:
                 continue
             for calls in (3, 4, 5, 6):
                 name = f"{first.key} is not called after scan {calls}, {second.key} takes {token.name} over"
-                yield ProgramScenario(name, _take_over(first, second, calls))
-
-
-def try_program(plan: DrivePlan, program: Program, scenario: ProgramScenario) -> tuple[Failure | None, list[int]]:
-    """Run one of them on a CPU of its own; what failed, and the counters of coverage."""
-    plant = Plant(plan, program, scenario.job_limit)
-    try:
-        scenario.run(plant)
-    except ScenarioError as problem:
-        message = str(problem)
-    except Exception as problem:  # noqa: BLE001 - changed sources may make the simulated CPU itself fail
-        message = f"the simulated CPU stopped: {type(problem).__name__} {problem}"
-    else:
-        return None, plant.cpu.coverage
-    main = program.main()
-    place = (main.result.tokens.file, main.result.tokens.position(main.unit.start)[0]) if main is not None else ("", 1)
-    if plant.cpu.misuses:
-        misuse = plant.cpu.misuses[0]
-        message, place = str(misuse), (misuse.file, misuse.line)
-    return Failure(scenario.name, plant.scan, message, *place), plant.cpu.coverage
+                yield procedure(name, _take_over(first, second, calls))
 
 
 def _one_by_one(plant: Plant) -> None:
@@ -122,19 +105,16 @@ def _one_by_one(plant: Plant) -> None:
     control = plant.plan.control_db.name
     for job in plant.plan.jobs:
         rig = JobRig(plant.plan, plant.program, job)
-        layout, memory = rig.layout(control), plant.cpu.db(control)
+        paths = (f"{job.member}.{use.member}" for use in (*job.inputs, *job.outputs))
+        signals = Members(plant.cpu, plant.program, control, paths, f"{job.member}.")
         drive = plant.drives[job.drive.id_value]
-        drive.begin(Scenario(name="OB1"))
+        drive.begin(DriveScenario(name="OB1"))
         values, inputs, requests = rig.sets[0]
         parameters = drive.objects[job.drive.drive_object].parameters
         for pnu, content in values.items():
             parameters[pnu].values = list(content)
-        spots = {
-            use.member: type(rig.spots["done"]).of(layout, f"{job.member}.{use.member}")
-            for use in (*job.inputs, *job.outputs)
-        }
         for member, data in inputs:
-            rig.put(memory, spots[member], data)
+            signals.put(member, data)
         plant.start(job)
         busy = plant.path(job, "busy")
         for _ in range(200 * len(job.telegrams)):
@@ -152,10 +132,10 @@ def _one_by_one(plant: Plant) -> None:
         rig.drive.objects = drive.objects
         for use in job.outputs:
             expected = rig.expected(use)
-            if rig.shown(memory, spots[use.member], len(expected)) != expected:
+            if signals.bytes(use.member, len(expected)) != expected:
                 raise ScenarioError(f"{control}.{job.member}.{use.member} does not hold the drive's value")
         _fall(plant, job)
-        drive.begin(Scenario(name="OB1", faults=(Fault(FaultKind.ERROR, number=0x11, position=1, words=1),)))
+        drive.begin(DriveScenario(name="OB1", faults=(Fault(FaultKind.ERROR, number=0x11, position=1, words=1),)))
         plant.start(job)
         for _ in range(200):
             plant.step()
@@ -219,7 +199,7 @@ def _take_over(first: DriveJob, second: DriveJob, calls: int) -> Callable[[Plant
     """A job that is not called any more loses the drive after LEASE, and reports it when it is called again."""
 
     def call(plant: Plant, job: DriveJob, *, execute: bool = True) -> tuple[bool, int]:
-        plant.scan += 1
+        plant.scans += 1
         plant.cpu.call(job.instance.name, 50, execute=execute)
         busy, status = plant.cpu[f"{job.instance.name}.busy"], plant.cpu[f"{job.instance.name}.status"]
         if plant.cpu.misuses:
@@ -253,7 +233,9 @@ def _take_over(first: DriveJob, second: DriveJob, calls: int) -> Callable[[Plant
 # --- wrong numbers ----------------------------------------------------------------------------------------
 
 
-def wrong_numbers(plan: DrivePlan, program: Program, job: DriveJob) -> Iterator[tuple[Failure | None, Runner]]:
+def wrong_numbers(
+    plan: DrivePlan, program: Program, job: DriveJob
+) -> Iterator[tuple[Failure | None, Runner[DriveScenario]]]:
     """Buffer DBs that have other numbers than the block expects: nothing is sent."""
     blocks = {entry.name: entry for entry in program.link.blocks.values() if entry.block.kind is BlockKind.DB}
     for index, telegram in enumerate(job.telegrams, 1):
@@ -273,7 +255,7 @@ def wrong_numbers(plan: DrivePlan, program: Program, job: DriveJob) -> Iterator[
             before = {name: blocks[name].number for name in numbers}
             for name, number in numbers.items():
                 blocks[name].number = number
-            scenario = Scenario(
+            scenario = DriveScenario(
                 name=f"telegram {index}: {title}",
                 status=(WORDS["WRONG_DB"],),
                 telegram=index,
@@ -288,14 +270,14 @@ def wrong_numbers(plan: DrivePlan, program: Program, job: DriveJob) -> Iterator[
                 blocks[other].number = number
             if control in numbers and size < max(len(telegram.request.data), telegram.response.size):
                 continue
-            runner = Runner(rig)
+            runner = Runner(JobConduct(rig))
             yield runner.try_run(scenario), runner
 
 
-def row(runner: Runner) -> Failure | None:
+def row(runner: Runner[DriveScenario]) -> Failure | None:
     """600 jobs in a row: the reference wraps twice."""
     for number in range(1, ROW + 1):
-        failure = runner.try_run(Scenario(name=f"job {number} of {ROW} in a row", busy=(0, 0), follow=False))
+        failure = runner.try_run(DriveScenario(name=f"job {number} of {ROW} in a row", busy=(0, 0), follow=False))
         if failure is not None:
             return failure
     return None

@@ -10,7 +10,7 @@ from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Bus
 from plcgen.cpu.system.port import Port
-from plcgen.protocols.ds47.proof.rig import ScenarioError, Spot
+from plcgen.proof.rig import Members, Source
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue
 from plcgen.protocols.ppi.proof.scenario import Edit
 from plcgen.protocols.ppi.sim import Bus as Line
@@ -20,7 +20,6 @@ from plcgen.protocols.ppi.sim.cpu import Session
 from plcgen.protocols.ppi.wire.areas import Area
 from plcgen.protocols.ppi.wire.fdl import encode_frame, examine_frame
 from plcgen.protocols.ppi.wire.model import Item, VariableFrame
-from plcgen.s7.layout import Layout
 
 SIGNALS = ("execute", "busy", "done", "error", "status")
 DETAILS = (
@@ -86,67 +85,33 @@ class MasterRig:
         self.bus.ports[master.port] = self.port
         self.cpu = Cpu(program, self.bus)
         self.cpu.restart("cold")
-        self.instance = self.cpu.db(master.instance.name)
-        layout = self.layout(master.instance.name)
-        self.spots = {name: Spot.of(layout, f"diagnostics.{name}") for name in DETAILS}
+        self.job = master.jobs[0]
+        paths = [f"diagnostics.{name}" for name in DETAILS]
         for job in master.jobs:
             names = [*SIGNALS, *(value.member for value in (*job.inputs, *job.outputs))]
-            names += ["errors"] if job.values else []
-            self.spots |= {job.pin(name): Spot.of(layout, job.pin(name)) for name in names}
-        block = program.link.find(master.block.name)
-        self.file = block.result.tokens.file if block is not None else ""
-        self.probes = [i for i, probe in enumerate(program.probes) if probe.file == self.file]
+            paths += [job.pin(name) for name in (*names, *(["errors"] if job.values else []))]
+        self.db = Members(self.cpu, program, master.instance.name, paths, "diagnostics.")
+        self.source = Source(program, master.block)
+        self.place = (self.source.file, 1)
         self.draw = random.Random(master.key)  # noqa: S311 - test values
         self.inputs: dict[str, bytes] = {}
 
-    def layout(self, name: str) -> Layout:
-        """Layout of a block as the soft CPU has it."""
-        entry = self.program.link.find(name)
-        if entry is None or entry.shape is None:
-            raise ScenarioError(f'"{name}" is missing')
-        return Layout(entry.shape.bits // 8, entry.shape)
+    @property
+    def scans(self) -> int:
+        """Scans of OB1 so far."""
+        return self.cpu.scans
 
-    # --- members of the instance ----------------------------------------------------------------------
+    def pin(self, name: str) -> str:
+        """Name at the block of a signal of the job that runs."""
+        return self.job.pin(name)
 
-    def get(self, name: str) -> int:
-        """Unsigned value of a member."""
-        spot = self.spots[name]
-        return int.from_bytes(self.instance[spot.byte : spot.byte + spot.size])
-
-    def flag(self, job: PpiJob, name: str) -> bool:
-        """BOOL signal of a job."""
-        spot = self.spots[job.pin(name)]
-        return bool(self.instance[spot.byte] >> spot.bit & 1)
-
-    def set_flag(self, job: PpiJob, name: str, *, value: bool) -> None:
-        """Set a BOOL signal of a job."""
-        self.put(self.spots[job.pin(name)], b"\x01" if value else b"\x00")
-
-    def status(self, job: PpiJob) -> int:
-        """Status word of a job."""
-        return self.get(job.pin("status"))
-
-    def errors(self, job: PpiJob) -> list[int]:
-        """Errors per address of a job."""
-        if not job.values:
-            return []
-        at = self.spots[job.pin("errors")].byte
-        return [int.from_bytes(self.instance[at + 2 * n : at + 2 * n + 2]) for n in range(len(job.values))]
-
-    def put(self, spot: Spot, data: bytes) -> None:
-        """Store bytes in a member."""
-        if spot.flag:
-            mask = 1 << spot.bit
-            self.instance[spot.byte] = self.instance[spot.byte] & 255 - mask | (mask if data[0] else 0)
-        else:
-            self.instance[spot.byte : spot.byte + len(data)] = data
+    def errors(self) -> list[int]:
+        """Errors per address of the job that runs."""
+        return self.db.words(self.pin("errors"), len(self.job.values)) if self.job.values else []
 
     def shown(self, job: PpiJob, value: PpiValue) -> bytes:
         """Bytes of an output."""
-        spot = self.spots[job.pin(value.member)]
-        if spot.flag:
-            return bytes((self.instance[spot.byte] >> spot.bit & 1,))
-        return bytes(self.instance[spot.byte : spot.byte + value.count * value.size])
+        return self.db.bytes(job.pin(value.member), value.count * value.size)
 
     def outputs(self) -> list[bytes]:
         """Bytes of every value output of the master."""
@@ -169,13 +134,13 @@ class MasterRig:
         for value in job.inputs:
             data = self.random_bytes(value)
             self.inputs[job.pin(value.member)] = data
-            self.put(self.spots[job.pin(value.member)], data)
+            self.db.put(job.pin(value.member), data)
 
     def put_inputs(self, job: PpiJob) -> None:
         """Supply the inputs again, as a main program does in every scan."""
         for value in job.inputs:
             name = job.pin(value.member)
-            self.put(self.spots[name], self.inputs.get(name, value.data))
+            self.db.put(name, self.inputs.get(name, value.data))
 
     def random_bytes(self, value: PpiValue) -> bytes:
         """Wire bytes of a value that its type takes."""

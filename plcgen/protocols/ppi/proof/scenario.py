@@ -7,16 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any
 
+from plcgen.proof.scenario import Scenario
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob
+from plcgen.protocols.ppi.proof.words import CLOCK_END, DONE, WORDS
 from plcgen.protocols.ppi.sim import Fault, FaultKind
 from plcgen.protocols.ppi.sim.faults import At
-from plcgen.protocols.ppi.words import CLOCK_END, STATUS_WORDS
 
-WORDS = {name.removeprefix("STATUS_"): word for name, word, _ in STATUS_WORDS}
-"""Status words by name: ``WORDS["TIMEOUT"]``."""
-DONE = WORDS["DONE"]
 RETURN_CODES = (0x01, 0x03, 0x05, 0x06, 0x07, 0x0A, 0x42)
 """Return codes of items: those of the S7-200 and one that nobody knows."""
 HEADER_ERRORS = (0x8001, 0x8104, 0x8404, 0x8500, 0xD602)
@@ -24,45 +22,35 @@ HEADER_ERRORS = (0x8001, 0x8104, 0x8404, 0x8500, 0xD602)
 Edit = Callable[[bytes], bytes]
 """What becomes of the PDU of a reply on its way; its frame is made anew around it."""
 
-Happening = Literal["drop", "cold", "warm"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PpiScenario:
-    """One run of a job: circumstances first, then what must come out.
+class PpiScenario(Scenario):
+    """One run of a job of a PPI master.
 
     ``faults`` are those of the simulated line. ``port`` maps the n-th transmission (0: every one) to a STATUS it fails
     with, ``hang`` keeps transmissions busy, ``reset`` is what Receive_Reset fails with, ``gone`` takes the module away.
-    ``edit`` changes the PDU of every reply, whose frame stays right. ``status`` are the permitted results,
-    ``retries`` and ``polls`` what the diagnostics must say (None: not checked), ``errors`` those of the addresses by
-    position, ``header`` and ``module`` the error words. ``pace`` are the ms behind the first frame, behind every other
-    one but the last, and from the last to the end of the job.
+    ``edit`` changes the PDU of every reply, whose frame stays right. ``fresh`` restarts the CPU first. ``polls`` is
+    what the diagnostics must say (None: not checked), ``errors`` those of the addresses by position, ``header`` and
+    ``module`` the error words. ``pace`` are the ms behind the first frame, behind every other one but the last, and
+    from the last to the end of the job.
     """
 
-    name: str
-    status: tuple[int, ...] = (DONE,)
     faults: tuple[Fault, ...] = ()
     port: Mapping[int, int] = field(default_factory=dict)
     hang: bool = False
     reset: int = 0
     edit: Edit | None = None
     gone: bool = False
-    scan: int = 10
-    jitter: bool = False
-    happens: Mapping[int, Happening] = field(default_factory=dict)
-    clock: int | None = None
     fresh: bool = False
-    retries: int | None = 0
     polls: int | None = 1
     errors: Mapping[int, int] = field(default_factory=dict)
     header: int = 0
     module: int = 0
-    took: tuple[int, int] | None = None
     pace: tuple[int, int, int] | None = None
 
 
 def fault(kind: str, at: At = "any", times: int | None = 1, **more: int) -> Fault:
-    """One fault of the simulated line; ``times`` None is for ever."""
+    """One fault of the simulated line; ``times`` None is forever."""
     data = b"\xff\x00" if kind == "noise" else b""
     return Fault(FaultKind(kind), times=times, at=at, data=data, **more)
 
@@ -160,7 +148,7 @@ def pace_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
 
 
 def _spoilt(master: PlannedMaster) -> Iterator[PpiScenario]:
-    """Requests that are not heard and answers that are lost or damaged: as often as is repeated, and for ever."""
+    """Requests that are not heard and answers that are lost or damaged: as often as is repeated, and forever."""
     most = master.retries
     damaged: tuple[tuple[At, tuple[str, ...]], ...] = (
         ("request", ("deaf", "silence", "garbage", "clipped")),
@@ -258,7 +246,7 @@ def _data(pdu: bytes, data: bytes) -> bytes:
 
 
 def _ready(polls: int) -> Iterator[PpiScenario]:
-    """E5 to polls, a bounded number of times and for ever."""
+    """E5 to polls, a bounded number of times and forever."""
     for times in sorted({1, 2, polls - 1}):
         if 0 < times < polls:
             yield PpiScenario(

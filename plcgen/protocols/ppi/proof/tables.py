@@ -5,7 +5,7 @@ Both are littered before the job, so a copy that is missing shows.
 
 from __future__ import annotations
 
-from plcgen.protocols.ds47.proof.rig import ScenarioError
+from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ppi.plan.nouns import LEAD, PpiJob, PpiTelegram
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.wire.fdl import examine_frame
@@ -33,7 +33,7 @@ def litter(rig: MasterRig) -> None:
 
 def check_tables(rig: MasterRig, job: PpiJob, *, refused: bool) -> None:
     """Tables and response DBs after a job that is done, or whose last telegram has refused items."""
-    last = rig.get("telegram")
+    last = rig.db.get("telegram")
     for telegram in rig.master.telegrams:
         mine = telegram in job.telegrams and telegram.number <= last
         if mine:

@@ -1,15 +1,13 @@
-"""PPI telegram tables and response DBs: offsets from three sources, start values decoded with the strict codec."""
+"""PPI telegram tables: start values decoded with the strict codec."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError
-from plcgen.project.nouns import Buffer
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
-from plcgen.proof.layouts import Row, agreement, compare, width_mark
-from plcgen.protocols.ppi.plan.nouns import LEAD, PlannedMaster, PpiField, PpiPlan, PpiTelegram
+from plcgen.protocols.ppi.plan.nouns import LEAD, PlannedMaster, PpiPlan, PpiTelegram
 from plcgen.protocols.ppi.wire.errors import PpiError
 from plcgen.protocols.ppi.wire.fdl import decode_frame
 from plcgen.protocols.ppi.wire.model import (
@@ -25,37 +23,8 @@ from plcgen.protocols.ppi.wire.pdu import decode_pdu
 from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block
 
-PREFIX = "telegram."
-SHOWN = frozenset({"function_code", "reference", "return_code", "value", "fcs"})
-"""Members that the report names: what changes at run time. All of them are compared."""
 
-
-def check_ppi_layouts(plan: PpiPlan, folder: Folder) -> Iterator[Check]:
-    """Checks of the group ``layout``: one per table and response DB."""
-    for master in plan.masters:
-        for telegram in master.telegrams:
-            yield _layout(plan, folder, telegram.request, PREFIX)
-            if telegram.response is not None:
-                yield _layout(plan, folder, telegram.response, "")
-
-
-def _layout(plan: PpiPlan, folder: Folder, buffer: Buffer[PpiField], prefix: str) -> Check:
-    db, type_, fields = buffer.db, buffer.type, buffer.fields
-    size = fields[-1].offset + fields[-1].size
-    subject = f'DB{db.number} "{db.name}"'
-    figures = " ".join(f"{f.name}@{f.offset}{width_mark(f.type)}" for f in fields if f.role in SHOWN)
-    planned = [Row(f.name, f.offset, f.size, f.type) for f in fields]
-    problem = compare(plan, folder, ((db, prefix), (type_, "")), planned, size)
-    text = f"{size} B  {figures}"
-    if problem is not None:
-        return Check(f"layout.{db.name}", subject, text, Outcome.ERROR, problem.message, problem)
-    return Check(f"layout.{db.name}", subject, text, Outcome.OK, agreement(plan))
-
-
-# --- telegrams ------------------------------------------------------------------------------------------------
-
-
-def check_ppi_telegrams(plan: PpiPlan, folder: Folder) -> Iterator[Check]:
+def check_telegrams(plan: PpiPlan, folder: Folder) -> Iterator[Check]:
     """Checks of the group ``telegrams``: the table's start values are one telegram that says what the spec asks."""
     for master in plan.masters:
         for telegram in master.telegrams:

@@ -1,0 +1,145 @@
+"""What a generated block runs on: the files on disk in a soft CPU, and the places of its members."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from plcgen.cpu.cpu import Cpu
+from plcgen.cpu.folder import load_folder
+from plcgen.cpu.program import Program
+from plcgen.diagnostics import DiagnosticError
+from plcgen.project.nouns import BlockRef, Project
+from plcgen.proof.folder import DIALECTS
+from plcgen.proof.scenario import ScenarioError
+from plcgen.s7.image import Tree
+from plcgen.s7.layout import Layout, locate
+from plcgen.s7.types import Elementary
+
+_LOCALS = re.compile(r"^( )((?:v\d+=)+)(0|0\.0|False)$", re.MULTILINE)
+_GARBAGE = {"0": "0xA0", "0.0": "1e30", "False": "True"}
+
+
+def load_program(project: Project, folder: Path) -> Program:
+    """Compile the folder's sources with coverage; local data holds garbage at the start of a call, as in a CPU."""
+    program = load_folder(folder, DIALECTS[project.target.dialect], coverage=True)
+    if not program.ok:
+        raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
+    for compiled in program.compiled:
+        head, probe, body = compiled.source.partition("\n H[")
+        dirty = _LOCALS.sub(lambda found: found[1] + found[2] + _GARBAGE[found[3]], head) + probe + body
+        if compiled.code is not None and dirty != compiled.source:
+            compiled.code = compile(dirty, f"<{compiled.file}>", "exec", dont_inherit=True, optimize=1)
+    return program
+
+
+class Bench:
+    """A project and the program in its folder. A worker that starts from nothing compiles the program again."""
+
+    def __init__(self, project: Project, folder: Path) -> None:
+        self.project, self.folder = project, folder
+
+    @cached_property
+    def program(self) -> Program:
+        """The compiled sources. Raises DiagnosticError."""
+        return load_program(self.project, self.folder)
+
+    def __reduce__(self) -> tuple[type[Bench], tuple[Project, Path]]:
+        """A program cannot be pickled."""
+        return Bench, (self.project, self.folder)
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """Where a member lies: byte, bytes, and the bit of a BOOL (``flag``)."""
+
+    byte: int
+    size: int
+    bit: int
+    flag: bool = False
+
+    @classmethod
+    def of(cls, layout: Layout, path: str) -> Spot:
+        """Place of a member. Raises KeyError."""
+        entry = locate(layout, path)
+        flag = isinstance(entry.type, Elementary) and entry.type.name == "BOOL"
+        return cls(entry.byte, (entry.size + 7) // 8, entry.bit, flag)
+
+    def put(self, memory: bytearray, data: bytes) -> None:
+        """Store wire bytes."""
+        if self.flag:
+            memory[self.byte] = memory[self.byte] & 255 - (1 << self.bit) | (data[0] & 1) << self.bit
+        else:
+            memory[self.byte : self.byte + len(data)] = data
+
+    def bytes(self, memory: bytearray, size: int | None = None) -> bytes:
+        """Wire bytes of the member, or the first ``size`` of them."""
+        if self.flag:
+            return bytes((memory[self.byte] >> self.bit & 1,))
+        return bytes(memory[self.byte : self.byte + (self.size if size is None else size)])
+
+
+class Members:
+    """Members of one data block of a CPU, by their paths; ``names`` gives them shorter names."""
+
+    def __init__(self, cpu: Cpu, program: Program, block: str, paths: Iterable[str], prefix: str = "") -> None:
+        self.block, self.memory = block, cpu.db(block)
+        self.layout = layout_of(program, block)
+        self.spots = {path.removeprefix(prefix): Spot.of(self.layout, path) for path in paths}
+
+    def get(self, name: str, *, signed: bool = False) -> int:
+        """Value of a member that is a number."""
+        spot = self.spots[name]
+        return int.from_bytes(self.memory[spot.byte : spot.byte + spot.size], signed=signed)
+
+    def flag(self, name: str) -> bool:
+        """Value of a BOOL."""
+        spot = self.spots[name]
+        return bool(self.memory[spot.byte] >> spot.bit & 1)
+
+    def set(self, name: str, value: int) -> None:
+        """Store a number or a BOOL."""
+        spot = self.spots[name]
+        spot.put(self.memory, bytes((value,)) if spot.flag else value.to_bytes(spot.size, signed=value < 0))
+
+    def put(self, name: str, data: bytes) -> None:
+        """Store wire bytes."""
+        self.spots[name].put(self.memory, data)
+
+    def bytes(self, name: str, size: int | None = None) -> bytes:
+        """Wire bytes of a member."""
+        return self.spots[name].bytes(self.memory, size)
+
+    def words(self, name: str, count: int) -> list[int]:
+        """The first words of an array."""
+        at = self.spots[name].byte
+        return [int.from_bytes(self.memory[at + 2 * i : at + 2 * i + 2]) for i in range(count)]
+
+
+def layout_of(program: Program, name: str) -> Layout:
+    """Layout of a block as the soft CPU has it. Raises ScenarioError."""
+    entry = program.link.find(name)
+    if entry is None or entry.shape is None:
+        raise ScenarioError(f'"{name}" is missing')
+    return Layout(entry.shape.bits // 8, entry.shape)
+
+
+class Source:
+    """The source of a block: its file and its probes of coverage."""
+
+    def __init__(self, program: Program, block: BlockRef) -> None:
+        entry = program.link.find(block.name)
+        self.file = entry.result.tokens.file if entry is not None else ""
+        self.probes = [i for i, probe in enumerate(program.probes) if probe.file == self.file]
+
+
+def value_text(value: Tree) -> str:
+    """A value as a line of the report shows it: four elements of an array."""
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(value_text(item) for item in value[:4])}{', ..' if len(value) > 4 else ''}]"
+    if isinstance(value, float):
+        return f"{value:.7g}.0" if value.is_integer() and abs(value) < 1e7 else f"{value:.7g}"
+    return str(value)

@@ -1,0 +1,147 @@
+"""What a protocol contributes to verification: checks of the files, and suites of jobs to execute."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, Protocol, TypeVar
+
+from plcgen.cpu.cpu import Cpu
+from plcgen.cpu.program import Program
+from plcgen.diagnostics import Span
+from plcgen.project.nouns import Buffer, Field, PlannedJob
+from plcgen.proof.checks import Check, CheckGroup
+from plcgen.proof.coverage import Step
+from plcgen.proof.folder import Folder
+from plcgen.proof.reach import Premise
+from plcgen.proof.runner import Runner
+from plcgen.proof.scenario import Failure, Scenario, Statistics
+
+Level = Literal["none", "quick", "full"]
+"""How much of the fault matrix runs: nothing, everything once, or every combination."""
+Progress = Callable[[str, int, int], None]
+S = TypeVar("S", bound=Scenario)
+
+
+@dataclass(frozen=True, slots=True)
+class LaidOut:
+    """A buffer whose offsets are calculated; ``prefix`` is where it lies in its DB, ``shown`` what a report names.
+
+    ``room`` is how long the longest answer is, and ``note`` stands in front of the offsets.
+    """
+
+    buffer: Buffer[Field]
+    shown: Callable[[Field], bool]
+    prefix: str = ""
+    room: int = 0
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class CodeBlock:
+    """A generated block with the jobs in it. ``key`` ends the id of its coverage, ``name`` is what messages call it.
+
+    ``premises`` say what cannot happen in this project, ``opened`` which names they may follow. ``steps`` are all ways
+    from state to state, None if nobody draws them; ``state`` names a state.
+    """
+
+    key: str
+    name: str
+    block: str
+    jobs: tuple[PlannedJob, ...]
+    span: Callable[[], Span]
+    premises: tuple[Premise, ...] = ()
+    opened: tuple[str, ...] = ()
+    steps: frozenset[Step] | None = None
+    state: Callable[[int], str] = str
+
+
+class Bed(Protocol):
+    """A CPU with the whole program; ``place`` is the source and line to look at if it fails."""
+
+    @property
+    def cpu(self) -> Cpu:
+        """The CPU."""
+
+    @property
+    def place(self) -> tuple[str, int]:
+        """File and line."""
+
+    @property
+    def scans(self) -> int:
+        """Scans so far."""
+
+
+@dataclass(frozen=True, slots=True)
+class Procedure:
+    """Something that several jobs do to each other; ``run`` raises ScenarioError."""
+
+    name: str
+    bed: Callable[[], Bed]
+    run: Callable[[Any], None]
+
+
+class Suite(Protocol[S]):
+    """Jobs that share blocks or partners: they are run one by one, then all together."""
+
+    @property
+    def prefix(self) -> str:
+        """In front of the key of a job in the ids of its checks."""
+
+    @property
+    def page(self) -> str:
+        """The page of the documentation that describes the blocks."""
+
+    @property
+    def jobs(self) -> Sequence[PlannedJob]:
+        """The jobs, in the order of the report."""
+
+    def blocks(self) -> Sequence[CodeBlock]:
+        """The blocks whose coverage counts."""
+
+    def runner(self, program: Program, job: Any, statistics: Statistics | None = None) -> Runner[S]:
+        """The job on a CPU of its own. Raises ScenarioError or KeyError if its block cannot be called."""
+
+    def first(self) -> S:
+        """The first run of a job."""
+
+    def nominal(self, runner: Runner[S]) -> S:
+        """The run that the report shows."""
+
+    def shown(self, runner: Runner[S], scans: int) -> tuple[str, str]:
+        """What the report says about the nominal run, and about the values."""
+
+    def matrix(self, runner: Runner[S], scans: int, level: Level) -> Iterator[S]:
+        """Every fault; ``scans`` is how long a good run takes."""
+
+    def behind(self, program: Program, runner: Runner[S]) -> Iterator[tuple[Failure | None, Runner[S]]]:
+        """What a job goes through behind the matrix, on its own or another CPU."""
+
+    def faults(self, job: Any, level: Level, kinds: int) -> str:
+        """What the report says about a matrix with so many scenarios."""
+
+    def procedures(self, program: Program) -> Iterator[Procedure]:
+        """What the jobs do to each other."""
+
+    def together(self, procedures: int) -> Check:
+        """The check of the procedures, if all went well."""
+
+    def own(self, program: Program, partner: Path) -> Iterator[Check]:
+        """Every job against a partner that a file of the user describes."""
+
+
+class Proof(Protocol):
+    """What a protocol contributes to the verification of one plan."""
+
+    def layouts(self) -> Iterator[LaidOut]:
+        """Every buffer."""
+
+    def telegrams(self, folder: Folder) -> Iterator[Check]:
+        """Start values against the spec and the standard."""
+
+    def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:
+        """Telegrams against a simulated partner, or the one in a file; None if there is nothing like that."""
+
+    def suites(self) -> Sequence[Suite[Any]]:
+        """What is executed."""

@@ -1,0 +1,120 @@
+"""What goes on around the calls of a PPI master, and what must hold behind every one of them and at the end."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from plcgen.proof.runner import Run
+from plcgen.proof.scenario import ScenarioError
+from plcgen.protocols.ppi.proof.end import End
+from plcgen.protocols.ppi.proof.rig import MasterRig
+from plcgen.protocols.ppi.proof.scenario import PpiScenario
+from plcgen.protocols.ppi.proof.tables import litter
+from plcgen.protocols.ppi.proof.words import CLOCK_END, DRAIN_MS, WORDS
+
+LATE_CALLS = 15
+
+
+class MasterConduct:
+    """The jobs of one master, run by run; ``rig.job`` is the one that runs, ``codes`` the last code of each station."""
+
+    def __init__(self, rig: MasterRig) -> None:
+        self.rig = rig
+        self.codes: dict[int, int] = {}
+
+    def plain(self, name: str) -> PpiScenario:
+        """A run of which only the result counts."""
+        return PpiScenario(name=name, retries=None, polls=None)
+
+    def title(self, scenario: PpiScenario) -> str:
+        """The job that runs and its scenario."""
+        return f"{self.rig.job.key}, {scenario.name}"
+
+    def outputs(self) -> object:
+        """All value outputs."""
+        return self.rig.outputs()
+
+    def where(self) -> str:
+        """The state may be any of many."""
+        return "busy"
+
+    def holds(self) -> bool:
+        """A job with a cycle goes on."""
+        return not self.rig.job.cycle
+
+    def begin(self, run: Run[PpiScenario]) -> int:
+        """Set up stations, line, port and clock."""
+        rig, scenario, port = self.rig, run.scenario, self.rig.port
+        if scenario.fresh:
+            rig.cpu.restart("cold")
+            self.codes.clear()
+        rig.new_values(rig.job)
+        litter(rig)
+        rig.line.faults[:] = [replace(fault) for fault in scenario.faults]
+        rig.line.journal.clear()
+        rig.executed.clear()
+        port.sent.clear()
+        port.faults, port.hang, port.reset_fault = dict(scenario.port), scenario.hang, scenario.reset
+        rig.edited.edit = scenario.edit
+        port.transmissions = 0
+        if scenario.gone:
+            rig.bus.ports.pop(rig.master.port, None)
+        if scenario.clock is not None:
+            self.set_clock(scenario.clock)
+        slack = 8 * (50 if scenario.jitter else scenario.scan)
+        return rig.job.timeout * (1 + len(scenario.happens)) + DRAIN_MS + slack
+
+    def set_clock(self, clock: int) -> None:
+        """Let the clock of the block stand shortly before its end."""
+        rig, name = self.rig, self.rig.db.block
+        if rig.plan.target.classic:
+            rig.cpu.clock = 2**31 - 1 - (CLOCK_END - clock)
+        else:
+            rig.cpu[f'"{name}".instClock.START'] = _signed(rig.cpu.clock - clock)
+            rig.cpu[f'"{name}".instClock.ET'] = clock
+        rig.cpu.call(name, 0)
+
+    def happen(self, run: Run[PpiScenario], happening: str) -> None:
+        """A restart: the frame count begins again."""
+        self.codes.clear()
+
+    def scan(self, run: Run[PpiScenario]) -> int:
+        """Inputs are supplied in every scan."""
+        self.rig.put_inputs(self.rig.job)
+        return run.scenario.scan
+
+    def start(self, run: Run[PpiScenario]) -> None:
+        """Everything of the job before is gone."""
+        if any(self.rig.errors()):
+            raise ScenarioError("the errors still show the job before")
+
+    def observe(self, run: Run[PpiScenario]) -> None:
+        """No other job moves."""
+        db = self.rig.db
+        for other in self.rig.master.jobs:
+            if other is self.rig.job:
+                continue
+            if db.flag(other.pin("busy")) or db.get(other.pin("status")) != WORDS["IDLE"]:
+                raise ScenarioError(f'job "{other.key}" moves although nobody started it')
+
+    def end(self, run: Run[PpiScenario], status: int) -> None:
+        """Values, diagnostics, frames, tables."""
+        End(self.rig, run.scenario, self.codes).check(status)
+
+    def behind(self, run: Run[PpiScenario]) -> None:
+        """The line and the module are well again."""
+        rig = self.rig
+        rig.port.hang, rig.port.faults, rig.port.reset_fault = False, {}, 0
+        rig.edited.edit = None
+        rig.line.faults.clear()
+        rig.bus.ports[rig.master.port] = rig.port
+
+    def rest(self, run: Run[PpiScenario]) -> None:
+        """Late answers arrive while nobody waits."""
+        for _ in range(LATE_CALLS):
+            self.rig.cpu.call(self.rig.db.block, 100)
+
+
+def _signed(value: int) -> int:
+    value &= 0xFFFFFFFF
+    return value - (1 << 32) if value >> 31 else value

@@ -1,0 +1,190 @@
+"""What PPI masters contribute to verification."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from plcgen.cpu.program import Program
+from plcgen.project.nouns import Field
+from plcgen.proof.checks import Check, CheckGroup, Outcome
+from plcgen.proof.coverage import NO_OTHER
+from plcgen.proof.folder import Folder
+from plcgen.proof.reach import STATE, Premise
+from plcgen.proof.rig import value_text
+from plcgen.proof.runner import Runner
+from plcgen.proof.scenario import Failure, Statistics
+from plcgen.proof.suite import CodeBlock, LaidOut, Level, Procedure, Progress
+from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
+from plcgen.protocols.ppi.proof.conduct import MasterConduct
+from plcgen.protocols.ppi.proof.rig import MasterRig
+from plcgen.protocols.ppi.proof.scenario import (
+    PpiScenario,
+    core_scenarios,
+    cpu_scenarios,
+    line_scenarios,
+    module_scenarios,
+    pace_scenarios,
+)
+from plcgen.protocols.ppi.proof.telegrams import check_telegrams
+from plcgen.protocols.ppi.proof.together import ROW, procedures
+from plcgen.protocols.ppi.proof.words import CLOCK_END, State
+from plcgen.protocols.ppi.wire.areas import Function
+
+SHOWN = 3
+SHOWN_ROLES = frozenset({"function_code", "reference", "return_code", "value", "fcs"})
+"""Members that the report names: what changes at run time. All of them are compared."""
+OPENED = ("MAX_RETRIES", "MAX_POLLS", "tempLastItem", "tempFailed")
+"""Names of the block whose values are an excuse only where the plan says so."""
+SHAPES = {"read": "read", "write": "write", "run": "service", "stop": "service"}
+"""Kinds of jobs whose replies are walked alike: one of each runs through the whole matrix."""
+
+
+class PpiProof:
+    """The proof of a plan of PPI masters."""
+
+    def __init__(self, plan: PpiPlan) -> None:
+        self.plan = plan
+
+    def layouts(self) -> Iterator[LaidOut]:
+        """Table and response DB of every telegram."""
+        for master in self.plan.masters:
+            for telegram in master.telegrams:
+                yield LaidOut(telegram.request, _shown, prefix="telegram.")
+                if telegram.response is not None:
+                    yield LaidOut(telegram.response, _shown)
+
+    def telegrams(self, folder: Folder) -> Iterator[Check]:
+        """Start values of the tables."""
+        return check_telegrams(self.plan, folder)
+
+    def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:
+        """Stations are only met by the block as a whole."""
+
+    def suites(self) -> list[PpiSuite]:
+        """A suite for every master."""
+        return [PpiSuite(self.plan, master) for master in self.plan.masters]
+
+
+def _shown(field: Field) -> bool:
+    return field.role in SHOWN_ROLES
+
+
+class PpiSuite:
+    """The jobs of one master, all in one block."""
+
+    page = "docs/ppi-master.md"
+
+    def __init__(self, plan: PpiPlan, master: PlannedMaster) -> None:
+        self.plan, self.master, self.jobs = plan, master, master.jobs
+        self.prefix = f"{master.key}."
+
+    def blocks(self) -> list[CodeBlock]:
+        """The block of the master."""
+        name, span = self.master.block.name, self.plan.loaded.key_span(self.master.path)
+        return [CodeBlock(self.master.key, name, name, self.jobs, lambda: span, self.premises(), OPENED)]
+
+    def premises(self) -> tuple[Premise, ...]:
+        """What cannot happen in this project.
+
+        A job is active only while the state is not IDLE. A telegram is walked item by item only if its reply has items,
+        those of a read and those of a write in their own way. A single job never waits for a CP 341. With one poll per
+        telegram a poll has 5Ch and a request 7Ch.
+        """
+
+        def known(why: str, variable: str, values: Iterable[int], among: Iterable[int], given: str = STATE) -> Premise:
+            return Premise(why, "", variable, frozenset(values), given, frozenset(among))
+
+        master, waiting = self.master, (State.ACK, State.REPLY, State.WAIT)
+        kinds = {t.number: t.kind for t in master.telegrams if t.response is not None}
+        found = [
+            Premise(NO_OTHER, never="STATUS_TIMEOUT", among=frozenset({State.IDLE})),
+            known(NO_OTHER, "statTelegram", kinds, waiting),
+        ]
+        for function, kind in ((Function.READ, "read"), (Function.WRITE, "write")):
+            numbers = [number for number, asked in kinds.items() if asked == kind]
+            found.append(known(NO_OTHER, "statService", (function,), numbers, "statTelegram"))
+        if len(master.jobs) == 1 and self.plan.target.classic:
+            found.append(Premise("a single job never waits for the port", never="STATUS_PORT_OCCUPIED"))
+        if not master.retries:
+            found.append(Premise("no retries", follow=("MAX_RETRIES",)))
+        if all(len(telegram.items) < 2 for telegram in master.telegrams):
+            found.append(Premise("every telegram has one item", follow=("tempLastItem", "tempFailed")))
+        if master.polls == 1:
+            found.append(Premise("one poll only", follow=("MAX_POLLS",)))
+            found.append(known("one poll only", "statFunctionCode", (0, 0x5C), (State.BUILD,)))
+            found.append(known("one poll only", "statFunctionCode", (0x6C, 0x7C), (State.SEND, State.POLL)))
+        return tuple(found)
+
+    def runner(self, program: Program, job: PpiJob, statistics: Statistics | None = None) -> Runner[PpiScenario]:
+        """The master against its stations."""
+        rig = MasterRig(self.plan, program, self.master)
+        rig.job = job
+        return Runner(MasterConduct(rig), statistics)
+
+    def first(self) -> PpiScenario:
+        """Behind power-up a telegram more may be needed."""
+        return PpiScenario(name="first run", retries=None, polls=None, follow=False)
+
+    def nominal(self, runner: Runner[PpiScenario]) -> PpiScenario:
+        """A run without any fault."""
+        return PpiScenario(name="nominal run", follow=False)
+
+    def shown(self, runner: Runner[PpiScenario], scans: int) -> tuple[str, str]:
+        """Scans and frames; the values read."""
+        rig = rig_of(runner)
+        sent, job = rig.port.sent, rig.job
+        polls = sum(len(data) == 6 for _, data in sent)
+        requests = len(sent) - polls
+        frames = f"{requests} request{'s' * (requests != 1)}, {polls} poll{'s' * (polls != 1)}"
+        if job.kind in {"run", "stop"}:
+            return f"{scans} scans, {frames}", f"{job.station.key} in {job.kind.upper()}"
+        name = self.master.instance.name
+        texts = [f"{value.label} = {value_text(rig.cpu[f'{name}.{job.pin(value.member)}'])}" for value in job.outputs]
+        texts = texts or [f"{value.label} written" for value in job.values]
+        more = f", .. ({len(texts)})" if len(texts) > SHOWN else ""
+        return f"{scans} scans, {frames}", ", ".join(texts[:SHOWN]) + more
+
+    def matrix(self, runner: Runner[PpiScenario], scans: int, level: Level) -> Iterator[PpiScenario]:
+        """All of it, or what depends on the job itself and one of each kind of the rest."""
+        job, master, target = rig_of(runner).job, self.master, self.plan.target
+        if level != "full" and job is not next(j for j in self.jobs if SHAPES[j.kind] == SHAPES[job.kind]):
+            yield from core_scenarios(master, job, scans)
+            return
+        yield from line_scenarios(master, job)
+        yield from pace_scenarios(master, job)
+        yield from module_scenarios(master, job, classic=target.classic)
+        yield from cpu_scenarios(scans, CLOCK_END, retentive=target.v5)
+
+    def behind(
+        self, program: Program, runner: Runner[PpiScenario]
+    ) -> Iterator[tuple[Failure | None, Runner[PpiScenario]]]:
+        """Nothing: many jobs in a row are a matter of all jobs."""
+        yield from ()
+
+    def faults(self, job: PpiJob, level: Level, kinds: int) -> str:
+        """How many."""
+        return f"{kinds} faults of line, module and CPU"
+
+    def procedures(self, program: Program) -> Iterator[Procedure]:
+        """All jobs at once, behind each other, many in a row, a buffer with a wrong number."""
+        return procedures(self.plan, program, self.master)
+
+    def together(self, procedures: int) -> Check:
+        """All jobs on all stations."""
+        stations = f"{len(self.master.stations)} station{'s' * (len(self.master.stations) != 1)}"
+        text = f"{len(self.jobs)} jobs on {stations} through OB1, {ROW} jobs in a row"
+        name, subject = f"together.{self.master.key}", f"jobs of {self.master.key}"
+        return Check(name, subject, text, Outcome.OK, "round robin, one frame at a time, every job gets its turn")
+
+    def own(self, program: Program, partner: Path) -> Iterator[Check]:
+        """There are no files of stations here."""
+        yield from ()
+
+
+def rig_of(runner: Runner[PpiScenario]) -> MasterRig:
+    """The rig of a master."""
+    rig = runner.conduct.rig
+    if not isinstance(rig, MasterRig):
+        raise TypeError("not a PPI master")
+    return rig

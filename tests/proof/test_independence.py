@@ -1,0 +1,39 @@
+"""The proof shares no constant with the generator, and its engine knows no protocol."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+from projects import ROOT
+
+PACKAGE = ROOT / "plcgen"
+ENGINE = sorted((PACKAGE / "proof").glob("*.py"))
+PROTOCOLS = sorted(PACKAGE.glob("protocols/*/proof/*.py"))
+GENERATOR = re.compile(r"plcgen\.(documents|templates)\b|plcgen\.protocols\.\w+\.(views|words|documents)\b")
+
+
+def imported(path: Path) -> set[str]:
+    """Modules that a file imports, inside functions too."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module is not None:
+            found |= {node.module, *(f"{node.module}.{name.name}" for name in node.names)}
+        elif isinstance(node, ast.Import):
+            found |= {name.name for name in node.names}
+    return found
+
+
+@pytest.mark.parametrize("path", [*ENGINE, *PROTOCOLS], ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_nothing_comes_from_the_generator(path: Path) -> None:
+    """Status words, states, times and names of files are stated a second time."""
+    assert {module for module in imported(path) if GENERATOR.match(module)} == set()
+
+
+@pytest.mark.parametrize("path", ENGINE, ids=lambda path: path.name)
+def test_the_engine_knows_no_protocol(path: Path) -> None:
+    """A protocol is met through ``plan.protocol``."""
+    assert {module for module in imported(path) if module.startswith("plcgen.protocols.")} == set()
+    assert not re.search(r"\b(ppi|ds47|drive_object|PpiPlan|DrivePlan)\b", path.read_text("utf-8"), re.IGNORECASE)
