@@ -5,14 +5,13 @@ A format is imported when it is asked for; all of them only to list their names.
 
 from __future__ import annotations
 
-import pkgutil
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from plcgen.diagnostics import PluginError
-from plcgen.output import formats
 from plcgen.output.view import View
 from plcgen.plugins import plugins
 
@@ -64,7 +63,7 @@ KINDS = tuple(field.name for field in fields(Format) if field.name not in {"name
 def find(name: str) -> Format | None:
     """The format of a name, None if there is none. Raises PluginError if an entry point is none."""
     if name in _shipped():
-        found: Format = import_module(f"{formats.__name__}.{name}").FORMAT
+        found: Format = import_module(f"plcgen.output.formats.{name}").FORMAT
         return found
     return _foreign().get(name)
 
@@ -76,7 +75,7 @@ def names(kind: str) -> tuple[str, ...]:
 
 
 def _shipped() -> list[str]:
-    return [module.name for module in pkgutil.iter_modules(formats.__path__)]
+    return [path.stem for path in Path(__file__).with_name("formats").glob("[!_]*.py")]
 
 
 def _foreign() -> dict[str, Format]:
