@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from lxml import etree
+from projects import FAQ
 
 from plcgen import api
 from plcgen.output.registry import find
@@ -357,3 +358,11 @@ def test_the_documentation_states_every_rule_with_its_evidence():
     page = (PICTURES.parent / "layout.md").read_text("utf-8")
     for rule in RULES.values():
         assert f"| {rule.text} | {rule.evidence}{': ' if rule.vectors else ''}{', '.join(rule.vectors)} |" in page
+
+
+def test_a_response_has_no_picture():
+    """Nobody knows the bytes of an answer: its buffer is a table, only requests are drawn."""
+    blocks = api.layout(FAQ).blocks
+    pictures = show("text", blocks).count("byte  +0")
+    assert [block.data is not None for block in blocks] == [block.role.startswith("request") for block in blocks]
+    assert 0 < pictures == sum(block.data is not None for block in blocks) < len(blocks)
