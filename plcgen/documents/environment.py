@@ -11,6 +11,7 @@ import functools
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from importlib import resources
 from typing import Any
 
 import jinja2
@@ -60,11 +61,19 @@ class _Respelled(jinja2.ext.Extension):
         return respell_template(source, spelling) if (name or "").endswith(_SOURCES) else source
 
 
+def _beside_protocol(name: str) -> str | None:
+    """Source of ``package:path``: a template that a protocol of another distribution keeps beside its code."""
+    package, _, path = name.partition(":")
+    return resources.files(package).joinpath(path).read_text("utf-8") if path else None
+
+
 @functools.cache
 def environment(spelling: Spelling = Spelling.TIA) -> jinja2.Environment:
-    """Environment for the shipped templates: no user templates, templates of markup escape by default."""
+    """Environment for the templates of this package, and ``package:path``; templates of markup escape by default."""
     made = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(templates_dir()),
+        loader=jinja2.ChoiceLoader(
+            [jinja2.FunctionLoader(_beside_protocol), jinja2.FileSystemLoader(templates_dir())],
+        ),
         undefined=jinja2.StrictUndefined,
         autoescape=lambda name: name is not None and name.endswith(_MARKUP),  # noqa: S701 - SCL is no markup
         trim_blocks=True,
