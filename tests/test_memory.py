@@ -25,16 +25,21 @@ def alive(*classes: type) -> int:
 
 
 @pytest.mark.parametrize("spec", SPECS, ids=lambda path: path.stem)
-def test_no_cache_keeps_a_project(spec: Path) -> None:
+def test_no_cache_keeps_a_project(spec: Path, tmp_path: Path) -> None:
     """Whoever forgets a project and what was made of it gets its memory back."""
+    before = alive(Project, Plan)
     project = plcgen.check(spec).project
     assert project is not None
-    assert len(list(render_project(project))) > 10
-    assert plcgen.layout(spec).blocks
     known = [weakref.ref(project), *(weakref.ref(plan) for plan in project.plans)]
-    before = alive(Project, Plan)
+    assert len(list(render_project(project))) > 10
+    assert plcgen.generate(spec, tmp_path / "out").ok
+    assert plcgen.verify(spec, tmp_path / "out", faults="none").ok
+    assert plcgen.layout(spec).blocks
+    assert plcgen.encode(spec).ok
+    assert plcgen.diff(spec, spec).readable
+    assert alive(Project, Plan) > before
     del project
-    assert alive(Project, Plan) == before - len(known)
+    assert alive(Project, Plan) == before
     assert [found() for found in known] == [None] * len(known)
 
 

@@ -6,7 +6,7 @@ Members are spelled ``NAME TYPE`` or ``NAME 16*TYPE`` (an array from 1), separat
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -93,7 +93,7 @@ _EVIDENCE = "evidence"
 _LITERATURE = "literature"
 
 
-@cache
+@lru_cache(maxsize=1024)
 def system_block(name: str, *, classic: bool = False) -> Block | None:
     """Interface of a system type by any spelling, or None.
 

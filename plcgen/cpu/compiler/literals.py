@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import lru_cache
 
 from plcgen.cpu.memory import single
 from plcgen.cpu.type_rules import INT_CONST, REAL_CONST, TEXT_CONST, WIDTHS
@@ -19,7 +19,7 @@ _PREFIXES = {
 _SIGNED_RAW = frozenset({"SINT", "INT", "DINT", "LINT", "TIME", "LTIME", "LDT"})
 
 
-@cache
+@lru_cache(maxsize=4096)
 def literal_value(text: str, type_name: str) -> Constant | None:
     """Value of a constant written for a type, None if it does not fit it."""
     try:
@@ -43,7 +43,7 @@ def _raw(data: bytes, type_name: str) -> Constant:
     return int.from_bytes(data, signed=type_name in _SIGNED_RAW)
 
 
-@cache
+@lru_cache(maxsize=4096)
 def classify(text: str, kind: str) -> tuple[str, Constant] | None:
     """Type and value of a literal of the tree; None if it is no constant of the language."""
     if kind == "int":
