@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from plcgen.cli.arguments import Argument
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.protocols.ds47.plan.references import Reference, parse_bico, parse_reference
+from plcgen.protocols.ds47.plan.references import Reference, parse_reference
 from plcgen.protocols.ds47.wire import formats
+from plcgen.protocols.ds47.wire.bico import Layout, parse_bico
 from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind, Value
 from plcgen.protocols.ds47.wire.model import ParameterAddress, ValueBlock
 
@@ -64,7 +65,7 @@ def change(argument: Argument, device: Device | None) -> tuple[ParameterAddress,
             raise argument.problem("PG703", f'the data type of "{name}" is missing', example)
         type_ = known.type.partition("[")[0]
     fmt = _format(argument, type_)
-    block = _block(argument, text, fmt)
+    block = _block(argument, text, fmt, "drive-object" if device is None else device.bico)
     indexed = "[" in name
     asked = place.elements
     if indexed and block.count != asked and not fmt.is_string:
@@ -92,15 +93,15 @@ def _format(argument: Argument, name: str) -> Format:
     return fmt
 
 
-def _block(argument: Argument, text: str, fmt: Format) -> ValueBlock:
+def _block(argument: Argument, text: str, fmt: Format, layout: Layout) -> ValueBlock:
     try:
         pieces = [text] if fmt.is_string else text.split(",")
-        return ValueBlock.of(fmt, [_value(piece.strip(), fmt) for piece in pieces])
+        return ValueBlock.of(fmt, [_value(piece.strip(), fmt, layout) for piece in pieces])
     except (FormatValueError, ValueError) as problem:
         raise argument.problem("PG703", str(problem)) from problem
 
 
-def _value(text: str, fmt: Format) -> Value:
+def _value(text: str, fmt: Format, layout: Layout) -> Value:
     """Read one value: S7 and YAML numbers, ``true``, BICO sources for Unsigned32, hex for octets."""
     from plcgen.input.yaml import resolve_plain
 
@@ -110,8 +111,8 @@ def _value(text: str, fmt: Format) -> Value:
         return bytes.fromhex(text)
     value = resolve_plain(text)
     if isinstance(value, str) and fmt.name in {"Unsigned32", "DoubleWord"}:
-        bico = parse_bico(value)
-        value = value if bico is None else bico
+        source = parse_bico(value)
+        value = (source and source.within(layout)) or value
     if value is None or isinstance(value, str):
         raise FormatValueError(f'"{text}" is not a value of type {fmt.name}')
     return value

@@ -194,14 +194,16 @@ def test_status(plcgen):
             "01 01 00 02 10 00 04 60 00 00 10 02 08 6B 00 01",
         ),
         (["write", "P10=16#FF:Byte", "--do", "1"], "01 02 01 01 10 01 00 0A 00 00 41 01 FF 00"),
-        (["write", "p840=r0722.0:Unsigned32"], "01 02 01 01 10 01 03 48 00 00 07 01 02 D2 00 00"),
+        (["write", "p840=r722.2:Unsigned32"], "01 02 01 01 10 01 03 48 00 00 07 01 02 D2 FC 02"),
+        (["write", "p840=r722.2@self:Unsigned32"], "01 02 01 01 10 01 03 48 00 00 07 01 02 D2 FC 02"),
+        (["write", "p840=r53010@1:Unsigned32"], "01 02 01 01 10 01 03 48 00 00 07 01 CF 12 04 00"),
         (["write", "P20=abc:VisibleString"], "01 02 01 01 10 03 00 14 00 00 09 03 61 62 63 00"),
         (["write", "P9[3]=-2:Integer16"], "01 02 01 01 10 01 00 09 00 03 03 01 FF FE"),
         (["write", "P9[0..1]=1,2:Unsigned8"], "01 02 01 01 10 02 00 09 00 00 05 02 01 02"),
     ],
 )
 def test_encode_parameters(plcgen, args, expected):
-    """FAQ 109750712 figures 5-1 and 4-9, MM4 guide table 3-1, the others worked out by hand."""
+    """FAQ 109750712 figures 5-1 and 4-9, MM4 guide table 3-1, G110M OI p. 198, DCM OI p. 453, the rest by hand."""
     result = plcgen("encode", *args)
     assert (result.code, result.out, result.err) == (0, f"{expected}\n", "")
 

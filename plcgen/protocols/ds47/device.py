@@ -11,6 +11,7 @@ from plcgen.input.validation import StrictModel
 from plcgen.project.schema import Value
 
 if TYPE_CHECKING:
+    from plcgen.protocols.ds47.wire.bico import Layout
     from plcgen.protocols.ds47.wire.errors import Table
 
 
@@ -45,7 +46,7 @@ class Device:
     ``record_index`` maps access points to data record indexes; ``default_index`` names the default one.
     ``drive_objects`` is None when every number is possible. ``answer_format`` is ``exact`` (the parameter's
     type) or ``size`` (41h/42h/43h). ``scalar_elements`` is the number of elements this device wants in a
-    request without an index: (read, write).
+    request without an index: (read, write). ``bico`` says whether BICO values carry the drive object.
     """
 
     key: str
@@ -62,6 +63,7 @@ class Device:
     error_words: Literal[1, 2]
     scalar_elements: tuple[int, int]
     strict_length: bool
+    bico: Layout
     error_table: Table
     parameters: dict[int, Parameter]
 
@@ -82,7 +84,7 @@ class ParameterDef(StrictModel):
     min: float | None = None
     max: float | None = None
     default: Value | None = None
-    bico: bool = Field(default=False, description="value is a BICO source such as r0722.0")
+    bico: bool = Field(default=False, description="value is a BICO source such as r722.2")
 
 
 def parameter_from(pnu: int, entry: dict[str, Any]) -> Parameter:

@@ -20,9 +20,10 @@ from pydantic import (
 
 from plcgen.input.validation import Document, Problems, StrictModel, problem
 from plcgen.protocols.ds47.device import Device, Parameter, ParameterDef, parameter_from
-from plcgen.protocols.ds47.plan.references import parse_bico, parse_reference
+from plcgen.protocols.ds47.plan.references import parse_reference
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
+from plcgen.protocols.ds47.wire.bico import Layout, parse_bico
 from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind
 from plcgen.protocols.ds47.wire.model import MAX_PARAMETERS, RECORD_LIMIT
 
@@ -209,6 +210,7 @@ class Profile(StrictModel):
     answers: Answers = Field(Answers(), description="how the device answers")
     scalar_elements: ScalarElements = Field(ScalarElements(), description="elements in a request without an index")
     strict_length: bool = Field(default=True, description="a request of another length than its contents is refused")
+    bico: Layout = Field("drive-object", description="BICO values carry the drive object, or zeros in its place")
     error_table: Literal["sinamics", "profidrive"] = Field("sinamics", description="meaning of error numbers")
     parameters: dict[Annotated[str, AfterValidator(_number)], Entry] = Field(
         default_factory=dict, description="the catalogue"
@@ -251,6 +253,7 @@ class Profile(StrictModel):
             error_words=self.answers.error_words,
             scalar_elements=(self.scalar_elements.read, self.scalar_elements.write),
             strict_length=self.strict_length,
+            bico=self.bico,
             error_table=self.error_table,
             parameters={_pnu(name): self._parameter(name, entry) for name, entry in self.parameters.items()},
         )

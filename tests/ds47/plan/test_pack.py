@@ -25,6 +25,7 @@ def use(type_: str, count: int = 1, position: int = 1) -> Use:
         count,
         bytes(count * fmt.size),
         True,
+        False,
         f"m{position}",
         {},
         (),
@@ -88,7 +89,12 @@ def test_a_value_longer_than_a_record_cannot_be_packed() -> None:
     """A string of 240 octets needs 246 bytes: a diagnostic, not a telegram."""
     long = use("OctetString", 1, 1)
     assert (
-        pack([Use(1, long.parameter, long.format, None, 1, 236, bytes(236), True, "m", {}, ())], 240, 39, write=False)
+        pack(
+            [Use(1, long.parameter, long.format, None, 1, 236, bytes(236), True, False, "m", {}, ())],
+            240,
+            39,
+            write=False,
+        )
         is None
     )
 

@@ -9,6 +9,7 @@ from plcgen.diagnostics import Severity
 from plcgen.protocols.ds47.audit.members import Pair
 from plcgen.protocols.ds47.audit.model import Expected, Match, Slot
 from plcgen.protocols.ds47.wire import formats
+from plcgen.protocols.ds47.wire.bico import read_bico
 
 _NAMES = {1: "Byte", 2: "Word", 4: "DWord"}
 
@@ -56,7 +57,7 @@ def _compare(match: Match, fields: Sequence[Expected], slots: Sequence[Slot], fo
     for field in fields:
         own = found[at : at + field.size]
         at += field.size
-        if field.data is None or own == field.data or _accepted(field, own):
+        if field.data is None or own == field.data or _accepted(field, own, match.job.drive.drive_object):
             continue
         slot = slots[0]
         where = slot.path if len(fields) == 1 else f"{slot.path} (byte {field.offset})"
@@ -69,7 +70,7 @@ def _compare(match: Match, fields: Sequence[Expected], slots: Sequence[Slot], fo
         match.report("PG656", message, slot.span, f"{slot.path} := {_literal(field.data)}")
 
 
-def _accepted(field: Expected, own: bytes) -> bool:
+def _accepted(field: Expected, own: bytes, drive_object: int) -> bool:
     """Other values that ask for the same thing."""
     if field.role == "reference":
         return own != b"\0" or field.data is None
@@ -79,6 +80,9 @@ def _accepted(field: Expected, own: bytes) -> bool:
         return own in {b"\0", b"\1"}
     if field.role == "format":
         return formats.accepts(field.part.use.format, own[0])
+    if field.role == "value" and field.part.use.sources and field.data is not None:
+        given, wanted = (read_bico(int.from_bytes(data)).seen_from(drive_object) for data in (own, field.data))
+        return given == wanted
     return False
 
 
@@ -89,6 +93,8 @@ def _shown(field: Expected, data: bytes) -> str:
             (value,) = formats.unpack_values(field.format, 1, data)
         except (ValueError, formats.FormatValueError):
             return data.hex(" ").upper()
+        if field.part is not None and field.part.use.sources and isinstance(value, int) and value >> 16:
+            return f"{read_bico(value)} ({data.hex(' ').upper()})"
         return f"{value!r} ({data.hex(' ').upper()})"
     if field.role == "pnu":
         return f"{number} ({_literal(data)})"

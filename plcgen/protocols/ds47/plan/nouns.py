@@ -34,7 +34,8 @@ class Use:
     """One parameter of a job, before packing.
 
     ``count`` values of ``format`` (for string formats: octets), ``elements`` the byte in the address of an
-    unsplit access, ``data`` the constant or start value as wire bytes, ``constant`` whether it is a constant.
+    unsplit access, ``data`` the constant or start value as wire bytes, ``constant`` whether it is a constant,
+    ``sources`` whether the values are BICO values with a drive object.
     """
 
     position: int
@@ -45,6 +46,7 @@ class Use:
     count: int
     data: bytes
     constant: bool
+    sources: bool
     member: str
     comment: dict[str, str]
     path: SpecPath

@@ -10,7 +10,6 @@ _REFERENCE = re.compile(
     r"\s*([A-Za-z_][A-Za-z0-9_]*|[0-9]+)\s*(?:\[\s*([0-9]{1,6})\s*(?:\.\.\s*([0-9]{1,6})\s*)?\])?\s*\Z"
 )
 _TYPE = re.compile(r"\s*([A-Za-z][A-Za-z0-9]*)\s*(?:\[\s*([0-9]{1,4})\s*\])?\s*\Z")
-_BICO = re.compile(r"[PpRr]0*([0-9]{1,5})(?:\.([0-9]{1,2})|\[([0-9]{1,3})\])?\Z")
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +37,3 @@ def parse_type(text: str) -> tuple[str, int | None] | None:
     """Split ``OctetString[4]`` into name and length; None if the text has another shape."""
     match = _TYPE.match(text)
     return (match[1], int(match[2]) if match[2] else None) if match else None
-
-
-def parse_bico(text: str) -> int | None:
-    """Value of a BICO source: ``r0722.0`` -> 02D2 0000h (parameter number, then bit or index)."""
-    match = _BICO.match(text)
-    if not match or not 1 <= int(match[1]) <= 0xFFFF:
-        return None
-    return int(match[1]) << 16 | int(match[2] or match[3] or 0)

@@ -11,9 +11,10 @@ from plcgen.project.loading import LoadedSpec, SpecPath
 from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.protocols.ds47.kinds import ReadItem, WriteItem
 from plcgen.protocols.ds47.plan.nouns import Use
-from plcgen.protocols.ds47.plan.references import Reference, parse_bico, parse_reference
+from plcgen.protocols.ds47.plan.references import Reference, parse_reference
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
+from plcgen.protocols.ds47.wire.bico import parse_bico
 from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, shorten
 
@@ -79,6 +80,7 @@ class UseResolver:
             count=count,
             data=data,
             constant=constant,
+            sources=self.device.bico == "drive-object" and _names_sources(start, parameter, fmt),
             member=item.as_ or shorten(_member(parameter, reference), self.longest_name),
             comment=item.comment or {},
             path=path,
@@ -171,7 +173,12 @@ class UseResolver:
 
     def _pack_one(self, value: Any, parameter: Parameter, fmt: Format, path: SpecPath) -> bytes | None:
         if isinstance(value, str):
-            bico = parse_bico(value) if fmt.name == "Unsigned32" else None
+            source = parse_bico(value) if fmt.name == "Unsigned32" else None
+            bico = source and source.within(self.device.bico)
+            if source is not None and bico is None:
+                message = f"{value}: BICO values of {self.device.title} have no drive object"
+                self.problem("PG211", message, path, f"write {value.partition('@')[0]}")
+                return None
             if bico is None and fmt.kind is not Kind.OPAQUE:
                 self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, _value_help(fmt))
                 return None
@@ -214,6 +221,12 @@ class UseResolver:
         return data.ljust(count, b" " if fmt.kind is Kind.TEXT else b"\0")
 
 
+def _names_sources(given: Any, parameter: Parameter, fmt: Format) -> bool:
+    """Whether a value is a BICO value: the parameter says so, or the value is written as one."""
+    values = given if isinstance(given, tuple) else (given,)
+    return fmt.name == "Unsigned32" and (parameter.bico or any(isinstance(value, str) for value in values))
+
+
 def _octets(value: Any, size: int) -> bytes:
     """Octets of an uninterpreted date or time, written as hexadecimal digits."""
     try:
@@ -231,7 +244,7 @@ def _value_help(fmt: Format) -> str:
     if fmt.kind is Kind.TEXT:
         return "write the text in quotes"
     if fmt.name == "Unsigned32":
-        return "write a number or a BICO source such as r0722.0"
+        return "write a number or a BICO source such as r722.2, or r722.2@3 of drive object 3"
     return "write a number"
 
 

@@ -10,6 +10,7 @@ from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault
 from plcgen.protocols.ds47.sim.habits import Habits
 from plcgen.protocols.ds47.sim.parameters import DriveObject, Limits, Parameter
+from plcgen.protocols.ds47.wire.bico import parse_bico
 from plcgen.protocols.ds47.wire.formats import Format, Kind, Value, unpack_values
 
 
@@ -68,6 +69,9 @@ def _value(use: Use, definition: CatalogueParameter, number: int, *, distinct: b
         return bool(number % 2) if distinct else bool(definition.default)
     if not distinct and isinstance(definition.default, int | float) and not isinstance(definition.default, bool):
         return definition.default
+    if not distinct and isinstance(definition.default, str):
+        source = parse_bico(definition.default)
+        return source.value if source else 0
     low = definition.minimum if definition.minimum is not None else 0.0
     high = definition.maximum if definition.maximum is not None else low + 100.0
     if fmt.kind is Kind.FLOAT:

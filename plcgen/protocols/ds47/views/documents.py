@@ -11,6 +11,7 @@ from plcgen.documents.spelling import literal
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.views.program import program
+from plcgen.protocols.ds47.wire.bico import read_bico
 from plcgen.s7.types import ArrayType, Elementary
 
 DIAGNOSTICS: tuple[tuple[str, str, str], ...] = (
@@ -79,7 +80,10 @@ def _values(plan: DrivePlan, use: Use) -> str:
         return use.data.hex(" ")
     step = max(1, element.bits // 8)
     pieces = [use.data[i : i + step] for i in range(0, len(use.data), step)]
-    shown = ", ".join(literal(element, piece, v5=plan.target.v5) for piece in pieces[:4])
+    texts = (literal(element, piece, v5=plan.target.v5) for piece in pieces[:4])
+    if use.sources:
+        texts = (str(read_bico(int.from_bytes(piece))) for piece in pieces[:4])
+    shown = ", ".join(texts)
     return shown + (", .." if len(pieces) > 4 else "")
 
 

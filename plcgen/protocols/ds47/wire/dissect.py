@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from plcgen.protocols.dissection import ByteField, Walker
 from plcgen.protocols.ds47.wire import formats
+from plcgen.protocols.ds47.wire.bico import SELF, read_bico
 from plcgen.protocols.ds47.wire.errors import error_text
 from plcgen.protocols.ds47.wire.model import MAX_ELEMENTS, MAX_PARAMETERS, Attribute, RequestId, ResponseId
 
@@ -88,6 +89,15 @@ def _show(value: formats.Value) -> str:
     return repr(value) if isinstance(value, str) else str(value)
 
 
+def _meaning(fmt: formats.Format, value: formats.Value) -> str:
+    """Name of the format, and the source that a value names if it is a BICO value of the addressed drive object."""
+    if fmt.name in {"Unsigned32", "DoubleWord"} and isinstance(value, int):
+        source = read_bico(value)
+        if source.drive_object == SELF and 0 < source.pnu < 0xFFFF:
+            return f"{fmt.name}, as a BICO value {source}"
+    return fmt.name
+
+
 def _values(walker: _Walker, at: str, fmt: formats.Format, count: int) -> None:
     if fmt.is_string and count:
         (value,) = formats.unpack_values(fmt, walker.left, walker.data[walker.offset :])
@@ -95,8 +105,10 @@ def _values(walker: _Walker, at: str, fmt: formats.Format, count: int) -> None:
     elif not fmt.is_string:
         for number in range(1, count + 1):
             chunk = walker.data[walker.offset : walker.offset + fmt.size]
-            text = _show(formats.unpack_values(fmt, 1, chunk)[0]) if len(chunk) == fmt.size > 0 else ""
-            walker.add(fmt.size, f"{at} value {number}" if count > 1 else f"{at} value", text, fmt.name)
+            value = formats.unpack_values(fmt, 1, chunk)[0] if len(chunk) == fmt.size > 0 else ""
+            walker.add(
+                fmt.size, f"{at} value {number}" if count > 1 else f"{at} value", _show(value), _meaning(fmt, value)
+            )
     if fmt.size * count % 2 and walker.left:
         pad = walker.peek(1)
         walker.add(1, f"{at} pad", f"{pad:02X}h", "" if not pad else "a pad is 00h", problem=pad != 0)
