@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test fast coverage lint bench mutate deletions examples docs lock clean
+.PHONY: demo test fast coverage lint bench mutate deletions examples example-diff docs lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -34,8 +34,25 @@ mutate: $(READY)
 deletions: $(READY)
 	$(BIN)/python -m mutation --deletions
 
+# Complete where the folder expected/ exists, else only the manifest with its hashes.
 examples: $(READY)
-	@for name in $(SPECS); do $(BIN)/plcgen generate specs/$$name.yaml --out examples/$$name/expected --force --quiet || exit 1; done
+	@rm -rf .examples
+	@for name in $(SPECS); do \
+	  out=examples/$$name/expected; test -d $$out || out=.examples/$$name; \
+	  $(BIN)/plcgen generate specs/$$name.yaml --out $$out --force --quiet || exit 1; \
+	  test $$out = examples/$$name/expected || cp $$out/manifest.json examples/$$name/ || exit 1; \
+	done
+
+# Every line of every example that differs from what the commit BASE generates.
+BASE ?= HEAD
+example-diff: $(READY)
+	@rm -rf .examples && mkdir -p .examples/base
+	@git archive $(BASE) plcgen templates specs | tar -x -C .examples/base
+	@for name in $(SPECS); do \
+	  (cd .examples/base && $(CURDIR)/$(BIN)/python -m plcgen generate specs/$$name.yaml --out ../before/$$name --quiet) || exit 1; \
+	  $(BIN)/python -m plcgen generate specs/$$name.yaml --out .examples/after/$$name --quiet || exit 1; \
+	done
+	@git --no-pager diff --no-index .examples/before .examples/after || true
 
 docs: $(READY)
 	$(BIN)/python -m plcgen.diagnostics.pages docs/codes
@@ -53,4 +70,4 @@ $(READY): requirements.lock pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf .venv .venv-* .coverage .demo build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf .venv .venv-* .coverage .demo .examples build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

@@ -8,12 +8,10 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from mutation.cases import Case, encoding_of, golden, project_of
+from mutation.cases import FOLDERS, Case, encoding_of, golden, project_of
 from plcgen.diagnostics import DiagnosticError
 from plcgen.proof.execution import Result, Work, added, coverage, run_job, run_together
 from plcgen.proof.rig import Bench
-
-FOLDERS = "plcgen-mutation-"
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import atexit
+import shutil
+import tempfile
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -16,6 +20,18 @@ TARGETS = {
     "t12": ("s7-1200", "tia-v17"),
     "old": ("s7-1500", "tia-v13sp1"),
 }
+
+
+@cache
+def generated_example(name: str) -> Path:
+    """The files of a shipped spec, generated once per process; examples/ holds most of them as hashes only."""
+    from plcgen import api
+
+    folder = Path(tempfile.mkdtemp(prefix="plcgen-example-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    assert api.generate(ROOT / "specs" / f"{name}.yaml", folder / name).ok
+    return folder / name
+
 
 EVERY_TYPE = """
 plc: {{name: Every type, family: {family}, toolchain: {toolchain}, languages: [en-US, de-DE]}}

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from projects import FAQ, MM4, ROOT, SPECS
+from projects import FAQ, MM4, ROOT, SPECS, generated_example
 
 from plcgen import api
 from plcgen.project.nouns import Plan
@@ -224,7 +224,7 @@ def test_the_refused_parameter_is_named(tmp_path: Path) -> None:
     """A drive without P2155: the report names it with error 00h, not the byte of another parameter's value."""
     drive = tmp_path / "drive.yaml"
     drive.write_text("objects: [{number: 0, parameters: [{pnu: 1120, type: FloatingPoint, value: 1.0}]}]\n")
-    golden = ROOT / "examples" / MM4.stem / "expected"
+    golden = generated_example(MM4.stem)
     verdicts = {c.id: c.verdict for c in api.verify(MM4, golden, drive=drive).checks()}
     assert "P2155[1..2]: error 00h" in verdicts["drive.ReadParams_Request"]
     assert "P1121: error 00h" in verdicts["drive.WriteParams_Request"]
@@ -288,7 +288,7 @@ def test_two_sources_outvote_none(tmp_path: Path) -> None:
 @pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.stem)
 def test_every_buffer_is_in_all_sources(spec: Path) -> None:
     """One line per request and response; where there is no SimaticML it says which sources there are."""
-    folder = ROOT / "examples" / spec.stem / "expected"
+    folder = generated_example(spec.stem)
     project = api.check(spec).project
     assert project is not None
     files = read_folder(folder, project.target)

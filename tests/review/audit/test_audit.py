@@ -10,7 +10,7 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
-from projects import FAQ, ROOT, SPECS
+from projects import FAQ, ROOT, SPECS, generated_example
 
 import plcgen
 from plcgen.output.registry import find
@@ -350,7 +350,7 @@ def test_what_belongs_to_no_job(project):
 @pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.stem)
 def test_generated_sources_pass(spec):
     """What plcgen itself writes has nothing to find, as text and as SimaticML."""
-    folder = ROOT / "examples" / spec.stem / "expected"
+    folder = generated_example(spec.stem)
     for what in (folder, folder / "xml"):
         if what.exists():
             result = plcgen.audit(what, spec=spec)
@@ -363,7 +363,7 @@ def test_generated_sources_pass(spec):
 def test_optimized_by_default_on_s7_1500(tmp_path):
     """A source that does not say is optimized there."""
     spec = ROOT / "specs" / "s7-1500_g120_pn.yaml"
-    folder = ROOT / "examples" / spec.stem / "expected" / "db"
+    folder = generated_example(spec.stem) / "db"
     path = tmp_path / "ReadSpeed_Request.db"
     text = (folder / path.name).read_text("utf-8-sig")
     path.write_text(text.replace("{ S7_Optimized_Access := 'FALSE' }", ""), encoding="utf-8")

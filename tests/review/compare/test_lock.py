@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from projects import FAQ, ROOT, SPECS
+from projects import FAQ, ROOT, SPECS, generated_example
 
 import plcgen
 
@@ -153,7 +153,7 @@ def test_code_and_constants():
 def test_round_trip_of_the_examples(spec, tmp_path):
     """Specs and generated folders: what was locked is what is read back."""
     lock = tmp_path / "x.lock.yaml"
-    folder = ROOT / "examples" / spec.stem / "expected"
+    folder = generated_example(spec.stem)
     for what in (spec, folder, folder / "xml"):
         if not what.exists():
             continue  # STEP 7 V5 has no SimaticML
