@@ -6,7 +6,7 @@ import re
 
 from plcgen.diagnostics.codes import all_codes
 from plcgen.diagnostics.codes import code as code_info
-from plcgen.output.page import Page
+from plcgen.display.page import Page
 from plcgen.protocols.registry import protocols
 
 _NUMBER = re.compile(r"(?:(?:B|W|DW|BYTE|WORD|DWORD)#)?(?:16#|0x|\$)?([0-9a-f_]{1,10})(h?)\Z", re.IGNORECASE)

@@ -110,8 +110,8 @@ def convert(
     of their comments, ``encoding`` the code page of ANSI sources. Nothing is written if something is wrong, or if a
     file exists and ``force`` is not given.
     """
+    from plcgen.documents.convert import convert as run
     from plcgen.documents.writing import add_files
-    from plcgen.sources.convert import convert as run
 
     found = run(
         [Path(path) for path in paths], to, version=version, classic=classic, culture=culture, encoding=encoding

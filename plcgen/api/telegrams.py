@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from plcgen.output.page import Page
-    from plcgen.protocols.ds47.texts import DecodedTelegram
+    from plcgen.display.page import Page
+    from plcgen.protocols.decoded import DecodedTelegram
     from plcgen.protocols.ds47.wire.model import ParameterAddress, ValueBlock
     from plcgen.protocols.ds47.wire.status import Status
 

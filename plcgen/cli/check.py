@@ -13,8 +13,8 @@ from plcgen.cli.output import OK, PROBLEMS, Console
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
+    from plcgen.display.results import Findings
     from plcgen.output.registry import Format
-    from plcgen.output.results import Findings
 
 TARGETS = ("v5", "tia-300", "tia-1500")
 Subject = tuple[str, Sequence["Diagnostic"]]
@@ -55,7 +55,7 @@ def command(
     Sources are read as the SCL compiler of a target reads them; a folder stands for all sources below it. Nothing
     is written. Exit code 1 if there is an error anywhere; warnings alone give 0.
     """
-    from plcgen.output.results import Findings
+    from plcgen.display.results import Findings
 
     out = console()
     if program and target is None:
@@ -149,7 +149,7 @@ def _program(sources: list[Path], target: str, tags: tuple[Path, ...]) -> tuple[
 
 def _summary(out: Console, found: Findings, blocks: int | None) -> None:
     """Say how it went in one line."""
-    from plcgen.output.excerpts import summary_text
+    from plcgen.display.excerpts import summary_text
 
     if found.diagnostics:
         out.say("")

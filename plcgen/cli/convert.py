@@ -54,7 +54,7 @@ def command(*, paths: tuple[Path, ...], folder: Path, culture: str, format_: For
     out = console()
     result = api.convert(*paths, out=folder, culture=culture, **options)
     if format_.name != "text":
-        from plcgen.output.results import Findings
+        from plcgen.display.results import Findings
 
         folder_ = result.folder.as_posix()
         more = {"folder": folder_, "written": list(result.written), "unchanged": list(result.unchanged)}

@@ -13,7 +13,7 @@ from plcgen.diagnostics import Diagnostic, Span
 
 if TYPE_CHECKING:
     from plcgen.output.registry import Format
-    from plcgen.protocols.ds47.texts import DecodedTelegram
+    from plcgen.protocols.decoded import DecodedTelegram
 
 ARGUMENTS, STDIN, REQUEST = "<arguments>", "<stdin>", "<request>"
 _SPELLINGS = "write bytes as 03 01, 0301, 16#03, 0x03, 03h or W#16#0101, one telegram a line"

@@ -56,7 +56,7 @@ def command(
     """
     out = console()
     if list_changes:
-        from plcgen.output.table import text_table
+        from plcgen.display.table import text_table
         from plcgen.review.compare.text import changes_table
 
         lines = text_table(("id", "class", "change", "because"), changes_table(), indent=0)

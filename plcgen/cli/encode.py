@@ -13,8 +13,8 @@ from plcgen.cli.output import Console
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 
 if TYPE_CHECKING:
+    from plcgen.display.results import Answer
     from plcgen.output.registry import Format
-    from plcgen.output.results import Answer
 
 
 @verb(
@@ -98,8 +98,8 @@ def _telegram(verb: str, words: tuple[str, ...], drive_object: int | None, refer
 
 def _answer(rows: Sequence[tuple[str, int, str, bytes]], text: str, found: Sequence[Diagnostic]) -> Answer:
     """Telegrams as (job, number, block, bytes)."""
-    from plcgen.output.data import diagnostics_data
-    from plcgen.output.results import Answer
+    from plcgen.display.data import diagnostics_data
+    from plcgen.display.results import Answer
 
     telegrams = [
         {"job": job, "telegram": index, "block": block, "length": len(data), "hex": data.hex().upper()}

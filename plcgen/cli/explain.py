@@ -10,8 +10,8 @@ from plcgen.cli.options import console, format_option, verb
 from plcgen.cli.output import OK, PROBLEMS, error_line, help_line
 
 if TYPE_CHECKING:
+    from plcgen.display.results import Answer
     from plcgen.output.registry import Format
-    from plcgen.output.results import Answer
 
 
 @verb(
@@ -36,7 +36,7 @@ def command(*, codes: tuple[str, ...], list_all: bool, format_: Format) -> int:
     if not codes:
         raise click.UsageError("give a code, for example PG209, or --list")
     from plcgen import api
-    from plcgen.output.page import page_answer
+    from plcgen.display.page import page_answer
 
     pages = [api.explain(key) for key in codes]
     known = [page_answer(page) for page in pages if page is not None]
@@ -51,7 +51,7 @@ def command(*, codes: tuple[str, ...], list_all: bool, format_: Format) -> int:
 def _unknown(key: str) -> None:
     from plcgen.api.explanation import known_keys
     from plcgen.diagnostics.suggest import did_you_mean
-    from plcgen.output.cells import clean
+    from plcgen.display.cells import clean
 
     error_line(f'"{clean(key)[:60]}" is no code of plcgen, error number or status word', "PG703")
     help_line(did_you_mean(key, known_keys()) or "plcgen explain --list")
@@ -59,9 +59,9 @@ def _unknown(key: str) -> None:
 
 def _list() -> Answer:
     from plcgen.api.explanation import list_codes
-    from plcgen.output.data import head
-    from plcgen.output.results import Answer
-    from plcgen.output.table import text_table
+    from plcgen.display.data import head
+    from plcgen.display.results import Answer
+    from plcgen.display.table import text_table
 
     rows = list_codes()
     codes = [{"code": code, "severity": severity, "title": title} for code, severity, title in rows]

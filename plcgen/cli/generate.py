@@ -58,8 +58,8 @@ STALE = "PG504"
 
 
 def _show(out: Console, result: GenerateResult, *, looking: bool) -> None:
-    from plcgen.output.excerpts import count_text
-    from plcgen.output.paint import paint_diff
+    from plcgen.display.excerpts import count_text
+    from plcgen.display.paint import paint_diff
 
     out.complain([d for d in result.diagnostics if d.code != STALE])
     stale = [d for d in result.diagnostics if d.code == STALE]
@@ -92,7 +92,7 @@ def _stale(result: GenerateResult, stale: list[Diagnostic]) -> None:
 
 
 def _machine(out: Console, result: GenerateResult, format_: Format) -> None:
-    from plcgen.output.results import Findings
+    from plcgen.display.results import Findings
 
     spec = result.spec.as_posix()
     more = {

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, Literal, TextIO
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
+    from plcgen.display.results import Answer
+    from plcgen.display.view import View
     from plcgen.output.registry import Format
-    from plcgen.output.results import Answer
-    from plcgen.output.view import View
     from plcgen.proof.checks import Verification
 
 OK = 0
@@ -92,7 +92,7 @@ class Console:
     def view(self, output: Path | None = None, **looks: Any) -> View:
         """How a result on stdout, or in a file, shall look; ``looks`` are fields of View."""
         from plcgen.cli.sources import SourceCache
-        from plcgen.output.view import View
+        from plcgen.display.view import View
 
         out = sys.stdout
         target: Literal["file", "screen", "pipe"] = "file" if output else "screen" if is_terminal(out) else "pipe"
@@ -151,8 +151,8 @@ class Console:
         """
         if diagnostics:
             from plcgen.cli.sources import SourceCache
-            from plcgen.output.excerpts import diagnostics_text
-            from plcgen.output.view import View
+            from plcgen.display.excerpts import diagnostics_text
+            from plcgen.display.view import View
 
             color, width = wants_color(self.color, sys.stderr), terminal_width(sys.stderr)
             _to_stderr(diagnostics_text(diagnostics, View(color, width, SourceCache(known).line)))
@@ -182,7 +182,7 @@ class _Bar:
         now = time.monotonic()
         if now - self.last < _PROGRESS_PAUSE:
             return
-        from plcgen.output.cells import clean, cut, pad
+        from plcgen.display.cells import clean, cut, pad
 
         self.last, self.drawn = now, True
         filled = _BAR * min(done, total) // total if total > 0 else 0

@@ -11,8 +11,8 @@ from plcgen.cli.options import console, format_option, output_option, verb
 from plcgen.cli.output import OK
 
 if TYPE_CHECKING:
+    from plcgen.display.results import Answer
     from plcgen.output.registry import Format
-    from plcgen.output.results import Answer
 
 
 @verb(
@@ -29,16 +29,16 @@ def command(*, devices: bool, format_: Format, output: Path | None) -> int:
     if devices:
         return out.answer(format_, _devices(), output)
     from plcgen import api
-    from plcgen.output.data import dump
+    from plcgen.display.data import dump
 
     out.result(dump(api.schema()), output)
     return OK
 
 
 def _devices() -> Answer:
-    from plcgen.output.data import head
-    from plcgen.output.results import Answer
-    from plcgen.output.table import text_table
+    from plcgen.display.data import head
+    from plcgen.display.results import Answer
+    from plcgen.display.table import text_table
     from plcgen.protocols.ds47.devices import device_names, find_device
 
     found = [find_device(name) for name in device_names()]

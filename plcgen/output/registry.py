@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from plcgen.diagnostics import PluginError
-from plcgen.output.view import View
+from plcgen.display.view import View
 from plcgen.plugins import plugins
 
 if TYPE_CHECKING:
-    from plcgen.output.results import Answer, Findings
+    from plcgen.display.results import Answer, Findings
     from plcgen.proof.checks import Verification
     from plcgen.review.compare.model import Comparison
     from plcgen.review.layout.tables import LayoutResult

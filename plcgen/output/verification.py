@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic
-from plcgen.output.cells import clean, pad, wrap
-from plcgen.output.cells import width as cells
-from plcgen.output.excerpts import count_text, diagnostics_text
-from plcgen.output.view import View
+from plcgen.display.cells import clean, pad, wrap
+from plcgen.display.cells import width as cells
+from plcgen.display.excerpts import count_text, diagnostics_text
+from plcgen.display.view import View
 
 if TYPE_CHECKING:
     from plcgen.proof.checks import Check, CheckGroup, Verification

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from plcgen.diagnostics import Diagnostic, Report, Span
+    from plcgen.display.page import Page
     from plcgen.documents.nouns import Contribution
-    from plcgen.output.page import Page
     from plcgen.project.loading import LoadedSpec, SpecPath
     from plcgen.project.nouns import Buffer, Field, Plan
     from plcgen.project.numbering import Numbering

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from plcgen.output.data import diagnostic_data, head
-from plcgen.protocols.ds47.texts import dissect, telegram_data
+from plcgen.display.data import diagnostic_data, head
+from plcgen.protocols.decoded import telegram_data
+from plcgen.protocols.ds47.texts import dissect
 from plcgen.protocols.ds47.wire.status import explain
 from plcgen.trace.exchange import contact_text
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from plcgen.output.cells import clean, cut, pad, wrap
-from plcgen.output.cells import width as columns
-from plcgen.output.excerpts import diagnostics_text
-from plcgen.output.view import PLAIN, View
+from plcgen.display.cells import clean, cut, pad, wrap
+from plcgen.display.cells import width as columns
+from plcgen.display.excerpts import diagnostics_text
+from plcgen.display.view import PLAIN, View
 from plcgen.trace.exchange import contact_text, value_text
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ import pytest
 from projects import FAQ, ROOT
 
 from plcgen.diagnostics import PluginError
+from plcgen.display.view import PLAIN
 from plcgen.output import formats, registry
-from plcgen.output.view import PLAIN
 
 TOY = '''"""A format of somebody else: counts."""
 

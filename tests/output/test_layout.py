@@ -14,8 +14,8 @@ from lxml import etree
 from projects import FAQ
 
 from plcgen import api
+from plcgen.display.view import PLAIN, View
 from plcgen.output.registry import find
-from plcgen.output.view import PLAIN, View
 from plcgen.review.layout.declared import block_tables
 from plcgen.review.layout.grid import grid, title
 from plcgen.review.layout.planned import project_tables

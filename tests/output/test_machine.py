@@ -9,11 +9,11 @@ import pytest
 
 from plcgen import __version__
 from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.display.results import Findings
+from plcgen.display.table import csv_table, markdown_table
+from plcgen.display.view import PLAIN
 from plcgen.output.formats.sarif import uri
 from plcgen.output.registry import find
-from plcgen.output.results import Findings
-from plcgen.output.table import csv_table, markdown_table
-from plcgen.output.view import PLAIN
 
 _spec = importlib.util.spec_from_file_location("results", Path(__file__).with_name("results.py"))
 results = importlib.util.module_from_spec(_spec)

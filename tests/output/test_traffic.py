@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from plcgen.output.view import PLAIN, View
+from plcgen.display.view import PLAIN, View
 from plcgen.protocols.ppi.sim import Bus, Station, Traffic
 from plcgen.protocols.ppi.sim.cpu import Switch
 from plcgen.protocols.ppi.traffic import TrafficText

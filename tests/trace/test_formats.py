@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import pytest
 
+from plcgen.display.view import View
 from plcgen.output.registry import find
-from plcgen.output.view import View
 from plcgen.trace.model import Signal, Step, Trace
 
 Run = Callable[..., Trace]

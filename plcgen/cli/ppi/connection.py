@@ -12,8 +12,8 @@ from plcgen.cli.options import console
 from plcgen.diagnostics import DiagnosticError
 
 if TYPE_CHECKING:
+    from plcgen.display.results import Answer
     from plcgen.output.registry import Format
-    from plcgen.output.results import Answer
     from plcgen.protocols.ppi.client import Client
     from plcgen.protocols.ppi.symbols import SymbolTable
 
@@ -65,16 +65,16 @@ def open_client(given: dict[str, Any], symbols: SymbolTable | None = None) -> Cl
 
 def station_answer(kind: str, text: str, /, **data: Any) -> Answer:
     """What a station said in one line."""
-    from plcgen.output.data import diagnostics_data
-    from plcgen.output.results import Answer
+    from plcgen.display.data import diagnostics_data
+    from plcgen.display.results import Answer
 
     return Answer({**diagnostics_data(kind, ()), **data}, lambda _view: f"station {data['station']}: {text}\n")
 
 
 def failure(kind: str, problem: DiagnosticError) -> Answer:
     """What kept a verb from its result."""
-    from plcgen.output.data import diagnostics_data
-    from plcgen.output.results import Answer
+    from plcgen.display.data import diagnostics_data
+    from plcgen.display.results import Answer
 
     return Answer(diagnostics_data(kind, problem.diagnostics), lambda _view: "", problem.diagnostics)
 

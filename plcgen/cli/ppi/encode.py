@@ -74,8 +74,8 @@ def command(
     VD100:REAL, VW100:INT, VB0[21]:STRING. German mnemonics (EB0, A0.0, Z5) work as well.
     """
     from plcgen.cli.ppi.places import find_profile, find_symbols, telegram_problems
-    from plcgen.output.data import diagnostics_data
-    from plcgen.output.results import Answer
+    from plcgen.display.data import diagnostics_data
+    from plcgen.display.results import Answer
     from plcgen.protocols.ppi.wire.errors import PpiError
 
     verb, rest = words[0].lower(), words[1:]

@@ -11,8 +11,8 @@ from plcgen.cli.ppi.connection import ask, line_options, open_client
 from plcgen.cli.ppi.places import cpu_option, symbols_option
 
 if TYPE_CHECKING:
+    from plcgen.display.results import Answer
     from plcgen.output.registry import Format
-    from plcgen.output.results import Answer
 
 
 @verb(

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from plcgen.display.table import csv_table
 from plcgen.output.registry import Format
-from plcgen.output.table import csv_table
 
 if TYPE_CHECKING:
-    from plcgen.output.view import View
+    from plcgen.display.view import View
     from plcgen.review.layout.tables import BlockTable, LayoutResult, LayoutRow
 
 _BOM = "\ufeff"

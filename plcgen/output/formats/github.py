@@ -9,8 +9,8 @@ from plcgen.output.registry import Format
 from plcgen.output.verification import problems
 
 if TYPE_CHECKING:
-    from plcgen.output.results import Findings
-    from plcgen.output.view import View
+    from plcgen.display.results import Findings
+    from plcgen.display.view import View
     from plcgen.proof.checks import Verification
 
 _COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from plcgen.output.registry import Format
 
 if TYPE_CHECKING:
-    from plcgen.output.view import View
+    from plcgen.display.view import View
     from plcgen.review.layout.tables import LayoutResult
 
 CHUNK = 32

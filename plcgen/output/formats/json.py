@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from plcgen.output.data import diagnostics_data, dump, verification_data
+from plcgen.display.data import diagnostics_data, dump, verification_data
 from plcgen.output.registry import Format
 
 if TYPE_CHECKING:
-    from plcgen.output.results import Answer, Findings
-    from plcgen.output.view import View
+    from plcgen.display.results import Answer, Findings
+    from plcgen.display.view import View
     from plcgen.proof.checks import Verification
     from plcgen.review.compare.model import Comparison
     from plcgen.review.layout.tables import LayoutResult

@@ -10,8 +10,8 @@ from plcgen.diagnostics import Diagnostic, Severity
 from plcgen.output.registry import Format
 
 if TYPE_CHECKING:
-    from plcgen.output.results import Findings
-    from plcgen.output.view import View
+    from plcgen.display.results import Findings
+    from plcgen.display.view import View
     from plcgen.proof.checks import Check, CheckGroup, Verification
 
 _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from plcgen.output.cells import clean
+from plcgen.display.cells import clean
+from plcgen.display.table import markdown_table
 from plcgen.output.registry import Format
-from plcgen.output.table import markdown_table
 
 if TYPE_CHECKING:
-    from plcgen.output.view import View
+    from plcgen.display.view import View
     from plcgen.review.compare.model import Change, Comparison
     from plcgen.review.layout.tables import LayoutResult
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 from plcgen._version import __version__
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.diagnostics.codes import code as code_info
-from plcgen.output.data import dump
+from plcgen.display.data import dump
 from plcgen.output.registry import Format
 from plcgen.output.verification import problems
 
 if TYPE_CHECKING:
-    from plcgen.output.results import Findings
-    from plcgen.output.view import View
+    from plcgen.display.results import Findings
+    from plcgen.display.view import View
     from plcgen.proof.checks import Check, Verification
     from plcgen.review.compare.model import Change, Comparison
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from plcgen.output.cells import width
+from plcgen.display.cells import width
 from plcgen.output.registry import Format
 
 if TYPE_CHECKING:
-    from plcgen.output.view import View
+    from plcgen.display.view import View
     from plcgen.review.layout.tables import LayoutResult
 
 _TITLE = 34

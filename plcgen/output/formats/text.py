@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from plcgen.output.registry import Format
 
 if TYPE_CHECKING:
-    from plcgen.output.results import Answer, Findings
-    from plcgen.output.view import View
+    from plcgen.display.results import Answer, Findings
+    from plcgen.display.view import View
     from plcgen.proof.checks import Verification
     from plcgen.review.compare.model import Comparison
     from plcgen.review.layout.tables import LayoutResult
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def _findings(found: Findings, view: View) -> str:
-    from plcgen.output.excerpts import diagnostics_text
+    from plcgen.display.excerpts import diagnostics_text
 
     return diagnostics_text(found.diagnostics, view)
 

@@ -16,7 +16,7 @@ from plcgen._version import __version__
 from plcgen.output.registry import Format
 
 if TYPE_CHECKING:
-    from plcgen.output.view import View
+    from plcgen.display.view import View
     from plcgen.trace.model import Kind, Signal, Step, Trace, Value
 
 _FIRST, _LAST = 33, 126

@@ -9,8 +9,8 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from plcgen.diagnostics import Report
+    from plcgen.display.page import Page
     from plcgen.documents.nouns import Contribution
-    from plcgen.output.page import Page
     from plcgen.project.loading import LoadedSpec
     from plcgen.project.nouns import Buffer, Field
     from plcgen.project.numbering import Numbering

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from plcgen.output.page import Page
-from plcgen.output.view import PLAIN
+from plcgen.display.page import Page
+from plcgen.display.view import PLAIN
 from plcgen.protocols.ds47.texts import status_text
 from plcgen.protocols.ds47.wire.errors import MANUFACTURER_FIRST, error_text
 from plcgen.protocols.ds47.wire.status import explain as explain_status

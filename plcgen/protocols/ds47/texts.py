@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 import math
-import re
 import struct
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from plcgen.diagnostics import Diagnostic, Severity
-from plcgen.output.cells import clean, cut
-from plcgen.output.data import diagnostic_data, head
-from plcgen.output.results import Answer
-from plcgen.output.table import text_table
-from plcgen.output.view import View
+from plcgen.display.cells import clean
+from plcgen.display.data import diagnostic_data, head
+from plcgen.display.results import Answer
+from plcgen.display.view import View
+from plcgen.protocols.decoded import DecodedTelegram, TelegramField, telegram_data, telegram_text
+from plcgen.protocols.dissection import ByteField
 
 if TYPE_CHECKING:
-    from plcgen.protocols.dissection import ByteField
     from plcgen.protocols.ds47.wire.status import Status
 
-HEADER = ("offset", "bytes", "field", "value", "meaning")
-_SHOWN = 8
-_PARAMETER = re.compile(r"((?:parameter|item|value) [0-9]+(?: \([^)]*\))?) (.+)")
 _RETRY = {
     "none": "no error: nothing to repeat",
     "wait": "the job is running: call again with the same inputs",
@@ -31,33 +26,6 @@ _RETRY = {
     "restart": "start the whole job again at WRREC",
     "permanent": "permanent: repeating does not help",
 }
-
-
-@dataclass(frozen=True, slots=True)
-class TelegramField:
-    """One field: byte ``offset`` and bytes, name, value as text, meaning; ``problem`` marks a wrong one."""
-
-    offset: int
-    data: bytes
-    name: str
-    value: str
-    note: str
-    problem: bool
-
-
-@dataclass(frozen=True, slots=True)
-class DecodedTelegram:
-    """A telegram taken apart: ``kind`` request or response, every field, what is wrong as (offset, message)."""
-
-    kind: str
-    data: bytes
-    fields: tuple[TelegramField, ...]
-    problems: tuple[tuple[int, str], ...]
-
-    @property
-    def ok(self) -> bool:
-        """Whether the telegram is valid."""
-        return not self.problems
 
 
 def real_note(data: bytes) -> str:
@@ -110,56 +78,6 @@ def _field(found: ByteField, data: bytes, labels: dict[int, str]) -> TelegramFie
         real = real_note(chunk)
         note = f"{note}, {real}" if real else note
     return TelegramField(found.offset, chunk, name, found.value, note, found.problem)
-
-
-def telegram_text(telegram: DecodedTelegram, view: View) -> str:
-    """Table of all fields; ``!`` marks the wrong ones."""
-    rows: list[tuple[str, ...]] = []
-    wrong: list[bool] = []
-    section = ""
-    for field in telegram.fields:
-        found = _PARAMETER.match(field.name)
-        if found and found[1] != section:
-            section = found[1]
-            rows.append(("", "", section, "", ""))
-            wrong.append(False)
-        name = f"  {found[2]}" if found else field.name
-        offset = f"{'! ' if field.problem else ''}{field.offset}"
-        rows.append((offset, _bytes(field.data), name, cut(clean(field.value), 40), field.note))
-        wrong.append(field.problem)
-    header, *lines = text_table(HEADER, rows, right=frozenset({0}), limit=view.width)
-    shown = [view.paint(line, "error" if bad else "") for line, bad in zip(lines, wrong, strict=True)]
-    count = len(telegram.data)
-    title = f"{view.paint(telegram.kind, 'bold')}, {count} byte{'' if count == 1 else 's'}"
-    return "\n".join([title, view.paint(header, "dim"), *shown]) + "\n"
-
-
-def _bytes(data: bytes) -> str:
-    text = data[:_SHOWN].hex(" ").upper()
-    return f"{text} ..." if len(data) > _SHOWN else text
-
-
-def telegram_data(telegram: DecodedTelegram) -> dict[str, Any]:
-    """One telegram as plain data."""
-    return {
-        "kind": telegram.kind,
-        "ok": telegram.ok,
-        "hex": telegram.data.hex().upper(),
-        "length": len(telegram.data),
-        "fields": [
-            {
-                "offset": f.offset,
-                "length": len(f.data),
-                "hex": f.data.hex().upper(),
-                "name": f.name,
-                "value": f.value,
-                "meaning": f.note,
-                "problem": f.problem,
-            }
-            for f in telegram.fields
-        ],
-        "problems": [{"offset": offset, "message": message} for offset, message in telegram.problems],
-    }
 
 
 def telegrams_answer(telegrams: Sequence[DecodedTelegram], diagnostics: Sequence[Diagnostic]) -> Answer:

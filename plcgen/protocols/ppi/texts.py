@@ -8,13 +8,13 @@ from functools import partial
 from typing import Any, Protocol
 
 from plcgen.diagnostics import Diagnostic, Severity
-from plcgen.output.cells import cut
-from plcgen.output.data import diagnostics_data
-from plcgen.output.results import Answer
-from plcgen.output.view import View
-from plcgen.protocols.ds47.texts import DecodedTelegram, TelegramField
-from plcgen.protocols.ds47.texts import telegram_data as plain_data
-from plcgen.protocols.ds47.texts import telegram_text as plain_text
+from plcgen.display.cells import cut
+from plcgen.display.data import diagnostics_data
+from plcgen.display.results import Answer
+from plcgen.display.view import View
+from plcgen.protocols.decoded import DecodedTelegram, TelegramField
+from plcgen.protocols.decoded import telegram_data as plain_data
+from plcgen.protocols.decoded import telegram_text as plain_text
 from plcgen.protocols.ppi.wire.areas import ITEM_LIMIT
 from plcgen.protocols.ppi.wire.description import frame_text
 from plcgen.protocols.ppi.wire.dissect import dissect, title

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from plcgen.output.cells import cut
-from plcgen.output.view import View
+from plcgen.display.cells import cut
+from plcgen.display.view import View
 from plcgen.protocols.ppi.wire.address import address_text
 from plcgen.protocols.ppi.wire.codes import header_error, return_code
 from plcgen.protocols.ppi.wire.dissect import title

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from plcgen.output.data import diagnostic_data, head, span_data
+from plcgen.display.data import diagnostic_data, head, span_data
 from plcgen.review.compare.model import Change, Comparison
 from plcgen.review.compare.policy import Level
 

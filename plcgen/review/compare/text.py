@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from plcgen.output.cells import clean, pad, wrap
-from plcgen.output.view import View
+from plcgen.display.cells import clean, pad, wrap
+from plcgen.display.view import View
 
 if TYPE_CHECKING:
     from plcgen.review.compare.model import Change, Comparison

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from plcgen.output.data import diagnostic_data, head
+from plcgen.display.data import diagnostic_data, head
 from plcgen.review.layout.tables import GAP, MORE, BlockTable, LayoutResult, LayoutRow
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from plcgen.output.cells import clean, cut, width
+from plcgen.display.cells import clean, cut, width
 from plcgen.review.layout.grid import Cell, Grid, GridRow, grid, title
 
 if TYPE_CHECKING:

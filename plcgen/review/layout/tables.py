@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 from plcgen.diagnostics import Diagnostic
-from plcgen.output.cells import clean
+from plcgen.display.cells import clean
 
 if TYPE_CHECKING:
     from plcgen.s7.evidence import Rule

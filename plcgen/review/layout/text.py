@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from plcgen.output.cells import clean, cut, pad
-from plcgen.output.table import text_table
-from plcgen.output.view import View
+from plcgen.display.cells import clean, cut, pad
+from plcgen.display.table import text_table
+from plcgen.display.view import View
 from plcgen.review.layout.tables import HEADER, MEMBER, BlockTable, LayoutRow
 
 _RIGHT = frozenset({0, 4})

@@ -13,8 +13,8 @@ import pytest
 from projects import FAQ, ROOT, SPECS, generated_example
 
 import plcgen
+from plcgen.display.view import PLAIN
 from plcgen.output.registry import find
-from plcgen.output.view import PLAIN
 from plcgen.proof.checks import Outcome
 
 HERE = Path(__file__).parent / "faq"

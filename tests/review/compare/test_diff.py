@@ -12,8 +12,8 @@ from projects import FAQ, ROOT
 
 import plcgen
 from plcgen.diagnostics import DiagnosticError
+from plcgen.display.view import View
 from plcgen.output.registry import find
-from plcgen.output.view import View
 from plcgen.review.compare.model import Comparison
 from plcgen.review.compare.policy import KINDS, Level, fails
 from plcgen.review.compare.policyfile import load_policy

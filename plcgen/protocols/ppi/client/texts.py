@@ -9,11 +9,11 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from plcgen.diagnostics import Diagnostic, Span
-from plcgen.output.cells import clean, cut
-from plcgen.output.data import diagnostic_data, diagnostics_data
-from plcgen.output.results import Answer
-from plcgen.output.table import text_table
-from plcgen.output.view import View
+from plcgen.display.cells import clean, cut
+from plcgen.display.data import diagnostic_data, diagnostics_data
+from plcgen.display.results import Answer
+from plcgen.display.table import text_table
+from plcgen.display.view import View
 from plcgen.protocols.ppi.wire.codes import return_code
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from plcgen.diagnostics import Diagnostic
-from plcgen.output.view import View
+from plcgen.display.view import View
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from plcgen.output.paint import paint
+from plcgen.display.paint import paint
 
 SourceLine = Callable[[str, int], str | None]
 """``lines(file, number)`` gives a line (from 1) without its end, None if it is not known."""

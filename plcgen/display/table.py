@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from plcgen.output.cells import clean, pad, width, wrap
+from plcgen.display.cells import clean, pad, width, wrap
 
 Row = Sequence[str]
 

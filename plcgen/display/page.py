@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from plcgen.output.cells import clean, wrap
-from plcgen.output.data import head
-from plcgen.output.results import Answer
-from plcgen.output.view import View
+from plcgen.display.cells import clean, wrap
+from plcgen.display.data import head
+from plcgen.display.results import Answer
+from plcgen.display.view import View
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
-from plcgen.output.cells import clean, expand, window, wrap
-from plcgen.output.view import View
+from plcgen.display.cells import clean, expand, window, wrap
+from plcgen.display.view import View
 
 
 def diagnostic_text(diagnostic: Diagnostic, view: View) -> str:
