@@ -94,7 +94,7 @@ def _status_always(limits: Limits) -> Iterator[DriveScenario]:
     step = max(1, limits.pause // 20)
     if limits.retries and limits.timeout > limits.pause + 20 * step:
         yield DriveScenario(
-            name="TIMEOUT in the pause behind a late error",
+            name="TIMEOUT in the pause after a late error",
             status=(WORDS["TIMEOUT"],),
             writes={1: 0xDF80C300},
             busy=((limits.timeout - limits.pause // 2) // step - 4, 0),

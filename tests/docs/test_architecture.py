@@ -1,0 +1,71 @@
+"""docs/architecture.md shows the package as it is."""
+
+from __future__ import annotations
+
+import ast
+import re
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+from docs.pages import ROOT
+
+PACKAGE = ROOT / "plcgen"
+PAGE = (ROOT / "docs" / "architecture.md").read_text("utf-8")
+HOMES = {"yaml": "input", "jinja2": "documents", "lxml": "simaticml", "serial": "line", "click": "cli"}
+
+
+def imported(path: Path) -> Iterator[str]:
+    """Top-level names of what a module imports at run time."""
+    tree = ast.parse(path.read_text("utf-8"))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            node.body.clear()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (name.name.partition(".")[0] for name in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module.partition(".")[0]
+
+
+def test_the_table_lists_every_room_in_the_order_of_the_levels() -> None:
+    """Top first, as in the contract of import-linter; rooms of one level in any order."""
+    table = PAGE[: PAGE.index("<!-- rooms -->")]
+    rooms = re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)
+    assert sorted(rooms) == sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
+    contract = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]["contracts"][0]
+    level: dict[str, int] = {}
+    for number, layer in enumerate(contract["layers"]):
+        for room in re.findall(r"plcgen\.(\w+)", layer):
+            level.setdefault(room, number)
+    assert [level[room] for room in rooms] == sorted(level[room] for room in rooms)
+
+
+def test_third_party_libraries_have_one_place_each() -> None:
+    """The page says which; a second place would be a second way to do the same."""
+    found: dict[str, set[str]] = {name: set() for name in HOMES}
+    for path in PACKAGE.rglob("*.py"):
+        for name in HOMES.keys() & set(imported(path)):
+            found[name].add(path.relative_to(PACKAGE).parts[0])
+    assert found == {name: {home} for name, home in HOMES.items()}
+
+
+def test_dependencies_are_imported() -> None:
+    """Whatever the package or one of its extras installs is used by the package."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    extras = [need for name, needs in project["optional-dependencies"].items() if name != "dev" for need in needs]
+    names = {re.split(r"[<>=]", need)[0] for need in (*project["dependencies"], *extras)}
+    module = {"PyYAML": "yaml", "pyserial": "serial"}
+    used = {name for path in PACKAGE.rglob("*.py") for name in imported(path)}
+    assert {module.get(name, name) for name in names} <= used
+
+
+def test_both_protocols_have_the_structure_of_the_page() -> None:
+    """Every folder and file that the page names is in both packages."""
+    section = PAGE[PAGE.index("| folder or file") :]
+    named = set(
+        re.findall(r"`(\w+)`", "".join(row.split("|")[1] for row in re.findall(r"^\|.*`.*\|$", section, re.MULTILINE)))
+    )
+    for protocol in ("ds47", "ppi"):
+        parts = {path.stem for path in (PACKAGE / "protocols" / protocol).iterdir()}
+        assert named - parts == set(), protocol
