@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,6 +13,7 @@ from hypothesis import HealthCheck, settings
 settings.register_profile("plcgen", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("plcgen")
 
+Install = Callable[[str, str, str, str | Path], None]
 PROOF = Path(__file__).parent / "proof"
 
 
@@ -23,8 +25,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture
-def distribution(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str, str, str, str], Path]]:
-    """Returns what installs a distribution: a module with its text, and its entry points in one group."""
+def distribution(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Callable[[str, str, str, str | Path], None]]:
+    """Returns what installs a distribution: a module, as text or as the folder of a package, with an entry point."""
     from plcgen.project.schema import spec_model
     from plcgen.protocols.ds47.kinds import kinds
     from plcgen.protocols.ds47.schema import sections
@@ -41,15 +45,17 @@ def distribution(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Ca
         for module in modules:
             sys.modules.pop(module, None)
 
-    def install(module: str, group: str, entry: str, text: str) -> Path:
-        (site / f"{module}.py").write_text(text, "utf-8")
+    def install(module: str, group: str, entry: str, code: str | Path) -> None:
+        if isinstance(code, Path):
+            shutil.copytree(code, site / module)
+        else:
+            (site / f"{module}.py").write_text(code, "utf-8")
         info = site / f"{module}-1.0.dist-info"
         info.mkdir(exist_ok=True)
         (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\n")
         (info / "entry_points.txt").write_text(f"[{group}]\n{entry}\n")
         modules.add(module)
         forget()
-        return site / f"{module}.py"
 
     yield install
     forget()

@@ -1,0 +1,95 @@
+"""The house keeps its shape: no circles of imports, no room that asks which protocol it has, no class of two ideas."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+from projects import ROOT
+
+PACKAGE = ROOT / "plcgen"
+TREES = {path: ast.parse(path.read_text("utf-8")) for path in sorted(PACKAGE.rglob("*.py"))}
+
+
+def name_of(path: Path) -> str:
+    """Module name of a file."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+MODULES = {name_of(path): tree for path, tree in TREES.items()}
+
+
+def running(tree: ast.AST) -> Iterator[ast.AST]:
+    """Every node but those that only type checkers see."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            continue
+        yield node
+        yield from running(node)
+
+
+def imported(tree: ast.Module) -> Iterator[str]:
+    """Modules of the package that a module imports, inside functions too."""
+    for node in running(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in MODULES)
+        elif isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "plcgen":
+            below = {f"{node.module}.{alias.name}" for alias in node.names} & MODULES.keys()
+            yield from below or {node.module} & MODULES.keys()
+
+
+GRAPH = {name: set(imported(tree)) - {name} for name, tree in MODULES.items()}
+
+
+def reachable(start: str) -> set[str]:
+    """Every module that a module imports, directly or not."""
+    seen: set[str] = set()
+    left = [start]
+    while left:
+        for module in GRAPH[left.pop()] - seen:
+            seen.add(module)
+            left.append(module)
+    return seen
+
+
+def test_no_circles() -> None:
+    """Not inside a room either, and not through imports inside functions."""
+    assert {name for name in GRAPH if name in reachable(name)} == set()
+
+
+def test_the_graph_sees_imports_inside_functions() -> None:
+    """A face imports its parts when they are asked for: the graph knows that it does."""
+    assert "plcgen.protocols.ds47.plan.resolve" in GRAPH["plcgen.protocols.ds47"]
+    assert "plcgen.protocols.ds47.schema" in reachable("plcgen.protocols.ds47")
+
+
+def test_no_room_asks_which_protocol_it_has() -> None:
+    """Outside the protocols, the program above them and their own verbs, nothing imports a protocol."""
+    above = ("plcgen.protocols.", "plcgen.api", "plcgen.cli", "plcgen.trace")
+    found = {
+        (name, module)
+        for name, modules in GRAPH.items()
+        for module in modules
+        if module.startswith(("plcgen.protocols.ds47", "plcgen.protocols.ppi"))
+        if not name.startswith(above)
+    }
+    assert found == set()
+
+
+def test_protocols_do_not_know_each_other() -> None:
+    """Neither imports anything of the other."""
+    for own, other in (("ds47", "ppi"), ("ppi", "ds47")):
+        inside = [name for name in GRAPH if name.startswith(f"plcgen.protocols.{own}")]
+        found = {(name, m) for name in inside for m in GRAPH[name] if m.startswith(f"plcgen.protocols.{other}")}
+        assert found == set()
+
+
+def test_classes_hold_one_idea() -> None:
+    """None above 350 lines, and no stubs that only subclasses fill."""
+    nodes = [(name, node) for name, tree in MODULES.items() for node in ast.walk(tree)]
+    classes = [(name, node) for name, node in nodes if isinstance(node, ast.ClassDef)]
+    assert [f"{m}.{c.name}" for m, c in classes if (c.end_lineno or 0) - c.lineno >= 350] == []
+    stubs = [(m, n.lineno) for m, n in nodes if isinstance(n, ast.Raise) and "NotImplementedError" in ast.dump(n)]
+    assert stubs == []
