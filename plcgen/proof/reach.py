@@ -149,19 +149,118 @@ def _calculated(operator: str, one: Values, two: Values) -> Values:
 # --- execution ------------------------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True, slots=True)
+class _Conditions:
+    """What expressions of a block may be, and what follows from conditions that hold.
+
+    ``constants`` have values, ``variables`` are those that nothing but the block changes; ``held`` are premises about
+    variables, by ``arrays`` the upper-case names of these.
+    """
+
+    constants: dict[str, int]
+    variables: set[str]
+    held: Sequence[Premise]
+    arrays: frozenset[str]
+
+    def value(self, node: ast.Expression, env: Env) -> Values:
+        """What an expression may be."""
+        if isinstance(node, ast.Literal) and node.kind == "bool":
+            return TRUE if node.text.upper() == "TRUE" else FALSE
+        if isinstance(node, ast.Literal):
+            constant = evaluate(node, {})
+            return ANYTHING if constant is None else frozenset({constant})
+        if isinstance(node, ast.Name | ast.Index):
+            return self.held_or(node, env)
+        if isinstance(node, ast.Unary) and node.operator == "-":
+            return _calculated("-", FALSE, self.value(node.operand, env))
+        if isinstance(node, ast.Binary) and node.operator in {"+", "-", "*"}:
+            return _calculated(node.operator, self.value(node.left, env), self.value(node.right, env))
+        if isinstance(node, ast.Binary | ast.Unary):
+            true, false = self.split(node, env)
+            if true is None or false is None:
+                return FALSE if true is None else TRUE
+        return ANYTHING
+
+    def held_or(self, node: ast.Name | ast.Index, env: Env) -> Values:
+        """A constant, a variable of the block, or what a premise says about a variable or array in this state."""
+        base = node.base if isinstance(node, ast.Index) else node
+        if not isinstance(base, ast.Name) or base.scope == "quoted":
+            return ANYTHING
+        name = base.name.upper()
+        if name in self.constants:
+            return frozenset({self.constants[name]})
+        known = env.get(name if isinstance(node, ast.Name) else name + ELEMENT, ANYTHING)
+        for premise in self.held:
+            if premise.variable.upper() == name and self.applies(premise, env):
+                return _narrowed(premise.values, "=", known) or premise.values
+        return known
+
+    @staticmethod
+    def applies(premise: Premise, env: Env) -> bool:
+        """Whether the variable that a premise is about the states of can only have those."""
+        values = env.get(premise.given.upper(), ANYTHING)
+        return isinstance(values, frozenset) and values <= premise.among
+
+    def split(self, node: ast.Expression, env: Env) -> tuple[Env | None, Env | None]:
+        """What may hold if a condition is true, and if it is false; None if it never is."""
+        if isinstance(node, ast.Unary) and node.operator == "NOT":
+            true, false = self.split(node.operand, env)
+            return false, true
+        if isinstance(node, ast.Binary) and node.operator in {"AND", "&", "OR"}:
+            true, false = self.split(node.left, env)
+            if node.operator == "OR":
+                second = self.split(node.right, false) if false is not None else (None, None)
+                return _joined(true, second[0]), second[1]
+            second = self.split(node.right, true) if true is not None else (None, None)
+            return second[0], _joined(false, second[1])
+        if isinstance(node, ast.Binary) and node.operator in OPPOSITE:
+            return self.compare(node.operator, node.left, node.right, env)
+        if isinstance(node, ast.Name | ast.Literal):
+            return self.compare("=", node, ast.Literal(0, 0, "TRUE", "bool"), env)
+        return env, env
+
+    def compare(
+        self, operator: str, left: ast.Expression, right: ast.Expression, env: Env
+    ) -> tuple[Env | None, Env | None]:
+        """A comparison narrows both sides."""
+        one, two = self.value(left, env), self.value(right, env)
+        return self.kept(operator, (left, one), (right, two), env), self.kept(
+            OPPOSITE[operator], (left, one), (right, two), env
+        )
+
+    def kept(
+        self, operator: str, left: tuple[ast.Expression, Values], right: tuple[ast.Expression, Values], env: Env
+    ) -> Env | None:
+        """The values for which a comparison may hold; None if for none."""
+        one = self.narrow(left[0], _narrowed(left[1], operator, right[1]), env)
+        two = _narrowed(right[1], MIRRORED[operator], left[1])
+        return None if one is None else self.narrow(right[0], two, one)
+
+    def narrow(self, node: ast.Expression, values: Values | None, env: Env) -> Env | None:
+        """The environment in which an expression has these values; None if it has none."""
+        base = node.base if isinstance(node, ast.Index) else node
+        if values is None or not isinstance(base, ast.Name) or base.scope == "quoted":
+            return None if values is None else env
+        name = base.name.upper()
+        if isinstance(node, ast.Index) and name in self.arrays:
+            return {**env, name + ELEMENT: values}
+        if name not in self.variables or isinstance(node, ast.Index) or values == env.get(name, ANYTHING):
+            return env
+        return {**env, name: values}
+
+
 class _Execution:
     """One block, executed until nothing new is reached."""
 
     def __init__(self, unit: ast.Unit, premises: Sequence[Premise], opened: set[str]) -> None:
         self.unit, self.state, self.opened = unit, STATE.upper(), opened
         self.never = {premise.never.upper(): premise for premise in premises if premise.never}
-        self.held = [premise for premise in premises if premise.variable]
-        self.arrays = {premise.variable.upper() for premise in self.held}
+        held = [premise for premise in premises if premise.variable]
+        self.conditions = _Conditions({}, set(), held, frozenset(premise.variable.upper() for premise in held))
         self.given = {premise.given.upper() for premise in premises} | {self.state}
         self.reached: set[Place] = set()
-        self.constants: dict[str, int] = {}
+        self.constants, self.locals = self.conditions.constants, self.conditions.variables
         self.statics: Env = {}
-        self.locals: set[str] = set()
         self.labelled: dict[int, frozenset[int] | None] = {}
         self.named: dict[int, frozenset[str]] = {}
         self.known: dict[tuple[int, frozenset[tuple[str, Values]]], list[Env]] = {}
@@ -278,7 +377,7 @@ class _Execution:
         for node in statements if self.never else ():
             value = node.value if isinstance(node, ast.Assign) else None
             premise = self.never.get(value.name.upper()) if isinstance(value, ast.Name) else None
-            if premise is not None and (not premise.among or self.applies(premise, env)):
+            if premise is not None and (not premise.among or self.conditions.applies(premise, env)):
                 return True
         return False
 
@@ -310,7 +409,7 @@ class _Execution:
             return list(self.case(node, env))  # each branch by itself up to the end of the statements around it
         if isinstance(node, ast.For | ast.While | ast.Repeat):
             return self.merged(self.loop(node, env))
-        raise NotImplementedError("jumps are not followed")
+        raise TypeError("jumps are not followed")
 
     def without(self, node: ast.Node, env: Env) -> Env:
         """Forget every variable that a statement, or anything in it, may write."""
@@ -321,9 +420,9 @@ class _Execution:
 
     def assign(self, node: ast.Assign, env: Env) -> Env:
         """Store a value in a variable of the block; arrays and everything outside are not followed."""
-        value = self.value(node.value, env)
+        value = self.conditions.value(node.value, env)
         env = self.without(node, env)
-        if self.arrays:  # which element was meant before, nobody knows now
+        if self.conditions.arrays:  # which element was meant before, nobody knows now
             env = {name: values for name, values in env.items() if not name.endswith(ELEMENT)}
         for target in (node.target, *node.also):
             name = target.name.upper() if isinstance(target, ast.Name) else ""
@@ -335,7 +434,7 @@ class _Execution:
         """Every branch whose condition may hold, and the rest."""
         rest: Env | None = env
         for branch in node.branches:
-            true, rest = self.split(branch.condition, rest) if rest is not None else (None, None)
+            true, rest = self.conditions.split(branch.condition, rest) if rest is not None else (None, None)
             yield from self.branch(branch, "branch", branch.body, true)
         yield from self.branch(node, "else", node.otherwise or (), rest)
 
@@ -348,7 +447,7 @@ class _Execution:
 
     def case(self, node: ast.Case, env: Env) -> Iterator[Env]:
         """Every branch whose labels the selector may have, and the rest."""
-        rest: Values | None = self.value(node.selector, env)
+        rest: Values | None = self.conditions.value(node.selector, env)
         for branch in node.branches:
             labels = self.labels(branch)
             if rest is None or (isinstance(rest, frozenset) and labels is not None and not rest & labels):
@@ -356,12 +455,16 @@ class _Execution:
             if labels is None:
                 yield from self.branch(branch, "branch", branch.body, env)
             elif isinstance(rest, frozenset):
-                yield from self.branch(branch, "branch", branch.body, self.narrow(node.selector, rest & labels, env))
+                yield from self.branch(
+                    branch, "branch", branch.body, self.conditions.narrow(node.selector, rest & labels, env)
+                )
                 rest = rest - labels or None
             else:
                 chosen = _narrowed(labels, "=", rest)
-                yield from self.branch(branch, "branch", branch.body, self.narrow(node.selector, chosen, env))
-        yield from self.branch(node, "else", node.otherwise or (), self.narrow(node.selector, rest, env))
+                yield from self.branch(
+                    branch, "branch", branch.body, self.conditions.narrow(node.selector, chosen, env)
+                )
+        yield from self.branch(node, "else", node.otherwise or (), self.conditions.narrow(node.selector, rest, env))
 
     def labels(self, branch: ast.CaseBranch) -> frozenset[int] | None:
         """Values of the labels of a branch; None if they are too many or not constant."""
@@ -384,8 +487,8 @@ class _Execution:
         """Follow a loop pass by pass until it ends or nothing limits it; then any pass may have any values."""
         if isinstance(node, ast.For):
             self.reached.add((node.start, "loop"))
-            env = self.stored(node, self.value(node.first, env), env)
-        last = self.value(node.last, env) if isinstance(node, ast.For) else ANYTHING
+            env = self.stored(node, self.conditions.value(node.first, env), env)
+        last = self.conditions.value(node.last, env) if isinstance(node, ast.For) else ANYTHING
         envs = [env]
         for _ in range(MOST):
             before, envs = envs, []
@@ -409,10 +512,10 @@ class _Execution:
     def head(self, node: ast.For | ast.While | ast.Repeat, last: Values, env: Env) -> tuple[Env | None, Env | None]:
         """What may hold in front of a pass, and if there is none."""
         if isinstance(node, ast.While):
-            return self.split(node.condition, env)
+            return self.conditions.split(node.condition, env)
         if isinstance(node, ast.Repeat):
             return env, None
-        value = self.value(node.variable, env)
+        value = self.conditions.value(node.variable, env)
         inside, outside = _narrowed(value, "<=", last), _narrowed(value, ">", last)
         return (
             None if inside is None else self.stored(node, inside, env),
@@ -422,11 +525,14 @@ class _Execution:
     def turn(self, node: ast.For | ast.While | ast.Repeat, envs: list[Env]) -> tuple[list[Env], list[Env]]:
         """Behind a pass: where the loop ends, where it goes on."""
         if isinstance(node, ast.For):
-            step = self.value(node.step, {}) if node.step is not None else TRUE
-            return [], [self.stored(node, _calculated("+", self.value(node.variable, env), step), env) for env in envs]
+            step = self.conditions.value(node.step, {}) if node.step is not None else TRUE
+            return [], [
+                self.stored(node, _calculated("+", self.conditions.value(node.variable, env), step), env)
+                for env in envs
+            ]
         if isinstance(node, ast.While):
             return [], envs
-        ends = [self.split(node.condition, env) for env in envs]
+        ends = [self.conditions.split(node.condition, env) for env in envs]
         return [true for true, _ in ends if true is not None], [false for _, false in ends if false is not None]
 
     def stored(self, node: ast.For, value: Values, env: Env) -> Env:
@@ -441,94 +547,6 @@ class _Execution:
             yield from self.turn(node, self.body(node.body, [inside]))[0]
         if outside is not None:
             yield outside
-
-    # --- expressions ----------------------------------------------------------------------------------
-
-    def value(self, node: ast.Expression, env: Env) -> Values:
-        """What an expression may be."""
-        if isinstance(node, ast.Literal) and node.kind == "bool":
-            return TRUE if node.text.upper() == "TRUE" else FALSE
-        if isinstance(node, ast.Literal):
-            constant = evaluate(node, {})
-            return ANYTHING if constant is None else frozenset({constant})
-        if isinstance(node, ast.Name | ast.Index):
-            return self.held_or(node, env)
-        if isinstance(node, ast.Unary) and node.operator == "-":
-            return _calculated("-", FALSE, self.value(node.operand, env))
-        if isinstance(node, ast.Binary) and node.operator in {"+", "-", "*"}:
-            return _calculated(node.operator, self.value(node.left, env), self.value(node.right, env))
-        if isinstance(node, ast.Binary | ast.Unary):
-            true, false = self.split(node, env)
-            if true is None or false is None:
-                return FALSE if true is None else TRUE
-        return ANYTHING
-
-    def held_or(self, node: ast.Name | ast.Index, env: Env) -> Values:
-        """A constant, a variable of the block, or what a premise says about a variable or array in this state."""
-        base = node.base if isinstance(node, ast.Index) else node
-        if not isinstance(base, ast.Name) or base.scope == "quoted":
-            return ANYTHING
-        name = base.name.upper()
-        if name in self.constants:
-            return frozenset({self.constants[name]})
-        known = env.get(name if isinstance(node, ast.Name) else name + ELEMENT, ANYTHING)
-        for premise in self.held:
-            if premise.variable.upper() == name and self.applies(premise, env):
-                return _narrowed(premise.values, "=", known) or premise.values
-        return known
-
-    @staticmethod
-    def applies(premise: Premise, env: Env) -> bool:
-        """Whether the variable that a premise is about the states of can only have those."""
-        values = env.get(premise.given.upper(), ANYTHING)
-        return isinstance(values, frozenset) and values <= premise.among
-
-    def split(self, node: ast.Expression, env: Env) -> tuple[Env | None, Env | None]:
-        """What may hold if a condition is true, and if it is false; None if it never is."""
-        if isinstance(node, ast.Unary) and node.operator == "NOT":
-            true, false = self.split(node.operand, env)
-            return false, true
-        if isinstance(node, ast.Binary) and node.operator in {"AND", "&", "OR"}:
-            true, false = self.split(node.left, env)
-            if node.operator == "OR":
-                second = self.split(node.right, false) if false is not None else (None, None)
-                return _joined(true, second[0]), second[1]
-            second = self.split(node.right, true) if true is not None else (None, None)
-            return second[0], _joined(false, second[1])
-        if isinstance(node, ast.Binary) and node.operator in OPPOSITE:
-            return self.compare(node.operator, node.left, node.right, env)
-        if isinstance(node, ast.Name | ast.Literal):
-            return self.compare("=", node, ast.Literal(0, 0, "TRUE", "bool"), env)
-        return env, env
-
-    def compare(
-        self, operator: str, left: ast.Expression, right: ast.Expression, env: Env
-    ) -> tuple[Env | None, Env | None]:
-        """A comparison narrows both sides."""
-        one, two = self.value(left, env), self.value(right, env)
-        return self.kept(operator, (left, one), (right, two), env), self.kept(
-            OPPOSITE[operator], (left, one), (right, two), env
-        )
-
-    def kept(
-        self, operator: str, left: tuple[ast.Expression, Values], right: tuple[ast.Expression, Values], env: Env
-    ) -> Env | None:
-        """The values for which a comparison may hold; None if for none."""
-        one = self.narrow(left[0], _narrowed(left[1], operator, right[1]), env)
-        two = _narrowed(right[1], MIRRORED[operator], left[1])
-        return None if one is None else self.narrow(right[0], two, one)
-
-    def narrow(self, node: ast.Expression, values: Values | None, env: Env) -> Env | None:
-        """The environment in which an expression has these values; None if it has none."""
-        base = node.base if isinstance(node, ast.Index) else node
-        if values is None or not isinstance(base, ast.Name) or base.scope == "quoted":
-            return None if values is None else env
-        name = base.name.upper()
-        if isinstance(node, ast.Index) and name in self.arrays:
-            return {**env, name + ELEMENT: values}
-        if name not in self.locals or isinstance(node, ast.Index) or values == env.get(name, ANYTHING):
-            return env
-        return {**env, name: values}
 
 
 def _written(node: ast.Node) -> Iterator[str]:
