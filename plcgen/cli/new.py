@@ -155,6 +155,6 @@ def _aligned(line: str) -> str:
 def _examples(device: Device) -> tuple[Parameter, Parameter]:
     """One parameter to read and one to write: harmless, single value, preferably a REAL with limits."""
     known = sorted(device.parameters.values(), key=lambda p: p.pnu)
-    writable = [p for p in known if "w" in p.access and not p.dangerous and not p.bico]
+    writable = [p for p in known if "w" in p.access and not device.danger(p.pnu) and not p.bico]
     best = [p for p in writable if p.type == "FloatingPoint" and p.maximum is not None] or writable or known
     return best[0], best[min(1, len(best) - 1)]

@@ -141,7 +141,7 @@ scalar_elements: {read: 0, write: 1}
 strict_length: false
 error_table: profidrive
 parameters:
-  P10: {name: ramp, title: Ramp time, type: FloatingPoint, unit: s, min: 0, max: 10, default: 1.5, array: 3}
+  P20: {name: ramp, title: Ramp time, type: FloatingPoint, unit: s, min: 0, max: 10, default: 1.5, array: 3}
   p11: {name: torque, type: Integer16, min: -100, max: 100, source: chapter 4}
   R12: {name: speed, type: Unsigned16, access: r}
   P13: {name: save, type: Unsigned16, dangerous: wears the memory}
@@ -230,8 +230,8 @@ def test_a_profile_says_everything_that_a_shipped_one_says(tmp_path: Path) -> No
         record_limit=100, max_parameters=5, answer_format="size", error_words=1, scalar_elements=(0, 1),
         strict_length=False, bico="drive-object", error_table="profidrive", parameters={},
     )  # fmt: skip
-    assert device.parameters[10] == Parameter(
-        10, "FloatingPoint", "ramp", "Ramp time", "s", "rw", 3, 0.0, 10.0, 1.5, source="Acme manual 12"
+    assert device.parameters[20] == Parameter(
+        20, "FloatingPoint", "ramp", "Ramp time", "s", "rw", 3, 0.0, 10.0, 1.5, source="Acme manual 12"
     )
     assert (device.parameters[11].source, device.parameters[12].access) == ("chapter 4", "r")
     assert (device.parameters[13].dangerous, device.parameters[14].bico) == ("wears the memory", True)
@@ -264,7 +264,7 @@ def test_its_limits_and_names_count(tmp_path: Path) -> None:
     text = path.read_text().replace("ramp: 2.0", "ramp: 11.0, save: 1").replace("torque]", "torqe]")
     path.write_text(text.replace("hardware_id", "drive_object: 9, hardware_id"))
     told = {d.code: d for d in api.check(path).diagnostics}
-    assert "P10 = 11 is outside its limits 0..10 s" in told["PG209"].message
+    assert "P20 = 11 is outside its limits 0..10 s" in told["PG209"].message
     assert told["PG203"].help == 'did you mean "torque"?'
     assert "wears the memory" in told["PG219"].message
     assert any("7 is the motor" in d.help for d in told.values())

@@ -3,16 +3,35 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
-from plcgen.input.validation import StrictModel
+from plcgen.input.validation import StrictModel, problem
 from plcgen.project.schema import Value
+from plcgen.protocols.ds47 import guards
+from plcgen.protocols.ds47.plan.references import parse_reference
 
 if TYPE_CHECKING:
     from plcgen.protocols.ds47.wire.bico import Layout
     from plcgen.protocols.ds47.wire.errors import Table
+
+
+def _one_line(text: str) -> str:
+    if not text.strip() or not text.isprintable():
+        raise problem("a text is one line of printable characters")
+    return text
+
+
+def _number(key: str) -> str:
+    reference = parse_reference(key)
+    if reference is None or reference.first is not None or not 1 <= (reference.pnu or 0) <= 0xFFFF:
+        raise problem(f'"{key}" is not a parameter number', code="PG203", help_="write P1120: or r0945:")
+    return key
+
+
+Line = Annotated[str, AfterValidator(_one_line), Field(max_length=300)]
+ParameterNumber = Annotated[str, AfterValidator(_number)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +40,7 @@ class Parameter:
 
     ``type`` is the DS47 data type on the wire; ``array`` the number of indexes (None: not indexed);
     ``access`` is r, w or rw; ``minimum``/``maximum`` in the parameter's unit; ``dangerous`` says why a write
-    needs a sign-off.
+    needs a sign-off where its profile says so: ``Device.danger`` knows the numbers too.
     """
 
     pnu: int
@@ -67,6 +86,11 @@ class Device:
     error_table: Table
     parameters: dict[int, Parameter]
 
+    def danger(self, pnu: int) -> str:
+        """Why a write needs a sign-off, whatever a spec says about the parameter; empty if it needs none."""
+        known = self.parameters.get(pnu)
+        return (known.dangerous if known is not None else "") or guards.danger(pnu)
+
     def by_name(self, name: str) -> Parameter | None:
         """Catalogue parameter by symbolic name."""
         return next((p for p in self.parameters.values() if p.name == name), None)
@@ -79,7 +103,7 @@ class ParameterDef(StrictModel):
     name: str | None = Field(None, description="symbolic name, snake_case; becomes the block's member name")
     title: str | None = Field(None, description="text for comments")
     unit: str | None = None
-    access: Literal["r", "w", "rw"] = "rw"
+    access: Literal["r", "w", "rw"] | None = Field(None, description="absent: rw, or r where it can only be read")
     array: int | None = Field(None, ge=1, le=65535, description="number of indexes; absent: not indexed")
     min: float | None = None
     max: float | None = None
@@ -87,7 +111,7 @@ class ParameterDef(StrictModel):
     bico: bool = Field(default=False, description="value is a BICO source such as r722.2")
 
 
-def parameter_from(pnu: int, entry: dict[str, Any]) -> Parameter:
+def parameter_from(pnu: int, entry: dict[str, Any], *, read_only: bool) -> Parameter:
     """Build a parameter from its catalogue or spec entry (already validated)."""
     return Parameter(
         pnu=pnu,
@@ -95,7 +119,7 @@ def parameter_from(pnu: int, entry: dict[str, Any]) -> Parameter:
         name=entry.get("name") or "",
         title=entry.get("title") or "",
         unit=entry.get("unit") or "",
-        access=entry.get("access", "rw"),
+        access=entry.get("access") or ("r" if read_only else "rw"),
         array=entry.get("array"),
         minimum=entry.get("min"),
         maximum=entry.get("max"),

@@ -6,10 +6,10 @@ before it, so that one run finds all of them.
 
 from __future__ import annotations
 
+import itertools
 from typing import Annotated, Any, Literal
 
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Field,
     ValidationError,
@@ -19,22 +19,15 @@ from pydantic import (
 )
 
 from plcgen.input.validation import Document, Problems, StrictModel, problem
-from plcgen.protocols.ds47.device import Device, Parameter, ParameterDef, parameter_from
-from plcgen.protocols.ds47.plan.references import parse_reference
+from plcgen.protocols.ds47 import guards
+from plcgen.protocols.ds47.device import Device, Line, Parameter, ParameterDef, ParameterNumber, parameter_from
+from plcgen.protocols.ds47.plan.references import number_of, parse_reference
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.bico import Layout, parse_bico
 from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind
 from plcgen.protocols.ds47.wire.model import MAX_PARAMETERS, RECORD_LIMIT
 
-
-def _one_line(text: str) -> str:
-    if not text.strip() or not text.isprintable():
-        raise problem("a text is one line of printable characters")
-    return text
-
-
-Line = Annotated[str, AfterValidator(_one_line), Field(max_length=300)]
 RecordIndex = Annotated[int, Field(ge=1, le=0xFFFF)]
 DriveObject = Annotated[int, Field(ge=0, le=255)]
 
@@ -192,13 +185,6 @@ def _check_text(fmt: Format, octets: int, value: Any) -> None:
         raise problem(f"{len(data)} octets do not fit {fmt.name}[{octets}]")
 
 
-def _number(key: str) -> str:
-    reference = parse_reference(key)
-    if reference is None or reference.first is not None or not 1 <= (reference.pnu or 0) <= 0xFFFF:
-        raise problem(f'"{key}" is not a parameter number', code="PG203", help_="write P1120: or r0945:")
-    return key
-
-
 class Profile(StrictModel):
     """A device profile."""
 
@@ -212,9 +198,7 @@ class Profile(StrictModel):
     strict_length: bool = Field(default=True, description="a request of another length than its contents is refused")
     bico: Layout = Field("drive-object", description="BICO values carry the drive object, or zeros in its place")
     error_table: Literal["sinamics", "profidrive"] = Field("sinamics", description="meaning of error numbers")
-    parameters: dict[Annotated[str, AfterValidator(_number)], Entry] = Field(
-        default_factory=dict, description="the catalogue"
-    )
+    parameters: dict[ParameterNumber, Entry] = Field(default_factory=dict, description="the catalogue")
 
     @field_validator("parameters", mode="wrap")
     @classmethod
@@ -226,13 +210,17 @@ class Profile(StrictModel):
         except ValidationError as invalid:
             problems.add_all(invalid)
         for key, entry in given.items() if isinstance(given, dict) else ():
-            first = numbers.setdefault(_pnu(key), key) if _pnu(key) else key
+            pnu = number_of(key) or 0
+            first = numbers.setdefault(pnu, key) if pnu else key
             if first != key:
                 problems.add(problem(f"{key} is the same parameter as {first}", code="PG103", at_key=True), key)
             name = entry.get("name") if isinstance(entry, dict) else None
             named = names.setdefault(name, key) if isinstance(name, str) else key
             if named != key:
                 problems.add(problem(f'{named} has the name "{name}" as well'), key, "name")
+            reason = guards.why_read_only(key, pnu)
+            if reason and isinstance(entry, dict) and entry.get("access") in {"w", "rw"}:
+                problems.add(problem(f"{key} cannot be written: {reason}", code="PG207"), key, "access")
         problems.raise_any()
         return parameters
 
@@ -255,16 +243,13 @@ class Profile(StrictModel):
             strict_length=self.strict_length,
             bico=self.bico,
             error_table=self.error_table,
-            parameters={_pnu(name): self._parameter(name, entry) for name, entry in self.parameters.items()},
+            parameters={found.pnu: found for found in itertools.starmap(self._parameter, self.parameters.items())},
         )
 
     def _parameter(self, key: str, entry: Entry) -> Parameter:
-        return parameter_from(_pnu(key), {"source": self.source} | entry.model_dump(exclude_none=True))
-
-
-def _pnu(key: str) -> int:
-    reference = parse_reference(key)
-    return reference.pnu or 0 if reference else 0
+        pnu = number_of(key) or 0
+        given = {"source": self.source} | entry.model_dump(exclude_none=True)
+        return parameter_from(pnu, given, read_only=bool(guards.why_read_only(key, pnu)))
 
 
 PROFILE = Document(

@@ -12,9 +12,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, create_model
 
-from plcgen.input.validation import StrictModel
+from plcgen.input.validation import StrictModel, problem
 from plcgen.project.schema import BlockName, Duration, Naming, Text, Trigger, trigger_short
-from plcgen.protocols.ds47.device import ParameterDef
+from plcgen.protocols.ds47.device import Line, ParameterDef, ParameterNumber
 from plcgen.protocols.ds47.devices import offer_names
 from plcgen.protocols.ds47.kinds import kinds
 
@@ -37,6 +37,17 @@ class Drive(StrictModel):
     )
     parameters: dict[str, ParameterDef] = Field(default_factory=dict, description="parameters outside the catalogue")
     comment: Text | None = None
+
+
+def _signed(value: object) -> object:
+    if not isinstance(value, dict):
+        help_ = "for example {P971: saved once after commissioning}"
+        raise problem("a sign-off names each parameter by number, and the reason", help_=help_)
+    return value
+
+
+SignOff = Annotated[dict[ParameterNumber, Line], BeforeValidator(_signed)]
+"""Parameters that a job may write although that can do harm, and why."""
 
 
 class Buffer(StrictModel):
@@ -75,7 +86,8 @@ class JobSettings(StrictModel):
         description="bound on retries of one telegram; absent: as many as have pauses of 80 % of the timeout together",
     )
     split: Literal["auto", "never"] = Field("auto", description="may the job be split into several telegrams")
-    allow: tuple[str, ...] = Field((), description="dangerous parameters this job may write")
+    allow: SignOff = Field(default_factory=dict, description="dangerous parameters this job may write: why")
+    allow_safety: SignOff = Field(default_factory=dict, description="Safety parameters this job may write: why")
     comment: Text | None = None
 
 

@@ -10,7 +10,9 @@ from functools import cached_property
 
 from plcgen.project.loading import SpecPath
 from plcgen.project.nouns import BlockRef, Buffer, Field, Link, Plan, PlannedJob, Telegram
+from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
+from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.schema import DriveSections
 from plcgen.protocols.ds47.wire.formats import Format
 
@@ -182,6 +184,12 @@ class DrivePlan(Plan):
         for drive in self.drives:
             shared.setdefault(drive.token.name, []).append(drive)
         return tuple((drives[0].token, tuple(drives)) for drives in shared.values())
+
+    def sign_off(self, job: DriveJob, pnu: int) -> str | None:
+        """The reason that a job gives for writing a dangerous parameter; None if it gives none."""
+        spec = self.spec.jobs[job.key]
+        given = spec.allow_safety if pnu in guards.SAFETY else spec.allow
+        return next((why for text, why in given.items() if number_of(text) == pnu), None)
 
     @property
     def spec(self) -> DriveSections:

@@ -33,6 +33,12 @@ def parse_reference(text: str) -> Reference | None:
     return Reference(int(number[1]) if number else None, "" if number else match[1], first, last)
 
 
+def number_of(text: str) -> int | None:
+    """Number of a parameter as written; None for a name or what is no reference."""
+    reference = parse_reference(text)
+    return reference.pnu if reference is not None else None
+
+
 def parse_type(text: str) -> tuple[str, int | None] | None:
     """Split ``OctetString[4]`` into name and length; None if the text has another shape."""
     match = _TYPE.match(text)

@@ -11,6 +11,7 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.project.loading import LoadedSpec
 from plcgen.project.nouns import BlockRef
 from plcgen.project.numbering import Numbering
+from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter, parameter_from
 from plcgen.protocols.ds47.devices import Catalogue
 from plcgen.protocols.ds47.plan.jobs import plan_job
@@ -41,7 +42,7 @@ def plan_drives(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, re
     }
     planned = {key: found for key, found in drives.items() if found is not None}
     resolvers = {
-        key: UseResolver(loaded, drive.device, _own_parameters(loaded, key, report), report)
+        key: UseResolver(loaded, drive.device, _own_parameters(loaded, key, drive.device, report), report)
         for key, drive in planned.items()
     }
     for key, resolver in resolvers.items():
@@ -101,7 +102,7 @@ def pinned(spec: DriveSections) -> Iterator[tuple[str, int]]:
                 yield kind, number
 
 
-def _own_parameters(loaded: LoadedSpec, key: str, report: Report) -> dict[int, Parameter]:
+def _own_parameters(loaded: LoadedSpec, key: str, device: Device, report: Report) -> dict[int, Parameter]:
     own: dict[int, Parameter] = {}
     for text, definition in loaded.sections(DriveSections).drives[key].parameters.items():
         path = ("drives", key, "parameters", text)
@@ -116,7 +117,14 @@ def _own_parameters(loaded: LoadedSpec, key: str, report: Report) -> dict[int, P
                 )
             )
             continue
-        own[reference.pnu] = parameter_from(reference.pnu, definition.model_dump())
+        known = device.parameters.get(reference.pnu)
+        reason = guards.why_read_only(text, reference.pnu, catalogued=known.access if known is not None else "")
+        if reason and definition.access not in {None, "r"}:
+            source = f": {known.source}" if known is not None and known.access == "r" else ""
+            message, help_ = f"{text} cannot be written: {reason}{source}", "remove access, or write access: r"
+            report.add(Diagnostic("PG207", message, loaded.span((*path, "access")), help=help_))
+            continue
+        own[reference.pnu] = parameter_from(reference.pnu, definition.model_dump(), read_only=bool(reason))
     return own
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.project.loading import LoadedSpec, SpecPath
+from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.protocols.ds47.kinds import ReadItem, WriteItem
 from plcgen.protocols.ds47.plan.nouns import Use
@@ -112,7 +113,8 @@ class UseResolver:
             )
             return None
         if known is None:
-            return Parameter(reference.pnu, given or "")
+            access = "r" if reference.pnu in guards.READ_ONLY else "rw"
+            return Parameter(reference.pnu, given or "", access=access)
         if given is not None and given.lower() != known.type.lower():
             self.problem(
                 "PG212",

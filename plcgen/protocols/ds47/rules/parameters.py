@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Severity
-from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.protocols.ds47.plan.references import parse_reference
+from plcgen.protocols.ds47 import guards
+from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.rules.places import parameter_span, spelling
 
@@ -41,10 +41,9 @@ def access(plan: DrivePlan) -> Iterator[Diagnostic]:
             yield Diagnostic("PG207", message, span(plan, use), help=help_)
 
 
-def _own(plan: DrivePlan, job: DriveJob) -> set[int]:
+def _own(plan: DrivePlan, job: DriveJob) -> set[int | None]:
     """Numbers of the parameters that the job's drive defines itself."""
-    found = (parse_reference(text) for text in plan.spec.drives[job.drive.key].parameters)
-    return {reference.pnu for reference in found if reference is not None and reference.pnu is not None}
+    return set(map(number_of, plan.spec.drives[job.drive.key].parameters))
 
 
 def repeated(plan: DrivePlan) -> Iterator[Diagnostic]:
@@ -52,10 +51,10 @@ def repeated(plan: DrivePlan) -> Iterator[Diagnostic]:
     for job in plan.jobs:
         if not job.writes:
             continue
-        by_number: dict[int, list[Use]] = {}
+        bynumber_of: dict[int, list[Use]] = {}
         for use in job.uses:
-            by_number.setdefault(use.parameter.pnu, []).append(use)
-        for uses in by_number.values():
+            bynumber_of.setdefault(use.parameter.pnu, []).append(use)
+        for uses in bynumber_of.values():
             yield from _overlaps(plan, uses)
 
 
@@ -82,37 +81,28 @@ def _last(use: Use) -> int:
 def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG219: a write that can do harm is not signed off, or a sign-off names nothing."""
     for job in plan.jobs:
-        allow = plan.spec.jobs[job.key].allow
-        signed = {_number(text, job) for text in allow}
-        for use in job.uses:
-            if job.writes and use.parameter.dangerous and use.parameter.pnu not in signed:
+        spec = plan.spec.jobs[job.key]
+        for use in job.uses if job.writes else ():
+            reason, pnu = job.drive.device.danger(use.parameter.pnu), use.parameter.pnu
+            if reason and plan.sign_off(job, pnu) is None:
+                key = "allow_safety" if pnu in guards.SAFETY else "allow"
                 yield Diagnostic(
                     "PG219",
-                    f"writing {_title(use.parameter)} needs a sign-off: {use.parameter.dangerous}",
+                    f"writing {_title(use.parameter)} needs a sign-off: {reason}",
                     parameter_span(plan, use),
-                    help=f"if this is intended, add allow: [P{use.parameter.pnu}] to the job",
+                    help=f"if this is intended, add {key}: {{P{pnu}: why}} to the job",
                 )
-        used = {use.parameter.pnu for use in job.uses} if job.writes else set()
-        for position, text in enumerate(allow):
-            if _number(text, job) not in used:
-                labels = [f"P{pnu}" for pnu in sorted(used)]
-                yield Diagnostic(
-                    "PG219",
-                    f'allow names "{text}", which this job does not write',
-                    plan.loaded.span((*job.path, "allow", position)),
-                    Severity.WARNING,
-                    help=did_you_mean(text, labels) or "remove it from allow",
-                )
-
-
-def _number(text: str, job: DriveJob) -> int | None:
-    reference = parse_reference(text)
-    if reference is None:
-        return None
-    if reference.pnu is not None:
-        return reference.pnu
-    named = (use.parameter.pnu for use in job.uses if use.parameter.name == reference.name)
-    return next(named, None)
+        written = {use.parameter.pnu for use in job.uses} if job.writes else set()
+        for key in ("allow", "allow_safety"):
+            for text in getattr(spec, key):
+                if number_of(text) not in written:
+                    yield Diagnostic(
+                        "PG219",
+                        f'{key} names "{text}", which this job does not write',
+                        plan.loaded.key_span((*job.path, key, text)),
+                        Severity.WARNING,
+                        help=f"remove it from {key}",
+                    )
 
 
 def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, PlainValidator, ValidationInfo, field_validator
 
 from plcgen.input.validation import Document, Octets, Problems, StrictModel, load_document, problem, unique
+from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.protocols.ds47.sim.habits import Habits
@@ -189,7 +190,7 @@ class ParameterKeys(StrictModel):
             array=self.values is not None if self.array is None else self.array,
             limits=Limits(self.low, self.high),
             state_limits={state: keys.limits() for state, keys in self.state_limits.items()},
-            read_only=self.read_only,
+            read_only=self.read_only or self.pnu in guards.READ_ONLY,
             reset_only=self.reset_only,
             allowed=frozenset(self.allowed),
             conditions=tuple(refusal.condition() for refusal in self.refuse),

@@ -8,6 +8,7 @@ from typing import Any
 from plcgen.documents.members import fixed
 from plcgen.documents.nouns import Contribution, DataBlock, GuidePart, TypeBlock
 from plcgen.documents.spelling import literal
+from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.views.program import program
@@ -61,14 +62,17 @@ def _guide(plan: DrivePlan) -> tuple[list[GuidePart], list[GuidePart]]:
     return before, [("ds47/import_writes.md.j2", {"writes": writes})] if writes else []
 
 
-def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, str]:
+def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
+    danger = job.drive.device.danger(use.parameter.pnu)
+    signed = plan.sign_off(job, use.parameter.pnu) if danger else None
     return {
         "job": job.block.name,
         "drive": job.drive.key,
         "label": use.label,
         "title": use.parameter.title,
         "value": _values(plan, use) if use.constant else "block input",
-        "danger": use.parameter.dangerous,
+        "note": f"{danger}; signed off: {signed}".replace("|", "\\|") if danger else "",
+        "safety": use.parameter.pnu in guards.SAFETY,
     }
 
 
