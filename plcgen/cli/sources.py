@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from plcgen.input.files import read_bounded
+
 _MAX_BYTES = 64 * 1024 * 1024
 _LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 """Line ends as YAML counts them."""
@@ -26,10 +28,10 @@ class SourceCache:
 
 def _read(path: Path) -> str:
     try:
-        if not path.is_file() or path.stat().st_size > _MAX_BYTES:
-            return ""
-        data = path.read_bytes()
-    except (OSError, ValueError):
+        data = read_bounded(path, _MAX_BYTES)
+    except OSError:
+        return ""
+    if len(data) > _MAX_BYTES:
         return ""
     try:
         return data.decode("utf-8-sig")

@@ -10,6 +10,7 @@ from plcgen.cpu.compiler.block import compile_block
 from plcgen.cpu.linkage import Compiled, Linkage, Probe, ProgramBlock
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.input.files import read_bounded
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block
@@ -18,7 +19,7 @@ from plcgen.scl.declarations import blocks as declared_blocks
 from plcgen.scl.declarations import recursive_types
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import parse
-from plcgen.sources.text import decode
+from plcgen.sources.text import MAX_BYTES, decode
 
 Source = Path | str | tuple[str, str]
 """A file, a text with line breaks, or (file name, text)."""
@@ -117,13 +118,13 @@ class Program:
             return "<text>", source
         path = Path(source)
         try:
-            if path.stat().st_size > 16 * 1024 * 1024:
-                self.report("PG802", "the file is larger than 16 MB", Span(str(path)))
-                return None
-            data = path.read_bytes()
+            data = read_bounded(path, MAX_BYTES)
         except OSError as error:
             reason = error.strerror or type(error).__name__
             self.report("PG804", f"the file cannot be read: {reason}", Span(str(path)))
+            return None
+        if len(data) > MAX_BYTES:
+            self.report("PG802", f"the file has more than {MAX_BYTES} bytes", Span(str(path)))
             return None
         text = decode(data, str(path))
         if isinstance(text, Diagnostic):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
+import stat
 import sys
 import tempfile
 import time
@@ -17,19 +19,39 @@ PATIENCE = 30.0
 """Seconds to wait for another writer."""
 
 
+_FLAGS = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+
+
+def _own_folder() -> Path:
+    """Where the user's lock files lie.
+
+    Raises:
+        OSError: if it is not the user's alone.
+    """
+    base = Path(tempfile.gettempdir())
+    if sys.platform == "win32":
+        return base  # which is the user's own there
+    folder = base / f"plcgen-{os.getuid()}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    found = folder.lstat()
+    if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid() or found.st_mode & 0o077:
+        raise PermissionError(errno.EACCES, "somebody else can write here", str(folder))
+    return folder
+
+
 @contextmanager
 def exclusive(folder: Path, patience: float = PATIENCE) -> Iterator[None]:
     """Hold the folder's lock; wait for another plcgen that writes there.
 
-    The lock file lies in the system's temporary folder, so that nothing is left beside the user's files.
+    The lock file lies in a folder of the user's own below the system's temporary one, so that nothing is left beside
+    the user's files and nobody else can put a link in its place or hold it.
 
     Raises:
         DiagnosticError: PG508 if the other one does not finish in time.
     """
     name = hashlib.sha256(os.path.realpath(folder).encode(errors="surrogateescape")).hexdigest()[:24]
-    path = Path(tempfile.gettempdir()) / f"plcgen-{name}.lock"
     try:
-        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        handle = os.open(_own_folder() / f"plcgen-{name}.lock", _FLAGS, 0o600)
     except OSError:
         yield  # no place for a lock: go on without one rather than not at all
         return

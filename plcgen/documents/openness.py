@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -14,7 +15,11 @@ SCRIPT_NOTE = "the script was not run against a TIA Portal"
 
 
 def openness_documents(project: Project, seen: Overview, note: str) -> Iterator[Document]:
-    """The page, and for S7-1200/1500 the script; ``note`` says why documents of this version are experimental."""
+    """The page, and for S7-1200/1500 the script; ``note`` says why documents of this version are experimental.
+
+    PowerShell ends a string in single quotes at U+2018..U+201B too, and other surprises may follow: the script has no
+    word of the project in it, it reads the names as JSON.
+    """
     steps = _steps(seen)
     version = project.target.xml_version
     view: dict[str, Any] = {
@@ -26,8 +31,8 @@ def openness_documents(project: Project, seen: Overview, note: str) -> Iterator[
     }
     yield Document("xml/IMPORT.md", "text/xml_import.md.j2", view)
     if project.target.t15:
-        script = Document("xml/import.ps1", "text/import.ps1.j2", view, "", "utf-8-sig", "\r\n", SCRIPT_NOTE)
-        yield script
+        yield Document("xml/import.ps1", "text/import.ps1.j2", {"version": version}, "", "ascii", "\r\n", SCRIPT_NOTE)
+        yield Document("xml/import.json", text=json.dumps({"steps": steps}, indent=2) + "\n")
 
 
 def _steps(seen: Overview) -> list[dict[str, Any]]:

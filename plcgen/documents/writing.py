@@ -13,18 +13,22 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
 from pathlib import Path, PurePosixPath
 from typing import Self
+
+from pydantic import TypeAdapter, ValidationError
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.documents.environment import RenderedFile
 from plcgen.documents.folder_lock import exclusive
 from plcgen.documents.manifest import digest
+from plcgen.input.files import read_bounded
 from plcgen.sources.generated import JOURNAL, MANIFEST, known_files
 
 STAGE = ".plcgen-stage-"
+_MAX_JOURNAL = 256 * 1024 * 1024
 MAX_DIFF = 400_000
 """Bytes of a file, old and new, up to which its lines are compared."""
 
@@ -86,6 +90,8 @@ class _Stage:
         self.path: Path | None = None
         self.moves: dict[str, str] = {}
         """Hash of each staged file by its path, in the order of their numbers in the stage."""
+        self.before: dict[str, str] = {}
+        """Hash of each file that will be replaced or removed."""
         self._fresh = not folder.exists()
 
     def __enter__(self) -> Self:
@@ -104,26 +110,29 @@ class _Stage:
             self.path = Path(tempfile.mkdtemp(prefix=STAGE, dir=self.folder))
         return self.path
 
-    def add(self, file: RenderedFile) -> None:
-        """Stage a file."""
+    def add(self, file: RenderedFile, old: bytes | None) -> None:
+        """Stage a file, which will replace ``old``."""
         (self._made() / str(len(self.moves))).write_bytes(file.data)
         self.moves[file.path] = digest(file.data)
+        if old is not None:
+            self.before[file.path] = digest(old)
 
-    def commit(self, removed: Sequence[str]) -> None:
-        """Write the journal, the point of no return, then move every file into place."""
+    def commit(self, removed: Mapping[str, str]) -> None:
+        """Write the journal, the point of no return, then move every file into place; ``removed``: path -> hash."""
         if not self.moves and not removed:
             return
         stage, journal = self._made(), self.folder / JOURNAL
         for parent in {_inside(self.folder, path).parent for path in self.moves}:
             parent.mkdir(parents=True, exist_ok=True)
+        plan = _Plan(stage.name, self.moves, list(removed), self.before | dict(removed))
         draft = stage / "journal"
         with draft.open("wb") as out:
-            out.write(json.dumps({"stage": stage.name, "moves": self.moves, "removals": list(removed)}).encode())
+            out.write(json.dumps(asdict(plan)).encode())
             out.flush()
             os.fsync(out.fileno())
         draft.replace(journal)
         try:
-            _finish(self.folder, stage, self.moves, removed, recovering=False)
+            plan.finish(self.folder)
             journal.unlink()
         except OSError as problem:
             why = f"interrupted half-way: {problem.strerror or problem}"
@@ -165,18 +174,11 @@ def recover(folder: Path) -> bool:
         return False
     journal = folder / JOURNAL
     done = False
-    if journal.is_file():
-        try:
-            plan = json.loads(journal.read_bytes())
-            stage = folder / str(plan["stage"])
-            moves = {str(path): str(value) for path, value in plan["moves"].items()}
-            removals = [str(path) for path in plan["removals"]]
-        except (ValueError, KeyError, TypeError, AttributeError):
-            journal.unlink()
-        else:
-            if stage.parent == folder and stage.name.startswith(STAGE):
-                _finish(folder, stage, moves, removals)
-            journal.unlink()
+    if os.path.lexists(journal):
+        plan = _Plan.read(journal)
+        if plan is not None:
+            plan.finish(folder, recovering=True)
+        journal.unlink()
         done = True
     for stale in folder.glob(f"{STAGE}*"):
         shutil.rmtree(stale, ignore_errors=True)
@@ -184,21 +186,56 @@ def recover(folder: Path) -> bool:
     return done
 
 
-def _finish(
-    folder: Path, stage: Path, moves: dict[str, str], removals: Sequence[str], *, recovering: bool = True
-) -> None:
-    """Move staged files into place; when recovering, a staged file with other bytes than the journal's is left out."""
-    for number, (path, expected) in enumerate(moves.items()):
-        source = stage / str(number)
-        if not recovering or (source.is_file() and digest(source.read_bytes()) == expected):
+@dataclass(frozen=True, slots=True)
+class _Plan:
+    """What a journal says; whoever can write into the folder can have written it, so recovering trusts no line of it.
+
+    ``moves`` and ``before`` are hashes by path: of the staged files in the order of their numbers, and of what they
+    replace or what is removed.
+    """
+
+    stage: str
+    moves: dict[str, str]
+    removals: list[str]
+    before: dict[str, str]
+
+    @classmethod
+    def read(cls, journal: Path) -> Self | None:
+        """The plan of a journal; None if plcgen did not write it."""
+        try:
+            plan = TypeAdapter(cls).validate_json(read_bounded(journal, _MAX_JOURNAL), strict=True)
+        except (OSError, ValidationError):
+            return None
+        stage = journal.parent / plan.stage
+        odd = stage.parent != journal.parent or not plan.stage.startswith(STAGE) or stage.is_symlink()
+        hidden = (part for path in (*plan.moves, *plan.removals) for part in path.split("/") if part.startswith("."))
+        return None if odd or any(hidden) else plan
+
+    def finish(self, folder: Path, *, recovering: bool = False) -> None:
+        """Move staged files into place and remove what is left over.
+
+        When recovering, only a file that still is what the interrupted run found is replaced or removed, and only by
+        a staged file with the bytes that were staged.
+        """
+        for number, (path, expected) in enumerate(self.moves.items()):
+            source, target = folder / self.stage / str(number), _inside(folder, path)
+            if not recovering or (_hash(source) == expected and self._untouched(path, target)):
+                target.parent.mkdir(parents=True, exist_ok=True)
+                source.replace(target)
+        for path in self.removals:
             target = _inside(folder, path)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            source.replace(target)
-    for path in removals:
-        target = _inside(folder, path)
-        target.unlink(missing_ok=True)
-        if target.parent != folder and target.parent.is_dir() and not any(target.parent.iterdir()):
-            target.parent.rmdir()
+            if recovering and not self._untouched(path, target):
+                continue
+            target.unlink(missing_ok=True)
+            if target.parent != folder and target.parent.is_dir() and not any(target.parent.iterdir()):
+                target.parent.rmdir()
+
+    def _untouched(self, path: str, target: Path) -> bool:
+        return _hash(target) == self.before.get(path) and (path in self.before or not os.path.lexists(target))
+
+
+def _hash(path: Path) -> str | None:
+    return digest(path.read_bytes()) if path.is_file() and not path.is_symlink() else None
 
 
 def _inside(folder: Path, path: str) -> Path:
@@ -255,7 +292,7 @@ def _staged(files: Iterable[RenderedFile], stage: _Stage, known: dict[str, str] 
         if conflict is not None and (not force or old is None):
             problems.append(conflict)
         elif not problems:
-            stage.add(file)
+            stage.add(file, old)
     if problems:
         raise DiagnosticError(problems)
     return unchanged
@@ -292,9 +329,9 @@ _MOVE = "move it away, or choose another --out"
 _FORCE = "keep your copy elsewhere, choose another --out, or overwrite with --force"
 
 
-def _obsolete(wanted: set[str], folder: Path, known: dict[str, str]) -> tuple[list[str], list[str]]:
-    """Files of the last generation that are no longer generated: unchanged ones, and those changed by hand."""
-    removed: list[str] = []
+def _obsolete(wanted: set[str], folder: Path, known: dict[str, str]) -> tuple[dict[str, str], list[str]]:
+    """Files of the last generation that are no longer generated: unchanged ones (path -> hash), and edited ones."""
+    removed: dict[str, str] = {}
     kept: list[str] = []
     for path, expected in known.items():
         if path in wanted:
@@ -304,7 +341,10 @@ def _obsolete(wanted: set[str], folder: Path, known: dict[str, str]) -> tuple[li
         except DiagnosticError:
             continue
         if target.is_file():
-            (removed if digest(target.read_bytes()) == expected else kept).append(path)
+            if digest(target.read_bytes()) == expected:
+                removed[path] = expected
+            else:
+                kept.append(path)
     return removed, kept
 
 

@@ -6,6 +6,7 @@ import codecs
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.input.files import read_bounded
 from plcgen.input.yaml import MAX_BYTES
 
 
@@ -17,12 +18,9 @@ def read_text(path: Path, file: str | None = None) -> str:
     """
     name = file or str(path)
     try:
-        if not path.is_file():
-            raise FileNotFoundError(2, "no such file" if not path.exists() else "not a file")
-        with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
-    except (OSError, ValueError) as problem:  # ValueError: a NUL in the path
-        why = getattr(problem, "strerror", None) or str(problem)
+        data = read_bounded(path, MAX_BYTES)
+    except OSError as problem:
+        why = "no such file" if isinstance(problem, FileNotFoundError) else problem.strerror or str(problem)
         raise DiagnosticError(
             [Diagnostic("PG110", f"cannot read the file: {why}", Span(name), help="check the path")]
         ) from problem

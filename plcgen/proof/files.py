@@ -8,12 +8,20 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.input.files import read_bounded
 from plcgen.project.nouns import Project
 from plcgen.project.target import Dialect
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.simaticml.reading.invariants import check_invariants
-from plcgen.sources.generated import JOURNAL, MANIFEST, generated_documents, generated_sources, known_files
+from plcgen.sources.generated import (
+    JOURNAL,
+    MANIFEST,
+    MAX_MANIFEST,
+    generated_documents,
+    generated_sources,
+    known_files,
+)
 
 _DIALECTS = {
     Dialect.V5: "S7-SCL of STEP 7 V5",
@@ -54,7 +62,7 @@ def _check(id_: str, subject: str, text: str, problems: list[Diagnostic], good: 
 def _manifest(folder: Path) -> tuple[dict[str, str], list[Diagnostic]]:
     path = folder / MANIFEST
     try:
-        return known_files(path.read_bytes()), []
+        return known_files(read_bounded(path, MAX_MANIFEST)), []
     except OSError as problem:
         why = problem.strerror or str(problem)
         return {}, [Diagnostic("PG507", f"no manifest: {why}", Span(str(path)), help="run plcgen generate")]

@@ -5,9 +5,13 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from plcgen.input.files import read_bounded
+
 MANIFEST = "manifest.json"
 JOURNAL = ".plcgen-journal.json"
 """Stands in a folder while its files are replaced."""
+MAX_MANIFEST = 64 * 1024 * 1024
+"""Bytes of a manifest that are read: a hundred thousand files and more."""
 SOURCES = (".scl", ".udt", ".db", ".awl")
 
 
@@ -27,7 +31,7 @@ def known_files(data: bytes) -> dict[str, str]:
 def manifest_of(folder: Path) -> dict[str, str] | None:
     """Path -> SHA-256 of the files the manifest lists; None if there is none or it cannot be read."""
     try:
-        return known_files((folder / MANIFEST).read_bytes())
+        return known_files(read_bounded(folder / MANIFEST, MAX_MANIFEST))
     except (OSError, ValueError):
         return None
 

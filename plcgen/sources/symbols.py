@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Span
+from plcgen.input.files import read_bounded
 from plcgen.sources.text import decode
 
 SUFFIXES = frozenset({".sdf", ".asc"})
@@ -25,12 +26,13 @@ def read_symbols(path: Path) -> tuple[dict[str, str], list[Diagnostic]]:
     """
     file = str(path)
     try:
-        if path.stat().st_size > MAX_BYTES:
-            return {}, [Diagnostic("PG802", f"the symbol table has more than {MAX_BYTES} bytes", Span(file))]
-        text = decode(path.read_bytes(), file)
+        data = read_bounded(path, MAX_BYTES)
     except OSError as error:
         reason = error.strerror or type(error).__name__
         return {}, [Diagnostic("PG804", f"the file cannot be read: {reason}", Span(file))]
+    if len(data) > MAX_BYTES:
+        return {}, [Diagnostic("PG802", f"the symbol table has more than {MAX_BYTES} bytes", Span(file))]
+    text = decode(data, file)
     if isinstance(text, Diagnostic):
         return {}, [text]
     rows = _sdf(text) if path.suffix.lower() == ".sdf" else _asc(text)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Span
+from plcgen.input.files import read_bounded
 from plcgen.scl.declarations import blocks
 from plcgen.scl.parser import MAX_CHARACTERS, parse
 
@@ -57,13 +58,12 @@ def read_source(
     path = Path(path)
     file = str(path)
     try:
-        size = path.stat().st_size
-        if size > MAX_BYTES:
-            return [], [Diagnostic("PG802", f"the file has {size} bytes, more than {MAX_BYTES}", Span(file))]
-        data = path.read_bytes()
+        data = read_bounded(path, MAX_BYTES)
     except OSError as error:
         reason = error.strerror or type(error).__name__
         return [], [Diagnostic("PG804", f"the file cannot be read: {reason}", Span(file))]
+    if len(data) > MAX_BYTES:
+        return [], [Diagnostic("PG802", f"the file has more than {MAX_BYTES} bytes", Span(file))]
     text = decode(data, file, encoding)
     if isinstance(text, Diagnostic):
         return [], [text]

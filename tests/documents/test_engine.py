@@ -146,7 +146,7 @@ def test_tables_come_from_the_same_nouns(tmp_path: Path, monkeypatch: pytest.Mon
     )
     twins = "FrameType Frame Toys Toy Toy_DB Main Watch_Toy ToyTags".split()  # noqa: SIM905
     written = {name for name in made if name.startswith("xml/")}
-    assert written == {*(f"xml/{name}.xml" for name in twins), "xml/IMPORT.md", "xml/import.ps1"}
+    assert written == {f"xml/{name}.xml" for name in twins} | {"xml/IMPORT.md", "xml/import.json", "xml/import.ps1"}
     values = made["xml/Frame.xml"].split('<Subelement Path="1">')[1]
     assert values.split()[0] == "<StartValue>16#07</StartValue>"
 

@@ -9,6 +9,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -184,9 +185,80 @@ def test_a_staged_file_with_other_bytes_is_left_out(tmp_path: Path) -> None:
     stage = tmp_path / f"{STAGE}x"
     stage.mkdir()
     (stage / "0").write_text("")
-    (tmp_path / JOURNAL).write_text(json.dumps({"stage": stage.name, "moves": {"a": digest(b"2")}, "removals": []}))
+    (tmp_path / JOURNAL).write_text(
+        json.dumps({"stage": stage.name, "moves": {"a": digest(b"2")}, "removals": [], "before": {"a": digest(b"1")}})
+    )
     recover(tmp_path)
     assert tree(tmp_path)["a"] == "1"
+
+
+@pytest.mark.parametrize(
+    ("moves", "removals", "before", "stage"),
+    [
+        ({}, ["mine"], {}, "x"),
+        ({}, ["mine"], {"mine": digest(b"guess")}, "x"),
+        ({"mine": digest(b"theirs")}, [], {}, "x"),
+        ({".git/hooks/post-commit": digest(b"theirs")}, [], {}, "x"),
+        ({"sub/.hidden": digest(b"theirs")}, [], {}, "x"),
+        ({"new": digest(b"secret")}, [], {}, "link"),
+    ],
+)
+def test_a_crafted_journal_touches_nothing_of_the_user(
+    moves: dict[str, str], removals: list[str], before: dict[str, str], stage: str, tmp_path: Path
+) -> None:
+    """A journal may come with a folder from elsewhere: only files with the bytes that it knows are touched."""
+    out, secret = tmp_path / "out", tmp_path / "secret"
+    write_folder(files(a="1"), out)
+    (out / "mine").write_text("written by hand")
+    (out / f"{STAGE}x").mkdir()
+    (out / f"{STAGE}x/0").write_text("theirs")
+    secret.mkdir()
+    (secret / "0").write_text("secret")
+    (out / f"{STAGE}link").symlink_to(secret)
+    plan = {"stage": f"{STAGE}{stage}", "moves": moves, "removals": removals, "before": before}
+    (out / JOURNAL).write_text(json.dumps(plan))
+    assert recover(out)
+    (out / f"{STAGE}link").unlink(missing_ok=True)
+    assert sorted(tree(out)) == ["a", "manifest.json", "mine"]
+    assert (out / "mine").read_text() == "written by hand"
+    assert tree(secret) == {"0": "secret"}
+
+
+def test_what_the_user_changed_after_a_crash_is_kept(tmp_path: Path) -> None:
+    """Between the crash and the next run somebody edits a file that the run would have replaced."""
+    write_folder(files(a="1", b="1"), tmp_path)
+    (tmp_path / f"{STAGE}x").mkdir()
+    for number in (0, 1):
+        (tmp_path / f"{STAGE}x/{number}").write_text("2")
+    one, two = digest(b"1"), digest(b"2")
+    plan = {"stage": f"{STAGE}x", "moves": {"a": two, "b": two}, "removals": [], "before": {"a": one, "b": one}}
+    (tmp_path / JOURNAL).write_text(json.dumps(plan))
+    (tmp_path / "a").write_text("edited")
+    recover(tmp_path)
+    assert (tmp_path / "a").read_text() == "edited"
+    assert (tmp_path / "b").read_text() == "2"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the temporary folder is the user's own there")
+@pytest.mark.parametrize("trap", ["folder", "file"])
+def test_a_lock_follows_no_link(trap: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Somebody else's link in the public temporary folder makes no file and opens none."""
+    public, out, victim = tmp_path / "tmp", tmp_path / "out", tmp_path / "victim"
+    public.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(public))
+    with exclusive(out):
+        (lock,) = public.rglob("*.lock")
+    assert lock.parent.stat().st_mode & 0o777 == 0o700
+    lock.unlink()
+    if trap == "file":
+        lock.symlink_to(victim)
+    else:
+        victim.mkdir()
+        lock.parent.rmdir()
+        lock.parent.symlink_to(victim)
+    with exclusive(out):
+        pass
+    assert not victim.exists() if trap == "file" else not list(victim.iterdir())
 
 
 def test_check_notices_one_changed_byte(tmp_path: Path) -> None:

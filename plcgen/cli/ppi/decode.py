@@ -67,8 +67,9 @@ def _capture(hex_: Sequence[str], file: Path | None) -> tuple[Capture, dict[str,
     if file is None:
         data = read_stdin(", as --file")
         return capture_of(STDIN, data), {STDIN: data.decode("utf-8", "replace")}
-    with file.open("rb") as stream:
-        data = stream.read(MAX_INPUT + 1)
+    from plcgen.input.files import read_bounded
+
+    data = read_bounded(file, MAX_INPUT)
     require_size(data, str(file))
     return capture_of(str(file), data), {}
 

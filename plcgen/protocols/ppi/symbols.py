@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Report, Span
+from plcgen.input.files import read_bounded
 from plcgen.protocols.ppi.wire.address import AddressError, parse_address
 from plcgen.protocols.ppi.wire.model import Item
 
@@ -58,8 +59,7 @@ class SymbolTable:
 
 def load_symbols(path: Path) -> SymbolTable:
     """Read a file. Raises DiagnosticError with every problem, OSError if it cannot be read."""
-    with path.open("rb") as stream:
-        data = stream.read(MAX_BYTES + 1)
+    data = read_bounded(path, MAX_BYTES)
     if len(data) > MAX_BYTES:
         limit = f"the file has more than {MAX_BYTES // 1024 // 1024} MiB"
         raise DiagnosticError([Diagnostic("PG717", limit, Span(str(path)), help=_HELP)])

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.input.files import read_bounded
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -33,15 +34,12 @@ def load(source: Path | str | bytes, file: str | None = None) -> tuple[bytes, st
         path = Path(source)
         name = file or str(path)
         try:
-            size = path.stat().st_size
-            data = path.read_bytes() if size <= MAX_BYTES else b""
+            data = read_bounded(path, MAX_BYTES)
         except OSError as error:
             reason = error.strerror or type(error).__name__
             raise _refusal("PG804", f"the file cannot be read: {reason}", Span(name)) from None
-        if size > MAX_BYTES:
-            raise _refusal("PG802", f"the file has {size} bytes, more than {MAX_BYTES}", Span(name))
     if len(data) > MAX_BYTES:
-        raise _refusal("PG802", f"the document has {len(data)} bytes, more than {MAX_BYTES}", Span(name))
+        raise _refusal("PG802", f"the document has more than {MAX_BYTES} bytes", Span(name))
     return data, name
 
 

@@ -1,4 +1,4 @@
-﻿<#
+<#
 .SYNOPSIS
 Imports the SimaticML documents of this folder into a PLC of an open TIA Portal project through TIA Openness.
 
@@ -29,46 +29,9 @@ param(
 Set-StrictMode -Version 2.0
 $ErrorActionPreference = 'Stop'
 
-$steps = @(
-    @{ Title = 'types'; Kind = 'type'; Switch = ''; Files = @(
-        'typeDriveJobDiag.xml',
-        'typeDriveToken.xml',
-        'typeSetRamps_Request.xml',
-        'typeSetRamps_Response.xml',
-        'typeReadSpeed_Request.xml',
-        'typeReadSpeed_Response.xml',
-        'typeReadFaults_Request.xml',
-        'typeReadFaults_Response.xml'
-    ) },
-    @{ Title = 'data blocks'; Kind = 'block'; Switch = ''; Files = @(
-        'PumpToken.xml',
-        'SetRamps_Request.xml',
-        'SetRamps_Response.xml',
-        'ReadSpeed_Request.xml',
-        'ReadSpeed_Response.xml',
-        'ReadFaults_Request.xml',
-        'ReadFaults_Response.xml',
-        'DriveJobs.xml'
-    ) },
-    @{ Title = 'function blocks'; Kind = 'block'; Switch = ''; Files = @(
-        'SetRamps.xml',
-        'ReadSpeed.xml',
-        'ReadFaults.xml'
-    ) },
-    @{ Title = 'instance data blocks'; Kind = 'block'; Switch = ''; Files = @(
-        'SetRamps_DB.xml',
-        'ReadSpeed_DB.xml',
-        'ReadFaults_DB.xml'
-    ) },
-    @{ Title = 'example of the main program'; Kind = 'block'; Switch = 'Main'; Files = @(
-        'Main.xml'
-    ) },
-    @{ Title = 'watch tables'; Kind = 'watch'; Switch = 'WatchTables'; Files = @(
-        'Watch_SetRamps.xml',
-        'Watch_ReadSpeed.xml',
-        'Watch_ReadFaults.xml'
-    ) }
-)
+# Names of the project stand in import.json alone: nothing in this script depends on them.
+$order = Get-Content -LiteralPath (Join-Path $PSScriptRoot 'import.json') -Raw -Encoding UTF8 | ConvertFrom-Json
+$steps = @($order.steps)
 
 function Find-Library([string]$version) {
     # The registry knows every installed Openness; the folder is the place of a default installation.
@@ -186,13 +149,13 @@ try {
     if ($Overwrite) { $option = [Siemens.Engineering.ImportOptions]::Override }
     $asked = @{ '' = $true; 'Main' = [bool]$Main; 'WatchTables' = [bool]$WatchTables }
     foreach ($step in $steps) {
-        if (-not $asked[$step.Switch]) {
-            Write-Host "$($step.Title): left out, see -$($step.Switch)"
+        if (-not $asked[$step.switch]) {
+            Write-Host "$($step.title): left out, see -$($step.switch)"
             continue
         }
-        Write-Host $step.Title
-        foreach ($file in $step.Files) { Import-Document $software $step.Kind $file $option }
-        if ($step.Kind -eq 'type' -or $step.Kind -eq 'block') { Invoke-Compile $software $step.Title }
+        Write-Host $step.title
+        foreach ($file in $step.files) { Import-Document $software $step.kind $file $option }
+        if ($step.kind -eq 'type' -or $step.kind -eq 'block') { Invoke-Compile $software $step.title }
     }
     $plant.Save()
     Write-Host 'Imported and saved.' -ForegroundColor Green

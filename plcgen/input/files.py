@@ -1,0 +1,28 @@
+"""Bytes of files from outside: regular files only, as far as a bound."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from pathlib import Path
+
+
+def read_bounded(path: Path, limit: int) -> bytes:
+    """At most ``limit`` + 1 bytes of a file; so many mean that it is larger than ``limit``, whatever its size says.
+
+    Raises:
+        OSError: if it cannot be read, or is something without an end: a device, a FIFO, a socket.
+    """
+    try:
+        with open(path, "rb", opener=_opened) as stream:
+            if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
+                raise OSError(errno.EINVAL, "not a file", str(path))
+            return stream.read(limit + 1)
+    except ValueError as problem:  # a NUL in the path
+        raise OSError(errno.EINVAL, str(problem), str(path)) from problem
+
+
+def _opened(path: str, flags: int) -> int:
+    """Opening a FIFO that nobody writes must not wait."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
