@@ -40,4 +40,4 @@ def test_every_recipe_has_its_test() -> None:
     """The four recipes of CONTRIBUTING.md each name a test that follows them."""
     recipes = dict(_RECIPE.findall((ROOT / "CONTRIBUTING.md").read_text("utf-8")))
     assert list(recipes) == ["Add a device", "Add a kind of job", "Add a protocol", "Add an output format"]
-    assert all("Test: `tests/" in text for name, text in recipes.items() if name != "Add a protocol")
+    assert all("Test: `tests/" in recipe for recipe in recipes.values())
