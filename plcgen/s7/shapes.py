@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from plcgen.diagnostics import Diagnostic, Note, Span
 from plcgen.diagnostics.suggest import did_you_mean
@@ -41,8 +41,7 @@ BY_POINTER = frozenset({"DATE_AND_TIME", "DTL"})
 NO_MEMORY = frozenset({"VARIANT", "VOID"})
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Field:
+class Field(NamedTuple):
     """A member inside its parent: ``offset`` in bits from the parent's start, ``doubts`` the rules it rests on."""
 
     member: Member
@@ -114,7 +113,7 @@ class _Cursor:
         else:
             if low != _up(self.low, shape.align) or _up(self.bits, first) != offset:
                 self.causes |= {COMPOSITE_START}
-            doubts = joined(self.doubts, self.causes)
+            doubts = joined(self.doubts, self.causes) if self.doubts else self.causes
             if shape.has_struct and first != shape.align:
                 self.doubts = doubts  # its own padding is then unknown: the two ways do not surely meet again
         self.bits, self.low = offset + shape.bits, low + shape.bits

@@ -185,7 +185,7 @@ class _Rows:
                     self.gap(end, start, depth)
                 end = start + (extent(child.shape) if child.shape.element else child.shape.bits)
             member, inner = child.member, child.shape
-            own = joined(doubts, child.doubts)
+            own = joined(doubts, child.doubts) if child.doubts else doubts
             self.row(member.name, _type(member, inner), inner, start, depth, own, prefix + member.name, member)
             if inner.fields or inner.element is not None:
                 self.inside(inner, start, depth + 1, prefix + member.name, own)
@@ -279,7 +279,7 @@ class _Rows:
         address = ""
         if self.block.kind is BlockKind.DB:
             address = member_address(self.block.number, byte, shown, shape.bits if plain else 8)
-        rules = self.rules(joined(doubts, shape.doubts))
+        rules = self.rules(joined(doubts, shape.doubts) if shape.doubts else doubts)
         bits = shape.bits if plain else extent(shape)
         self.found.append(LayoutRow(byte, shown, bits, address, name, type_, start, depth, comment, rules=rules))
 
