@@ -9,7 +9,7 @@ from pathlib import Path
 from plcgen.diagnostics import Diagnostic, PlcgenError, Span
 
 DONE, IDLE, STARTED, RUNNING = 0x0000, 0x7000, 0x7001, 0x7002
-"""The status words that every job has, in the habit of the blocks of Siemens."""
+"""The status words that every job has, as in the blocks of Siemens."""
 
 
 class ScenarioError(PlcgenError):

@@ -18,7 +18,7 @@ MAX_OPERATORS = 1000
 MAX_ERRORS = 100
 """After so many errors the rest of a file is not looked at."""
 
-_HABITS = {
+_REPLACEMENTS = {
     "!": "write NOT, or <> for !=", "|": "write OR", "~": "write NOT", "\\": "write /", "?": "write IF .. THEN .. ELSE",
     **dict.fromkeys("‘’“”„«»`´", "write a straight ' around a text, a straight \" around a name"),
     **dict.fromkeys("；：，（）＝。", "switch the keyboard to half-width characters"),
@@ -216,8 +216,8 @@ def lexical_error(text: str) -> tuple[str, str]:
         return "the quoted name is not closed on its line", 'add the closing "'
     if text.startswith(("(*", "(/*", "/*")):
         return "the comment is never closed", {"(/": "add */)", "/*": "add */"}.get(text[:2], "add *)")
-    if text[0] in _HABITS:
-        return f"unexpected character {first!r} (U+{ord(first):04X})", _HABITS[first]
+    if text[0] in _REPLACEMENTS:
+        return f"unexpected character {first!r} (U+{ord(first):04X})", _REPLACEMENTS[first]
     if first == "#":
         return "'#' without a name", "write the name of a local variable directly after it"
     return f"unexpected character {text[0]!r} (U+{ord(first):04X})", ""

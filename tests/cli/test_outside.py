@@ -34,8 +34,8 @@ def test_a_profile(plcgen, tmp_path, verb):
 @pytest.mark.parametrize(
     ("text", "place", "args"),
     [
-        ("habits: {error_words: 3}\nobjects: [{number: 1}]\n", "x.yaml:1:23", ["verify", "job.yaml", "--drive"]),
-        ("habits: {error_words: 3}\nobjects: [{number: 1}]\n", "x.yaml:1:23", ["simulate", "job.yaml", "--drive"]),
+        ("behaviour: {error_words: 3}\nobjects: [{number: 1}]\n", "x.yaml:1:26", ["verify", "job.yaml", "--drive"]),
+        ("behaviour: {error_words: 3}\nobjects: [{number: 1}]\n", "x.yaml:1:26", ["simulate", "job.yaml", "--drive"]),
         ("- {kind: busy, tims: 1}\n", "x.yaml:1:16", ["simulate", "job.yaml", "--faults"]),
         ("cpu: 225\n", "x.yaml:1:6", ["ppi", "serve", "--values"]),
         ("code-changed: severe\n", "x.yaml:1:15", ["diff", "a.db", "a.db", "--policy"]),

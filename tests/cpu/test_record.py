@@ -5,8 +5,8 @@ from cpu.support import load
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.system.bus import Bus
+from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
-from plcgen.protocols.ds47.sim.habits import Habits
 from plcgen.protocols.ds47.sim.parameters import DriveObject, Parameter
 from plcgen.protocols.ds47.wire import formats
 
@@ -24,7 +24,7 @@ CASE = {
 
 def bench(case=None, *, busy=2, limit=None):
     """CPU, bus and a drive with p1 = 5 at 271."""
-    drive = Drive(Habits(), [DriveObject(1, {1: Parameter(1, formats.by_name("Unsigned16"), [5])})])
+    drive = Drive(Behaviour(), [DriveObject(1, {1: Parameter(1, formats.by_name("Unsigned16"), [5])})])
     bus = Bus(write_busy=busy, read_busy=busy)
     bus.attach(271, drive)
     cpu = Cpu(load(case or CASE), bus, job_limit=limit)

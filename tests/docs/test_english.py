@@ -13,6 +13,7 @@ ODD = {
     r"\bsoil(s|ed|ing)?\b": "fill with garbage",
     r"\bsay(s|ing)? the same\b": "be equal, agree",
     r"\bstarves?\b": "every job gets its turn",
+    r"\bhabits?\b": "behaviour, custom",
     r"\bothers notice\b": "what changed for HMIs, PLCs and drives",
     r"\bway of the data\b": "flow of data",
     r"\bthe house\b": "rooms, structure",

@@ -171,7 +171,7 @@ class Liar(Drive):
     """A drive whose answers are changed on their way."""
 
     def __init__(self, honest: Drive, change: Callable[[bytes], bytes]) -> None:
-        super().__init__(honest.habits, honest.objects.values(), honest.faults)
+        super().__init__(honest.behaviour, honest.objects.values(), honest.faults)
         self.change = change
 
     def read_record(self, index: int, max_length: int) -> tuple[int, bytes]:

@@ -60,7 +60,7 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """A device profile: limits and habits of one drive family (source: its manuals, named in ``source``).
+    """A device profile: limits and behaviour of one drive family (source: its manuals, named in ``source``).
 
     ``record_index`` maps access points to data record indexes; ``default_index`` names the default one.
     ``drive_objects`` is None when every number is possible. ``answer_format`` is ``exact`` (the parameter's

@@ -1,6 +1,6 @@
 """The status words and states of a job block: one table for the templates, the manual pages and ``explain``.
 
-The 16#7000 words follow the habit of Siemens' system blocks; 16#8xxx are this product's own.
+The 16#7000 words follow the custom of Siemens' system blocks; 16#8xxx are this product's own.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The status words and states of a PPI master: one table for the templates and the manual page.
 
-The 16#7000 words follow the habit of Siemens' system blocks; 16#8xxx are this product's own and mean the same as those
+The 16#7000 words follow the custom of Siemens' system blocks; 16#8xxx are this product's own and mean the same as those
 of the drive jobs where both have them.
 """
 

@@ -2,8 +2,8 @@
 
 import pytest
 
+from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive, Exchange, State
-from plcgen.protocols.ds47.sim.habits import Habits
 from plcgen.protocols.ds47.sim.parameters import DriveObject, Limits, Parameter
 from plcgen.protocols.ds47.wire import formats
 
@@ -13,9 +13,9 @@ READ = bytes.fromhex("01 01 01 01 10 01 00 01 00 00")
 ANSWER = bytes.fromhex("01 01 01 01 06 01 00 05")
 
 
-def drive(processing=0, **habits):
+def drive(processing=0, **behaviour):
     """Return a drive with one parameter, p1 = 5."""
-    return Drive(Habits(processing=processing, **habits), [DriveObject(1, {1: Parameter(1, WORD, [5])})])
+    return Drive(Behaviour(processing=processing, **behaviour), [DriveObject(1, {1: Parameter(1, WORD, [5])})])
 
 
 def in_state(state):
@@ -143,7 +143,7 @@ def saving_drive():
         unit = Parameter(977, WORD, [0], clears_after=300, saves="unit")
         return DriveObject(number, {1: Parameter(1, WORD, [5]), 971: own, 977: unit})
 
-    return Drive(Habits(), [item(1), item(2)])
+    return Drive(Behaviour(), [item(1), item(2)])
 
 
 def change(unit, axis, pnu, value):
@@ -189,8 +189,8 @@ def real(pnu, *values):
 def test_mm4_examples():
     """The MM4 guide's two requests produce exactly the guide's answers, byte for byte."""
     listed = [real(1120, 10.0), real(1121, 10.0), real(2155, 20.0, 30.0, 30.0)]
-    habits = Habits(answer_format="size", error_words=1, aliases={1: 0})
-    unit = Drive(habits, [DriveObject(0, {item.pnu: item for item in listed})])
+    behaviour = Behaviour(answer_format="size", error_words=1, aliases={1: 0})
+    unit = Drive(behaviour, [DriveObject(0, {item.pnu: item for item in listed})])
     read = "01 01 00 02 10 00 04 60 00 00 10 02 08 6B 00 01"
     assert unit.write_record(47, bytes.fromhex(read)) == 0
     answer = "01 01 00 02 43 01 41 20 00 00 43 02 41 F0 00 00 41 F0 00 00"
@@ -204,7 +204,7 @@ def test_mm4_examples():
 def test_dcm_examples():
     """The DCM FAQ's read of P50303 answers 10.0; its write of P50304 = 100.0 is acknowledged and kept."""
     listed = [real(50303, 10.0), real(50304, 10.0)]
-    unit = Drive(Habits(), [DriveObject(2, {item.pnu: item for item in listed})])
+    unit = Drive(Behaviour(), [DriveObject(2, {item.pnu: item for item in listed})])
     assert unit.write_record(47, bytes.fromhex("03 01 02 01 10 01 C4 7F 00 00")) == 0
     assert unit.read_record(47, 10) == (0, bytes.fromhex("03 01 02 01 08 01 41 20 00 00"))
     assert unit.write_record(47, bytes.fromhex("04 02 02 01 10 01 C4 80 00 00 08 01 42 C8 00 00")) == 0
@@ -214,7 +214,7 @@ def test_dcm_examples():
 
 def test_dcm_negative_answer_overruns_four_bytes():
     """A limit violation answers 10 bytes, so the FAQ's 4-byte DB6 ends RDREC with B1h."""
-    unit = Drive(Habits(), [DriveObject(2, {50304: real(50304, 10.0)})])
+    unit = Drive(Behaviour(), [DriveObject(2, {50304: real(50304, 10.0)})])
     # 1000.0 = 447A0000h is over 650.0
     unit.write_record(47, bytes.fromhex("04 02 02 01 10 01 C4 80 00 00 08 01 44 7A 00 00"))
     assert unit.read_record(47, 4) == (0xDE80B100, b"")

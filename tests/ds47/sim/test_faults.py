@@ -2,9 +2,9 @@
 
 import pytest
 
+from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive, State
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
-from plcgen.protocols.ds47.sim.habits import Habits
 from plcgen.protocols.ds47.sim.parameters import DriveObject, Parameter
 from plcgen.protocols.ds47.wire import formats
 
@@ -13,10 +13,10 @@ READ = bytes.fromhex("07 01 01 01 10 01 00 01 00 00")
 ANSWER = bytes.fromhex("07 01 01 01 06 01 00 05")
 
 
-def drive(*faults, **habits):
+def drive(*faults, **behaviour):
     """Return a drive with p1 = 5 and p2 = 6 that shows these faults."""
     listed = {n: Parameter(n, WORD, [n + 4]) for n in (1, 2)}
-    return Drive(Habits(**habits), [DriveObject(1, listed)], faults)
+    return Drive(Behaviour(**behaviour), [DriveObject(1, listed)], faults)
 
 
 def run(unit, data=READ):

@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 from plcgen.diagnostics import DiagnosticError
+from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
-from plcgen.protocols.ds47.sim.habits import Habits
 from plcgen.protocols.ds47.sim.load import (
     DriveKeys,
     FaultKeys,
-    HabitsKeys,
+    BehaviourKeys,
     LimitsKeys,
     ObjectKeys,
     ParameterKeys,
@@ -38,8 +38,8 @@ def test_documented_example():
     assert ramp.state_limits == {"running": Limits(0.5, 100.0)}
     assert ramp.conditions == (Condition(0x6B, while_in=frozenset({"enabled"})),)
     assert drive.objects[0].parameters[2155].array
-    assert drive.habits.record_indexes == (47, 0xB02F)
-    assert (drive.habits.aliases, drive.habits.processing) == ({1: 0}, 20)
+    assert drive.behaviour.record_indexes == (47, 0xB02F)
+    assert (drive.behaviour.aliases, drive.behaviour.processing) == ({1: 0}, 20)
     assert [fault.kind for fault in drive.faults] == [FaultKind.BUSY, FaultKind.ERROR]
 
 
@@ -61,9 +61,9 @@ def test_every_kind_is_documented(kind):
 def test_defaults():
     """The smallest file makes a drive with the documented defaults."""
     drive = load_drive(MINIMAL)
-    assert drive.habits == Habits()
+    assert drive.behaviour == Behaviour()
     assert drive.objects[1].parameters[1].values == [5]
-    assert (drive.habits.error_words, drive.habits.strict_length, drive.habits.error_table) == (
+    assert (drive.behaviour.error_words, drive.behaviour.strict_length, drive.behaviour.error_table) == (
         2,
         True,
         "sinamics",
@@ -106,8 +106,8 @@ HEAD = "objects:\n  - number: 1\n    parameters:\n"
 @pytest.mark.parametrize(
     ("text", "code", "line", "message"),
     [
-        ("habit: 1\n" + HEAD, "PG104", 1, 'unknown key "habit"'),
-        ("habits: {}\n", "PG105", 1, 'the drive lacks the key "objects"'),
+        ("behavior: 1\n" + HEAD, "PG104", 1, 'unknown key "behavior"'),
+        ("behaviour: {}\n", "PG105", 1, 'the drive lacks the key "objects"'),
         ("objects: []\n", "PG107", 1, '"objects": must have at least 1 item'),
         ("- 1\n", "PG106", 1, "a drive is a mapping"),
         ("objects: 5\n", "PG106", 1, 'expected a list instead of "5"'),
@@ -156,9 +156,9 @@ HEAD = "objects:\n  - number: 1\n    parameters:\n"
             4,
             "parameter 1 appears twice",
         ),
-        (HEAD + "habits: {error_words: 3}\n", "PG107", 4, '"3" is not a value of "error_words"'),
-        (HEAD + "habits: {aliases: {x: 1}}\n", "PG107", 4, "no drive object number"),
-        (HEAD + "habits: {aliases: 5}\n", "PG106", 4, "expected a mapping"),
+        (HEAD + "behaviour: {error_words: 3}\n", "PG107", 4, '"3" is not a value of "error_words"'),
+        (HEAD + "behaviour: {aliases: {x: 1}}\n", "PG107", 4, "no drive object number"),
+        (HEAD + "behaviour: {aliases: 5}\n", "PG106", 4, "expected a mapping"),
         (HEAD + "faults: [{kind: lazy}]\n", "PG107", 4, '"lazy" is not a value of "kind"'),
         (HEAD + "faults: [{times: 1}]\n", "PG105", 4, 'lacks the key "kind"'),
         (HEAD + "faults: [{kind: status}]\n", "PG105", 4, 'lacks the key "status"'),
@@ -182,8 +182,8 @@ def test_all_problems_at_once():
 
 
 WRONG = """\
-habit: {}
-habits: {error_words: 3, answer_format: sizes, record_indexes: [65536, x], aliases: {x: 1, 2: 300}, local_object: 256,
+behavior: {}
+behaviour: {error_words: 3, answer_format: sizes, record_indexes: [65536,x], aliases: {x: 1, 2: 300}, local_object: 256,
   max_parameters: 0, record_limit: 9, multi_supported: 1, attributes: 16, error_table: siemens,
   processing: -1, fast: true}
 objects:
@@ -212,21 +212,21 @@ faults:
 """
 
 MISTAKES = [
-    ("PG104", 1, 1, 'unknown key "habit" in the drive'),
-    ("PG107", 2, 23, '"3" is not a value of "error_words"'),
-    ("PG107", 2, 41, '"sizes" is not a value of "answer_format"'),
-    ("PG107", 2, 65, '"record_indexes": must be less than or equal to 65535, not "65536"'),
-    ("PG106", 2, 72, 'expected a whole number instead of "x"'),
-    ("PG107", 2, 86, '"x" is no drive object number'),
-    ("PG107", 2, 95, '"2": must be less than or equal to 255, not "300"'),
-    ("PG107", 2, 115, '"local_object": must be less than or equal to 255, not "256"'),
+    ("PG104", 1, 1, 'unknown key "behavior" in the drive'),
+    ("PG107", 2, 26, '"3" is not a value of "error_words"'),
+    ("PG107", 2, 44, '"sizes" is not a value of "answer_format"'),
+    ("PG107", 2, 68, '"record_indexes": must be less than or equal to 65535, not "65536"'),
+    ("PG106", 2, 74, 'expected a whole number instead of "x"'),
+    ("PG107", 2, 88, '"x" is no drive object number'),
+    ("PG107", 2, 97, '"2": must be less than or equal to 255, not "300"'),
+    ("PG107", 2, 117, '"local_object": must be less than or equal to 255, not "256"'),
     ("PG107", 3, 19, '"max_parameters": must be greater than or equal to 1, not "0"'),
     ("PG107", 3, 36, '"record_limit": must be greater than or equal to 10, not "9"'),
     ("PG106", 3, 56, 'expected true or false instead of "1"'),
     ("PG106", 3, 71, 'expected a list instead of "16"'),
     ("PG107", 3, 88, '"siemens" is not a value of "error_table"'),
     ("PG107", 4, 15, '"processing": must be greater than or equal to 0, not "-1"'),
-    ("PG104", 4, 19, 'unknown key "fast" in habits'),
+    ("PG104", 4, 19, 'unknown key "fast" in behaviour'),
     ("PG107", 6, 14, '"number": must be less than or equal to 255, not "256"'),
     ("PG106", 6, 26, 'expected text instead of "5"'),
     ("PG105", 9, 9, 'objects.1.parameters.0 lacks the key "pnu"'),
@@ -271,6 +271,6 @@ def test_every_key_is_described():
     """docs/drive-yaml.md names every key that a file may have."""
     page = DOCUMENT.read_text(encoding="utf-8")
     keys = set()
-    for model in (DriveKeys, HabitsKeys, ObjectKeys, ParameterKeys, LimitsKeys, Refusal, FaultKeys):
+    for model in (DriveKeys, BehaviourKeys, ObjectKeys, ParameterKeys, LimitsKeys, Refusal, FaultKeys):
         keys |= {info.alias or name for name, info in model.model_fields.items()}
     assert {key for key in keys if not re.search(rf"\b{key}\b", page)} == set()

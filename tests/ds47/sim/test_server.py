@@ -2,8 +2,8 @@
 
 import pytest
 
+from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
-from plcgen.protocols.ds47.sim.habits import Habits
 from plcgen.protocols.ds47.sim.parameters import Condition, DriveObject, Limits, Parameter
 from plcgen.protocols.ds47.wire import formats
 
@@ -34,10 +34,10 @@ def parameters():
     return {item.pnu: item for item in listed}
 
 
-def drive(state="ready", **habits):
+def drive(state="ready", **behaviour):
     """Return a drive with object 1 in this state and object 2 holding one parameter."""
     second = DriveObject(2, {1: Parameter(1, WORD, [0x2222])})
-    return Drive(Habits(**habits), [DriveObject(1, parameters(), state), second])
+    return Drive(Behaviour(**behaviour), [DriveObject(1, parameters(), state), second])
 
 
 def ask(unit, request, index=47):
@@ -264,7 +264,7 @@ def test_generic_answers():
 def test_response_too_long():
     """What does not fit the record any more answers 15h; 234 bytes still fit: 4 + 2 + 234 = 240."""
     big = {n: Parameter(n, BYTE, [0] * 234, array=True) for n in (1, 2)}
-    unit = Drive(Habits(), [DriveObject(1, big)])
+    unit = Drive(Behaviour(), [DriveObject(1, big)])
     assert len(bytes.fromhex(ask(unit, "01 01 01 01 10 EA 00 01 00 00"))) == 240
     answer = ask(unit, "01 01 01 02 10 EA 00 01 00 00 10 01 00 02 00 00")
     assert answer == "01 81 01 02 44 02 00 15 00 00 05 01 00 00"
@@ -310,7 +310,7 @@ def test_single_access_without_multi_parameter_access():
 
 def test_room_is_kept_for_the_errors_behind():
     """4 + 232 bytes and a possible 6-byte error behind them are 242, over 240: the array answers 15h."""
-    unit = Drive(Habits(), [DriveObject(1, {1: Parameter(1, BYTE, [0] * 230, array=True)})])
+    unit = Drive(Behaviour(), [DriveObject(1, {1: Parameter(1, BYTE, [0] * 230, array=True)})])
     request = "01 01 01 02 10 E6 00 01 00 00 10 01 00 63 00 00"
     assert ask(unit, request) == "01 81 01 02 44 02 00 15 00 00 44 02 00 00 00 00"
 

@@ -1,6 +1,6 @@
-"""What a member's name says it is: the habits of people who write these DBs by hand.
+"""What a member's name says it is: the ways of people who write these DBs by hand.
 
-Sources of the habits: FAQ 109750712 (figures 4-5 to 4-10), the MM4 guide part 3 (tables 2-1 to 2-4), Siemens'
+Sources: FAQ 109750712 (figures 4-5 to 4-10), the MM4 guide part 3 (tables 2-1 to 2-4), Siemens'
 application examples for SINAMICS, and the names plcgen gives.
 """
 

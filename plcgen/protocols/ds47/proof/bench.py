@@ -6,16 +6,16 @@ from collections.abc import Iterable
 
 from plcgen.protocols.ds47.device import Parameter as CatalogueParameter
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
+from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault
-from plcgen.protocols.ds47.sim.habits import Habits
 from plcgen.protocols.ds47.sim.parameters import DriveObject, Limits, Parameter
 from plcgen.protocols.ds47.wire.bico import parse_bico
 from plcgen.protocols.ds47.wire.formats import Format, Kind, Value, unpack_values
 
 
 def build_drive(plan: DrivePlan, drive: PlannedDrive, faults: Iterable[Fault] = (), *, distinct: bool = False) -> Drive:
-    """A drive with the profile's habits. ``distinct`` gives every value another content."""
+    """A drive with the profile's behaviour. ``distinct`` gives every value another content."""
     uses = [use for job in plan.jobs if job.drive is drive for use in job.uses]
     by_pnu: dict[int, list[Use]] = {}
     for use in uses:
@@ -24,7 +24,7 @@ def build_drive(plan: DrivePlan, drive: PlannedDrive, faults: Iterable[Fault] = 
         pnu: _parameter(group, seed, distinct=distinct) for seed, (pnu, group) in enumerate(by_pnu.items(), 1)
     }
     device = drive.device
-    habits = Habits(
+    behaviour = Behaviour(
         error_words=device.error_words,
         answer_format=device.answer_format,
         record_indexes=tuple(device.record_index.values()),
@@ -34,7 +34,7 @@ def build_drive(plan: DrivePlan, drive: PlannedDrive, faults: Iterable[Fault] = 
         strict_length=device.strict_length,
         error_table=device.error_table,
     )
-    return Drive(habits, [DriveObject(drive.drive_object, parameters)], faults)
+    return Drive(behaviour, [DriveObject(drive.drive_object, parameters)], faults)
 
 
 def _parameter(group: list[Use], seed: int, *, distinct: bool) -> Parameter:

@@ -195,7 +195,7 @@ def _talk(job: DriveJob, request: bytes, drive: Drive) -> bytes:
         drive.advance(RETRY_PAUSE)
     if code:
         raise _FindingError("PG606", f"WRREC ends with {code:08X}: {status.explain(code).text}")
-    drive.advance(drive.habits.processing)
+    drive.advance(drive.behaviour.processing)
     for _ in range(ATTEMPTS):
         code, answer = drive.read_record(index, 240)
         if status.explain(code, "read").retry is not status.Retry.TEMPORARY:

@@ -49,7 +49,7 @@ def _run(rig: JobRig, drive: Drive) -> int:
     if status != DONE:
         meaning = MEANINGS.get(status, ("", ""))[1]
         raise ScenarioError(f"with your drive it ends with 16#{status:04X}, {meaning}{_refused(rig)}")
-    number = drive.habits.aliases.get(job.drive.drive_object, job.drive.drive_object)
+    number = drive.behaviour.aliases.get(job.drive.drive_object, job.drive.drive_object)
     for use in job.uses:
         expected = held(drive, number, use)
         found = use.data if job.writes else rig.db.bytes(use.member, len(expected))

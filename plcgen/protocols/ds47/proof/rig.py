@@ -28,8 +28,8 @@ class ScriptedDrive(Drive):
     """A drive that follows the script of a scenario; ``reads`` and ``writes`` count the calls of this run."""
 
     def __init__(self, plain: Drive) -> None:
-        super().__init__(plain.habits, plain.objects.values())
-        self.own = plain.habits
+        super().__init__(plain.behaviour, plain.objects.values())
+        self.own = plain.behaviour
         self.begin(DriveScenario(name="idle"))
 
     def begin(self, scenario: DriveScenario) -> None:
@@ -41,9 +41,9 @@ class ScriptedDrive(Drive):
         form = self.own.answer_format
         if scenario.generic is not None:
             form = "size" if scenario.generic else "exact"
-        if (self.habits.answer_format, self.habits.processing) != (form, scenario.processing):
-            self.habits = replace(self.own, answer_format=form, processing=scenario.processing)
-            self._server.habits = self.habits
+        if (self.behaviour.answer_format, self.behaviour.processing) != (form, scenario.processing):
+            self.behaviour = replace(self.own, answer_format=form, processing=scenario.processing)
+            self._server.behaviour = self.behaviour
 
     def write_record(self, index: int, data: bytes) -> int:
         """Take a request, unless the script has a STATUS for this call."""

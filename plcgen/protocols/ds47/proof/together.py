@@ -42,7 +42,7 @@ class Plant:
             known = self.drives.get(planned.id_value)
             if known is not None:
                 objects = (*known.objects.values(), *built.objects.values())
-                built = Drive(replace(built.habits, local_object=None), objects)
+                built = Drive(replace(built.behaviour, local_object=None), objects)
             self.drives[planned.id_value] = ScriptedDrive(built)
             self.bus.attach(planned.id_value, self.drives[planned.id_value])
         self.cpu = Cpu(program, self.bus, job_limit=job_limit)

@@ -11,8 +11,8 @@ import enum
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.faults import CALL_FAULTS, RESPONSE_FAULTS, Fault, FaultKind, damage
-from plcgen.protocols.ds47.sim.habits import Habits
 from plcgen.protocols.ds47.sim.server import WHOLE, Server
 from plcgen.protocols.ds47.wire.codec import encode_response
 from plcgen.protocols.ds47.wire.model import ADDRESS_SIZE, HEADER_SIZE, ErrorBlock, RequestId
@@ -47,21 +47,21 @@ class Exchange:
 
 
 class Drive:
-    """A drive with its objects, habits and pending faults; ``journal`` keeps every call.
+    """A drive with its objects, behaviour and pending faults; ``journal`` keeps every call.
 
     ``write_record`` and ``read_record`` answer at once with the STATUS of the finished call, 0 is success;
     the calls in between (7001h, 7002h) belong to the CPU.
     """
 
     def __init__(
-        self, habits: Habits | None = None, objects: Iterable[DriveObject] = (), faults: Iterable[Fault] = ()
+        self, behaviour: Behaviour | None = None, objects: Iterable[DriveObject] = (), faults: Iterable[Fault] = ()
     ) -> None:
-        self.habits = habits or Habits()
+        self.behaviour = behaviour or Behaviour()
         self.objects = {item.number: item for item in objects}
         self.faults = list(faults)
         self.time = 0
         self.journal: list[Exchange] = []
-        self._server = Server(self.habits, self.objects)
+        self._server = Server(self.behaviour, self.objects)
         self._request: tuple[int, bytes] | None = None
         self._due = 0
         self._response: bytes | None = None
@@ -108,7 +108,7 @@ class Drive:
             return 0
         late = self._use(FaultKind.LATE)
         self._request = (index & 0xFFFF, data)
-        self._due = self.time + self.habits.processing + (late.milliseconds if late else 0)
+        self._due = self.time + self.behaviour.processing + (late.milliseconds if late else 0)
         self._finish()
         return 0
 
@@ -130,9 +130,9 @@ class Drive:
                 parameter.values = list(parameter.saved)
 
     def _check_write(self, index: int, data: bytes) -> int:
-        if index not in self.habits.record_indexes:
+        if index not in self.behaviour.record_indexes:
             return status_of("write", INVALID_INDEX)
-        if not HEADER_SIZE <= len(data) <= self.habits.record_limit:
+        if not HEADER_SIZE <= len(data) <= self.behaviour.record_limit:
             return status_of("write", LENGTH_ERROR)
         if self.state is State.PROCESSING:
             return status_of("write", STATE_CONFLICT)
@@ -144,7 +144,7 @@ class Drive:
         return 0
 
     def _check_read(self, index: int, max_length: int) -> int:
-        if index not in self.habits.record_indexes:
+        if index not in self.behaviour.record_indexes:
             return status_of("read", INVALID_INDEX)
         if self._response is None:
             return status_of("read", STATE_CONFLICT)

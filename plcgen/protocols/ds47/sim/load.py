@@ -1,4 +1,4 @@
-"""Read a simulated drive from YAML: habits, drive objects with their parameters, faults.
+"""Read a simulated drive from YAML: behaviour, drive objects with their parameters, faults.
 
 The file is described in docs/drive-yaml.md. The checks of one key see the keys before it, so that one run finds every
 problem, each at its place.
@@ -12,9 +12,9 @@ from pydantic import BeforeValidator, Field, PlainValidator, ValidationInfo, fie
 
 from plcgen.input.validation import Document, Octets, Problems, StrictModel, load_document, problem, unique
 from plcgen.protocols.ds47 import guards
+from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
-from plcgen.protocols.ds47.sim.habits import Habits
 from plcgen.protocols.ds47.sim.parameters import READY, Condition, DriveObject, Limits, Parameter
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.errors import Table
@@ -23,7 +23,7 @@ from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind, V
 Byte = Annotated[int, Field(ge=0, le=0xFF)]
 Word = Annotated[int, Field(ge=0, le=0xFFFF)]
 Count = Annotated[int, Field(ge=0, le=1_000_000)]
-_HABITS, _FAULT = Habits(), Fault(FaultKind.STATUS)
+_BEHAVIOUR, _FAULT = Behaviour(), Fault(FaultKind.STATUS)
 
 
 def load_drive(text: str, file: str = "<drive>") -> Drive:
@@ -37,26 +37,26 @@ def _object_number(key: object) -> object:
     raise problem(f'"{key}" is no drive object number')
 
 
-class HabitsKeys(StrictModel):
-    """Key ``habits``: see ``Habits``."""
+class BehaviourKeys(StrictModel):
+    """Key ``behaviour``: see ``Behaviour``."""
 
-    error_words: Literal[1, 2] = _HABITS.error_words
-    answer_format: Literal["exact", "size"] = _HABITS.answer_format
-    record_indexes: tuple[Word, ...] = _HABITS.record_indexes
+    error_words: Literal[1, 2] = _BEHAVIOUR.error_words
+    answer_format: Literal["exact", "size"] = _BEHAVIOUR.answer_format
+    record_indexes: tuple[Word, ...] = _BEHAVIOUR.record_indexes
     aliases: dict[Annotated[int, BeforeValidator(_object_number)], Byte] = Field(default_factory=dict)
     local_object: Byte | None = None
-    max_parameters: int = Field(_HABITS.max_parameters, ge=1, le=255)
-    max_elements: int = Field(_HABITS.max_elements, ge=1, le=255)
-    record_limit: int = Field(_HABITS.record_limit, ge=10, le=65535)
-    multi_supported: bool = _HABITS.multi_supported
-    attributes: tuple[Byte, ...] = tuple(sorted(_HABITS.attributes))
-    strict_length: bool = _HABITS.strict_length
-    error_table: Table = _HABITS.error_table
-    processing: Count = _HABITS.processing
+    max_parameters: int = Field(_BEHAVIOUR.max_parameters, ge=1, le=255)
+    max_elements: int = Field(_BEHAVIOUR.max_elements, ge=1, le=255)
+    record_limit: int = Field(_BEHAVIOUR.record_limit, ge=10, le=65535)
+    multi_supported: bool = _BEHAVIOUR.multi_supported
+    attributes: tuple[Byte, ...] = tuple(sorted(_BEHAVIOUR.attributes))
+    strict_length: bool = _BEHAVIOUR.strict_length
+    error_table: Table = _BEHAVIOUR.error_table
+    processing: Count = _BEHAVIOUR.processing
 
-    def habits(self) -> Habits:
-        """Build the habits."""
-        return Habits(**{**dict(self), "attributes": frozenset(self.attributes)})
+    def behaviour(self) -> Behaviour:
+        """Build the behaviour."""
+        return Behaviour(**{**dict(self), "attributes": frozenset(self.attributes)})
 
 
 def _format(name: object) -> Format:
@@ -246,14 +246,14 @@ class FaultKeys(StrictModel):
 class DriveKeys(StrictModel):
     """A drive file."""
 
-    habits: HabitsKeys = HabitsKeys()
+    behaviour: BehaviourKeys = BehaviourKeys()
     objects: Annotated[tuple[ObjectKeys, ...], unique("number", "drive object {} appears twice")] = Field(min_length=1)
     faults: tuple[FaultKeys, ...] = ()
 
     def drive(self) -> Drive:
         """Build the drive."""
         objects = [keys.drive_object() for keys in self.objects]
-        return Drive(self.habits.habits(), objects, [keys.fault() for keys in self.faults])
+        return Drive(self.behaviour.behaviour(), objects, [keys.fault() for keys in self.faults])
 
 
 DRIVE = Document(DriveKeys, "the drive", "a drive is a mapping with objects", "docs/drive-yaml.md describes it")

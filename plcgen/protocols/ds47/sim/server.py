@@ -14,7 +14,7 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from plcgen.protocols.ds47.sim.habits import LOCAL_INDEX
+from plcgen.protocols.ds47.sim.behaviour import LOCAL_INDEX
 from plcgen.protocols.ds47.sim.parameters import TEXT_SIZE
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.codec import count_matches
@@ -36,7 +36,7 @@ from plcgen.protocols.ds47.wire.model import (
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from plcgen.protocols.ds47.sim.habits import Habits
+    from plcgen.protocols.ds47.sim.behaviour import Behaviour
     from plcgen.protocols.ds47.sim.parameters import DriveObject, Parameter
     from plcgen.protocols.ds47.wire.formats import Value
 
@@ -73,7 +73,7 @@ class Written:
 class Server:
     """Serves requests against drive objects; ``frozen`` answers every change with 11h (a save is running)."""
 
-    habits: Habits
+    behaviour: Behaviour
     objects: Mapping[int, DriveObject]
     frozen: bool = False
     written: list[Written] = field(default_factory=list)
@@ -89,9 +89,9 @@ class Server:
         target = self._object(index, data[2])
         if target is None:
             return self._reply(data, negative, (self._error(0x19),))
-        if count > 1 and not self.habits.multi_supported:
+        if count > 1 and not self.behaviour.multi_supported:
             return self._reply(data, negative, (self._error(0x23),))
-        if count > self.habits.max_parameters:
+        if count > self.behaviour.max_parameters:
             return self._reply(data, negative, (self._error(0x22),))
         blocks = self._blocks(target, data, injected)
         if any(isinstance(block, ErrorBlock) for block in blocks):
@@ -103,12 +103,12 @@ class Server:
         return Response(data[0], identifier, data[2], data[3], blocks)
 
     def _error(self, number: int, info: int = 0) -> ErrorBlock:
-        return ErrorBlock(number, info if self.habits.error_words == 2 else None)
+        return ErrorBlock(number, info if self.behaviour.error_words == 2 else None)
 
     def _object(self, index: int, number: int) -> DriveObject | None:
-        if index == LOCAL_INDEX and self.habits.local_object is not None:
-            return self.objects.get(self.habits.local_object)
-        return self.objects.get(self.habits.aliases.get(number, number))
+        if index == LOCAL_INDEX and self.behaviour.local_object is not None:
+            return self.objects.get(self.behaviour.local_object)
+        return self.objects.get(self.behaviour.aliases.get(number, number))
 
     def _blocks(self, target: DriveObject, data: bytes, injected: Mapping[int, ErrorBlock]) -> list[Block]:
         change, count = data[1] == RequestId.CHANGE, data[3]
@@ -120,9 +120,9 @@ class Server:
                 block: Block = injected[position]
             else:
                 block = self._access(target, address, values, position, change=change)
-            rest = (count - position) * (2 + 2 * self.habits.error_words)
+            rest = (count - position) * (2 + 2 * self.behaviour.error_words)
             used = HEADER_SIZE + sum(map(block_size, blocks))
-            if used + block_size(block) + rest > self.habits.record_limit:
+            if used + block_size(block) + rest > self.behaviour.record_limit:
                 block = self._error(0x15)
             blocks.append(block)
         return blocks
@@ -130,7 +130,7 @@ class Server:
     def _access(
         self, target: DriveObject, address: ParameterAddress, values: _Values, position: int, *, change: bool
     ) -> Block:
-        exact = values.exact or not self.habits.strict_length
+        exact = values.exact or not self.behaviour.strict_length
         try:
             if change:
                 self._change(target, address, values.blocks[position - 1], exact=exact)
@@ -141,8 +141,8 @@ class Server:
 
     def _parameter(self, target: DriveObject, address: ParameterAddress) -> Parameter:
         illegal = (
-            address.attribute not in self.habits.attributes
-            or address.elements > self.habits.max_elements
+            address.attribute not in self.behaviour.attributes
+            or address.elements > self.behaviour.max_elements
             or address.pnu == 0
             or address.subindex == 0xFFFF
         )
@@ -172,7 +172,7 @@ class Server:
             raise _RefusedError(refusal)
         block = ValueBlock.of(parameter.format, parameter.values[start : start + count])
         generic = None if parameter.format.is_string else formats.generic_of(parameter.format.size)
-        if self.habits.answer_format == "size" and generic is not None:
+        if self.behaviour.answer_format == "size" and generic is not None:
             return ValueBlock(generic.code, block.count, block.data)
         return block
 
@@ -200,7 +200,7 @@ class Server:
             if not math.isfinite(value) or parameter.limits.below(value) or parameter.limits.above(value):
                 raise _RefusedError(0x02, subindex)
             narrow = parameter.state_limits.get(state)
-            sinamics = self.habits.error_table == "sinamics"
+            sinamics = self.behaviour.error_table == "sinamics"
             if narrow is not None and narrow.below(value):
                 raise _RefusedError(0xC8 if sinamics else 0x02, 0 if sinamics else subindex)
             if narrow is not None and narrow.above(value):

@@ -16,8 +16,8 @@ PROFIBUS_INDEX, LOCAL_INDEX, GLOBAL_INDEX = 47, 0xB02E, 0xB02F
 
 
 @dataclass(frozen=True, slots=True)
-class Habits:
-    """Habits of a device.
+class Behaviour:
+    """Behaviour of a device.
 
     error_words: 1 or 2 words per error block; SINAMICS sends 2.
     answer_format: ``exact`` answers the profile type, ``size`` 41h to 43h where one fits (MM4).
