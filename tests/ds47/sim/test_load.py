@@ -9,9 +9,9 @@ from plcgen.diagnostics import DiagnosticError
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.protocols.ds47.sim.load import (
+    BehaviourKeys,
     DriveKeys,
     FaultKeys,
-    BehaviourKeys,
     LimitsKeys,
     ObjectKeys,
     ParameterKeys,
