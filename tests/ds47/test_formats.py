@@ -25,8 +25,8 @@ def test_value_of_every_format(row):
 
 
 def test_table_is_complete():
-    """The table holds the 28 profile codes and 40h..44h, once each."""
-    profile = {*range(0x01, 0x0E), 0x0F, 0x37, 0x38, *range(0x71, 0x7D)}
+    """The table holds the 28 profile codes, 34h..36h of G120X OI p. 222, and 40h..44h, once each."""
+    profile = {*range(0x01, 0x0E), 0x0F, *range(0x34, 0x39), *range(0x71, 0x7D)}
     assert sorted(f.code for f in formats.FORMATS) == sorted({*profile, *range(0x40, 0x45)})
     assert len({f.name.lower() for f in formats.FORMATS}) == len(formats.FORMATS)
 
@@ -43,7 +43,9 @@ def test_strings_count_octets():
 
 
 def test_dates_are_octets():
-    """BinaryDate has 7 and TimeOfDay 6 octets, TimeDifference 4."""
+    """BinaryDate has 7 and TimeOfDay 6 octets, TimeDifference 4; with date it has 6."""
+    assert by_code(0x35) is by_name("TimeDifferenceWithDate")
+    assert unpack_values(by_code(0x35), 1, bytes(6)) == [bytes(6)]
     assert [by_name(n).size for n in ("BinaryDate", "TimeOfDay", "TimeDifference")] == [7, 6, 4]
     assert unpack_values(by_name("TimeOfDay"), 2, bytes(range(12))) == [bytes(range(6)), bytes(range(6, 12))]
     with pytest.raises(FormatValueError, match="exactly 7 bytes"):
@@ -129,6 +131,16 @@ def test_declared_type_reads_generic_values():
         block.values(by_name("Integer16"))
     with pytest.raises(FormatValueError, match="0Eh is unknown"):
         ValueBlock(0x0E, 1, b"").values()
+
+
+@pytest.mark.parametrize("wire", [0x0D, 0x36, 0x43])
+def test_a_time_difference_has_two_codes(wire):
+    """r0948 answers 36h on newer firmware, 0Dh on older; a change takes its own code or 43h only."""
+    block = ValueBlock(wire, 1, bytes.fromhex("000003E8"))
+    assert [block.values(by_code(code)) for code in (0x0D, 0x36)] == [[1000], [1000]]
+    assert formats.accepts(by_code(0x0D), wire) == (wire != 0x36)
+    with pytest.raises(FormatValueError, match="does not carry Unsigned32"):
+        ValueBlock(0x36, 1, bytes(4)).values(by_name("Unsigned32"))
 
 
 def test_pad():

@@ -10,9 +10,11 @@ _SAME = {"FloatingPoint": "REAL", "Integer16": "INT", "Integer32": "DINT", "Bool
          "OctetString": "BYTE", "V2": "WORD", "L2": "WORD", "N2": "INT", "E2": "INT", "X2": "INT", "N4": "DINT",
          "C4": "DINT", "X4": "DINT"}  # fmt: skip
 _CLASSIC = {"Integer8": "BYTE", "Unsigned8": "BYTE", "Unsigned16": "WORD", "Unsigned32": "DWORD", "R2": "WORD",
-            "T2": "WORD", "D2": "WORD", "T4": "DWORD", "TimeDifference": "DWORD"}  # fmt: skip
+            "T2": "WORD", "D2": "WORD", "T4": "DWORD", "TimeDifference": "DWORD",
+            "TimeOfDayWithoutDate": "DWORD", "TimeDifferenceWithoutDate": "DWORD"}  # fmt: skip
 _NEW = {"Integer8": "SINT", "Unsigned8": "USINT", "Unsigned16": "UINT", "Unsigned32": "UDINT", "R2": "UINT",
-        "T2": "UINT", "D2": "UINT", "T4": "UDINT", "TimeDifference": "UDINT", "Float64": "LREAL"}  # fmt: skip
+        "T2": "UINT", "D2": "UINT", "T4": "UDINT", "TimeDifference": "UDINT",
+        "TimeOfDayWithoutDate": "UDINT", "TimeDifferenceWithoutDate": "UDINT", "Float64": "LREAL"}  # fmt: skip
 _LONG = {"Integer64": "LINT", "Unsigned64": "ULINT"}
 
 

@@ -15,6 +15,8 @@ from plcgen.protocols.ds47.wire.errors import known_numbers
 from plcgen.protocols.ds47.wire.formats import generic_of, padded
 
 INFO = 0x1234
+_FIRMWARE = {0x0D: 0x36, 0x36: 0x0D}
+"""Codes of a time difference in older and newer firmware."""
 NOT_SUPPORTED = bytes.fromhex("44010021")
 
 
@@ -304,10 +306,15 @@ def _formats(shape: Shape) -> Iterator[DriveScenario]:
     for index, (at, _) in enumerate(shape.blocks):
         part = shape.telegram.parts[index]
         generic = None if part.use.format.is_string else generic_of(part.use.format.size)
-        accepted = {part.use.format.code} | ({generic.code} if generic is not None else set())
+        code = part.use.format.code
+        accepted = {code, _FIRMWARE.get(code, code)} | ({generic.code} if generic is not None else set())
+        if code in _FIRMWARE:
+            yield shape.scenario(
+                f"block {index + 1} as newer or older firmware answers", "DONE", put(at, _FIRMWARE[code])
+            )
         if generic is not None:
             yield shape.scenario(f"block {index + 1} in format {generic.code:02X}h", "DONE", put(at, generic.code))
-        for wrong in {0x0E, 0x40, 0x44, 0x41, 0x42, 0x43, 0x00, 0xFF} - accepted:
+        for wrong in {0x0E, 0x36, 0x40, 0x44, 0x41, 0x42, 0x43, 0x00, 0xFF} - accepted:
             yield shape.scenario(f"block {index + 1} in format {wrong:02X}h", "RESPONSE_FORMAT", put(at, wrong))
         for count in {0, part.count - 1, (part.count + 1) % 256, part.count ^ 0x80} - {part.count}:
             yield shape.scenario(f"block {index + 1} with {count} values", "RESPONSE_FORMAT", put(at + 1, count))

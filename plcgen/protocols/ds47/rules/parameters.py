@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from plcgen.protocols.ds47.device import Parameter
     from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 
-_OPAQUE = frozenset({"BinaryDate", "TimeOfDay"})
+_OPAQUE = frozenset({"BinaryDate", "TimeOfDay", "TimeDifferenceWithDate"})
 
 
 def access(plan: DrivePlan) -> Iterator[Diagnostic]:

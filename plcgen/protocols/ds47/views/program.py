@@ -13,7 +13,7 @@ from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
 from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.views.rows import buffer_blocks
-from plcgen.protocols.ds47.wire.formats import generic_of, padded
+from plcgen.protocols.ds47.wire.formats import answers, padded
 from plcgen.protocols.ds47.wire.model import RequestId
 from plcgen.protocols.ds47.words import DRAIN_MS, HEARTBEATS, LEASE_MS, STATES, STATUS_WORDS
 from plcgen.s7.types import ArrayType, Elementary
@@ -185,13 +185,13 @@ def _single_bool(use: Use) -> bool:
 
 
 def _block(index: int, part: Part) -> dict[str, Any]:
-    generic = generic_of(part.use.format.size) if not part.use.format.is_string else None
+    own, *others = (f"B#16#{code:02X}" for code in answers(part.use.format))
     return {
         "index": index,
         "label": part.use.label if part.whole else f"{part.use.label} from index {part.subindex}",
         "use": part.use.position,
-        "format": f"B#16#{part.use.format.code:02X}",
-        "generic": f"B#16#{(generic or part.use.format).code:02X}",
+        "format": own,
+        "others": others,
         "count": part.count,
         "size": padded(part.size),
     }

@@ -5,7 +5,10 @@ S7-300/MM4 guide part 3 (tables 2-2 and 2-4; "10" and "13" are decimal there) an
 data types. Sizes of the date and time formats differ between documents; chosen here:
 
 * TimeDifference: 4 bytes, milliseconds (the MM4 guide says 32 bits);
-* TimeOfDay: 6 bytes, BinaryDate: 7 bytes (IEC 61158 encodings with date), exchanged as uninterpreted octets.
+* TimeOfDay and TimeDifferenceWithDate: 6 bytes, BinaryDate: 7 bytes (IEC 61158 encodings with date), exchanged as
+  uninterpreted octets;
+* TimeOfDayWithoutDate, TimeDifferenceWithoutDate: 4 bytes, milliseconds. The latter is how newer firmware answers a
+  TimeDifference (r0948), and is read like one.
 
 VisibleString and OctetString count octets: one ``str`` or ``bytes`` value of ``count`` octets.
 The normalised formats (N2, C4, ...) are exchanged as raw integers, not scaled to percent or seconds.
@@ -73,11 +76,14 @@ class Format:
 
 
 FLOATING_POINT, VISIBLE_STRING, OCTET_STRING = 0x08, 0x09, 0x0A
+TIME_DIFFERENCES = (0x0D, 0x36)
+"""Two codes of one type: which of them a drive answers depends on its firmware."""
 ZERO, BYTE, WORD, DOUBLE_WORD, ERROR = 0x40, 0x41, 0x42, 0x43, 0x44
 
 _TABLE_4_3 = "FAQ 109750712 table 4-3"
 _MM4 = "MM4 guide part 3 table 2-2"
 _PROFILE = "PROFIdrive profile, data types"
+_G120X = "SINAMICS G120X operating instructions p. 222"
 
 FORMATS: tuple[Format, ...] = (
     Format(0x01, "Boolean", 1, Kind.BOOLEAN, _PROFILE),
@@ -94,6 +100,9 @@ FORMATS: tuple[Format, ...] = (
     Format(0x0C, "TimeOfDay", 6, Kind.OPAQUE, _PROFILE),
     Format(0x0D, "TimeDifference", 4, Kind.UNSIGNED, _MM4),
     Format(0x0F, "Float64", 8, Kind.FLOAT, _PROFILE),
+    Format(0x34, "TimeOfDayWithoutDate", 4, Kind.UNSIGNED, _G120X),
+    Format(0x35, "TimeDifferenceWithDate", 6, Kind.OPAQUE, _G120X),
+    Format(0x36, "TimeDifferenceWithoutDate", 4, Kind.UNSIGNED, _G120X),
     Format(0x37, "Integer64", 8, Kind.SIGNED, _PROFILE),
     Format(0x38, "Unsigned64", 8, Kind.UNSIGNED, _PROFILE),
     Format(0x71, "N2", 2, Kind.SIGNED, _PROFILE),
@@ -153,9 +162,16 @@ def generic_of(size: int) -> Format | None:
 
 
 def accepts(declared: Format, wire: int) -> bool:
-    """Whether ``wire`` may carry ``declared``: the exact code, or the generic format of the same size."""
+    """Whether a change of ``declared`` may come as ``wire``: the exact code, or the generic format of the same size."""
     generic = None if declared.is_string else generic_of(declared.size)
     return wire == declared.code or (generic is not None and wire == generic.code)
+
+
+def answers(declared: Format) -> tuple[int, ...]:
+    """Codes in which a drive may answer ``declared``: its own first, the generic one of the same size last."""
+    same = TIME_DIFFERENCES if declared.code in TIME_DIFFERENCES else ()
+    generic = None if declared.is_string else generic_of(declared.size)
+    return tuple(dict.fromkeys((declared.code, *same, *([generic.code] if generic is not None else []))))
 
 
 def padded(size: int) -> int:

@@ -77,14 +77,14 @@ class ValueBlock:
         return cls.of(formats.by_code(formats.VISIBLE_STRING), [text])
 
     def values(self, declared: Format | None = None) -> list[Value]:
-        """Return the Python values; a declared type of the same size reads what 41h..43h carry.
+        """Return the Python values; a declared type reads what 41h..43h of its size carry.
 
         FormatValueError if the format is unknown, does not fit the declared type or the bytes are short.
         """
         wire = formats.find(self.format)
         if wire is None:
             raise formats.FormatValueError(f"the format {self.format:02X}h is unknown")
-        if declared is not None and not formats.accepts(declared, self.format):
+        if declared is not None and self.format not in formats.answers(declared):
             raise formats.FormatValueError(f"a {wire.name} block does not carry {declared.name}")
         return formats.unpack_values(declared or wire, self.count, self.data)
 
