@@ -29,7 +29,7 @@ def distribution(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[Callable[[str, str, str, str | Path], None]]:
     """Returns what installs a distribution: a module, as text or as the folder of a package, with an entry point."""
-    from plcgen.project.schema import spec_model
+    from plcgen.project.shape import spec_model
     from plcgen.protocols.ds47.kinds import kinds
     from plcgen.protocols.ds47.schema import sections
     from plcgen.protocols.registry import protocols

@@ -21,18 +21,9 @@ def name_of(path: Path) -> str:
 MODULES = {name_of(path): tree for path, tree in TREES.items()}
 
 
-def running(tree: ast.AST) -> Iterator[ast.AST]:
-    """Every node but those that only type checkers see."""
-    for node in ast.iter_child_nodes(tree):
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
-            continue
-        yield node
-        yield from running(node)
-
-
 def imported(tree: ast.Module) -> Iterator[str]:
-    """Modules of the package that a module imports, inside functions too."""
-    for node in running(tree):
+    """Modules of the package that a module imports, inside functions and for type checkers too."""
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name in MODULES)
         elif isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "plcgen":

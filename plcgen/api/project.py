@@ -214,7 +214,7 @@ def _block_text(ref: Any) -> str:
 
 def schema() -> dict[str, Any]:
     """JSON schema of a spec, for editors."""
-    from plcgen.project.schema import json_schema
+    from plcgen.project.shape import json_schema
     from plcgen.protocols.registry import protocols
 
     return json_schema(protocols())

@@ -22,7 +22,7 @@ def emit(project: Project) -> Iterator[Document]:
     xml = SimaticMl(project) if project.target.xml_version is not None else None
     for plan in project.plans:
         if plan.jobs:
-            contribution = plan.protocol.documents(plan)
+            contribution: Contribution = plan.protocol.documents(plan)
             seen.contributions.append(contribution)
             yield from _Emitter(project, contribution, sources, xml, seen).documents()
     only = seen.contributions[0].jobs if len(seen.contributions) == 1 else "jobs"

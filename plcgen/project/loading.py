@@ -2,62 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import islice
+import copyreg
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 
-from plcgen.diagnostics import Report, Span
+from plcgen.diagnostics import Report
 from plcgen.input.text import read_text
 from plcgen.input.validation import Document, keys_at, read_document
 from plcgen.input.yaml import Node
-from plcgen.project import schema
+from plcgen.project.schema import Spec
+from plcgen.project.shape import spec_model
+from plcgen.project.spec import LoadedSpec, SpecPath
+from plcgen.protocols.base import Protocol
 from plcgen.protocols.registry import protocols
-
-if TYPE_CHECKING:
-    from pydantic import BaseModel
-
-    from plcgen.protocols.base import Protocol
-
-SpecPath = tuple[str | int, ...]
-Sections = TypeVar("Sections", bound="BaseModel")
-
-
-@dataclass(frozen=True, slots=True)
-class LoadedSpec:
-    """A validated spec together with the positions of its values."""
-
-    file: str
-    text: str
-    spec: schema.Spec
-    root: Node
-    protocols: tuple[Protocol, ...]
-    """The protocols that the spec uses."""
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickled as its text: the model is made anew for the protocols that the spec uses."""
-        return _parsed, (self.text, self.file)
-
-    def sections(self, shape: type[Sections]) -> Sections:
-        """The spec as one protocol sees it."""
-        if not isinstance(self.spec, shape):
-            raise TypeError(f"the spec has no {shape.__name__}")
-        return self.spec
-
-    def span(self, path: SpecPath) -> Span:
-        """Where the value at ``path`` stands (or the nearest value above it).
-
-        A parameter in short form (``P50304: 100.0``) stands where its key does.
-        """
-        if len(path) > 2 and path[-1] in {"parameter", "item"} and isinstance(path[-2], int):
-            items = self.root.find(path[:-2])
-            if items.kind == "map":
-                return next(islice(items.pairs.values(), path[-2], None), (items, items))[0].span
-        return self.root.find(path).span
-
-    def key_span(self, path: SpecPath) -> Span:
-        """Where the key at ``path`` stands."""
-        return self.root.find(path[:-1]).key_span(str(path[-1]))
 
 
 def load_spec(path: Path, report: Report) -> LoadedSpec | None:
@@ -72,7 +29,7 @@ def load_spec(path: Path, report: Report) -> LoadedSpec | None:
 def parse_spec(text: str, file: str, report: Report) -> LoadedSpec | None:
     """Validate spec text; problems go to ``report``; None if it cannot be used."""
     loaded = read_document(text, file, _SPEC, report)
-    return None if loaded is None else LoadedSpec(file, text, loaded.model, loaded.root, _used(loaded.root))
+    return None if loaded is None else LoadedSpec(file, text, loaded.model, loaded.root)
 
 
 def _parsed(text: str, file: str) -> LoadedSpec:
@@ -82,7 +39,14 @@ def _parsed(text: str, file: str) -> LoadedSpec:
     return loaded
 
 
-def _used(root: Node) -> tuple[Protocol, ...]:
+def _as_text(spec: LoadedSpec) -> tuple[Any, ...]:
+    return _parsed, (spec.text, spec.file)
+
+
+copyreg.pickle(LoadedSpec, _as_text)  # its model is made anew: a class that was made for some protocols has no name
+
+
+def used_protocols(root: Node) -> tuple[Protocol, ...]:
     """The protocols whose sections stand in a spec; without any, the first one, whose keys are missing then."""
     used = tuple(protocol for protocol in protocols() if any(key in root.pairs for key in protocol.sections))
     return used or protocols()[:1]
@@ -90,11 +54,11 @@ def _used(root: Node) -> tuple[Protocol, ...]:
 
 def spec_keys(path: SpecPath) -> list[str]:
     """Keys that a spec may have at a path, whatever protocols it uses."""
-    return keys_at(schema.spec_model(protocols()), path)
+    return keys_at(spec_model(protocols()), path)
 
 
-_SPEC: Document[schema.Spec] = Document(
-    model=lambda root: schema.spec_model(_used(root)),
+_SPEC: Document[Spec] = Document(
+    model=lambda root: spec_model(used_protocols(root)),
     what="the spec",
     shape="a spec is a mapping with plc, drives and jobs",
     help="start from an example: plcgen new",

@@ -9,15 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
-from plcgen.project.loading import LoadedSpec, SpecPath
+from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.target import Target
 from plcgen.s7.address import Address
 from plcgen.s7.types import DataType
-
-if TYPE_CHECKING:
-    from plcgen.protocols.base import Protocol
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +141,8 @@ class Frame:
 class Plan(Frame):
     """What one protocol makes of a spec."""
 
-    protocol: Protocol
+    protocol: Any
+    """What has the face in ``protocols.base``; the rooms above give its parts their types."""
     jobs: Sequence[PlannedJob]
     blocks: tuple[BlockRef, ...]
     """Every block of the plan, in a stable order; their identities, not their contents."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from plcgen.project.loading import SpecPath
 from plcgen.project.nouns import BlockRef
+from plcgen.project.spec import SpecPath
 from plcgen.project.target import Target
 from plcgen.s7.names import shorten
 

@@ -6,16 +6,12 @@ step sees one shape. Whatever needs knowledge of devices, types or targets is ch
 
 from __future__ import annotations
 
-import functools
 import re
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
+from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from plcgen.input.validation import StrictModel
-
-if TYPE_CHECKING:
-    from plcgen.protocols.base import Protocol
 
 Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
 Toolchain = Literal[
@@ -100,24 +96,7 @@ class Trigger(StrictModel):
 
 
 class Spec(StrictModel):
-    """What every spec has; each protocol that it uses adds its sections, see ``spec_model``."""
+    """What every spec has; each protocol that it uses adds its sections, see ``shape``."""
 
     version: Literal[1] = Field(1, description="version of the spec format")
     plc: Plc
-
-
-@functools.cache
-def spec_model(used: tuple[Protocol, ...]) -> type[Spec]:
-    """The shape of a spec that uses these protocols."""
-    sections = tuple(protocol.section(alone=len(used) == 1) for protocol in used)
-    return create_model("Spec", __base__=(Spec, *sections), __doc__=Spec.__doc__)  # type: ignore[arg-type]
-
-
-def json_schema(known: tuple[Protocol, ...]) -> dict[str, Any]:
-    """JSON schema (draft 2020-12) of a job spec for editors, short forms included."""
-    schema = spec_model(known).model_json_schema(by_alias=True)
-    for protocol in known:
-        protocol.complete(schema)
-    schema["required"] = ["plc"]
-    schema["anyOf"] = [{"required": list(protocol.sections)} for protocol in known]
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "plcgen job spec"}

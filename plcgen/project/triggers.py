@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from plcgen.diagnostics import Diagnostic, Report
-from plcgen.project.loading import LoadedSpec, SpecPath
 from plcgen.project.nouns import PlannedTrigger
 from plcgen.project.schema import Trigger
+from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.s7.address import Address, AddressError, parse_address
 
 

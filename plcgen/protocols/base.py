@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic, Report, Span
     from plcgen.display.page import Page
     from plcgen.documents.nouns import Contribution
-    from plcgen.project.loading import LoadedSpec, SpecPath
     from plcgen.project.nouns import Buffer, Field, Plan
     from plcgen.project.numbering import Numbering
+    from plcgen.project.spec import LoadedSpec, SpecPath
     from plcgen.proof.suite import Proof
     from plcgen.protocols.dissection import ByteField
     from plcgen.review.compare.model import DriveState, JobState

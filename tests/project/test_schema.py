@@ -11,7 +11,7 @@ from projects import SPECS, every_type
 
 from plcgen.diagnostics import Report
 from plcgen.project.loading import parse_spec, spec_keys
-from plcgen.project.schema import json_schema
+from plcgen.project.shape import json_schema
 from plcgen.protocols.ds47 import devices as catalog
 from plcgen.protocols.registry import protocols
 

@@ -6,8 +6,8 @@ from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Span
-from plcgen.project.loading import SpecPath
 from plcgen.project.rules.places import node_at
+from plcgen.project.spec import SpecPath
 from plcgen.s7.address import Address
 
 if TYPE_CHECKING:

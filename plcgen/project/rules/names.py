@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from plcgen.diagnostics import Span
-    from plcgen.project.loading import SpecPath
     from plcgen.project.nouns import Project
+    from plcgen.project.spec import SpecPath
 
 _KEY = re.compile(r"[^\W\d_][\w-]*\Z")
 _PARAMETER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")

@@ -10,8 +10,8 @@ if TYPE_CHECKING:
 
     from plcgen.diagnostics import Span
     from plcgen.input.yaml import Node
-    from plcgen.project.loading import SpecPath
     from plcgen.project.nouns import BlockRef, Frame
+    from plcgen.project.spec import SpecPath
 
 _IMPORTANCE = {"FB": 0, "DB": 1, "UDT": 2}
 _OWNERS = frozenset({"drives", "jobs", "ppi", "stations"})

@@ -11,9 +11,9 @@ if TYPE_CHECKING:
     from plcgen.diagnostics import Report
     from plcgen.display.page import Page
     from plcgen.documents.nouns import Contribution
-    from plcgen.project.loading import LoadedSpec
     from plcgen.project.nouns import Buffer, Field
     from plcgen.project.numbering import Numbering
+    from plcgen.project.spec import LoadedSpec
     from plcgen.protocols.base import Rules
     from plcgen.protocols.dissection import ByteField
     from plcgen.protocols.ppi.plan.nouns import PpiPlan

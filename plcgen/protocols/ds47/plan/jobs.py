@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from plcgen.diagnostics import Diagnostic, Report
-from plcgen.project.loading import LoadedSpec, SpecPath
 from plcgen.project.nouns import BlockRef, Buffer
 from plcgen.project.numbering import Numbering
+from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.triggers import plan_trigger
 from plcgen.protocols.ds47.kinds import JobKind, kinds
 from plcgen.protocols.ds47.plan import pack

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from plcgen.project.loading import SpecPath
 from plcgen.project.nouns import BlockRef, Buffer, Field, Link, Plan, PlannedJob, Telegram
+from plcgen.project.spec import SpecPath
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.protocols.ds47.plan.references import number_of

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.project.loading import LoadedSpec
 from plcgen.project.nouns import BlockRef
 from plcgen.project.numbering import Numbering
+from plcgen.project.spec import LoadedSpec
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter, parameter_from
 from plcgen.protocols.ds47.devices import Catalogue

@@ -7,7 +7,7 @@ from typing import Any
 
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.project.loading import LoadedSpec, SpecPath
+from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.protocols.ds47.kinds import ReadItem, WriteItem

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.project.loading import LoadedSpec, SpecPath
 from plcgen.project.nouns import BlockRef, Buffer
 from plcgen.project.numbering import Numbering
+from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.triggers import plan_trigger
 from plcgen.protocols.ppi.plan.fields import FRAME_HEADER, request_fields, response_fields
 from plcgen.protocols.ppi.plan.nouns import (

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
-from plcgen.project.loading import SpecPath
 from plcgen.project.nouns import BlockRef, Buffer, Field, Link, Plan, PlannedJob, Telegram
+from plcgen.project.spec import SpecPath
 from plcgen.protocols.ppi.schema import PpiSection
 from plcgen.protocols.ppi.wire.model import Item
 from plcgen.protocols.ppi.wire.profiles import Profile

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.project.loading import LoadedSpec
 from plcgen.project.numbering import Numbering
+from plcgen.project.spec import LoadedSpec
 from plcgen.protocols.base import Protocol
 from plcgen.protocols.ppi.plan.jobs import JobPlanner
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PlannedStation, PpiPlan

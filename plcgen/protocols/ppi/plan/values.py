@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.project.loading import LoadedSpec, SpecPath
+from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.target import Target
 from plcgen.protocols.ppi.plan.nouns import PlannedStation, PpiValue
 from plcgen.protocols.ppi.schema import PpiReadItem, PpiWriteItem

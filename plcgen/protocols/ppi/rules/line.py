@@ -11,7 +11,7 @@ from plcgen.project.rules.places import key_or_value, node_at
 from plcgen.s7.durations import spelled
 
 if TYPE_CHECKING:
-    from plcgen.project.loading import SpecPath
+    from plcgen.project.spec import SpecPath
     from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiValue
 
 _SIGNALS = ("execute", "busy", "done", "error", "status", "errors")

@@ -11,7 +11,7 @@ from plcgen.protocols.ppi.rules.line import member_span
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Span
-    from plcgen.project.loading import SpecPath
+    from plcgen.project.spec import SpecPath
     from plcgen.protocols.ppi.plan.nouns import PpiPlan
 
 

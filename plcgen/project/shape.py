@@ -1,0 +1,28 @@
+"""The shape of a whole spec: what every spec has, with the sections of the protocols that it uses."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+from pydantic import create_model
+
+from plcgen.project.schema import Spec
+from plcgen.protocols.base import Protocol
+
+
+@functools.cache
+def spec_model(used: tuple[Protocol, ...]) -> type[Spec]:
+    """The shape of a spec that uses these protocols."""
+    sections = tuple(protocol.section(alone=len(used) == 1) for protocol in used)
+    return create_model("Spec", __base__=(Spec, *sections), __doc__=Spec.__doc__)  # type: ignore[arg-type]
+
+
+def json_schema(known: tuple[Protocol, ...]) -> dict[str, Any]:
+    """JSON schema (draft 2020-12) of a job spec for editors, short forms included."""
+    schema = spec_model(known).model_json_schema(by_alias=True)
+    for protocol in known:
+        protocol.complete(schema)
+    schema["required"] = ["plc"]
+    schema["anyOf"] = [{"required": list(protocol.sections)} for protocol in known]
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "plcgen job spec"}

@@ -1,0 +1,48 @@
+"""A validated spec together with the positions of its values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import islice
+from typing import TYPE_CHECKING, TypeVar
+
+from plcgen.diagnostics import Span
+from plcgen.input.yaml import Node
+from plcgen.project.schema import Spec
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+SpecPath = tuple[str | int, ...]
+Sections = TypeVar("Sections", bound="BaseModel")
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedSpec:
+    """A validated spec together with the positions of its values."""
+
+    file: str
+    text: str
+    spec: Spec
+    root: Node
+
+    def sections(self, shape: type[Sections]) -> Sections:
+        """The spec as one protocol sees it."""
+        if not isinstance(self.spec, shape):
+            raise TypeError(f"the spec has no {shape.__name__}")
+        return self.spec
+
+    def span(self, path: SpecPath) -> Span:
+        """Where the value at ``path`` stands (or the nearest value above it).
+
+        A parameter in short form (``P50304: 100.0``) stands where its key does.
+        """
+        if len(path) > 2 and path[-1] in {"parameter", "item"} and isinstance(path[-2], int):
+            items = self.root.find(path[:-2])
+            if items.kind == "map":
+                return next(islice(items.pairs.values(), path[-2], None), (items, items))[0].span
+        return self.root.find(path).span
+
+    def key_span(self, path: SpecPath) -> Span:
+        """Where the key at ``path`` stands."""
+        return self.root.find(path[:-1]).key_span(str(path[-1]))
