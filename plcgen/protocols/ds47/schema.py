@@ -10,13 +10,31 @@ import functools
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, create_model
+from pydantic import AfterValidator, BeforeValidator, Field, create_model
 
 from plcgen.input.validation import StrictModel, problem
 from plcgen.project.schema import BlockName, Duration, Naming, Text, Trigger, trigger_short
 from plcgen.protocols.ds47.device import Line, ParameterDef, ParameterNumber
 from plcgen.protocols.ds47.devices import offer_names
 from plcgen.protocols.ds47.kinds import kinds
+
+
+def _address(value: int) -> int:
+    if value > _LAST_ADDRESS:
+        help_ = f"write address: {value & _LAST_ADDRESS}, and output_address: true if the module has outputs only"
+        raise problem(f"address {value} is over {_LAST_ADDRESS}: bit 15 of an ID means output", help_=help_)
+    return value
+
+
+def _hardware_id(value: int) -> int:
+    if value == 0:
+        raise problem("0 is no hardware identifier", help_="it stands in the device view or among the system constants")
+    return value
+
+
+_LAST_ADDRESS = 32767
+Address = Annotated[int, Field(ge=0, le=65535), AfterValidator(_address)]
+HardwareId = Annotated[int, Field(ge=0, le=65535), AfterValidator(_hardware_id)]
 
 
 class Drive(StrictModel):
@@ -26,11 +44,11 @@ class Drive(StrictModel):
         description="device profile, see plcgen schema --devices, or the path of one beside the spec",
         json_schema_extra=offer_names,
     )
-    address: int | None = Field(None, ge=0, le=65535, description="logical base address (S7-300/400)")
+    address: Address | None = Field(None, description="logical base address (S7-300/400), 0..32767")
     output_address: bool = Field(
         default=False, description="the address belongs to an output-only module (sets bit 15)"
     )
-    hardware_id: int | None = Field(None, ge=0, le=65535, description="hardware identifier (S7-1200/1500)")
+    hardware_id: HardwareId | None = Field(None, description="hardware identifier (S7-1200/1500), 1..65535")
     drive_object: int | None = Field(None, ge=0, le=255, description="drive object / axis; default of the device")
     record_index: int | Literal["profibus", "profinet-local", "profinet-global"] | None = Field(
         None, description="data record index; default of the device: 47, 16#B02E or 16#B02F"
