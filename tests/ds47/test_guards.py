@@ -96,3 +96,18 @@ def test_the_simulated_drive_refuses_to_write_a_display(tmp_path):
     own = load_drive("objects: [{number: 1, parameters: [{pnu: 945, type: Unsigned16, values: [0, 0]}]}]")
     assert own.write_record(47, bytes.fromhex("01 02 01 01 10 01 03 B1 00 00 06 01 00 01")) == 0
     assert own.read_record(47, 240)[1] == bytes.fromhex("01 82 01 01 44 02 00 01 00 00")
+
+
+@pytest.mark.parametrize("number", ["P1122", "P1112", "p1119", "P970", "R946"])
+def test_a_neighbouring_number_is_never_offered(number, tmp_path):
+    """A number that looks like a known one is another parameter: following such a hint writes the wrong one."""
+    case = {"drive": "sinamics-dcm, parameters: {P1120: {type: FloatingPoint}}", "write": f"{{parameter: {number}}}"}
+    told = [d for d in api.check(write(tmp_path, case)).diagnostics if d.code == "PG204"]
+    assert [d.help for d in told] == ["give its type: {type: FloatingPoint}"]
+
+
+def test_a_similar_name_is_offered(tmp_path):
+    """Names are words, and a slip of the pen in one is seen as such."""
+    case = {"drive": "sinamics-g120", "write": "{parameter: ramp_up_tiem, value: 1.0}"}
+    (told,) = api.check(write(tmp_path, case)).diagnostics
+    assert told.help == 'did you mean "ramp_up_time"?'

@@ -104,12 +104,12 @@ class UseResolver:
             return None
         known = self.known.get(reference.pnu)
         if known is None and given is None:
-            near = did_you_mean(f"P{reference.pnu}", [f"P{pnu}" for pnu in self.known])
+            # no number that looks like it is offered: the neighbour of a parameter is another parameter
             self.problem(
                 "PG204",
                 f"P{reference.pnu} is not in the catalogue of {self.device.key}: its data type is missing",
                 place,
-                f"{near} or give its type: {{type: FloatingPoint}}".strip(),
+                "give its type: {type: FloatingPoint}",
             )
             return None
         if known is None:
