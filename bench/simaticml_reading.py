@@ -34,7 +34,7 @@ def code_export(megabytes: float) -> bytes:
     from plcgen.scl.lexer import tokenize
 
     code = f"{block.code}\n"
-    once = elements(tokenize(code, "bench"), 0, len(code), Scope.of(block))
+    once = elements(tokenize(code, "bench"), 0, len(code), Scope.of(block), SETTING)
     times = max(1, round(megabytes * 1e6 / len(numbered(once))))
     return document(block, SETTING, numbered(once * times))[0].encode()
 

@@ -188,7 +188,7 @@ def _to_document(
             found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
             return None
         scope = Scope.of(block, types.values(), constants)
-        code = numbered(elements(tokenize(block.code, str(place.file)), 0, len(block.code), scope))
+        code = numbered(elements(tokenize(block.code, str(place.file)), 0, len(block.code), scope, setting))
     elif block.instance_of:
         block = _instance(block, place, types, found)
     text, lost = document(block, setting, code, types)

@@ -43,6 +43,11 @@ class Version:
         return int(self.name[1:3]) < 16
 
     @property
+    def marks_quotes(self) -> bool:
+        """Whether names of global variables say that they stand in quotes: from V18 on."""
+        return int(self.name[1:3]) >= 18
+
+    @property
     def has_type_namespace(self) -> bool:
         """Whether types carry the attribute Namespace: from V19 on."""
         return int(self.name[1:3]) >= 19

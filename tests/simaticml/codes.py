@@ -16,9 +16,9 @@ from plcgen.simaticml.writing.structured_text import elements, numbered
 SETTING = Setting(VERSIONS["V18"], classic=False)
 
 
-def network(code: str, scope: Scope | None = None) -> str:
+def network(code: str, scope: Scope | None = None, setting: Setting = SETTING) -> str:
     """Numbered elements of a code."""
-    return numbered(elements(tokenize(code, "code"), 0, len(code), scope or Scope()))
+    return numbered(elements(tokenize(code, "code"), 0, len(code), scope or Scope(), setting))
 
 
 def wrapped(code: str, scope: Scope | None = None) -> str:

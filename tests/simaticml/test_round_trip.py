@@ -88,7 +88,9 @@ def test_every_generated_code_document_comes_back_as_its_source(generated: dict[
             assert source(found[0]) == path.read_text("utf-8-sig")
             old = data.decode("utf-8-sig")
             begin, stop = old.index("<StructuredText"), old.index("</StructuredText>")
-            assert network(found[0].code or "", Scope.of(found[0], read)) == old[begin:stop].partition(">\n")[2]
+            setting = Setting(VERSIONS[re.findall('Engineering version="([^"]+)"', old)[0]], classic)
+            written = network(found[0].code or "", Scope.of(found[0], read), setting)
+            assert written == old[begin:stop].partition(">\n")[2]
 
 
 @pytest.mark.parametrize("code", CASES)
@@ -229,6 +231,16 @@ GENUINE = {
     '<Access Scope="LiteralConstant"><Constant><ConstantType>DInt</ConstantType><ConstantValue>1</ConstantValue>'
     "</Constant></Access></Component></Symbol></Access>": '"PC".T[1]',
     '<Access Scope="Call"><CallInfo Name="FC_Init" BlockType="FC" UId="23" /></Access>': '"FC_Init"()',
+    '<Access Scope="Call"><CallInfo BlockType="FC"><Instance Scope="GlobalVariable"><Component Name="Scale" />'
+    '</Instance><Token Text="(" /><Token Text=")" /></CallInfo></Access>': '"Scale"()',
+    '<Access Scope="LocalVariable"><Symbol><Component Name="t" /></Symbol></Access><Token Text="." />'
+    '<Access Scope="Call"><Instruction Name="TON"><Token Text="(" /><Token Text=")" /></Instruction>'
+    "</Access>": "#t.TON()",
+    '<Access Scope="LiteralConstant"><Constant><ConstantValue>P# M10.0 WORD 4</ConstantValue></Constant>'
+    "</Access>": "P#M10.0 WORD 4",
+    '<Access Scope="AddressConstant"><Constant><ConstantValue>P#M10.0</ConstantValue></Constant></Access>': "P#M10.0",
+    '<Access Scope="LocalConstant"><Constant Name="N"><BooleanAttribute Name="HasQuotes">true</BooleanAttribute>'
+    "</Constant></Access>": '#"N"',
     '<Access Scope="Call"><CallInfo BlockType="FB"><Instance Scope="LocalVariable"><Component Name="m" /></Instance>'
     '<Parameter Name="a"><Access Scope="LocalVariable"><Symbol><Component Name="x" /></Symbol></Access></Parameter>'
     '<Parameter Name="b c"><Access Scope="GlobalConstant"><Constant Name="MAX" /></Access></Parameter></CallInfo>'
@@ -304,6 +316,7 @@ END_FUNCTION_BLOCK
     block = block_of(fb)
     written, lost = document(block, SETTING, network(block.code or ""))
     assert lost == []
+    assert '<StringAttribute Name="At" SystemDefined="true">words</StringAttribute>' in written
     found, diagnostics = read_simaticml(written.encode())
     assert diagnostics == []
     assert source(found[0]) == fb
@@ -344,9 +357,28 @@ END_DATA_BLOCK
     assert image(again, {"U": udt}) == image(db, {"U": udt})
 
 
+def test_the_path_of_a_start_value_names_the_elements_of_all_arrays() -> None:
+    """An element of an array inside an element of an array: both indices, with a comma as in exports."""
+    text = """DATA_BLOCK "D"
+STRUCT
+  s : Array[0..1] of STRUCT
+    a : Array[0..2] of Int;
+    b : Array[0..1, 3..4] of Int;
+  END_STRUCT;
+END_STRUCT;
+BEGIN
+  s[0].a[1] := 5;
+  s[1].b[0, 4] := 6;
+END_DATA_BLOCK
+"""
+    written, lost = document(block_of(text), SETTING)
+    assert lost == []
+    assert re.findall(r'Path="([^"]*)">\s*<StartValue>(\d)', written) == [("0,1", "5"), ("1,0,4", "6")]
+
+
 def test_the_whole_of_a_code_is_written_by_elements_of_offsets() -> None:
     """A part of a source is written by its offsets, with the trivia at both ends."""
     text = "#a := 1; // x\n"
-    assert numbered(elements(tokenize(text, "x"), 8, 13, Scope())) == (
+    assert numbered(elements(tokenize(text, "x"), 8, 13, Scope(), SETTING)) == (
         '<Blank UId="21" /><LineComment UId="22"><Text UId="23"> x</Text></LineComment>'
     )

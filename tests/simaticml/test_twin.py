@@ -49,7 +49,7 @@ def test_line_by_line_and_as_a_whole_give_the_same_document(generated: dict[str,
             for text in texts(folder):
                 block = blocks(parse(text, "x"))[0][0]
                 code = block.code or ""
-                whole = elements(tokenize(code, "x"), 0, len(code), Scope.of(block))
+                whole = elements(tokenize(code, "x"), 0, len(code), Scope.of(block), SETTING)
                 quick = twin.read_block(text)
                 assert document(block, SETTING, numbered(whole))[0] == twin.code_document(quick, SETTING)
                 seen += 1
@@ -85,7 +85,7 @@ def test_awkward_code_line_by_line(code: str) -> None:
     """What goes over the end of a line is written as the whole text is."""
     text = f'FUNCTION_BLOCK "X"\nVAR\n  a : Int;\n  f : "F";\nEND_VAR\nBEGIN\n{code}\nEND_FUNCTION_BLOCK\n'
     block = twin.read_block(text)
-    whole = numbered(elements(tokenize(block.code or "", "x"), 0, len(block.code or ""), Scope.of(block)))
+    whole = numbered(elements(tokenize(block.code or "", "x"), 0, len(block.code or ""), Scope.of(block), SETTING))
     for _ in range(3):
         assert document(block, SETTING, whole)[0] == twin.code_document(block, SETTING)
 

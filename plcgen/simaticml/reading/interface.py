@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from plcgen.diagnostics import Diagnostic, Note, Span
@@ -37,6 +38,8 @@ MAX_LISTED = 10_000
 MAX_SPELLING = 1000
 """Characters of a Datatype: names have 128 at most, arrays six dimensions."""
 
+Steps = tuple[tuple[str, int], ...]
+"""The way to a member: names, and how many dimensions each has."""
 
 _SECTIONS = {kind.value: kind for kind in SectionKind} | {"None": SectionKind.STATIC}
 _ARRAY = re.compile(r"Array\s*\[(?P<bounds>[^\]]*)\]\s*of\s+(?P<element>.+)", re.IGNORECASE | re.DOTALL)
@@ -128,8 +131,8 @@ class InterfaceReader:
             groups[-1][1].append(member)
         return [Section(kind, tuple(members), retain) for retain, members in groups or [("", [])]]
 
-    def member(self, element: Element, parents: tuple[tuple[str, bool], ...]) -> Member | None:
-        """One Member; ``parents`` are the (name, is an array) pairs above it."""
+    def member(self, element: Element, parents: Steps) -> Member | None:
+        """One Member; ``parents`` are the members above it."""
         name, spelling = element.get("Name"), element.get("Datatype")
         if not name or not spelling:
             self.report(f"a Member needs the attribute {'Datatype' if name else 'Name'}", element)
@@ -156,7 +159,7 @@ class InterfaceReader:
             else:
                 rest.setdefault(tag, []).append(sub)
         if rest or not isinstance(type_, Elementary):
-            type_, literal = self.inside(type_, literal, rest, (*parents, (name, isinstance(type_, ArrayType))))
+            type_, literal = self.inside(type_, literal, rest, (*parents, (name, _dimensions(type_))))
         version = element.get("Version")
         at, attributes = _attributes(version, listed, type_) if version or listed is not None else (None, ())
         line: Any = element.sourceline
@@ -167,7 +170,7 @@ class InterfaceReader:
         type_: DataType,
         literal: str | None,
         rest: dict[str, list[Element]],
-        path: tuple[tuple[str, bool], ...],
+        path: Steps,
     ) -> tuple[DataType, str | None]:
         """Type with its members, and start value with those of single elements."""
         found = [self.member(m, path) for m in rest.get("Member", ())]
@@ -177,7 +180,7 @@ class InterfaceReader:
         if "Sections" in rest and _is_user_type(type_):
             self._expanded(rest["Sections"], path)
         if "Subelement" in rest:
-            if isinstance(type_, ArrayType) and literal is None and not any(is_array for _, is_array in path[:-1]):
+            if isinstance(type_, ArrayType) and literal is None and not any(dimensions for _, dimensions in path[:-1]):
                 literal = self._listed(rest["Subelement"], type_, path)
             else:
                 self._subelements(rest["Subelement"], path)
@@ -191,7 +194,7 @@ class InterfaceReader:
             return None
         return found or None
 
-    def _expanded(self, groups: Sequence[Element], path: tuple[tuple[str, bool], ...]) -> None:
+    def _expanded(self, groups: Sequence[Element], path: Steps) -> None:
         """Start values of a user type's members, written out below Sections."""
         if len(path) >= MAX_DEPTH:
             self.report("nested too deeply", groups[0])
@@ -201,15 +204,15 @@ class InterfaceReader:
                 for inner in children(section, "Member"):
                     self._expanded_member(inner, path)
 
-    def _expanded_member(self, element: Element, parents: tuple[tuple[str, bool], ...]) -> None:
+    def _expanded_member(self, element: Element, parents: Steps) -> None:
         name, type_ = element.get("Name"), parse_datatype(element.get("Datatype", ""))
         if not name or type_ is None or len(parents) >= MAX_DEPTH:
             return
-        path = (*parents, (name, isinstance(type_, ArrayType)))
+        path = (*parents, (name, _dimensions(type_)))
         inside = parts(element)
         start = inside.get("StartValue")
         literal = self.value(start[0]) if start else None
-        if literal and not any(is_array for _, is_array in path):
+        if literal and not any(dimensions for _, dimensions in path):
             self._assign(path, (), literal, element)
         self._subelements(inside.get("Subelement", ()), path)
         for inner in inside.get("Member", ()):
@@ -217,24 +220,26 @@ class InterfaceReader:
         if "Sections" in inside and _is_user_type(type_):
             self._expanded(inside["Sections"], path)
 
-    def _subelements(self, found: Sequence[Element], path: tuple[tuple[str, bool], ...]) -> None:
+    def _subelements(self, found: Sequence[Element], path: Steps) -> None:
+        """Start values of single elements: a Path has the indices of all arrays from the outermost in."""
         for sub in found:
             start = child(sub, "StartValue")
             literal = self.value(start) if start is not None else None
-            groups = tuple(sub.get("Path", "").split(";"))
+            indices = sub.get("Path", "").replace(";", ",").split(",")
             if not literal:
                 continue
-            if len(groups) != sum(is_array for _, is_array in path):
+            if len(indices) != sum(dimensions for _, dimensions in path):
                 self.report(f"Subelement Path {sub.get('Path')} does not fit the arrays of {path[-1][0]}", sub)
                 continue
-            self._assign(path, groups, literal, sub)
+            self._assign(path, indices, literal, sub)
 
-    def _assign(self, path: Sequence[tuple[str, bool]], groups: Sequence[str], literal: str, at: Element) -> None:
-        indices = iter(groups)
-        steps = (_quote(name) + (f"[{next(indices)}]" if is_array else "") for name, is_array in path)
+    def _assign(self, path: Steps, indices: Sequence[str], literal: str, at: Element) -> None:
+        left = iter(indices)
+        places = (f"[{','.join(islice(left, dimensions))}]" if dimensions else "" for _, dimensions in path)
+        steps = (_quote(name) + place for (name, _), place in zip(path, places, strict=True))
         self.assignments.append(Assignment(".".join(steps), literal, span(at, self.file)))
 
-    def _listed(self, found: Sequence[Element], type_: ArrayType, path: tuple[tuple[str, bool], ...]) -> str | None:
+    def _listed(self, found: Sequence[Element], type_: ArrayType, path: Steps) -> str | None:
         """Start values of single elements as one list ``[1, 0, 3]``; too many gaps become assignments."""
         values: dict[int, str] = {}
         for sub in found:
@@ -258,6 +263,11 @@ class InterfaceReader:
     def report(self, message: str, element: Element) -> None:
         """Add one PG812."""
         self.diagnostics.append(Diagnostic("PG812", message, span(element, self.file)))
+
+
+def _dimensions(type_: DataType) -> int:
+    """How many indices an element of an array has; 0 if the type is none."""
+    return len(type_.bounds) + _dimensions(type_.element) if isinstance(type_, ArrayType) else 0
 
 
 def _position(path: str, type_: ArrayType) -> int | None:

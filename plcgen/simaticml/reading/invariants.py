@@ -39,7 +39,6 @@ REQUIRED = MappingProxyType(
         "SW.Tags.PlcTag": ("DataTypeName", "LogicalAddress", "Name"),
         "SW.Tags.PlcUserConstant": ("DataTypeName", "Name", "Value"),
         "SW.WatchAndForceTables.PlcWatchTable": ("Name",),
-        "SW.WatchAndForceTables.PlcWatchTableEntry": ("DisplayFormat", "Name"),
         "MultilingualTextItem": ("Culture", "Text"),
     }
 )
@@ -131,8 +130,17 @@ class _Check:
         self.compositions(element, tag)
         if tag in SECTIONS:
             self.interface(child(found, "Interface"), tag)
+        if tag == "SW.WatchAndForceTables.PlcWatchTableEntry":
+            self.row(found, names)
         if tag == "SW.Blocks.CompileUnit":
             self.network(child(found, "NetworkSource"))
+
+    def row(self, found: Element | None, names: list[str]) -> None:
+        """A row of a watch table by name: the TIA Portal refuses to set anything else of it."""
+        if not {"Name", "Address"} & set(names):
+            self.report("a row of a watch table has a Name or an Address", found)
+        elif "Address" not in names and names != ["Name"]:
+            self.report(f"a row of a watch table by name has a Name only, not {', '.join(names)}", found)
 
     def compositions(self, element: Element, tag: str) -> None:
         """Comment, CompileUnits, Title in this order; texts have a composition name."""

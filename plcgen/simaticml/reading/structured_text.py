@@ -27,6 +27,9 @@ MAX_REPORTED = 100
 
 _PLAIN = re.compile(r"[^\W\d]\w*")
 _LINES = re.compile(r"[\r\n\x0b\x0c\x1c-\x1e\x85\u2028\u2029]+")
+_POINTER = re.compile(r"P#\s+(?=\S)", re.IGNORECASE)
+"""The TIA Portal may write a blank into a pointer, which SCL has not."""
+
 _NUMBER = re.compile(r"[0-9]{1,9}")
 _CONSTANTS = frozenset({"LiteralConstant", "TypedConstant", "AddressConstant", "AlarmConstant", "Unnamed"})
 _GLOBAL = frozenset({"GlobalVariable", "Undef"})
@@ -186,15 +189,12 @@ class CodeReader:
         """Write one name with quotes where it has or needs them, its indices and its slice."""
         out = self.out
         name = element.get("Name", "")
-        quoted = always
         bracket = False
         children = list(element) if len(element) else ()
         for part in children:
-            if local(part) == "BooleanAttribute" and part.get("Name") == "HasQuotes":
-                quoted = quoted or (part.text or "").strip() == "true"
-            elif local(part) == "Token" and part.get("Text") == "[":
+            if local(part) == "Token" and part.get("Text") == "[":
                 bracket = True
-        out.append(_name(name, quoted=quoted))
+        out.append(_name(name, quoted=always or _has_quotes(element)))
         if bracket:
             self.elements(element)
         elif any(local(part) == "Access" for part in children):
@@ -214,13 +214,14 @@ class CodeReader:
         name = element.get("Name")
         if name is not None and scope not in _CONSTANTS:
             prefix = "#" if scope == "LocalConstant" else ""
-            self.out.append(prefix + _name(name, quoted=scope == "GlobalConstant"))
+            self.out.append(prefix + _name(name, quoted=scope == "GlobalConstant" or _has_quotes(element)))
             return
         value = name or ""
         for part in element:
             if TAGS[part.tag] == "ConstantValue":
                 value = part.text or value
                 break
+        value = _POINTER.sub("P#", value, count=1) if value[:2] in {"P#", "p#"} else value
         if not is_literal(value):
             self.report(f"{value[:40] or '(nothing)'} is no constant", element)
             return
@@ -293,6 +294,14 @@ _CONTENT = frozenset(
 def _is_assigned(parameter: Element) -> bool:
     """Whether a Parameter has its ``:=`` or ``=>`` itself."""
     return any(TAGS[part.tag] == "Token" and part.get("Text") in {":=", "=>"} for part in parameter)
+
+
+def _has_quotes(element: Element) -> bool:
+    """Whether a name stands in quotes though it would need none."""
+    for part in element:
+        if local(part) == "BooleanAttribute" and part.get("Name") == "HasQuotes":
+            return (part.text or "").strip() == "true"
+    return False
 
 
 @lru_cache(maxsize=4096)

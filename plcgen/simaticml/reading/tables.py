@@ -44,7 +44,7 @@ class TagTable:
 
 @dataclass(frozen=True, slots=True)
 class WatchEntry:
-    """A row of a watch table; ``name`` is symbolic, ``address`` absolute where the document has it."""
+    """A row of a watch table: its ``name`` is symbolic and empty if the row has an absolute ``address`` only."""
 
     name: str
     address: str | None
@@ -87,11 +87,14 @@ def watch_table(element: Element, file: str, diagnostics: list[Diagnostic]) -> W
         return None
     entries = []
     for entry in children(child(element, "ObjectList"), "SW.WatchAndForceTables.PlcWatchTableEntry"):
-        found = _attributes(entry, ("Name",), file, diagnostics)
-        if found is not None:
+        found = _attributes(entry, (), file, diagnostics) or {}
+        if not found.get("Name") and not found.get("Address"):
+            message = f"{local(entry)} needs the attribute Name or Address"
+            diagnostics.append(Diagnostic("PG812", message, span(entry, file)))
+        else:
             entries.append(
                 WatchEntry(
-                    found["Name"],
+                    found.get("Name", ""),
                     found.get("Address") or None,
                     found.get("DisplayFormat", ""),
                     found.get("ModifyValue") or None,

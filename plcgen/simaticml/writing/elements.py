@@ -16,13 +16,16 @@ SLOT = "\0"
 UID = f'UId="{SLOT}"'
 """The attribute of every element."""
 
+HAS_QUOTES = f'<BooleanAttribute Name="HasQuotes" {UID}>true</BooleanAttribute>'
+"""Says of a name that it stands in quotes though it would need none."""
+
 TAB = "    "
 """What a tab becomes: StructuredText has blanks only."""
 
 
 @lru_cache(maxsize=4096)
-def trivia(gap: str) -> str:
-    """Elements of a gap between two tokens: blanks, line breaks and comments."""
+def trivia(gap: str, culture: str) -> str:
+    """Elements of a gap between two tokens: blanks, line breaks and comments in a language."""
     out: list[str] = []
     begin = breaks = 0
     for comment in split_trivia(gap, 0):
@@ -36,7 +39,7 @@ def trivia(gap: str) -> str:
         if comment.text == "\n":
             breaks += 1
         else:
-            out.append(_comment(comment.text))
+            out.append(_comment(comment.text, culture))
     if breaks:
         out.append(_new_line(breaks))
     if begin < len(gap):
@@ -53,13 +56,13 @@ def _blank(gap: str) -> str:
     return f'<Blank Num="{count}" {UID} />' if count > 1 else f"<Blank {UID} />"
 
 
-def _comment(text: str) -> str:
+def _comment(text: str, culture: str) -> str:
     """``// text`` ends with its line, ``(* text *)`` is inserted, ``(/* text */)`` can be translated."""
     if text.startswith("//"):
         return f"<LineComment {UID}><Text {UID}>{content(text[2:])}</Text></LineComment>"
     if text.startswith("(/*"):
         inner = content(text[3:].removesuffix("*/)"))
-        language = f'<MultiLanguageText Lang="en-US" {UID}>{inner}</MultiLanguageText>'
+        language = f'<MultiLanguageText Lang="{culture}" {UID}>{inner}</MultiLanguageText>'
         return f'<Comment Inserted="true" {UID}>{language}</Comment>'
     inner = content(text[2:].removesuffix("*)").removesuffix("*/"))
     return f'<LineComment Inserted="true" {UID}><Text {UID}>{inner}</Text></LineComment>'
@@ -79,13 +82,17 @@ def constant(scope: str, text: str) -> str:
 
 
 @lru_cache(maxsize=4096)
-def named_constant(scope: str, name: str) -> str:
+def named_constant(scope: str, name: str, *, quoted: bool) -> str:
     """A constant by its name."""
-    return f'<Access Scope="{scope}" {UID}><Constant Name="{attribute(name)}" {UID} /></Access>'
+    return f'<Access Scope="{scope}" {UID}>{_named("Constant", name, quoted=quoted)}</Access>'
 
 
 @lru_cache(maxsize=4096)
-def simple_symbol(scope: str, name: str) -> str:
+def simple_symbol(scope: str, name: str, *, quoted: bool) -> str:
     """A variable of one component."""
-    component = f'<Component Name="{attribute(name)}" {UID} />'
-    return f'<Access Scope="{scope}" {UID}><Symbol {UID}>{component}</Symbol></Access>'
+    return f'<Access Scope="{scope}" {UID}><Symbol {UID}>{_named("Component", name, quoted=quoted)}</Symbol></Access>'
+
+
+def _named(tag: str, name: str, *, quoted: bool) -> str:
+    head = f'<{tag} Name="{attribute(name)}" {UID}'
+    return f"{head}>{HAS_QUOTES}</{tag}>" if quoted else f"{head} />"

@@ -154,17 +154,20 @@ def _attribute_list(declared: Member, pairs: Sequence[tuple[str, str]], pad: str
             text = f'<StringAttribute Name="{attribute(name)}">{content(value)}</StringAttribute>'
         lines.append(f"{pad}  {text}\n")
     if declared.at is not None:
-        lines.append(f'{pad}  <StringAttribute Name="At">{content(declared.at)}</StringAttribute>\n')
+        lines.append(
+            f'{pad}  <StringAttribute Name="At" SystemDefined="true">{content(declared.at)}</StringAttribute>\n'
+        )
     return [f"{pad}<AttributeList>\n{''.join(lines)}{pad}</AttributeList>\n"] if lines else []
 
 
 def _values(entries: dict[str, str], pad: str) -> list[str]:
-    """Start value, or one Subelement per array element."""
+    """Start value, or one Subelement per array element: the indices of all arrays around it, joined by commas."""
     lines = []
     for index, literal in entries.items():
         value = f"<StartValue>{content(literal)}</StartValue>\n"
         if index:
-            lines.append(f'{pad}<Subelement Path="{attribute(index)}">\n{pad}  {value}{pad}</Subelement>\n')
+            path = attribute(index.replace(";", ","))
+            lines.append(f'{pad}<Subelement Path="{path}">\n{pad}  {value}{pad}</Subelement>\n')
         else:
             lines.append(f"{pad}{value}")
     return lines

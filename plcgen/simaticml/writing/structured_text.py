@@ -27,10 +27,20 @@ from plcgen.scl.lexer import (
 )
 from plcgen.simaticml.addresses import address
 from plcgen.simaticml.escape import attribute, content
-from plcgen.simaticml.writing.elements import SLOT, UID, constant, named_constant, simple_symbol, token, trivia
+from plcgen.simaticml.writing.elements import (
+    HAS_QUOTES,
+    SLOT,
+    UID,
+    constant,
+    named_constant,
+    simple_symbol,
+    token,
+    trivia,
+)
 from plcgen.simaticml.writing.scope import is_system
 
 if TYPE_CHECKING:
+    from plcgen.simaticml.writing.documents import Setting
     from plcgen.simaticml.writing.scope import Scope
 
 FIRST_UID = 21
@@ -39,7 +49,7 @@ FIRST_UID = 21
 _NUMBERS: list[str] = []
 _CONSTANTS = {
     INT: "LiteralConstant", REAL: "LiteralConstant", STRING: "LiteralConstant", "TRUE": "LiteralConstant",
-    "FALSE": "LiteralConstant", TYPED: "TypedConstant", POINTER: "AddressConstant",
+    "FALSE": "LiteralConstant", TYPED: "TypedConstant", POINTER: "LiteralConstant",
 }  # fmt: skip
 _PATH = frozenset({".", "[", "(", "^", ":"})
 _PLAIN = re.compile(r"[^\W\d]\w*")
@@ -47,13 +57,16 @@ _INSTANCE_DB = re.compile(r"(.+?)_DB(?:_\d+)?", re.IGNORECASE)
 _OPERAND_ENDS = frozenset(
     {INT, REAL, STRING, TYPED, POINTER, ADDRESS, LOCAL, NAME, QUOTED, "TRUE", "FALSE", ")", "]", "^"}
 )
+_MEMBER_INSTRUCTIONS = frozenset({"TP", "TON", "TOF", "TONR", "CTU", "CTD", "CTUD"})
+"""Instructions that are called as a member of their timer or counter: ``#t.TON(..)``."""
+
 _ASSIGNS = frozenset({":=", "=>"})
 _NO_TITLE = frozenset({".", "[", "(", ":", ";", ",", ")", ":=", "+=", "-=", "*=", "/=", "&=", "**=", "?="})
 
 
-def elements(tokens: Tokens, begin: int, stop: int, scope: Scope) -> str:
+def elements(tokens: Tokens, begin: int, stop: int, scope: Scope, setting: Setting) -> str:
     """Elements for the source between two offsets, with ``SLOT`` for every UId."""
-    return _Writer(tokens, begin, stop, scope).write(stop)
+    return _Writer(tokens, begin, stop, scope, setting).write(stop)
 
 
 def numbered(elements: str) -> str:
@@ -71,7 +84,7 @@ def numbered(elements: str) -> str:
 class _Writer:
     """A position in the token list; every method writes what begins there and goes behind it."""
 
-    def __init__(self, tokens: Tokens, begin: int, stop: int, scope: Scope) -> None:
+    def __init__(self, tokens: Tokens, begin: int, stop: int, scope: Scope, setting: Setting) -> None:
         self.source = tokens.source
         self.kinds = tokens.kinds
         self.texts = tokens.texts
@@ -79,6 +92,8 @@ class _Writer:
         self.pos = bisect_left(tokens.starts, begin)
         self.last = bisect_left(tokens.starts, stop, self.pos)
         self.scope = scope
+        self.culture = setting.cultures[0]
+        self.marks_quotes = setting.version.marks_quotes
         self.end = begin
         """Offset up to which the source is written."""
         self.out: list[str] = []
@@ -91,14 +106,14 @@ class _Writer:
             self.gap()
             self.item()
         if self.end < stop:
-            self.out.append(trivia(self.source[self.end : stop]))
+            self.out.append(trivia(self.source[self.end : stop], self.culture))
         return "".join(self.out)
 
     def gap(self) -> None:
         """Write the trivia before the current token."""
         start = self.starts[self.pos]
         if self.end < start:
-            self.out.append(trivia(self.source[self.end : start]))
+            self.out.append(trivia(self.source[self.end : start], self.culture))
             self.end = start
 
     def step(self, count: int = 1) -> None:
@@ -120,7 +135,7 @@ class _Writer:
             quoted = text[1] == '"'
             self.operand("Local", text[2:-1] if quoted else text[1:], quoted=quoted)
         elif kind == QUOTED:
-            self.operand("Global", unquote(self.texts[self.pos]), quoted=False)
+            self.operand("Global", unquote(self.texts[self.pos]), quoted=self.marks_quotes)
         elif scope := _CONSTANTS.get(kind):
             self.out.append(constant(scope, self.texts[self.pos]))
             self.step()
@@ -152,15 +167,15 @@ class _Writer:
     # --- regions ----------------------------------------------------------------------------------------
 
     def title(self, line_end: int) -> None:
-        """Write the title of a REGION: free text up to the end of the line."""
+        """Write the title of a REGION: free text up to the end of the line, with the blanks there."""
         stop = line_end if line_end >= 0 else len(self.source)
-        line = self.source[self.end : stop]
-        text = line.strip()
+        line = self.source[self.end : stop].rstrip("\r")
+        text = line.lstrip()
         if not text:
             return
         lead = len(line) - len(line.lstrip())
         if lead:
-            self.out.append(trivia(line[:lead]))
+            self.out.append(trivia(line[:lead], self.culture))
         self.out.append(f"<Text {UID}>{content(text)}</Text>")
         self.end += lead + len(text)
         while self.pos < self.last and self.starts[self.pos] < stop:
@@ -217,27 +232,36 @@ class _Writer:
         text = self.texts[self.pos]
         following = self.kinds[self.pos + 1]
         constants = self.scope.constants if where == "Local" else self.scope.global_constants
+        quoted = quoted and is_plain(name)
         if name.upper() in constants:
-            self.out.append(named_constant(f"{where}Constant", name))
+            self.out.append(named_constant(f"{where}Constant", name, quoted=quoted and where == "Local"))
             self.step()
             return
-        quoted = quoted and _is_plain(name)
         peripheral = text.endswith('":P')
-        if following not in _PATH and not quoted and not peripheral:
-            self.out.append(simple_symbol(f"{where}Variable", name))
+        if following not in _PATH and not peripheral:
+            self.out.append(simple_symbol(f"{where}Variable", name, quoted=quoted))
             self.step()
             return
         outer, self.out = self.out, []
-        names = self.path(name, quoted=quoted, peripheral=peripheral)
-        symbol, self.out = "".join(self.out), outer
-        if self.pos < self.last and self.kinds[self.pos] == "(":
-            self.instance(where, names, symbol)
+        names, dot = self.path(name, quoted=quoted, peripheral=peripheral)
+        pieces, self.out = self.out, outer
+        called = self.pos < self.last and self.kinds[self.pos] == "("
+        if called and self.is_instruction(where, names):
+            self.variable(where, "".join(pieces[:dot]))
+            self.out += pieces[dot:-1]
+            self.call(f'<Instruction Name="{names[-1]}" {UID}>', "</Instruction>")
+        elif called:
+            self.instance(where, names, "".join(pieces))
         else:
-            self.out.append(f'<Access Scope="{where}Variable" {UID}><Symbol {UID}>{symbol}</Symbol></Access>')
+            self.variable(where, "".join(pieces))
 
-    def path(self, name: str, *, quoted: bool, peripheral: bool = False) -> tuple[str, ...]:
-        """Write the components of a symbol and return their names."""
-        names = [name]
+    def variable(self, where: str, symbol: str) -> None:
+        """Write a variable of these components."""
+        self.out.append(f'<Access Scope="{where}Variable" {UID}><Symbol {UID}>{symbol}</Symbol></Access>')
+
+    def path(self, name: str, *, quoted: bool, peripheral: bool = False) -> tuple[tuple[str, ...], int]:
+        """Write the components of a symbol; return their names and where the last dot begins in what is written."""
+        names, dot = [name], 0
         self.component(name, quoted=quoted, peripheral=peripheral)
         while self.pos < self.last:
             kind = self.kinds[self.pos]
@@ -245,6 +269,7 @@ class _Writer:
                 self.gap()
                 self.token()
             elif kind == ".":
+                dot = len(self.out)
                 self.gap()
                 self.token()
                 if self.pos >= self.last:
@@ -253,14 +278,14 @@ class _Writer:
                 names.append(self.member())
             else:
                 break
-        return tuple(names)
+        return tuple(names), dot
 
     def member(self) -> str:
         """Write what stands behind a dot and return its name."""
         kind, text = self.kinds[self.pos], self.texts[self.pos]
         if (kind == INT and text.isdigit()) or (kind in WORDS and text[0] != "%"):
             name = unquote(text)
-            self.component(name, quoted=kind == QUOTED and _is_plain(name), peripheral=text.endswith('":P'))
+            self.component(name, quoted=kind == QUOTED and is_plain(name), peripheral=text.endswith('":P'))
             return name
         self.token()
         return ""
@@ -270,14 +295,13 @@ class _Writer:
         self.step()
         indexed = self.pos < self.last and self.kinds[self.pos] == "["
         modifier = ' SimpleAccessModifier="Periphery"' if peripheral or self.is_peripheral() else ""
-        modifier += ' AccessModifier="Array"' if indexed else ""
         head = f'<Component Name="{attribute(name)}"{modifier} {UID}'
         if not indexed and not quoted:
             self.out.append(f"{head} />")
         else:
             self.out.append(f"{head}>")
             if quoted:
-                self.out.append(f'<BooleanAttribute Name="HasQuotes" {UID}>true</BooleanAttribute>')
+                self.out.append(HAS_QUOTES)
             while self.pos < self.last and self.kinds[self.pos] == "[":
                 self.gap()
                 self.token()
@@ -313,6 +337,11 @@ class _Writer:
 
     # --- calls ------------------------------------------------------------------------------------------
 
+    def is_instruction(self, where: str, names: tuple[str, ...]) -> bool:
+        """Whether an instruction is called as a member of its timer or counter, and no instance of that name."""
+        called = names[-1].upper() in _MEMBER_INSTRUCTIONS and self.kinds[self.pos - 1] == NAME
+        return called and len(names) > 1 and (where == "Global" or self.scope.block_of(names) is None)
+
     def instance(self, where: str, names: tuple[str, ...], symbol: str) -> None:
         """Write the call of an instance or of a function with quotes; its operand is ``symbol``."""
         if where == "Local":
@@ -322,10 +351,12 @@ class _Writer:
         else:
             made = None
         if made is not None and made[1]:
-            self.out.append(f'<Access Scope="{where}Variable" {UID}><Symbol {UID}>{symbol}</Symbol></Access>')
+            self.variable(where, symbol)
             self.call(f"<Instruction {UID}>", "</Instruction>")
         elif made is not None and made[0] == "":
-            self.call(f'<CallInfo Name="{attribute(names[0])}" BlockType="FC" {UID}>', "</CallInfo>")
+            component = f'<Component Name="{attribute(names[0])}" {UID} />'
+            instance = f'<Instance Scope="GlobalVariable" {UID}>{component}</Instance>'
+            self.call(f'<CallInfo BlockType="FC" {UID}>{instance}', "</CallInfo>")
         else:
             name = f' Name="{attribute(made[0])}"' if made is not None else ""
             self.call(
@@ -375,6 +406,6 @@ class _Writer:
             self.out.append("</NamelessParameter>")
 
 
-def _is_plain(name: str) -> bool:
+def is_plain(name: str) -> bool:
     """Whether a name needs no quotes."""
     return _PLAIN.fullmatch(name) is not None and name.upper() not in KEYWORDS

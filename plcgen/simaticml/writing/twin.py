@@ -13,14 +13,15 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
-from plcgen.s7.types import NamedType
+from plcgen.s7.types import Elementary, StringType
 from plcgen.scl.declarations import blocks, trim_code
 from plcgen.scl.lexer import tokenize
 from plcgen.scl.parser import parse
+from plcgen.simaticml.datatypes import innermost
 from plcgen.simaticml.escape import attribute
 from plcgen.simaticml.writing.documents import Setting, document
 from plcgen.simaticml.writing.scope import Scope
-from plcgen.simaticml.writing.structured_text import elements, numbered
+from plcgen.simaticml.writing.structured_text import elements, is_plain, numbered
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -39,14 +40,14 @@ _CALLED = re.compile(r'"([^"\n]*)"\s*\(')
 _JOINED = (".", "[", "(", "^", ":", "-")
 """What goes on with the operand of the line before."""
 
-_NAME = "\ue000"
-"""Stands for a quoted name in a line that is kept."""
+_NAMES = {True: "\ua66e", False: "\ue000"}
+"""Stand for a quoted name in a line that is kept: one that needs no quotes, and one that does."""
 
-_PLACE = f'"{_NAME}"'
+_PLACES = re.compile("[" + "".join(_NAMES.values()) + "]")
 _NAME_MATTERS = ('"(', '" (', '."', '":')
 """Where it matters what a quoted name is: a call, a member, peripheral access."""
 
-_NOT_BY_LINE = ("(*", "(/", "'", "GOTO", "\0", _NAME)
+_NOT_BY_LINE = ("(*", "(/", "'", "GOTO", "\0", *_NAMES.values())
 """A code with one of these is not taken line by line: comments and texts may have brackets inside, labels are far."""
 
 
@@ -73,8 +74,7 @@ def read_block(text: str) -> Block:
 
 def code_document(block: Block, setting: Setting, known: tuple[Block, ...] = ()) -> str:
     """Document of an FB, FC or OB; ``known`` are the blocks it may call."""
-    scope = Scope.of(block, known)
-    code = numbered("".join(_pieces(block.code or "", _Meanings(scope))))
+    code = numbered("".join(_pieces(block.code or "", _Meanings(Scope.of(block, known), setting))))
     return document(block, setting, code)[0]
 
 
@@ -143,9 +143,10 @@ def _declared(line: str) -> Member:
 
 @dataclass(slots=True)
 class _Meanings:
-    """What the names of a block stand for, as a part of the key of a line."""
+    """What the names of a block stand for and how its version writes them, as a part of the key of a line."""
 
     scope: Scope
+    setting: Setting
     names: Mapping[str, str | None] | None = None
 
     def of(self, chunk: str) -> tuple[str | None, ...]:
@@ -153,10 +154,11 @@ class _Meanings:
         if self.names is None:
             names: dict[str, str | None] = dict.fromkeys(self.scope.constants, "constant")
             for name, type_ in self.scope.types.items():
-                names[name] = repr(type_) if isinstance(type_, NamedType) else "variable"
+                names[name] = "variable" if isinstance(innermost(type_), Elementary | StringType) else repr(type_)
             self.names = names
         words, called = _names(chunk)
-        local = tuple(map(self.names.get, words))
+        quotes = "quotes" if self.setting.version.marks_quotes else None
+        local = (quotes, *map(self.names.get, words))
         return local + tuple(self.scope.instances.get(name) or name for name in called) if called else local
 
 
@@ -193,7 +195,7 @@ _PARAGRAPHS = _Kept(1024)
 def _pieces(code: str, meanings: _Meanings) -> Iterator[str]:
     """Elements of the code, piece by piece; with ``SLOT`` for the UIds."""
     if any(mark in code for mark in _NOT_BY_LINE):
-        yield elements(tokenize(code, "generated"), 0, len(code), meanings.scope)
+        yield elements(tokenize(code, "generated"), 0, len(code), meanings.scope, meanings.setting)
         return
     paragraphs = [f"{paragraph}\n\n" for paragraph in code.split("\n\n")]
     paragraphs[-1] = paragraphs[-1][:-2]
@@ -208,13 +210,13 @@ def _by_line(paragraph: str, meanings: _Meanings) -> str:
 
 
 def _written(chunk: str, meanings: _Meanings) -> str:
-    return elements(tokenize(chunk, "generated"), 0, len(chunk), meanings.scope)
+    return elements(tokenize(chunk, "generated"), 0, len(chunk), meanings.scope, meanings.setting)
 
 
 def _piece(text: str, meanings: _Meanings, kept: _Kept, write: Callable[[str, _Meanings], str]) -> str:
     """Elements of a piece of code: quoted names are put in where they do not change the elements."""
     names = _QUOTED.findall(text) if '"' in text and not any(mark in text for mark in _NAME_MATTERS) else ()
-    template = _QUOTED.sub(_PLACE, text) if names else text
+    template = _QUOTED.sub(lambda found: f'"{_NAMES[is_plain(found[1])]}"', text) if names else text
     key = template, meanings.of(template)
     piece = kept.pieces.get(key)
     if piece is None:
@@ -222,7 +224,7 @@ def _piece(text: str, meanings: _Meanings, kept: _Kept, write: Callable[[str, _M
         kept.keep(key, piece, at_once=kept is _LINES)
     if not names:
         return piece
-    parts = piece.split(_NAME)
+    parts = _PLACES.split(piece)
     filled = [part for pair in zip(parts, map(attribute, names), strict=False) for part in pair]
     return "".join([*filled, parts[-1]])
 

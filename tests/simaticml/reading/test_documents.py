@@ -132,13 +132,14 @@ def test_start_values_of_array_elements():
     assert image(one(global_db(member)), {}).hex() == "0000" + "0005" + "0006" + "0000"
 
 
-def test_start_values_inside_user_types_and_structures_in_arrays():
-    """Path ``1;0`` is element 1 of the outer and element 0 of the inner array."""
+@pytest.mark.parametrize("place", ["1,0", "1;0"])
+def test_start_values_inside_user_types_and_structures_in_arrays(place):
+    """Path ``1,0`` is element 1 of the outer and element 0 of the inner array; older documents of ours have ``1;0``."""
     inner = (
         '<Member Name="b" Datatype="Byte"><StartValue>1</StartValue>'
         '<Subelement Path="2"><StartValue>9</StartValue></Subelement></Member>'
         '<Member Name="a" Datatype="Array[0..1] of Byte">'
-        '<Subelement Path="1;0"><StartValue>8</StartValue></Subelement></Member>'
+        f'<Subelement Path="{place}"><StartValue>8</StartValue></Subelement></Member>'
     )
     expanded = (
         '<Member Name="u" Datatype="&quot;U&quot;"><Sections><Section Name="None">'
@@ -147,6 +148,16 @@ def test_start_values_inside_user_types_and_structures_in_arrays():
     db = one(global_db(f'<Member Name="s" Datatype="Array[1..2] of Struct">{inner}</Member>{expanded}'))
     udt = Block(BlockKind.UDT, "U", (Section(SectionKind.STATIC, (Member("x", ELEMENTARY["INT"]),)),))
     assert image(db, {"U": udt}).hex() == "01000800" + "09000000" + "0004"
+
+
+def test_start_values_in_arrays_of_several_dimensions_inside_each_other():
+    """A Path has the indices of all arrays from the outermost in: 1 of the outer, 0,5 of the inner."""
+    inner = '<Member Name="a" Datatype="Array[0..1,5..6] of Byte"><Subelement Path="{}"><StartValue>7</StartValue>'
+    text = '<Member Name="s" Datatype="Array[1..2] of Struct">' + inner + "</Subelement></Member></Member>"
+    assert image(one(global_db(text.format("1,0,6"))), {}).hex() == "00070000" + "00000000"
+    assert image(one(global_db(text.format("2,1,5"))), {}).hex() == "00000000" + "00000700"
+    _, diagnostics = read_simaticml(document(global_db(text.format("1,0"))), "x.xml")
+    assert [d.message for d in diagnostics] == ["Subelement Path 1,0 does not fit the arrays of a"]
 
 
 def test_optional_document_info_and_other_objects_are_passed_over():
@@ -252,15 +263,14 @@ def test_watch_tables():
         "<DisplayFormat>Hex</DisplayFormat><ModifyValue>16#03</ModifyValue>"
         '<Name>"WR_DataBuffer".Request_Ref</Name></AttributeList></SW.WatchAndForceTables.PlcWatchTableEntry>'
         '<SW.WatchAndForceTables.PlcWatchTableEntry ID="2" CompositionName="Entries"><AttributeList>'
-        "<Address>%DB4.DBD6</Address><DisplayFormat>FloatingPoint</DisplayFormat><Name>x</Name></AttributeList>"
+        "<Address>%DB4.DBD6</Address><DisplayFormat>FloatingPoint</DisplayFormat></AttributeList>"
+        '</SW.WatchAndForceTables.PlcWatchTableEntry><SW.WatchAndForceTables.PlcWatchTableEntry ID="3" '
+        'CompositionName="Entries"><AttributeList><Name>"x"</Name></AttributeList>'
         "</SW.WatchAndForceTables.PlcWatchTableEntry></ObjectList></SW.WatchAndForceTables.PlcWatchTable>"
     )
     (found,), diagnostics = read_watch_table(document(table), "w.xml")
     assert diagnostics == []
-    first, second = found.entries
+    first, second, third = found.entries
+    assert third == WatchEntry('"x"', None, "", None, third.span)
     assert first == WatchEntry('"WR_DataBuffer".Request_Ref', None, "Hex", "16#03", first.span)
-    assert (second.address, second.display_format, second.modify_value) == (
-        "%DB4.DBD6",
-        "FloatingPoint",
-        None,
-    )
+    assert second == WatchEntry("", "%DB4.DBD6", "FloatingPoint", None, second.span)

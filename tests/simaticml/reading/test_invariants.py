@@ -98,6 +98,31 @@ def test_ids_are_upper_case_hexadecimal_in_document_order():
     assert messages(many.replace(b'ID="A"', b'ID="a"')) == ["ID a is not an upper-case hexadecimal number"]
 
 
+@pytest.mark.parametrize(
+    ("attributes", "expected"),
+    [
+        ("<Name>a.b</Name>", []),
+        ("<Address>%MW2</Address><DisplayFormat>Hex</DisplayFormat>", []),
+        (
+            "<DisplayFormat>Hex</DisplayFormat><Name>a.b</Name>",
+            ["a row of a watch table by name has a Name only, not DisplayFormat, Name"],
+        ),
+        ("<DisplayFormat>Hex</DisplayFormat>", ["a row of a watch table has a Name or an Address"]),
+    ],
+)
+def test_rows_of_watch_tables_by_name_have_a_name_only(attributes, expected):
+    """The display format of such a row cannot be set, nor a value to modify: the TIA Portal refuses the table."""
+    row = (
+        '<SW.WatchAndForceTables.PlcWatchTableEntry ID="1" CompositionName="Entries"><AttributeList>'
+        f"{attributes}</AttributeList></SW.WatchAndForceTables.PlcWatchTableEntry>"
+    )
+    table = (
+        '<SW.WatchAndForceTables.PlcWatchTable ID="0"><AttributeList><Name>W</Name></AttributeList>'
+        f"<ObjectList>{row}</ObjectList></SW.WatchAndForceTables.PlcWatchTable>"
+    )
+    assert messages(document(table)) == expected
+
+
 def test_documents_that_cannot_be_read():
     assert [d.code for d in check_invariants(b"<a")] == ["PG811"]
     assert [d.code for d in check_invariants(b"<!DOCTYPE a><a/>")] == ["PG810"]
