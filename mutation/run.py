@@ -70,6 +70,6 @@ def _verdict(result: Result) -> Verdict:
 
 
 def clean() -> None:
-    """Remove the folders of all processes."""
+    """Remove the folders of all processes of this run."""
     for folder in Path(tempfile.gettempdir()).glob(f"{FOLDERS}*"):
         shutil.rmtree(folder, ignore_errors=True)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from plcgen.cpu.linkage import Probe
 from plcgen.cpu.program import Program
-from plcgen.proof.reach import Premise, reachable
+from plcgen.proof.conditions import Premise
+from plcgen.proof.reach import reachable
 from plcgen.scl import ast
 
 Step = tuple[int, int]

@@ -12,9 +12,9 @@ from plcgen.cpu.program import Program
 from plcgen.diagnostics import Span
 from plcgen.project.nouns import Buffer, Field, PlannedJob
 from plcgen.proof.checks import Check, CheckGroup
+from plcgen.proof.conditions import Premise
 from plcgen.proof.coverage import Step
 from plcgen.proof.folder import Folder
-from plcgen.proof.reach import Premise
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Scenario, Statistics
 

@@ -11,7 +11,7 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.options import usage
 from plcgen.input.text import read_text
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive
-from plcgen.protocols.ds47.proof.bench import build_drive
+from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.load import load_drive
 from plcgen.s7.blocks import BlockKind

@@ -6,7 +6,7 @@ from plcgen import api
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.folder import load_folder
 from plcgen.cpu.system.bus import Bus
-from plcgen.protocols.ds47.proof.bench import build_drive
+from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.scl.dialect import Dialect
 

@@ -11,7 +11,7 @@ import yaml
 
 from plcgen import api
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.proof.bench import build_drive
+from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.load import load_drive
 
 DANGEROUS: list[dict[str, Any]] = yaml.safe_load(Path(__file__).with_name("dangerous.yaml").read_text("utf-8"))

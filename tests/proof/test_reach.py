@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from plcgen.proof.reach import Premise, reachable
+from plcgen.proof.conditions import Premise
+from plcgen.proof.reach import reachable
 from plcgen.scl.parser import parse
 
 HEAD = """FUNCTION_BLOCK f

@@ -18,7 +18,7 @@ from plcgen.proof.folder import Folder, read_folder
 from plcgen.proof.layouts import check_layout
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.proof import exchanges
-from plcgen.protocols.ds47.proof.bench import build_drive
+from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
 
 GOLDEN = ROOT / "examples" / FAQ.stem / "expected"

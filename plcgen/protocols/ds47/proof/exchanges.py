@@ -12,7 +12,7 @@ from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.proof.rig import value_text
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part
-from plcgen.protocols.ds47.proof.bench import build_drive
+from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.protocols.ds47.wire import errors, formats, status

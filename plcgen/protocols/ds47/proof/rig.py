@@ -11,9 +11,9 @@ from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Bus
 from plcgen.proof.rig import Members, Source
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, Use
-from plcgen.protocols.ds47.proof.bench import build_drive
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Limits
 from plcgen.protocols.ds47.proof.words import DRAIN_MS, LEASE_MS
+from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive, Exchange
 from plcgen.protocols.ds47.wire.formats import Kind, Value, pack_values, unpack_values
 

@@ -10,9 +10,9 @@ from plcgen.cpu.program import Program
 from plcgen.input.text import read_text
 from plcgen.project.nouns import Field
 from plcgen.proof.checks import Check, CheckGroup, Outcome
+from plcgen.proof.conditions import Premise
 from plcgen.proof.coverage import NO_OTHER
 from plcgen.proof.folder import Folder
-from plcgen.proof.reach import Premise
 from plcgen.proof.rig import value_text
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics

@@ -14,11 +14,11 @@ from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, ScenarioError
 from plcgen.proof.suite import Procedure
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
-from plcgen.protocols.ds47.proof.bench import build_drive
 from plcgen.protocols.ds47.proof.conduct import JobConduct
 from plcgen.protocols.ds47.proof.rig import JobRig, ScriptedDrive
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.words import DONE, LEASE_MS, WORDS
+from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.s7.blocks import BlockKind

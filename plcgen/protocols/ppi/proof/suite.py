@@ -8,9 +8,9 @@ from pathlib import Path
 from plcgen.cpu.program import Program
 from plcgen.project.nouns import Field
 from plcgen.proof.checks import Check, CheckGroup, Outcome
+from plcgen.proof.conditions import STATE, Premise
 from plcgen.proof.coverage import NO_OTHER
 from plcgen.proof.folder import Folder
-from plcgen.proof.reach import STATE, Premise
 from plcgen.proof.rig import value_text
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
