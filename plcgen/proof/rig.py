@@ -128,12 +128,13 @@ def layout_of(program: Program, name: str) -> Layout:
 
 
 class Source:
-    """The source of a block: its file and its probes of coverage."""
+    """The source of a block: its file, and which probes of coverage lie in it, with a few others between them."""
 
     def __init__(self, program: Program, block: BlockRef) -> None:
         entry = program.link.find(block.name)
         self.file = entry.result.tokens.file if entry is not None else ""
-        self.probes = [i for i, probe in enumerate(program.probes) if probe.file == self.file]
+        own = [i for i, probe in enumerate(program.probes) if probe.file == self.file]
+        self.probes = slice(own[0], own[-1] + 1) if own else slice(0)
 
 
 def value_text(value: Tree) -> str:

@@ -95,6 +95,9 @@ class Run(Generic[S]):
         self.execute = self.fresh = True
         self.random = random.Random(scenario.name)  # noqa: S311 - scan lengths
         self.before: list[int] = []
+        self.seen = (False, False, False, 0)
+        """The signals behind the last call."""
+        self.spots = [self.rig.db.spots[self.rig.pin(name)] for name in ("execute", "busy", "done", "error", "status")]
         self.outputs: object = None
         self.started = 0
 
@@ -110,7 +113,8 @@ class Run(Generic[S]):
         self.outputs = self.conduct.outputs()
         while True:
             self.step()
-            if self.flag("done") or self.flag("error"):
+            _, done, error, _ = self.seen
+            if done or error:
                 break
             if self.passed > latest or self.scans > MAX_SCANS:
                 self.statistics.hangs += 1
@@ -121,24 +125,24 @@ class Run(Generic[S]):
         self.end()
         self.hold()
 
-    def flag(self, name: str) -> bool:
-        """A BOOL signal of the job."""
-        return self.rig.db.flag(self.rig.pin(name))
-
-    @property
-    def status(self) -> int:
-        """The status word of the job."""
-        return self.rig.db.get(self.rig.pin("status"))
-
-    @property
     def signals(self) -> tuple[bool, bool, bool, int]:
-        """Busy, done, error, status."""
-        return self.flag("busy"), self.flag("done"), self.flag("error"), self.status
+        """Busy, done, error, status of the job as they are now."""
+        memory = self.rig.db.memory
+        _, busy, done, error, word = self.spots
+        status = memory[word.byte] << 8 | memory[word.byte + 1]
+        return (
+            bool(memory[busy.byte] >> busy.bit & 1),
+            bool(memory[done.byte] >> done.bit & 1),
+            bool(memory[error.byte] >> error.bit & 1),
+            status,
+        )
 
     def call(self, length: int) -> None:
         """One call of the block."""
-        self.rig.db.set(self.rig.pin("execute"), self.execute)
+        spot, memory = self.spots[0], self.rig.db.memory
+        memory[spot.byte] = memory[spot.byte] & ~(1 << spot.bit) | self.execute << spot.bit
         self.rig.cpu.call(self.rig.db.block, length)
+        self.seen = self.signals()
 
     def step(self) -> None:
         """One scan: what happens around the block, its call, and what must hold after every call."""
@@ -149,12 +153,11 @@ class Run(Generic[S]):
         elif happening is not None:
             if happening in {"cold", "warm", "reset"}:
                 self.rig.cpu.restart("cold" if happening == "cold" else "warm")
-                self.fresh = not self.flag("busy")
+                self.fresh = not self.signals()[0]
                 self.outputs = self.conduct.outputs()
             self.conduct.happen(self, happening)
         length = self.conduct.scan(self)
-        coverage = self.rig.cpu.coverage
-        self.before = [coverage[i] for i in self.rig.source.probes]
+        self.before = self.rig.cpu.coverage[self.rig.source.probes]
         self.call(self.random.randint(1, 50) if self.scenario.jitter else length)
         self.observe()
 
@@ -163,7 +166,7 @@ class Run(Generic[S]):
         if self.scenario.tolerate:
             self.rig.cpu.misuses.clear()
         self.no_misuse()
-        busy, done, error, status = self.signals
+        busy, done, error, status = self.seen
         if busy + done + error != 1:
             raise ScenarioError(f"busy {busy}, done {done}, error {error} at the same time")
         if self.fresh and not error:
@@ -184,23 +187,24 @@ class Run(Generic[S]):
 
     def end(self) -> None:
         """The result, and what the protocol demands of the end."""
-        status, took = self.status, self.scenario.took
+        _, done, _, status = self.seen
+        took = self.scenario.took
         if status not in self.scenario.status:
             wanted = " or ".join(f"16#{word:04X}" for word in self.scenario.status)
             raise ScenarioError(f"status is 16#{status:04X} instead of {wanted}")
-        if self.flag("done") != (status == DONE):
-            raise ScenarioError(f"done is {self.flag('done')} with status 16#{status:04X}")
+        if done != (status == DONE):
+            raise ScenarioError(f"done is {done} with status 16#{status:04X}")
         if took is not None and not took[0] <= self.passed <= took[1]:
             raise ScenarioError(f"took {self.passed} ms instead of {took[0]} to {took[1]}")
         self.conduct.end(self, status)
 
     def hold(self) -> None:
         """The result stays until execute falls, for one call at least, then the job is idle."""
-        status, values = self.status, self.conduct.outputs()
+        status, values = self.seen[-1], self.conduct.outputs()
         for _ in range(HOLD_SCANS if self.execute and self.conduct.holds() else 0):
             self.scans += 1
             self.call(self.scenario.scan)
-            if self.signals != (False, status == DONE, status != DONE, status):
+            if self.seen != (False, status == DONE, status != DONE, status):
                 raise ScenarioError("the result does not stay while execute is TRUE")
         self.conduct.behind(self)
         self.fall()
@@ -214,8 +218,8 @@ class Run(Generic[S]):
         self.execute = False
         self.scans += 1
         self.call(self.scenario.scan)
-        if self.signals != (False, False, False, IDLE):
-            raise ScenarioError(f"not idle after execute has fallen: 16#{self.status:04X}")
+        if self.seen != (False, False, False, IDLE):
+            raise ScenarioError(f"not idle after execute has fallen: 16#{self.seen[-1]:04X}")
 
 
 class Runner(Generic[S]):
@@ -244,11 +248,12 @@ class Runner(Generic[S]):
         if rig.cpu.misuses:
             misuse = rig.cpu.misuses[0]
             return Failure(title, run.scans, str(misuse), misuse.file, misuse.line)
-        probes, counters = rig.program.probes, rig.cpu.coverage
+        place, counters = rig.source.probes, rig.cpu.coverage
+        counted = zip(rig.program.probes[place], counters[place], run.before, strict=False)
         found = [
-            probes[i]
-            for i, old in zip(rig.source.probes, run.before, strict=False)
-            if counters[i] > old and probes[i].kind == "statement"
+            probe
+            for probe, count, before in counted
+            if count > before and probe.kind == "statement" and probe.file == rig.source.file
         ]
         margin = min((probe.column for probe in found), default=0)
         inner = [probe for probe in found if probe.column > margin] or found

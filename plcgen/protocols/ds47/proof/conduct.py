@@ -142,7 +142,7 @@ class JobConduct:
     def observe(self, run: Run[DriveScenario]) -> None:
         """State, owner, heartbeat, record calls and clock."""
         rig, state = self.rig, self.rig.db.get("state")
-        busy, done, _, _ = run.signals
+        busy, done, _, _ = run.seen
         if busy != (state != IDLE):
             raise ScenarioError(f"busy is {busy} in state {state_name(state)}")
         if state != self.state:
@@ -158,7 +158,7 @@ class JobConduct:
             raise ScenarioError("a record call runs while the drive belongs to nobody or to another job")
         if rig.cpu.jobs and done:
             raise ScenarioError("done while a record call is running")
-        self.times.observe(state, self.heartbeat, self.owner)
+        self.times.observe(state, self.heartbeat, self.owner, owner)
         self.watch_loss(state)
         self.state = state
 
@@ -199,8 +199,8 @@ class JobConduct:
         run.scans += 1
         run.execute = True
         run.call(scan)
-        if run.signals != (False, False, True, WORDS["STILL_DRAINING"]):
-            raise ScenarioError(f"a start during a running record call gives 16#{run.status:04X}, not 16#8103")
+        if run.seen != (False, False, True, WORDS["STILL_DRAINING"]):
+            raise ScenarioError(f"a start during a running record call gives 16#{run.seen[-1]:04X}, not 16#8103")
         run.fall()
         for _ in range(MAX_SCANS):
             if not rig.cpu.jobs:

@@ -27,7 +27,7 @@ from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.times import transitions
 from plcgen.protocols.ds47.proof.together import procedures, row, wrong_numbers
-from plcgen.protocols.ds47.proof.words import State, state_name
+from plcgen.protocols.ds47.proof.words import STATES, state_name
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.load import load_drive
 from plcgen.protocols.ds47.wire.errors import known_numbers
@@ -97,7 +97,7 @@ class DriveSuite:
     def block(self, job: DriveJob) -> CodeBlock:
         """The block of a job. Telegrams count from 1; with long pauses TIMEOUT comes before the last retry."""
         numbers = frozenset(range(1, len(job.telegrams) + 1))
-        premises = [Premise(NO_OTHER, variable="statTelegram", values=numbers, among=frozenset(State))]
+        premises = [Premise(NO_OTHER, variable="statTelegram", values=numbers, among=frozenset(range(len(STATES))))]
         if all(len(telegram.parts) == 1 for telegram in job.telegrams):
             premises.append(Premise("a telegram of one parameter has one error", follow=("statFailed",)))
         if not job.retries:

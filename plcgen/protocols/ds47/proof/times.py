@@ -57,11 +57,11 @@ class Times:
             return left - scenario.scan if left > scenario.scan else max(left, 1)
         return scenario.scan
 
-    def observe(self, state: int, heartbeat: int, owner: int) -> None:
-        """Hold the state behind a call to the clock; heartbeat and owner are those in front of it."""
+    def observe(self, state: int, heartbeat: int, owner: int, now: int) -> None:
+        """Hold the state behind a call to the clock; heartbeat and owner are those before it, ``now`` is the owner."""
         self.watch_pause(state)
         self.watch_timeout(state)
-        self.watch_lease(heartbeat, owner)
+        self.watch_lease(heartbeat, owner, now)
         self.state = state
 
     def watch_pause(self, state: int) -> None:
@@ -95,7 +95,7 @@ class Times:
         if passed < limits.timeout and self.rig.db.get("status") == WORDS["TIMEOUT"]:
             raise ScenarioError(f"timeout {passed} ms after the start, TIMEOUT is {limits.timeout}")
 
-    def watch_lease(self, heartbeat: int, owner: int) -> None:
+    def watch_lease(self, heartbeat: int, owner: int, now: int) -> None:
         """A foreign owner keeps the drive as long as it shows itself, and LEASE longer."""
         limits, clock, own = self.rig.limits, self.rig.cpu.clock, self.rig.job.owner
         if self.state != ACQUIRE or (heartbeat, owner) != self.seen:
@@ -106,7 +106,7 @@ class Times:
         if self.state != ACQUIRE or owner in {0, own}:
             return
         passed = clock - self.lease_since if self.lease_since is not None else 0
-        claimed = self.rig.token.get("owner") == own
+        claimed = now == own
         if claimed != (passed >= limits.lease):
             verb = "claimed" if claimed else "not claimed"
             raise ScenarioError(f"the drive of a dead owner is {verb} after {passed} ms, LEASE is {limits.lease}")

@@ -4,28 +4,14 @@ the generator, so that a wrong word there shows here.
 
 from __future__ import annotations
 
-from enum import IntEnum
-
-
-class State(IntEnum):
-    """States of the block, in the order of the drawing."""
-
-    IDLE = 0
-    ACQUIRE = 1
-    BUILD = 2
-    WRITE = 3
-    READ = 4
-    CHECK = 5
-    WAIT = 6
-    DRAIN = 7
-
-
-IDLE, ACQUIRE, BUILD, WRITE, READ, CHECK, WAIT, DRAIN = State
+STATES = ("IDLE", "ACQUIRE", "BUILD", "WRITE", "READ", "CHECK", "WAIT", "DRAIN")
+"""The states of the block: their numbers count from 0."""
+IDLE, ACQUIRE, BUILD, WRITE, READ, CHECK, WAIT, DRAIN = range(8)
 
 
 def state_name(state: int) -> str:
     """Name of a state; a number that is none as it is."""
-    return State(state).name if state in set(State) else str(state)
+    return STATES[state] if state < len(STATES) else str(state)
 
 
 MEANINGS = {
