@@ -29,8 +29,9 @@ from plcgen.proof.values import (
 from plcgen.scl import ast
 from plcgen.scl.constants import evaluate
 
+KINDS = ("statement", "branch", "else", "loop", "pass")
 Place: TypeAlias = tuple[int, str]
-"""Offset of a node and what about it: statement, branch, else, loop, pass."""
+"""Offset of a node, and what about it: one of ``KINDS``."""
 Loop: TypeAlias = ast.For | ast.While | ast.Repeat
 
 
@@ -40,6 +41,9 @@ def reachable(unit: ast.Unit, premises: Sequence[Premise] = (), opened: Iterable
     Constants and variables that are ``opened`` may be anything, unless a premise follows them: what only they exclude
     counts as possible.
     """
+    nodes = list(ast.walk(unit))
+    if any(isinstance(node, ast.Jump | ast.Goto) for node in nodes):
+        return frozenset((node.start, kind) for node in nodes for kind in KINDS)  # jumps are not followed
     followed = {name for premise in premises for name in premise.follow}
     scope = Scope(unit, premises, {name.upper() for name in opened if name not in followed})
     return _Execution(unit, scope).run()
@@ -159,9 +163,7 @@ class _Execution:
             return self.merged(self.if_(node, env))
         if isinstance(node, ast.Case):
             return list(self.case(node, env))  # each branch by itself up to the end of the statements around it
-        if isinstance(node, Loop):
-            return self.merged(self.loop(node, env))
-        raise NotImplementedError("jumps are not followed")
+        return self.merged(self.loop(node, env)) if isinstance(node, Loop) else [env]
 
     def without(self, node: ast.Node, env: Env) -> Env:
         """Forget every variable that a statement, or anything in it, may write."""

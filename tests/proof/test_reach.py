@@ -90,6 +90,7 @@ DEAD = {
         "i := 0; REPEAT i := i + 1; UNTIL i = MOST END_REPEAT; IF i <> MOST THEN x := 1; END_IF;",
         {"1"},
     ),
+    "a block with jumps": ("IF NONE > 0 THEN x := 1; RETURN; END_IF;", set()),
     "a loop without a bound": ("WHILE go DO x := 1; END_WHILE; x := 2;", set()),
 }  # fmt: skip
 
