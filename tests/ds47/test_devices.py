@@ -135,7 +135,7 @@ title: Acme Turbo
 source: Acme manual 12
 record_index: {profinet-global: 0xB02F, default: profinet-global}
 drive_object: {default: 7, allowed: [7, 8], rule: 7 is the motor}
-limits: {record: 100, parameters: 5}
+limits: {record: 100, parameters: 5, elements: 7}
 answers: {format: size, error_words: 1}
 scalar_elements: {read: 0, write: 1}
 strict_length: false
@@ -227,7 +227,7 @@ def test_a_profile_says_everything_that_a_shipped_one_says(tmp_path: Path) -> No
     assert replace(device, parameters={}) == Device(
         key="./acme.yaml", title="Acme Turbo", source="Acme manual 12", record_index={"profinet-global": 0xB02F},
         default_index="profinet-global", drive_object=7, drive_objects=(7, 8), drive_object_rule="7 is the motor",
-        record_limit=100, max_parameters=5, answer_format="size", error_words=1, scalar_elements=(0, 1),
+        record_limit=100, max_parameters=5, max_elements=7, answer_format="size", error_words=1, scalar_elements=(0, 1),
         strict_length=False, bico="drive-object", error_table="profidrive", parameters={},
     )  # fmt: skip
     assert device.parameters[20] == Parameter(

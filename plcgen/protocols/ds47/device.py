@@ -78,6 +78,7 @@ class Device:
     drive_object_rule: str
     record_limit: int
     max_parameters: int
+    max_elements: int
     answer_format: Literal["exact", "size"]
     error_words: Literal[1, 2]
     scalar_elements: tuple[int, int]

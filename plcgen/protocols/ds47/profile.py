@@ -26,7 +26,7 @@ from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.bico import Layout, parse_bico
 from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind
-from plcgen.protocols.ds47.wire.model import MAX_PARAMETERS, RECORD_LIMIT
+from plcgen.protocols.ds47.wire.model import MAX_ELEMENTS, MAX_PARAMETERS, RECORD_LIMIT
 
 RecordIndex = Annotated[int, Field(ge=1, le=0xFFFF)]
 DriveObject = Annotated[int, Field(ge=0, le=255)]
@@ -81,6 +81,7 @@ class Limits(StrictModel):
 
     record: int = Field(RECORD_LIMIT, ge=16, le=RECORD_LIMIT, description="longest request and response in bytes")
     parameters: int = Field(MAX_PARAMETERS, ge=1, le=MAX_PARAMETERS, description="parameters in one request")
+    elements: int = Field(MAX_ELEMENTS, ge=1, le=MAX_ELEMENTS, description="elements of one parameter in a request")
 
 
 class Answers(StrictModel):
@@ -237,6 +238,7 @@ class Profile(StrictModel):
             drive_object_rule=self.drive_object.rule,
             record_limit=self.limits.record,
             max_parameters=self.limits.parameters,
+            max_elements=self.limits.elements,
             answer_format=self.answers.format,
             error_words=self.answers.error_words,
             scalar_elements=(self.scalar_elements.read, self.scalar_elements.write),

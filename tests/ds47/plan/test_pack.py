@@ -67,6 +67,18 @@ def test_one_array_per_record(type_: str, read: int, write: int) -> None:
     assert counts([use(type_, 234)], write=True)[0] == write
 
 
+def test_elements_of_a_parameter_have_a_limit_of_their_own() -> None:
+    """S120 and DCM manuals print 1..117: 234 bytes are two telegrams then, and a string that is read is one element."""
+    packed = pack([use("Unsigned8", 234)], 240, 39, 117, write=False)
+    assert packed is not None
+    assert [[part.count for part in parts] for parts in packed] == [[117], [117]]
+    packed = pack([use("Unsigned8", 118), use("Unsigned8", position=2)], 240, 39, 117, write=False)
+    assert packed is not None
+    assert [[(part.use.position, part.count) for part in parts] for parts in packed] == [[(1, 117)], [(1, 1), (2, 1)]]
+    assert pack([use("OctetString", 118)], 240, 39, 117, write=False) is not None
+    assert pack([use("OctetString", 118)], 240, 39, 117, write=True) is None
+
+
 def test_an_array_stays_whole_if_that_costs_nothing() -> None:
     """20 REALs then 50 REALs: two telegrams either way, so the second array is not torn apart."""
     packed = pack([use("FloatingPoint", 20, 1), use("FloatingPoint", 50, 2)], 240, 39, write=False)

@@ -100,11 +100,13 @@ def _packed(
 ) -> list[tuple[Part, ...]] | None:
     """Telegrams of a job; None after a diagnostic if a single value does not fit a record."""
     device = drive.device
-    packed = pack.pack(uses, device.record_limit, device.max_parameters, write=write)
+    packed = pack.pack(uses, device.record_limit, device.max_parameters, device.max_elements, write=write)
     if packed is not None:
         return packed
     long = max(uses, key=lambda use: use.count * use.format.size)
     message = f"{long.label} does not fit one record of {device.record_limit} bytes"
+    if write and long.count > device.max_elements:
+        message = f"{long.label} has {long.count} elements; {device.key} takes {device.max_elements} in one telegram"
     report.add(Diagnostic("PG301", message, loaded.span(long.path), help="shorten the string"))
     return None
 
@@ -146,6 +148,10 @@ def _report_unsplittable(
     if len(parts) > device.max_parameters:
         message = f"{len(parts)} parameters in one telegram; {device.key} takes {device.max_parameters}"
         report.add(Diagnostic("PG302", message, place, help=help_))
+    elif any(use.divisible and use.count > device.max_elements for use in uses):
+        long = max(uses, key=lambda use: use.count)
+        message = f"{long.label} has {long.count} elements; {device.key} takes {device.max_elements} in one telegram"
+        report.add(Diagnostic("PG301", message, place, help=help_))
     else:
         request, response = pack.request_length(parts, write=write), pack.longest_response(parts, write=write)
         message = f"request {request} bytes, response up to {response}: the record holds {device.record_limit}"

@@ -44,8 +44,8 @@ def _answer(size: int, *, write: bool) -> int:
 class _Open:
     """The telegram being filled."""
 
-    def __init__(self, limit: int, most: int, *, write: bool) -> None:
-        self.limit, self.most, self.write = limit, most, write
+    def __init__(self, limit: int, most: int, elements: int, *, write: bool) -> None:
+        self.limit, self.most, self.elements, self.write = limit, most, elements, write
         self.parts: list[Part] = []
         self.request = self.response = HEADER_SIZE
 
@@ -55,9 +55,13 @@ class _Open:
             return 0
         if self.response + ERROR_BLOCK > self.limit:
             return 0
+        if self.parts and self.parts[-1].use is use:
+            return 0  # two slices of an array in one telegram would be two members of one name
         used = self.request + ADDRESS_SIZE if self.write else self.response
         free = self.limit - used - BLOCK_HEADER
-        return max(0, min((free - free % 2) // use.format.size, MAX_ELEMENTS))
+        # a string that is read is one element, whatever its length
+        elements = MAX_ELEMENTS if use.format.is_string and not self.write else self.elements
+        return max(0, min((free - free % 2) // use.format.size, elements))
 
     def add(self, part: Part) -> None:
         """Take a part in."""
@@ -66,16 +70,18 @@ class _Open:
         self.response = longest_response(self.parts, write=self.write)
 
 
-def _fill(uses: Sequence[Use], limit: int, most: int, *, write: bool, eager: bool) -> list[tuple[Part, ...]] | None:
+def _fill(
+    uses: Sequence[Use], limit: int, most: int, elements: int, *, write: bool, eager: bool
+) -> list[tuple[Part, ...]] | None:
     """Fill telegrams front to back; ``eager`` splits arrays to use the room left. None: one value is too long."""
     done: list[tuple[Part, ...]] = []
-    current = _Open(limit, most, write=write)
+    current = _Open(limit, most, elements, write=write)
     for use in uses:
         start = 0
         while start < use.count:
             left = use.count - start
             room = current.room(use)
-            fits_alone = _Open(limit, most, write=write).room(use)
+            fits_alone = _Open(limit, most, elements, write=write).room(use)
             take = left if room >= left else 0
             if not take and use.divisible and (eager or left > fits_alone):
                 take = min(room, left)
@@ -84,7 +90,7 @@ def _fill(uses: Sequence[Use], limit: int, most: int, *, write: bool, eager: boo
                 start += take
             elif current.parts:
                 done.append(tuple(current.parts))
-                current = _Open(limit, most, write=write)
+                current = _Open(limit, most, elements, write=write)
             else:
                 return None
     if current.parts:
@@ -92,8 +98,12 @@ def _fill(uses: Sequence[Use], limit: int, most: int, *, write: bool, eager: boo
     return done
 
 
-def pack(uses: Sequence[Use], limit: int, most: int, *, write: bool) -> list[tuple[Part, ...]] | None:
+def pack(
+    uses: Sequence[Use], limit: int, most: int, elements: int = MAX_ELEMENTS, *, write: bool
+) -> list[tuple[Part, ...]] | None:
     """Distribute uses over telegrams of at most ``limit`` bytes and ``most`` parameters, order kept.
+
+    A parameter has at most ``elements`` elements in one telegram.
 
     Filling front to back and splitting arrays wherever a telegram ends is optimal: it is never behind any other
     distribution after the same number of telegrams. Arrays stay whole if that costs no telegram.
@@ -101,8 +111,8 @@ def pack(uses: Sequence[Use], limit: int, most: int, *, write: bool) -> list[tup
     Returns:
         The parts of each telegram, or None if a single value does not fit.
     """
-    eager = _fill(uses, limit, most, write=write, eager=True)
+    eager = _fill(uses, limit, most, elements, write=write, eager=True)
     if eager is None or len(eager) == 1:
         return eager
-    whole = _fill(uses, limit, most, write=write, eager=False)
+    whole = _fill(uses, limit, most, elements, write=write, eager=False)
     return whole if whole is not None and len(whole) == len(eager) else eager

@@ -30,6 +30,7 @@ def build_drive(plan: DrivePlan, drive: PlannedDrive, faults: Iterable[Fault] = 
         record_indexes=tuple(device.record_index.values()),
         local_object=drive.drive_object,
         max_parameters=device.max_parameters,
+        max_elements=device.max_elements,
         record_limit=device.record_limit,
         strict_length=device.strict_length,
         error_table=device.error_table,
