@@ -82,7 +82,10 @@ class Verb(Examples):
     """One verb of the command line; a file that it reads is never the one that it writes."""
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the verb, unless its result would overwrite one of its inputs."""
+        """Run the verb, unless its result would overwrite one of its inputs, or what is somebody's input elsewhere."""
+        output = ctx.params.get("output")
+        if isinstance(output, Path) and output.is_file() and _is_source(output):
+            raise click.UsageError(f"{output} is a spec or a source: write the result elsewhere", ctx)
         target = ctx.params.get("output") or ctx.params.get("path")
         if isinstance(target, Path) and target.is_file():
             for name, value in ctx.params.items():
@@ -98,6 +101,17 @@ class Verb(Examples):
 def verb(name: str, *examples: str, help: str | None = None) -> Callable[[Callable[..., int]], click.Command]:  # noqa: A002
     """Make a verb of a function that takes its parameters by name; the help is its docstring if it is not given."""
     return click.command(name, cls=Verb, examples=examples, help=help)
+
+
+def _is_source(target: Path) -> bool:
+    """Whether a file is a spec or a PLC source, or one of those that plcgen generated into a folder."""
+    if target.suffix.lower() in _SOURCES | {".yaml", ".yml"}:
+        return True
+    from plcgen.sources.generated import MANIFEST, manifest_of
+
+    path = target.resolve()
+    known = ((manifest_of(folder) or {}, path.relative_to(folder).as_posix()) for folder in path.parents[:2])
+    return any(name in files or (files and name == MANIFEST) for files, name in known)
 
 
 def _would_destroy(target: Path, read: Path) -> bool:

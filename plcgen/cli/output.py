@@ -142,7 +142,7 @@ class Console:
     def say(self, text: str) -> None:
         """Tell the person at the terminal something; ``--quiet`` drops it."""
         if not self.quiet:
-            _to_stderr(text + "\n")
+            _to_stderr(_lines(text))
 
     def complain(self, diagnostics: Sequence[Diagnostic], known: dict[str, str] | None = None) -> None:
         """Show diagnostics on stderr, for verbs whose result is something else.
@@ -197,17 +197,26 @@ class _Bar:
 
 def error_line(text: str, code: str = "") -> None:
     """Write an error without a place to stderr, whatever ``--quiet`` says."""
-    _to_stderr(f"error{f'[{code}]' if code else ''}: {text}\n")
+    _to_stderr(_lines(f"error{f'[{code}]' if code else ''}: {text}"))
 
 
 def error_detail(text: str) -> None:
     """Write one line of a list below an error."""
-    _to_stderr(f"  {text}\n")
+    _to_stderr(_lines(f"  {text}"))
 
 
 def help_line(text: str) -> None:
     """Write the way out below an error."""
-    _to_stderr(f"help: {text}\n")
+    _to_stderr(_lines(f"help: {text}"))
+
+
+def _lines(text: str) -> str:
+    """Lines that quote what somebody else wrote, without what a terminal would obey."""
+    if text.replace("\n", "").isprintable():
+        return text + "\n"
+    from plcgen.display.cells import clean
+
+    return "".join(f"{clean(line)}\n" for line in text.split("\n"))
 
 
 def _to_stderr(text: str) -> None:

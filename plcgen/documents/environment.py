@@ -17,6 +17,7 @@ from typing import Any
 import jinja2
 import jinja2.ext
 
+from plcgen.display import markdown
 from plcgen.documents.document import Document
 from plcgen.resources import templates_dir
 from plcgen.scl.classic import Spelling, respell
@@ -84,6 +85,7 @@ def environment(spelling: Spelling = Spelling.TIA) -> jinja2.Environment:
         extensions=[_Respelled],
     )
     made.globals["spelling"] = spelling
+    made.filters |= {"md": markdown.escape, "code": markdown.code}
     return made
 
 

@@ -23,6 +23,19 @@ def read_bounded(path: Path, limit: int) -> bytes:
         raise OSError(errno.EINVAL, str(problem), str(path)) from problem
 
 
+def below(folder: Path, name: str) -> Path | None:
+    """Path of a file that a spec names; None if it leaves the folder of the spec, also behind links.
+
+    A spec may come from anybody: it reads regular files of its own folder and below only.
+    """
+    path = folder / name
+    try:
+        inside = "\\" not in name and path.resolve().is_relative_to(folder.resolve())
+    except (OSError, ValueError, RuntimeError):  # ValueError: a NUL in the path; RuntimeError: links in a circle
+        return path  # reading it tells why
+    return path if inside else None
+
+
 def _opened(path: str, flags: int) -> int:
     """Opening a FIFO that nobody writes must not wait."""
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))

@@ -7,11 +7,11 @@ step sees one shape. Whatever needs knowledge of devices, types or targets is ch
 from __future__ import annotations
 
 import re
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
-from plcgen.input.validation import StrictModel
+from plcgen.input.validation import StrictModel, problem
 
 Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
 Toolchain = Literal[
@@ -55,6 +55,16 @@ Text = Annotated[
     ),
 ]
 Value = bool | int | float | str
+
+
+def _of_an_input(start: Any, info: ValidationInfo) -> Any:
+    if start is not None and info.data.get("value") is not None:
+        raise problem("a constant has no start value", help_="remove value: it is an input then; or remove start")
+    return start
+
+
+OF_AN_INPUT = AfterValidator(_of_an_input)
+"""Validator of a key ``start`` after a key ``value``: only what is no constant has a start value."""
 
 
 class Numbers(StrictModel):

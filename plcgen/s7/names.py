@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 import zlib
 
 V5_LIMIT = 24
@@ -129,6 +130,8 @@ def check_name(name: str, toolchain_is_v5: bool, role: str) -> str | None:  # no
     for char in name:
         if not char.isprintable():
             return f"the character U+{ord(char):04X} is not allowed"
+    if not unicodedata.is_normalized("NFC", name):
+        return "a letter and its accent are two characters: they look like one, and another name would look the same"
     if role == "file":
         return check_file_name(name)
     limit = V5_LIMIT if toolchain_is_v5 else TIA_LIMIT

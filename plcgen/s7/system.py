@@ -126,6 +126,11 @@ def s7_1500_types() -> Mapping[str, Block]:
     return MappingProxyType({n: _block(BlockKind.FB, n, sections, literature=True) for n, sections in names})
 
 
+def standard_library() -> frozenset[str]:
+    """Names of blocks, in upper case, that the standard library of STEP 7 V5 puts into the symbol table."""
+    return frozenset({*_CLASSIC_RECORD, *_SYMBOLS})
+
+
 @cache
 def s7_300_types() -> Mapping[str, Block]:
     """TON, TOF, TP and the counters as S7-300/400 have them, by name: merge them into the types of a layout."""

@@ -126,6 +126,14 @@ def _pack_float(value: Value, name: str) -> bytes:
         raise UnfitValueError(f"{value} is too large for {name}") from None
 
 
+def keeps(nearest: float, value: float) -> bool:
+    """Whether ``nearest``, what a REAL or LREAL makes of a number, is the number that was meant.
+
+    A whole number has to be exact, a fraction right to the last digit of a REAL: 16777217 and 1.0e-46 are no REALs.
+    """
+    return nearest == value if isinstance(value, int) else abs(nearest - value) <= abs(value) * 2.0**-24
+
+
 def _pack_char(text: str, name: str) -> bytes:
     data = _encode(text, wide=name == "WCHAR")
     if len(data) != (2 if name == "WCHAR" else 1):

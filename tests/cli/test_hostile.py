@@ -37,3 +37,97 @@ def test_a_folder_with_a_manifest_that_has_no_end(plcgen, tmp_path):
     os.mkfifo(tmp_path / "job_generated/manifest.json")
     for verb in ("verify", "generate", "check"):
         assert "bug in plcgen" not in plcgen(verb, "job.yaml").err
+
+
+@pytest.mark.parametrize(
+    "target", ["job.yaml", "other.yaml", "motor.scl", "job_generated/LAYOUT.md", "job_generated/manifest.json"]
+)
+def test_output_is_never_a_source(plcgen, tmp_path, target):
+    """A report overwrites reports, but neither a spec nor a source nor what was generated."""
+    (tmp_path / "job.yaml").write_text(SPEC)
+    (tmp_path / "other.yaml").write_text(SPEC)
+    (tmp_path / "motor.scl").write_text("// mine")
+    assert plcgen("generate", "job.yaml").code == 0
+    before = (tmp_path / target).read_bytes()
+    result = plcgen("check", "job.yaml", "--json", "-o", target)
+    assert result.code == 2
+    assert "write the result elsewhere" in result.err
+    assert (tmp_path / target).read_bytes() == before
+
+
+def test_output_replaces_a_report(plcgen, tmp_path):
+    """A second run writes the report again."""
+    (tmp_path / "job.yaml").write_text(SPEC)
+    (tmp_path / "report.json").write_text("old")
+    assert plcgen("check", "job.yaml", "--json", "-o", "report.json").code == 0
+    assert (tmp_path / "report.json").read_text() != "old"
+
+
+@pytest.mark.parametrize(
+    "args",
+    [
+        ["check", "{}.yaml"],
+        ["layout", "{}.db"],
+        ["{}"],
+        ["check", "job.yaml", "-o", "no/{}"],
+        ["ppi", "decode", "--file", "{}"],
+        ["explain", "{}"],
+    ],
+)
+def test_no_escape_sequence_reaches_the_terminal(plcgen, tmp_path, args):
+    """What somebody else wrote, such as the name of a file, never colours or moves anything."""
+    (tmp_path / "job.yaml").write_text(SPEC)
+    result = plcgen(*(arg.format("x\x1b[31m") for arg in args))
+    assert result.code != 0
+    assert "\x1b" not in result.out + result.err
+
+
+@pytest.mark.parametrize("value", ["{a: 1}", "[1, {a: 1}]", "{}"])
+def test_a_station_with_a_mapping_as_value(plcgen, tmp_path, value):
+    """A diagnostic at its place, no traceback."""
+    (tmp_path / "x.yaml").write_text(f"cpu: '224'\nvalues: {{VW0: {value}}}\n")
+    result = plcgen("ppi", "serve", "--values", "x.yaml")
+    assert result.code == 1
+    assert "error[PG107]: VW0: " in result.err
+    assert "bug in plcgen" not in result.err
+
+
+@pytest.mark.parametrize(
+    ("name", "heading"),
+    [
+        ("'# a'", r"# \# a: layout"),
+        ("<b>x</b>", "# &lt;b&gt;x&lt;/b&gt;: layout"),
+        ("'a](http://x)'", r"# a\](http://x): layout"),
+        ("'`a` *b* _c_ d_e'", r"# \`a\` \*b\* \_c\_ d_e: layout"),
+    ],
+)
+def test_names_are_no_markdown(plcgen, tmp_path, name, heading):
+    """A project may be called anything; a viewer shows just that."""
+    (tmp_path / "job.yaml").write_text(SPEC.replace("name: a", f"name: {name}"))
+    assert plcgen("generate", "job.yaml").code == 0
+    assert (tmp_path / "job_generated/LAYOUT.md").read_text("utf-8").startswith(heading)
+
+
+def test_a_lock_names_no_path_of_this_machine(plcgen, tmp_path):
+    """What is not below the lock's folder is not named, so that the lock is the same everywhere."""
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "a.db").write_text('DATA_BLOCK "B"\nSTRUCT\n  a : Int;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n')
+    assert plcgen("lock", "a.db", "--out", "sub/x.lock.yaml").code == 0
+    assert "a.db" not in (tmp_path / "sub/x.lock.yaml").read_text()
+    assert "names no sources" in plcgen("lock", "--check", "--out", "sub/x.lock.yaml").err
+    assert plcgen("lock", "--check", "a.db", "--out", "sub/x.lock.yaml").code == 0
+
+
+def test_a_small_spec_is_refused_before_it_becomes_large(plcgen, tmp_path, monkeypatch):
+    """Telegrams per job and per project are bounded before buffers are made of them."""
+    from plcgen.protocols.ds47.plan import resolve
+
+    jobs = "".join(f' j{n}: {{drive: d, read: [{{parameter: "r9[0..9999]", type: Unsigned32}}]}}\n' for n in range(9))
+    text = "plc: {name: a, family: s7-300, toolchain: tia-v16}\ndrives: {d: {device: sinamics-g120, address: 256}}\n"
+    (tmp_path / "job.yaml").write_text(f"{text}jobs:\n{jobs}")
+    monkeypatch.setattr(resolve, "MAX_TELEGRAMS", 500)
+    result = plcgen("check", "job.yaml")
+    assert result.code == 1
+    assert result.err.count("PG307") + result.out.count("PG307") == 1
+    assert "have more than 500 telegrams" in result.err + result.out
+    assert "job.yaml:6:2" in result.err + result.out

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.display.cells import clean
+from plcgen.display.markdown import escape
 from plcgen.display.table import markdown_table
 from plcgen.output.registry import Format
 
@@ -26,9 +27,8 @@ def _layout(result: LayoutResult, _view: View) -> str:
     for block in result.blocks:
         shown, right = shown_columns(block)
         table = markdown_table(shown[0], [[_indented(cell) for cell in row] for row in shown[1:]], right=right)
-        title = block.title.replace("&", "&amp;").replace("<", "&lt;").replace("_", "\\_")
         notes = [f"- {mark}: {text}".replace("*", "\\*") for mark, text in block.footnotes]
-        lines = [f"### {title}", "", block.summary, "", *table, *([""] if notes else []), *notes]
+        lines = [f"### {escape(block.title)}", "", block.summary, "", *table, *([""] if notes else []), *notes]
         parts.append("\n".join(lines) + "\n")
     return "\n".join(parts)
 

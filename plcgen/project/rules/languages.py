@@ -35,7 +35,7 @@ def languages(project: Project) -> Iterator[Diagnostic]:
 
 
 def comment_languages(project: Project) -> Iterator[Diagnostic]:
-    """PG107: a comment in a language that the project does not have would be left out."""
+    """PG107: a comment in a language that the project does not have."""
     for path, texts in (found for plan in project.plans for found in plan.protocol.rules().texts(plan)):
         node = node_at(project, path)
         if node is None or node.kind != "map":
@@ -47,7 +47,7 @@ def comment_languages(project: Project) -> Iterator[Diagnostic]:
             hint = did_you_mean(tag, project.languages)
             yield Diagnostic(
                 "PG107",
-                f'the comment in "{tag}" is left out: plc.languages does not name it',
+                f'"{tag}" is not a language of the project: its comment is used only where those have none',
                 node.key_span(tag),
                 Severity.WARNING,
                 help=f"{hint} languages of this project: {known}".strip(),

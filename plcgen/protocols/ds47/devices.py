@@ -14,6 +14,7 @@ from typing import Any
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, PluginError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.input.files import below
 from plcgen.input.text import read_text
 from plcgen.plugins import plugins
 from plcgen.protocols.ds47.device import Device
@@ -61,19 +62,11 @@ def _installed(name: str, place: Span) -> Path:
 
 
 def _beside(folder: Path, name: str, place: Span) -> Path:
-    """Path of a profile beside the spec.
-
-    A spec may come from anybody: it reads regular files of its own folder and below only, also behind links.
-    """
-    path = folder / name
-    try:
-        inside = "\\" not in name and path.resolve().is_relative_to(folder.resolve())
-        readable = path.is_file()
-    except (OSError, ValueError, RuntimeError):  # ValueError: a NUL in the path; RuntimeError: links in a circle
-        inside, readable = True, False
-    if not inside:
+    """Path of a profile beside the spec."""
+    path = below(folder, name)
+    if path is None:
         message, help_ = f'the device profile "{name}" is not below the folder of the spec', "copy it beside the spec"
-    elif not readable:
+    elif not path.is_file():
         message, help_ = f'there is no device profile "{name}"', "the path begins at the spec, with / between folders"
     else:
         return path

@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, Field
 
 from plcgen.input.validation import StrictModel
 from plcgen.plugins import plugins
-from plcgen.project.schema import Text, Value
+from plcgen.project.schema import OF_AN_INPUT, Text, Value
 from plcgen.protocols.ds47.wire.model import RequestId
 
 GROUP = "plcgen.kinds"
@@ -37,7 +37,9 @@ class WriteItem(StrictModel):
     value: Value | tuple[Value, ...] | None = Field(None, description="constant; absent: block input")
     as_: str | None = Field(None, alias="as", description="name of the block's input")
     type: str | None = Field(None, description="DS47 data type if the catalogue has none")
-    start: Value | tuple[Value, ...] | None = Field(None, description="start value of the input")
+    start: Annotated[Value | tuple[Value, ...] | None, OF_AN_INPUT] = Field(
+        None, description="start value of the input"
+    )
     comment: Text | None = None
 
 

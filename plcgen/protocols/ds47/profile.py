@@ -179,9 +179,11 @@ def _check_text(fmt: Format, octets: int, value: Any) -> None:
     if not isinstance(value, str):
         raise problem(f"{fmt.name} takes text", help_='put it in quotes, octets as hexadecimal digits: "0329"')
     try:
-        data = value.encode("latin-1") if fmt.kind is Kind.TEXT else bytes.fromhex(value)
+        data = value.encode("ascii") if fmt.kind is Kind.TEXT else bytes.fromhex(value)
     except ValueError:
         raise problem(f'"{value}" is not a value of type {fmt.name}') from None
+    if len(data) < octets and fmt.kind is Kind.OCTETS:
+        raise problem(f"{fmt.name}[{octets}] takes {octets} octets, not {len(data)}")
     if len(data) > octets:
         raise problem(f"{len(data)} octets do not fit {fmt.name}[{octets}]")
 

@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field
 
 from plcgen.input.validation import StrictModel
 from plcgen.project.schema import (
+    OF_AN_INPUT,
     BlockName,
     Duration,
     Text,
@@ -59,7 +60,7 @@ class PpiWriteItem(StrictModel):
     value: Value | None = Field(None, description="constant; absent: block input")
     as_: str | None = Field(None, alias="as", description="name of the block's input")
     type: str | None = Field(None, description="type of the input, e.g. Int or Real; default Byte, Word, DWord, Bool")
-    start: Value | None = Field(None, description="start value of the input")
+    start: Annotated[Value | None, OF_AN_INPUT] = Field(None, description="start value of the input")
     comment: Text | None = None
 
 

@@ -46,7 +46,7 @@ def write_lock(paths: Sequence[Path], path: Path, *, classic: bool = False, forc
         if any(d.severity.label == "error" for d in found):
             return LockResult(path, 0, False, found)  # noqa: FBT003 - see the field's name
         _check_target(path, force=force)
-        text = lock_text(state, [_relative(source, path) for source in chosen])
+        text = lock_text(state, _names(chosen, path))
         data = text.encode()
         changed = not path.is_file() or path.read_bytes() != data
         if changed:
@@ -103,11 +103,14 @@ def _inside(sources: Sequence[str], path: Path) -> list[Path]:
     return [path.parent / source for source in sources]
 
 
-def _relative(source: Path, lock: Path) -> str:
-    try:
-        return Path(os.path.relpath(source, lock.parent)).as_posix()
-    except ValueError:
-        return source.as_posix()
+def _names(sources: Sequence[Path], lock: Path) -> list[str]:
+    """Sources as the lock names them; none if one is not below its folder: such a path says nothing elsewhere."""
+    folder = lock.parent.resolve()
+    found = [Path(os.path.abspath(source)) for source in sources]  # noqa: PTH100 - a link keeps its name
+    if not all(source.is_relative_to(folder) for source in found):
+        found = [source.resolve() for source in found]
+    below = all(source.is_relative_to(folder) for source in found)
+    return [source.relative_to(folder).as_posix() for source in found] if below else []
 
 
 def _check_target(path: Path, *, force: bool) -> None:

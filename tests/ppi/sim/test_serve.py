@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import Any
 
 import pytest
@@ -13,7 +13,7 @@ from plcgen.line.opening import open_line
 from plcgen.line.pty import PtyLine
 from plcgen.line.tcp import TcpServer, parse_address
 from plcgen.protocols.ppi.sim import Bus, Station
-from plcgen.protocols.ppi.sim.serve import Serving
+from plcgen.protocols.ppi.sim.serve import MOST_CONNECTIONS, Serving
 from plcgen.protocols.ppi.wire.areas import Area
 from plcgen.protocols.ppi.wire.model import Item, ReadRequest
 from plcgen.protocols.ppi.wire.telegram import encode_poll, encode_request
@@ -89,6 +89,21 @@ def test_two_clients_at_once(bus: Bus) -> None:
         assert receive(first, len(GOOD)) == GOOD
         second.sendall(POLL)
         assert receive(second, len(GOOD))[11:13] == b"\x00\x09"
+
+
+def test_idle_connections_keep_nobody_out(bus: Bus) -> None:
+    """Who did nothing longest makes room; who is in the middle of something stays."""
+    with Serving(bus, TcpServer("127.0.0.1:0")) as name, ExitStack() as idle:
+        busy = idle.enter_context(connected(name))
+        for _ in range(MOST_CONNECTIONS - 1):
+            idle.enter_context(connected(name))
+        busy.sendall(REQUEST)
+        assert receive(busy, 1) == E5
+        with connected(name) as late:
+            late.sendall(encode_request(ReadRequest(9, (Item.memory(Area.V, 0),))))
+            assert receive(late, 1) == E5
+        busy.sendall(POLL)
+        assert receive(busy, len(GOOD)) == GOOD
 
 
 def test_a_client_that_vanishes_leaves_the_server_running(bus: Bus) -> None:

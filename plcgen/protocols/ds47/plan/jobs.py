@@ -98,11 +98,18 @@ def _blocks(
 def _packed(
     uses: tuple[Use, ...], drive: PlannedDrive, loaded: LoadedSpec, report: Report, *, write: bool
 ) -> list[tuple[Part, ...]] | None:
-    """Telegrams of a job; None after a diagnostic if a single value does not fit a record."""
+    """Telegrams of a job; None after a diagnostic if they are too many, or if a single value does not fit a record."""
     device = drive.device
-    packed = pack.pack(uses, device.record_limit, device.max_parameters, device.max_elements, write=write)
-    if packed is not None:
+    octets = sum(use.count * use.format.size for use in uses)
+    packed: list[tuple[Part, ...]] | None = []
+    if octets <= pack.MAX_TELEGRAMS * device.record_limit:
+        packed = pack.pack(uses, device.record_limit, device.max_parameters, device.max_elements, write=write)
+    if packed and len(packed) <= pack.MAX_TELEGRAMS:
         return packed
+    if packed is not None:
+        message = f"the job needs more than {pack.MAX_TELEGRAMS} telegrams"
+        report.add(Diagnostic("PG307", message, loaded.key_span(uses[0].path[:2]), help="make several jobs of it"))
+        return None
     long = max(uses, key=lambda use: use.count * use.format.size)
     message = f"{long.label} does not fit one record of {device.record_limit} bytes"
     if write and long.count > device.max_elements:

@@ -12,6 +12,8 @@ from plcgen.protocols.ds47.plan.nouns import Part, Use
 from plcgen.protocols.ds47.wire.formats import padded
 from plcgen.protocols.ds47.wire.model import ADDRESS_SIZE, HEADER_SIZE, MAX_ELEMENTS, negative_size
 
+MAX_TELEGRAMS = 255
+"""Telegrams of one job: each has a request reference of its own, 1 to 255."""
 BLOCK_HEADER = 2
 ERROR_BLOCK = 6
 

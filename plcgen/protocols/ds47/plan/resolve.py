@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, Report
+from plcgen.diagnostics import Diagnostic, Note, Report
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.project.nouns import BlockRef
 from plcgen.project.numbering import Numbering
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from plcgen.protocols.base import Protocol
 
 OUTPUT_BIT = 0x8000
+MAX_TELEGRAMS = 20_000
+"""Telegrams of one project."""
 
 
 def plan_drives(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, report: Report) -> DrivePlan:
@@ -53,6 +55,7 @@ def plan_drives(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, re
                 resolver.check_definition(own, ("drives", key, "parameters", text))
     jobs: list[DriveJob] = []
     owners: dict[str, int] = {}
+    room = MAX_TELEGRAMS
     for key, job in spec.jobs.items():
         if job.drive not in spec.drives:
             hint = did_you_mean(job.drive, spec.drives) or f"drives of this spec: {', '.join(spec.drives)}"
@@ -67,6 +70,12 @@ def plan_drives(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, re
         found = plan_job(key, loaded, planned[job.drive], owners[channel], resolvers[job.drive], numbering, report)
         if found is not None:
             jobs.append(found)
+            room -= len(found.telegrams)
+        if room < 0:
+            message = f"the drive jobs up to here have more than {MAX_TELEGRAMS} telegrams"
+            help_ = "divide the project: every telegram is two data blocks, and no CPU has room for so many"
+            report.add(Diagnostic("PG307", message, loaded.key_span(("jobs", key)), help=help_))
+            break
     tokens_used = tuple(dict.fromkeys(drive.token for drive in planned.values()))
     blocks = [diagnostics_type, token_type, *tokens_used]
     for one in jobs:
@@ -104,7 +113,8 @@ def pinned(spec: DriveSections) -> Iterator[tuple[str, int]]:
 
 def _own_parameters(loaded: LoadedSpec, key: str, device: Device, report: Report) -> dict[int, Parameter]:
     own: dict[int, Parameter] = {}
-    for text, definition in loaded.sections(DriveSections).drives[key].parameters.items():
+    definitions = loaded.sections(DriveSections).drives[key].parameters
+    for text, definition in definitions.items():
         path = ("drives", key, "parameters", text)
         reference = parse_reference(text)
         if reference is None or reference.pnu is None or reference.first is not None or not 1 <= reference.pnu <= 65535:
@@ -123,6 +133,18 @@ def _own_parameters(loaded: LoadedSpec, key: str, device: Device, report: Report
             source = f": {known.source}" if known is not None and known.access == "r" else ""
             message, help_ = f"{text} cannot be written: {reason}{source}", "remove access, or write access: r"
             report.add(Diagnostic("PG207", message, loaded.span((*path, "access")), help=help_))
+            continue
+        if reference.pnu in own:
+            first = next(key for key in definitions if (other := parse_reference(key)) and other.pnu == reference.pnu)
+            report.add(
+                Diagnostic(
+                    "PG103",
+                    f'parameter {reference.pnu} is defined twice: "{first}" and "{text}"',
+                    loaded.key_span(path),
+                    help="remove one of them; letter case and zeros in front make no difference",
+                    notes=(Note("first definition", loaded.key_span((*path[:-1], first))),),
+                )
+            )
             continue
         own[reference.pnu] = parameter_from(reference.pnu, definition.model_dump(), read_only=bool(reason))
     return own

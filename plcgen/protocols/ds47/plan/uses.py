@@ -12,6 +12,7 @@ from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.protocols.ds47.kinds import ReadItem, WriteItem
 from plcgen.protocols.ds47.plan.nouns import Use
+from plcgen.protocols.ds47.plan.pack import MAX_TELEGRAMS
 from plcgen.protocols.ds47.plan.references import Reference, parse_reference
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
@@ -65,10 +66,14 @@ class UseResolver:
             self.problem("PG206", f"{item.parameter}: several indexes of a string are several reads", place)
             return None
         count = octets if fmt.is_string else values
+        if count * fmt.size > MAX_TELEGRAMS * self.device.record_limit:
+            help_ = "take fewer indexes, or several jobs"
+            self.problem("PG307", f"{item.parameter} needs more than {MAX_TELEGRAMS} telegrams", place, help_)
+            return None
         start = item.value if isinstance(item, WriteItem) and item.value is not None else None
         constant = start is not None
         if isinstance(item, WriteItem) and not constant:
-            start = item.start if item.start is not None else _safe_default(parameter, fmt)
+            start = item.start if item.start is not None else _safe_default(parameter, fmt, count)
         data = b"\0" * (count * fmt.size)
         if write:
             data = self._pack(start, parameter, fmt, count, (*path, "value" if constant else "start")) or data
@@ -213,14 +218,17 @@ class UseResolver:
             self.problem("PG211", f"{fmt.name} takes text", path, _value_help(fmt))
             return None
         try:
-            data = value.encode("latin-1") if fmt.kind is Kind.TEXT else bytes.fromhex(value)
+            data = value.encode("ascii") if fmt.kind is Kind.TEXT else bytes.fromhex(value)
         except ValueError:
             self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, _value_help(fmt))
             return None
         if len(data) > count:
             self.problem("PG208", f"{len(data)} octets do not fit {fmt.name}[{count}]", path)
             return None
-        return data.ljust(count, b" " if fmt.kind is Kind.TEXT else b"\0")
+        if len(data) < count and fmt.kind is Kind.OCTETS:
+            self.problem("PG208", f"{fmt.name}[{count}] takes {count} octets, not {len(data)}", path)
+            return None
+        return data.ljust(count)
 
 
 def _names_sources(given: Any, parameter: Parameter, fmt: Format) -> bool:
@@ -244,16 +252,16 @@ def _value_help(fmt: Format) -> str:
     if fmt.kind is Kind.OCTETS:
         return 'write the octets as hexadecimal digits, for example "0329"'
     if fmt.kind is Kind.TEXT:
-        return "write the text in quotes"
+        return "write the text in quotes, ASCII characters only"
     if fmt.name == "Unsigned32":
         return "write a number or a BICO source such as r722.2, or r722.2@3 of drive object 3"
     return "write a number"
 
 
-def _safe_default(parameter: Parameter, fmt: Format) -> Any:
+def _safe_default(parameter: Parameter, fmt: Format, count: int) -> Any:
     """Start value of an input: the factory setting, else zero or the nearest limit."""
     if fmt.is_string:
-        return parameter.default if isinstance(parameter.default, str) else ""
+        return parameter.default or ("" if fmt.kind is Kind.TEXT else "00" * count)
     if parameter.default is not None:
         return parameter.default
     low, high = parameter.minimum, parameter.maximum

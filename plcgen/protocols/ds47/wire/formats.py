@@ -24,6 +24,7 @@ from functools import cache
 from typing import TYPE_CHECKING, TypeAlias
 
 from plcgen.diagnostics import PlcgenError
+from plcgen.s7.values import keeps
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -207,9 +208,17 @@ def _pack_float(fmt: Format, value: Value) -> bytes:
         number = float(value)
         if not math.isfinite(number):
             raise problem
-        return struct.pack(">f" if fmt.size == 4 else ">d", number)
+        packed = struct.pack(">f" if fmt.size == 4 else ">d", number)
     except OverflowError:
         raise problem from None
+    nearest = _unpack_float(packed)
+    if not keeps(nearest, value):
+        raise FormatValueError(f"{fmt.name} does not have {value!r}: the nearest is {nearest!r}")
+    return packed
+
+
+def _unpack_float(data: bytes) -> float:
+    return float(struct.unpack(">f" if len(data) == 4 else ">d", data)[0])
 
 
 def _pack_boolean(fmt: Format, value: Value) -> bytes:
@@ -281,6 +290,5 @@ def _unpack_one(fmt: Format, data: bytes) -> Value:
     if fmt.kind is Kind.OPAQUE:
         return data
     if fmt.kind is Kind.FLOAT:
-        (number,) = struct.unpack(">f" if fmt.size == 4 else ">d", data)
-        return float(number)
+        return _unpack_float(data)
     return int.from_bytes(data, "big", signed=fmt.kind is Kind.SIGNED)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
 from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.input.files import below
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec
 from plcgen.protocols.base import Protocol
@@ -160,11 +162,14 @@ def _symbols(key: str, name: str, station: PpiStation, loaded: LoadedSpec, repor
     if not isinstance(station.symbols, str):
         return _own_symbols(station.symbols, ("ppi", key, "stations", name, "symbols"), loaded, report)
     try:
-        return load_symbols(Path(loaded.file).parent / station.symbols)
+        path = below(Path(loaded.file).parent, station.symbols)
+        if path is None:
+            raise PermissionError(errno.EACCES, "it is not below the folder of the spec")
+        return load_symbols(path)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
-    except (OSError, ValueError) as problem:  # ValueError: a NUL in the path
-        why = getattr(problem, "strerror", None) or str(problem)
+    except OSError as problem:
+        why = problem.strerror or str(problem)
         message = f"the symbol table {station.symbols} cannot be read: {why}"
         place = loaded.span(("ppi", key, "stations", name, "symbols"))
         help_ = "export it from STEP 7-Micro/WIN; the path begins at the spec"

@@ -15,9 +15,10 @@ from plcgen.protocols.ppi.symbols import Symbol, SymbolTable
 from plcgen.protocols.ppi.wire.address import AddressError, address_text, parse_address
 from plcgen.protocols.ppi.wire.areas import OCTETS, Area, TransportSize
 from plcgen.protocols.ppi.wire.model import Item
+from plcgen.s7.errors import UnfitValueError
 from plcgen.s7.names import RESERVED, TIA_LIMIT, V5_LIMIT, camel_case, shorten
 from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, Elementary
-from plcgen.s7.values import pack_value
+from plcgen.s7.values import keeps, pack_value, unpack_value
 
 WRITABLE = frozenset({Area.Q, Area.S, Area.M, Area.V, Area.AQ})
 """Areas that function 05 writes; inputs can only be forced, timers and counters are not confirmed."""
@@ -183,6 +184,9 @@ class ValueResolver:
             return None
         try:
             data = pack_value(float(value) if name == "REAL" and not isinstance(value, str) else value, element)
+            nearest = unpack_value(data, element)
+            if isinstance(nearest, float) and not isinstance(value, str) and not keeps(nearest, value):
+                raise UnfitValueError(f"Real does not have {value!r}: the nearest is {nearest!r}")
         except (ValueError, OverflowError) as problem:
             self.problem("PG208", f"{given.item}: {problem}", place)
             return None

@@ -20,6 +20,7 @@ _PATIENCE = 0.25
 """Seconds after which a server looks whether it shall end."""
 
 MOST_CONNECTIONS = 64
+"""One more connection ends the one that was silent longest: nobody keeps others out by doing nothing."""
 
 Ended = Callable[[], bool]
 
@@ -61,7 +62,7 @@ def serve_tcp(
     """Serve connections, one after the other or several at once, until ``ended()`` is true.
 
     Every connection is a line of its own to the same CPUs: it begins with fresh frame counts, and nobody waits because
-    another client holds its connection.
+    another client holds its connection, or many of them.
     """
     clock, tell = clock or Stopwatch(), tell or _quiet
     branches: dict[TcpLine, Bus] = {}
@@ -71,20 +72,29 @@ def serve_tcp(
             wait = min([patience, *(max(0.0, (due - clock.now) / 1000) for due in dues)])
             sources: list[TcpServer | TcpLine] = [server, *branches]
             ready = select.select(sources, [], [], wait)[0]
-            fresh = server.accept(0) if server in ready and len(branches) < MOST_CONNECTIONS else None
+            fresh = server.accept(0) if server in ready else None
             if fresh is not None:
+                if len(branches) >= MOST_CONNECTIONS:
+                    _leave(next(iter(branches)), branches, tell)
                 branches[fresh] = bus.branch()
                 tell(f"{fresh.name} connected")
             for line, branch in list(branches.items()):
                 try:
                     _attend(branch, line, clock, readable=line in ready)
                 except LineLostError:
-                    del branches[line]
-                    line.close()
-                    tell(f"{line.name} disconnected")
+                    _leave(line, branches, tell)
+                    continue
+                if line in ready:
+                    branches[line] = branches.pop(line)  # the order is that of silence
     finally:
         for line in branches:
             line.close()
+
+
+def _leave(line: TcpLine, branches: dict[TcpLine, Bus], tell: Callable[[str], None]) -> None:
+    del branches[line]
+    line.close()
+    tell(f"{line.name} disconnected")
 
 
 def _attend(bus: Bus, line: Line, clock: Stopwatch, *, readable: bool) -> None:
