@@ -13,6 +13,13 @@ from plcgen.review.compare.members import MemberComparison, text_change
 from plcgen.review.compare.model import BlockState, Change, MemberState
 from plcgen.review.compare.policy import Level
 
+_DEFAULTS = {
+    "DBACCESSIBLEFROMOPCUA": "TRUE", "DBACCESSIBLEFROMWEBSERVER": "TRUE", "ISIECCHECKENABLED": "FALSE",
+    "ISONLYSTOREDINLOADMEMORY": "FALSE", "ISRETAINMEMRESENABLED": "FALSE", "ISWRITEPROTECTEDINAS": "FALSE",
+    "UDAENABLETAGREADBACK": "FALSE", "VERSION": "0.1",
+}  # fmt: skip
+"""What an attribute of a block means that is not written: whether it is, is a setting of the export."""
+
 _ORDER = {"DB": 0, "FB": 1, "FC": 2, "OB": 3, "UDT": 4}
 
 
@@ -209,5 +216,6 @@ def _retain(block: BlockState) -> str:
 
 def _differences(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[tuple[str, str, str]]:
     for name in sorted(old.keys() | new.keys()):
-        if old.get(name, "") != new.get(name, ""):
-            yield name, old.get(name, ""), new.get(name, "")
+        was, now, default = old.get(name, ""), new.get(name, ""), _DEFAULTS.get(name.upper(), "")
+        if was != now and not {was.upper(), now.upper()} <= {"", default}:
+            yield name, was, now

@@ -32,6 +32,9 @@ class Found(NamedTuple):
 
 
 _VISIBLE = {"EXTERNALVISIBLE": "visible", "EXTERNALACCESSIBLE": "readable", "EXTERNALWRITABLE": "writable"}
+_DEFAULTS = {"RETAIN": "NONRETAIN", "S7_SETPOINT": "FALSE", **dict.fromkeys(_VISIBLE, "TRUE")}
+"""What an attribute means that is not written: whether the TIA Portal writes it is a setting of the export."""
+
 _REQUIRED = {"FC": frozenset({"Input", "Output", "InOut"}), "FB": frozenset({"InOut"})}
 
 
@@ -149,15 +152,14 @@ class MemberComparison:
         spelt = {name.upper(): name for name, _ in (*old.attributes, *new.attributes)}
         for name in sorted(before.keys() | after.keys()):
             was, now = before.get(name, ""), after.get(name, "")
-            if name == "RETAIN":
-                was, now = was or "NONRETAIN", now or "NONRETAIN"
-            if name in _VISIBLE:
-                was, now = was or "TRUE", now or "TRUE"
-            if was == now:
+            default = _DEFAULTS.get(name, "")
+            if (was or default) == (now or default):
                 continue
             if name == "RETAIN":
+                was, now = was or default, now or default
                 self.add("retain-changed", new, f"{was.lower()} -> {now.lower()}", was, now, before=old.span)
             elif name in _VISIBLE:
+                was, now = was or default, now or default
                 lost = now == "FALSE"
                 what = f"{'no longer' if lost else 'now'} {_VISIBLE[name]} from HMI and OPC UA"
                 kind = "hmi-access-removed" if lost else "hmi-access-added"

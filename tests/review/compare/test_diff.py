@@ -314,6 +314,41 @@ def test_a_block_with_the_same_number_is_the_same_block(tmp_path):
     assert {c.kind for c in found.changes} == {"block-renamed", "type-changed"}
 
 
+def test_what_an_export_writes_by_default_is_no_change(tmp_path):
+    """The same block, exported with and without defaults; another value than the default is a change."""
+    old, new = tmp_path / "old", tmp_path / "new"
+    old.mkdir()
+    text = 'DATA_BLOCK "D"\nNON_RETAIN\nSTRUCT\n  a : Int;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+    (old / "D.db").write_text(text, encoding="utf-8")
+    assert plcgen.convert(old / "D.db", to="xml", out=new).ok
+    (document,) = new.glob("*.xml")
+    plain = document.read_text("utf-8-sig")
+    names = ("ExternalAccessible", "ExternalVisible", "ExternalWritable")
+    flags = "".join(f'<BooleanAttribute Name="{name}" SystemDefined="true">true</BooleanAttribute>' for name in names)
+    flags += '<BooleanAttribute Name="SetPoint" SystemDefined="true">false</BooleanAttribute>'
+    full = plain.replace(
+        '<Member Name="a" Datatype="Int" />',
+        f'<Member Name="a" Datatype="Int" Remanence="NonRetain"><AttributeList>{flags}</AttributeList></Member>',
+    )
+    assert full != plain
+    block = "<DBAccessibleFromOPCUA>true</DBAccessibleFromOPCUA><HeaderVersion>0.1</HeaderVersion>"
+    block += "<IsOnlyStoredInLoadMemory>false</IsOnlyStoredInLoadMemory>"
+    full = full.replace("<Interface>", f"{block}<Interface>")
+    (tmp_path / "full.xml").write_text(full, encoding="utf-8-sig")
+    assert plcgen.diff(new, tmp_path / "full.xml").changes == ()
+    assert plcgen.diff(tmp_path / "full.xml", new).changes == ()
+    other = full.replace(">true</DBA", ">false</DBA").replace("false</BooleanAttribute>", "true</BooleanAttribute>")
+    (tmp_path / "full.xml").write_text(other, encoding="utf-8-sig")
+    assert [(c.kind, c.path) for c in plcgen.diff(new, tmp_path / "full.xml").changes] == [
+        ("block-attribute", ""),
+        ("member-attribute", "a"),
+    ]
+    informative = full.replace('Name="SetPoint" System', 'Informative="true" Name="SetPoint" System')
+    informative = informative.replace("false</BooleanAttribute>", "true</BooleanAttribute>")
+    (tmp_path / "full.xml").write_text(informative, encoding="utf-8-sig")
+    assert plcgen.diff(new, tmp_path / "full.xml").changes == ()
+
+
 def test_one_token_in_a_long_body(tmp_path):
     """Equal beginnings and ends are left out before anything is compared token by token."""
     body = "".join(f'"a{n}" := #a + {n};\n' for n in range(3000))
