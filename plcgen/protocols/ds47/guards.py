@@ -1,7 +1,8 @@
 """What no definition of a parameter lifts: numbers that can do harm, and numbers that can only be read.
 
-A profile or a spec may call a parameter what it likes; its number decides. Sources: Siemens' help on SINAMICS
-parameters (S210, S120, G120) and the operating instructions of the G120X; PNU 944..975 are those of PROFIdrive.
+A profile or a spec may call a parameter what it likes; its number decides. Sources: Siemens' help on the parameters of
+S210 (p0009, p0010, p0976, p0977, p1215; the displays), S120 (p0971) and G120 (p0015); the others come from
+general knowledge, and are guarded all the same.
 """
 
 from __future__ import annotations
@@ -21,7 +22,6 @@ _DANGERS: dict[int, str] = {
     972: "restarts the unit",
     973: "belongs to the functions that reset, restart and save a unit (p0970..p0977)",
     974: "belongs to the functions that reset, restart and save a unit (p0970..p0977)",
-    975: "belongs to the functions that reset, restart and save a unit (p0970..p0977)",
     976: "resets the parameters of the whole unit",
     977: "writes the non-volatile memory; cyclic use wears it out",
     1215: "configures the motor holding brake: a load may drop",
