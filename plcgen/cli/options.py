@@ -83,9 +83,6 @@ class Verb(Examples):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the verb, unless its result would overwrite one of its inputs, or what is somebody's input elsewhere."""
-        output = ctx.params.get("output")
-        if isinstance(output, Path) and output.is_file() and _is_source(output):
-            raise click.UsageError(f"{output} is a spec or a source: write the result elsewhere", ctx)
         target = ctx.params.get("output") or ctx.params.get("path")
         if isinstance(target, Path) and target.is_file():
             for name, value in ctx.params.items():
@@ -95,6 +92,9 @@ class Verb(Examples):
                 for path in read:
                     if isinstance(path, Path) and _would_destroy(target, path):
                         raise click.UsageError(f"{target} is a source that is read: write the result elsewhere", ctx)
+        output = ctx.params.get("output")
+        if isinstance(output, Path) and output.is_file() and _is_source(output):
+            raise click.UsageError(f"{output} is a spec or a source: write the result elsewhere", ctx)
         return super().invoke(ctx)
 
 
