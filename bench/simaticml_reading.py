@@ -13,7 +13,7 @@ from plcgen.s7.types import ELEMENTARY, Member
 from plcgen.simaticml.reading.documents import read_simaticml
 from plcgen.simaticml.versions import VERSIONS
 from plcgen.simaticml.writing.documents import Setting, document
-from plcgen.simaticml.writing.scope import Scope
+from plcgen.simaticml.writing.scope import BlockScope
 from plcgen.simaticml.writing.structured_text import elements, numbered
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -34,7 +34,7 @@ def code_export(megabytes: float) -> bytes:
     from plcgen.scl.lexer import tokenize
 
     code = f"{block.code}\n"
-    once = elements(tokenize(code, "bench"), 0, len(code), Scope.of(block), SETTING)
+    once = elements(tokenize(code, "bench"), 0, len(code), BlockScope.of(block), SETTING)
     times = max(1, round(megabytes * 1e6 / len(numbered(once))))
     return document(block, SETTING, numbered(once * times))[0].encode()
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from mutation.cases import FOLDERS, Case, encoding_of, golden, project_of
 from plcgen.diagnostics import DiagnosticError
 from plcgen.proof.execution import Result, Work, added, coverage, run_job, run_together
-from plcgen.proof.rig import Bench
+from plcgen.proof.rig import ProgramBench
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ def notice(case: Case) -> Verdict:
     before = path.read_bytes()
     path.write_text(case.mutant.text, encoding=encoding_of(case.spec), newline="")
     try:
-        return executed(Work(Bench(project_of(case.spec), folder), "quick"), case.key)
+        return executed(Work(ProgramBench(project_of(case.spec), folder), "quick"), case.key)
     finally:
         path.write_bytes(before)
 

@@ -10,12 +10,12 @@ from plcgen.protocols.ppi.wire.address import parse_address
 from plcgen.protocols.ppi.wire.model import (
     FrameCount,
     Item,
+    ItemWrite,
     Pdu,
     ReadReply,
     ReadRequest,
     Request,
     VariableFrame,
-    WriteItem,
     WriteReply,
     WriteRequest,
 )
@@ -70,7 +70,7 @@ class Talk:
     def write(self, *pairs: tuple[str | Item, bytes]) -> list[int]:
         """Return codes of a write."""
         entries = (
-            WriteItem(item, data)
+            ItemWrite(item, data)
             for item, data in zip(items([p[0] for p in pairs]), [p[1] for p in pairs], strict=True)
         )
         reply = self.ask(WriteRequest(8, tuple(entries)))

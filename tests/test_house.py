@@ -84,3 +84,24 @@ def test_classes_hold_one_idea() -> None:
     assert [f"{m}.{c.name}" for m, c in classes if (c.end_lineno or 0) - c.lineno >= 350] == []
     stubs = [(m, n.lineno) for m, n in nodes if isinstance(n, ast.Raise) and "NotImplementedError" in ast.dump(n)]
     assert stubs == []
+
+
+def mirrored(places: set[str]) -> bool:
+    """Whether rooms with one inner structure name their parts alike, or the syntax tree, which is read as ``ast.X``."""
+    rooms = {"cpu.compiler": "scl.grammar", "protocols.ds47": "protocols.ppi"}
+    tops = {place.removeprefix("plcgen.") for place in places} - {"scl.ast"}
+    return len(tops) < 2 or any(
+        {top.startswith(one) for top in tops} == {top.startswith(other) for top in tops} == {True, False}
+        and all(top.startswith((one, other)) for top in tops)
+        for one, other in rooms.items()
+    )
+
+
+def test_a_public_name_means_one_thing() -> None:
+    """A class is found by its name: two rooms have one of the same name only if they mirror each other."""
+    places: dict[str, set[str]] = {}
+    for name, tree in MODULES.items():
+        for node in tree.body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                places.setdefault(node.name, set()).add(name)
+    assert {name: sorted(found) for name, found in places.items() if not mirrored(found)} == {}

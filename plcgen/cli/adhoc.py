@@ -9,7 +9,7 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.protocols.ds47.plan.references import Reference, parse_reference
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.bico import Layout, parse_bico
-from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind, Value
+from plcgen.protocols.ds47.wire.formats import Format, FormatKind, FormatValueError, Value
 from plcgen.protocols.ds47.wire.model import ParameterAddress, ValueBlock
 
 if TYPE_CHECKING:
@@ -105,9 +105,9 @@ def _value(text: str, fmt: Format, layout: Layout) -> Value:
     """Read one value: S7 and YAML numbers, ``true``, BICO sources for Unsigned32, hex for octets."""
     from plcgen.input.yaml import resolve_plain
 
-    if fmt.kind is Kind.TEXT:
+    if fmt.kind is FormatKind.TEXT:
         return text
-    if fmt.kind in {Kind.OCTETS, Kind.OPAQUE}:
+    if fmt.kind in {FormatKind.OCTETS, FormatKind.OPAQUE}:
         return bytes.fromhex(text)
     value = resolve_plain(text)
     if isinstance(value, str) and fmt.name in {"Unsigned32", "DoubleWord"}:

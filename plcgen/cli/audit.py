@@ -10,7 +10,7 @@ import click
 from plcgen.cli.options import PATH, console, format_option, output_option, verb
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 
 @verb(
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @click.option("--spec", required=True, type=PATH, metavar="FILE", help="Spec that says what is read and written.")
 @format_option("verification")
 @output_option
-def command(*, paths: tuple[Path, ...], spec: Path, format_: Format, output: Path | None) -> int:
+def command(*, paths: tuple[Path, ...], spec: Path, format_: OutputFormat, output: Path | None) -> int:
     """Audit request and response DBs that somebody wrote by hand, and the calls that send them.
 
     The spec says what is to be read or written; the data blocks (.db .udt .scl .awl, SimaticML) are matched to

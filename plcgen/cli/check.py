@@ -14,7 +14,7 @@ from plcgen.cli.output import OK, PROBLEMS, Console
 if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
     from plcgen.display.results import Findings
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 TARGETS = ("v5", "tia-300", "tia-1500")
 Subject = tuple[str, Sequence["Diagnostic"]]
@@ -47,7 +47,7 @@ def command(
     target: str | None,
     program: bool,
     tags: tuple[Path, ...],
-    format_: Format,
+    format_: OutputFormat,
     output: Path | None,
 ) -> int:
     """Check specs (.yaml) and PLC sources (.scl .udt .db .awl), and show every problem at its place.

@@ -12,7 +12,7 @@ from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
     from plcgen.api import ConvertResult
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 VERSIONS = ("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21")
 
@@ -40,7 +40,7 @@ VERSIONS = ("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21")
 @click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")
 @click.option("--force", is_flag=True, help="Overwrite files that exist.")
 @format_option("findings")
-def command(*, paths: tuple[Path, ...], folder: Path, culture: str, format_: Format, **options: Any) -> int:
+def command(*, paths: tuple[Path, ...], folder: Path, culture: str, format_: OutputFormat, **options: Any) -> int:
     """Turn blocks into SimaticML for TIA Openness, or documents into SCL, UDT and DB sources.
 
     One file per block, named after it; comments and layout of the code are kept. Name the sources of all types

@@ -12,7 +12,7 @@ from plcgen.cli.output import PROBLEMS
 from plcgen.diagnostics import Diagnostic, Span
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
     from plcgen.protocols.decoded import DecodedTelegram
 
 ARGUMENTS, STDIN, REQUEST = "<arguments>", "<stdin>", "<request>"
@@ -37,7 +37,7 @@ def command(
     kind: Literal["request", "response"] | None,
     request: str | None,
     status: bool,
-    format_: Format,
+    format_: OutputFormat,
 ) -> int:
     """Explain telegrams of data set 47 byte by byte, from arguments or from stdin.
 
@@ -98,7 +98,7 @@ def _decode(
     return telegram
 
 
-def _status(hex_: tuple[str, ...], format_: Format) -> int:
+def _status(hex_: tuple[str, ...], format_: OutputFormat) -> int:
     from plcgen import api
     from plcgen.protocols.ds47.texts import status_answer
 

@@ -11,7 +11,7 @@ from plcgen.cli.options import PATH, console, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 FAIL_ON = ("breaking", "compatible", "any", "never")
 
@@ -46,7 +46,7 @@ def command(
     verbose: bool,
     classic: bool,
     list_changes: bool,
-    format_: Format,
+    format_: OutputFormat,
     output: Path | None,
 ) -> int:
     """Compare two versions of PLC sources or specs from the outside.

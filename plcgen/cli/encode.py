@@ -14,7 +14,7 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError
 
 if TYPE_CHECKING:
     from plcgen.display.results import Answer
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 
 @verb(
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 @click.option("--device", metavar="DEVICE", help="Device profile: names, data types, drive object.")
 @format_option("answer")
 def command(
-    *, words: tuple[str, ...], drive_object: int | None, reference: int, device: str | None, format_: Format
+    *, words: tuple[str, ...], drive_object: int | None, reference: int, device: str | None, format_: OutputFormat
 ) -> int:
     """Print request telegrams as hex, one per line: of a spec's jobs, or of parameters given here.
 
@@ -51,7 +51,7 @@ def command(
     return _spec(out, Path(verb), rest[0] if rest else None, format_)
 
 
-def _spec(out: Console, spec: Path, job: str | None, format_: Format) -> int:
+def _spec(out: Console, spec: Path, job: str | None, format_: OutputFormat) -> int:
     from plcgen import api
 
     result = api.encode(spec, job)
@@ -66,7 +66,7 @@ def _spec(out: Console, spec: Path, job: str | None, format_: Format) -> int:
 
 
 def _adhoc(
-    out: Console, verb: str, words: tuple[str, ...], how: tuple[int | None, int, str | None], format_: Format
+    out: Console, verb: str, words: tuple[str, ...], how: tuple[int | None, int, str | None], format_: OutputFormat
 ) -> int:
     from plcgen.cli.arguments import ARGUMENTS
     from plcgen.diagnostics import Span

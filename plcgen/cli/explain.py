@@ -11,7 +11,7 @@ from plcgen.cli.output import OK, PROBLEMS, error_line, help_line
 
 if TYPE_CHECKING:
     from plcgen.display.results import Answer
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 
 @verb(
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @click.argument("codes", nargs=-1, metavar="CODE...")
 @click.option("--list", "list_all", is_flag=True, help="List every diagnostic code.")
 @format_option("answer")
-def command(*, codes: tuple[str, ...], list_all: bool, format_: Format) -> int:
+def command(*, codes: tuple[str, ...], list_all: bool, format_: OutputFormat) -> int:
     """Explain diagnostic codes, error numbers of a drive, and status words.
 
     Numbers are hexadecimal, in any usual spelling; their length says what they are.

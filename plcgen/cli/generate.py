@@ -15,7 +15,7 @@ from plcgen.cli.output import OK, PROBLEMS, Console, error_detail, error_line, h
 if TYPE_CHECKING:
     from plcgen.api import GenerateResult
     from plcgen.diagnostics import Diagnostic
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 
 @verb(
@@ -30,7 +30,9 @@ if TYPE_CHECKING:
 @click.option("--diff", is_flag=True, help="Show what would change as a unified diff; write nothing.")
 @click.option("--force", is_flag=True, help="Overwrite files that were changed by hand.")
 @format_option("findings")
-def command(*, spec: Path, folder: Path | None, check_only: bool, diff: bool, force: bool, format_: Format) -> int:
+def command(
+    *, spec: Path, folder: Path | None, check_only: bool, diff: bool, force: bool, format_: OutputFormat
+) -> int:
     """Generate the PLC sources of a spec into a folder.
 
     The folder is replaced as a whole or not at all. Files that you changed by hand are never overwritten
@@ -91,7 +93,7 @@ def _stale(result: GenerateResult, stale: list[Diagnostic]) -> None:
     help_line(f"plcgen generate {result.spec}")
 
 
-def _machine(out: Console, result: GenerateResult, format_: Format) -> None:
+def _machine(out: Console, result: GenerateResult, format_: OutputFormat) -> None:
     from plcgen.display.results import Findings
 
     spec = result.spec.as_posix()

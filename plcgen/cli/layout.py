@@ -12,7 +12,7 @@ from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
     from plcgen.api import Family
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 
 @verb(
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 def command(
     *,
     paths: tuple[Path, ...],
-    format_: Format,
+    format_: OutputFormat,
     block: str,
     expand: bool,
     family: Family | None,

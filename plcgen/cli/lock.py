@@ -13,7 +13,7 @@ from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
     from plcgen.cli.output import Console
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
     from plcgen.review.compare.model import Comparison
 
 
@@ -50,7 +50,7 @@ def command(
     verbose: bool,
     classic: bool,
     force: bool,
-    format_: Format,
+    format_: OutputFormat,
     output: Path | None,
 ) -> int:
     """Write where every member of the blocks lies into a lock file, or check that nothing moved.
@@ -77,7 +77,7 @@ def command(
 
 
 def _show(
-    out: Console, result: Comparison, fail_on: str, format_: Format, output: Path | None, *, verbose: bool
+    out: Console, result: Comparison, fail_on: str, format_: OutputFormat, output: Path | None, *, verbose: bool
 ) -> int:
     text = format_.name == "text"
     if not format_.complete:

@@ -13,7 +13,7 @@ from plcgen.cli.output import Console
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 
@@ -153,11 +153,11 @@ class _FormatName(click.ParamType[Any]):
 
         return registry.names(self.kind)
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Format:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> OutputFormat:
         """The format itself."""
-        from plcgen.output.registry import Format, find
+        from plcgen.output.registry import OutputFormat, find
 
-        if isinstance(value, Format):
+        if isinstance(value, OutputFormat):
             return value
         found = find(value)
         if found is None or not found.shows(self.kind):

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
     from plcgen.display.results import Answer
     from plcgen.display.view import View
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
     from plcgen.proof.checks import Verification
 
 OK = 0
@@ -100,13 +100,20 @@ class Console:
         return View(color, terminal_width(out), SourceCache().line, target, **looks)
 
     def show(
-        self, format_: Format, kind: str, result: Any, output: Path | None = None, *, force: bool = True, **looks: Any
+        self,
+        format_: OutputFormat,
+        kind: str,
+        result: Any,
+        output: Path | None = None,
+        *,
+        force: bool = True,
+        **looks: Any,
     ) -> None:
         """Deliver a result in a format."""
         self.result(format_.render(kind, result, self.view(output, **looks)), output, force=force)
 
     def answer(
-        self, format_: Format, found: Answer, output: Path | None = None, known: dict[str, str] | None = None
+        self, format_: OutputFormat, found: Answer, output: Path | None = None, known: dict[str, str] | None = None
     ) -> int:
         """Deliver an answer and return the exit code: whether an error stands in its diagnostics."""
         self.show(format_, "answer", found, output)
@@ -114,7 +121,7 @@ class Console:
             self.complain(found.diagnostics, known)
         return PROBLEMS if any(d.severity.label == "error" for d in found.diagnostics) else OK
 
-    def verification(self, format_: Format, result: Verification, output: Path | None = None) -> int:
+    def verification(self, format_: OutputFormat, result: Verification, output: Path | None = None) -> int:
         """Deliver what was verified and return the exit code; ``--quiet`` leaves the troubles of a text."""
         from plcgen.output.verification import troubles
 

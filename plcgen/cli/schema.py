@@ -12,7 +12,7 @@ from plcgen.cli.output import OK
 
 if TYPE_CHECKING:
     from plcgen.display.results import Answer
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 
 @verb(
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @click.option("--devices", is_flag=True, help="List the device profiles instead.")
 @format_option("answer")
 @output_option
-def command(*, devices: bool, format_: Format, output: Path | None) -> int:
+def command(*, devices: bool, format_: OutputFormat, output: Path | None) -> int:
     """Print the JSON schema of a spec for your editor, or the known devices."""
     out = console()
     if devices:

@@ -12,7 +12,7 @@ from plcgen.cli.options import PATH, console, folder_option, format_option, outp
 from plcgen.cli.output import OK, PROBLEMS, USAGE, Console
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
     from plcgen.trace.model import Trace
 
 _MAX_SCANS = 10_000_000
@@ -41,7 +41,7 @@ _MAX_SCANS = 10_000_000
 @click.option("--with", "own", type=PATH, multiple=True, metavar="FILE", help="Run this SCL, UDT or DB source too.")
 @format_option("trace")
 @output_option
-def command(*, spec: Path, folder: Path | None, format_: Format, output: Path | None, **more: Any) -> int:
+def command(*, spec: Path, folder: Path | None, format_: OutputFormat, output: Path | None, **more: Any) -> int:
     """Run the files in a generated folder in a simulated CPU against a simulated drive, scan by scan.
 
     Every scan in which something changes is shown: states of the jobs, WRREC and RDREC, telegrams decoded,
@@ -60,7 +60,7 @@ def command(*, spec: Path, folder: Path | None, format_: Format, output: Path | 
     return OK if trace.ok else PROBLEMS
 
 
-def _show(out: Console, trace: Trace, format_: Format, output: Path | None) -> None:
+def _show(out: Console, trace: Trace, format_: OutputFormat, output: Path | None) -> None:
     """Deliver the result; what is wrong with it goes to stderr unless the format holds it."""
     if not trace.scans and not format_.complete:
         out.complain(trace.diagnostics)

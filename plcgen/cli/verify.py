@@ -11,7 +11,7 @@ from plcgen.api import default_folder
 from plcgen.cli.options import PATH, console, folder_option, format_option, output_option, verb
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 
 @verb(
@@ -39,7 +39,7 @@ def command(
     folder: Path | None,
     drive: Path | None,
     faults: Literal["none", "quick", "full"],
-    format_: Format,
+    format_: OutputFormat,
     output: Path | None,
 ) -> int:
     """Run the files in a generated folder against a simulated drive and compare every byte.

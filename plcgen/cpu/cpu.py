@@ -15,9 +15,9 @@ from plcgen.cpu.linkage import Compiled, Probe, ProgramBlock
 from plcgen.cpu.memory import Memory, codec_functions
 from plcgen.cpu.program import Program
 from plcgen.cpu.symbols import Symbols
-from plcgen.cpu.system.bus import Bus
+from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.interfaces import SystemFb
-from plcgen.cpu.system.moves import AccessFaultError, Moves
+from plcgen.cpu.system.moves import AccessFaultError, MemoryMoves
 from plcgen.cpu.system.point_to_point import PORT_BLOCKS, PortBlock
 from plcgen.cpu.system.record import RecordBlock
 from plcgen.cpu.system.timers import counter, edge, timer
@@ -59,7 +59,7 @@ class Cpu:
     def __init__(
         self,
         program: Program,
-        bus: Bus | None = None,
+        bus: Periphery | None = None,
         *,
         family: Family | None = None,
         job_limit: int | None = None,
@@ -68,7 +68,7 @@ class Cpu:
         if not program.ok:
             raise DiagnosticError(program.diagnostics)
         self.program = program
-        self.bus = bus if bus is not None else Bus()
+        self.bus = bus if bus is not None else Periphery()
         default: Family = "s7-300" if program.link.classic else "s7-1500"
         self.family: Family = family or default
         self.job_limit = job_limit if job_limit is not None else JOB_LIMITS[self.family]
@@ -82,7 +82,7 @@ class Cpu:
         self.areas = {area: Memory(AREA_SIZE, area) for area in "IQMP"}
         self._blocks: dict[int, Memory] = {}
         self._numbers: dict[int, Memory] = {}
-        self._moves = Moves(self._locate, self._report)
+        self._moves = MemoryMoves(self._locate, self._report)
         self._records: list[RecordBlock | PortBlock] = []
         self._make_memory()
         self.symbols = Symbols(program.link, self._blocks, self.areas)

@@ -12,7 +12,7 @@ from pathlib import Path
 from plcgen.cpu.cpu import Cpu, Family
 from plcgen.cpu.folder import load_folder
 from plcgen.cpu.program import Program, Source
-from plcgen.cpu.system.bus import Bus, RecordServer
+from plcgen.cpu.system.bus import Periphery, RecordServer
 from plcgen.diagnostics import DiagnosticError, PlcgenError
 from plcgen.scl.dialect import BY_NAME, Dialect
 
@@ -27,7 +27,7 @@ class Bench:
     def __init__(
         self, program: Program, drives: Mapping[int, RecordServer] | None = None, family: Family | None = None
     ) -> None:
-        self.bus = Bus()
+        self.bus = Periphery()
         for address, drive in (drives or {}).items():
             self.bus.attach(address, drive)
         self.cpu = Cpu(program, self.bus, family=family)

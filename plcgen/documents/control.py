@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.documents.members import plain
-from plcgen.documents.nouns import Call, Command, Member, Program, Tag, WatchRow
+from plcgen.documents.nouns import Call, Command, FunctionBlock, MemberRow, TagRow, WatchRow
 from plcgen.documents.spelling import type_words
 from plcgen.project.nouns import BlockRef, Frame
 
@@ -18,7 +18,7 @@ _SIGNALS = {
 }
 
 
-def signals(frame: Frame, texts: dict[str, str] | None = None, *, starts: bool = False) -> list[Member]:
+def signals(frame: Frame, texts: dict[str, str] | None = None, *, starts: bool = False) -> list[MemberRow]:
     """The signals that every job has; ``texts`` replaces comments, ``starts`` says that execute is TRUE at start."""
     words = type_words(tia=not frame.target.v5)
     return [
@@ -39,17 +39,17 @@ def flag_name(stem: str, signal: str) -> str:
     return f"{stem}{signal.capitalize()}"
 
 
-def structure(frame: Frame, command: Command) -> Member:
+def structure(frame: Frame, command: Command) -> MemberRow:
     """A job's structure in the control DB: what the trigger does not place in flags, and the values."""
     inner = [signal for signal in command.signals if signal.name not in command.flags]
     values = [value.member for value in (*command.inputs, *command.outputs)]
     return plain(frame, command.member, "Struct", command.title)._replace(members=(*inner, *values))
 
 
-def tags(command: Command) -> list[Tag]:
+def tags(command: Command) -> list[TagRow]:
     """The absolute flags of a job."""
     return [
-        Tag(
+        TagRow(
             flag_name(command.stem, signal),
             "Word" if address.width_bits > 1 else "Bool",
             address.text(percent=False),
@@ -74,7 +74,7 @@ def watch_rows(control: BlockRef, command: Command) -> Iterator[WatchRow]:
             yield WatchRow(place(control, command, value.member.name) + suffix, "", shown, "")
 
 
-def call(control: BlockRef, program: Program) -> Call:
+def call(control: BlockRef, program: FunctionBlock) -> Call:
     """The call of a function block with every command of its jobs."""
     inputs: list[str] = []
     outputs: list[tuple[str, str]] = []

@@ -18,7 +18,7 @@ from plcgen.simaticml.reading.documents import read_simaticml, read_tag_table
 from plcgen.simaticml.reading.source import KEYWORDS, SUFFIXES, source
 from plcgen.simaticml.versions import VERSIONS
 from plcgen.simaticml.writing.documents import Setting, document
-from plcgen.simaticml.writing.scope import Scope, is_system
+from plcgen.simaticml.writing.scope import BlockScope, is_system
 from plcgen.simaticml.writing.structured_text import elements, numbered
 from plcgen.sources.files import SourceFile, source_files
 from plcgen.sources.text import read_source
@@ -187,7 +187,7 @@ def _to_document(
             message = f'{block.kind} "{block.name}" has no SCL code: it is not converted'
             found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
             return None
-        scope = Scope.of(block, types.values(), constants)
+        scope = BlockScope.of(block, types.values(), constants)
         code = numbered(elements(tokenize(block.code, str(place.file)), 0, len(block.code), scope, setting))
     elif block.instance_of:
         block = _instance(block, place, types, found)

@@ -7,18 +7,18 @@ from dataclasses import replace
 
 from plcgen.documents import control
 from plcgen.documents.document import Document
-from plcgen.documents.nouns import Command, Contribution, DataBlock, LibraryInstance, Program, TypeBlock
+from plcgen.documents.nouns import Command, Contribution, DataBlock, FunctionBlock, LibraryInstance, TypeBlock
 from plcgen.documents.openness import openness_documents
 from plcgen.documents.overview import Overview
 from plcgen.documents.simaticml import SimaticMl
-from plcgen.documents.sources import Sources
+from plcgen.documents.sources import SourceWriter
 from plcgen.documents.tables import table_documents, watch_document
 from plcgen.project.nouns import BlockRef, Project
 
 
 def emit(project: Project) -> Iterator[Document]:
     """Every document, one function block after the other; the import order is made of what was emitted."""
-    sources, seen = Sources(project), Overview()
+    sources, seen = SourceWriter(project), Overview()
     xml = SimaticMl(project) if project.target.xml_version is not None else None
     for plan in project.plans:
         if plan.jobs:
@@ -39,7 +39,7 @@ class _Emitter:
     """Writes what one protocol contributes, and remembers it for the tables."""
 
     def __init__(
-        self, project: Project, contribution: Contribution, sources: Sources, xml: SimaticMl | None, seen: Overview
+        self, project: Project, contribution: Contribution, sources: SourceWriter, xml: SimaticMl | None, seen: Overview
     ) -> None:
         self.project, self.contribution = project, contribution
         self.sources, self.xml, self.seen = sources, xml, seen
@@ -74,7 +74,7 @@ class _Emitter:
         if self.xml is not None:
             yield from self.xml.data(made)
 
-    def program(self, made: Program, control_db: BlockRef) -> Iterator[Document]:
+    def program(self, made: FunctionBlock, control_db: BlockRef) -> Iterator[Document]:
         """A function block with buffers, instance and watch table."""
         for type_, data in made.buffers:
             yield from self.type(type_)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 
-from plcgen.documents.nouns import Assignment, Member, WatchRow
+from plcgen.documents.nouns import MemberRow, StartAssignment, WatchRow
 from plcgen.documents.spelling import culture, elements, literal, one_line, type_text, type_words
-from plcgen.project.nouns import BlockRef, Field, Frame
+from plcgen.project.nouns import BlockRef, BufferField, Frame
 from plcgen.s7.types import ArrayType, DataType, Elementary
 from plcgen.s7.values import SIGNED, UNSIGNED
 
@@ -17,9 +17,9 @@ _INTEGERS = SIGNED | UNSIGNED
 _LETTER = {8: "DBB", 16: "DBW", 32: "DBD"}
 
 
-def plain(frame: Frame, name: str, type_: str, text: str, start: str = "") -> Member:
+def plain(frame: Frame, name: str, type_: str, text: str, start: str = "") -> MemberRow:
     """A member whose comment is not translated: the same text stands in every language of the project."""
-    return Member(name, type_, text, start, comments=same_in_all(frame, text))
+    return MemberRow(name, type_, text, start, comments=same_in_all(frame, text))
 
 
 def same_in_all(frame: Frame, text: str) -> tuple[tuple[str, str], ...]:
@@ -29,7 +29,7 @@ def same_in_all(frame: Frame, text: str) -> tuple[tuple[str, str], ...]:
     return tuple((culture(language), one_line(text)) for language in frame.languages)
 
 
-def fixed(frame: Frame, rows: Iterable[tuple[str, str, str]]) -> list[Member]:
+def fixed(frame: Frame, rows: Iterable[tuple[str, str, str]]) -> list[MemberRow]:
     """Members of a type that every project has: name, elementary type, text."""
     words = type_words(tia=not frame.target.v5)
     return [plain(frame, name, words[type_], text) for name, type_, text in rows]
@@ -57,7 +57,7 @@ def display_format(type_: Elementary) -> str:
 def buffer_member(
     frame: Frame,
     db: BlockRef,
-    field: Field,
+    field: BufferField,
     texts: Mapping[str, str],
     text: str,
     *,
@@ -65,7 +65,7 @@ def buffer_member(
     path: str = "",
     shown: Callable[[Elementary], str] | None = display_format,
     modify: Callable[[Elementary, bytes], str] | None = None,
-) -> Member:
+) -> MemberRow:
     """A member of a buffer, worked out once for all documents.
 
     ``texts`` is its comment by language, ``text`` that of the sources; ``starts`` whether array elements have start
@@ -79,7 +79,7 @@ def buffer_member(
         start = literal(type_, field.data, v5=v5)
     elif isinstance(type_, ArrayType) and starts:
         subs = tuple(elements(type_, field.data, v5=v5))
-    return Member(
+    return MemberRow(
         name=field.name,
         type=type_text(type_, tia=not v5),
         text=text,
@@ -101,7 +101,7 @@ def _address(db: BlockRef, type_: DataType, offset: int) -> str:
 
 def _watch(
     db: BlockRef,
-    field: Field,
+    field: BufferField,
     path: str,
     shown: Callable[[Elementary], str],
     modify: Callable[[Elementary, bytes], str] | None,
@@ -121,6 +121,6 @@ def _watch(
             yield WatchRow(f"{name}[{low + number}]", address, shown(element), value)
 
 
-def assignments(members: Iterable[Member]) -> list[Assignment]:
+def assignments(members: Iterable[MemberRow]) -> list[StartAssignment]:
     """Start values of array elements."""
-    return [Assignment(f"{member.name}[{index}]", value) for member in members for index, value in member.subs]
+    return [StartAssignment(f"{member.name}[{index}]", value) for member in members for index, value in member.subs]

@@ -23,7 +23,7 @@ class WatchRow(NamedTuple):
     modify: str
 
 
-class Member(NamedTuple):
+class MemberRow(NamedTuple):
     """A member of a type or data block.
 
     ``start`` is the literal of a start value other than zero, ``subs`` those of array elements; ``text`` the comment
@@ -38,15 +38,15 @@ class Member(NamedTuple):
     start: str = ""
     subs: tuple[tuple[int, str], ...] = ()
     comments: tuple[tuple[str, str], ...] = ()
-    members: tuple[Member, ...] = ()
-    expanded: tuple[Member, ...] = ()
+    members: tuple[MemberRow, ...] = ()
+    expanded: tuple[MemberRow, ...] = ()
     offset: int = 0
     size: int = 0
     address: str = ""
     watch: tuple[WatchRow, ...] = ()
 
 
-class Assignment(NamedTuple):
+class StartAssignment(NamedTuple):
     """A start value of a data block behind BEGIN; ``text`` is its comment."""
 
     path: str
@@ -59,7 +59,7 @@ class TypeBlock:
     """A user type; ``comment`` by language is that of its document."""
 
     block: BlockRef
-    members: Sequence[Member]
+    members: Sequence[MemberRow]
     comment: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -69,8 +69,8 @@ class DataBlock:
 
     block: BlockRef
     title: str
-    members: Sequence[Member]
-    assignments: Sequence[Assignment] = ()
+    members: Sequence[MemberRow]
+    assignments: Sequence[StartAssignment] = ()
     comment: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -84,10 +84,10 @@ class LibraryInstance:
 
 
 @dataclass(frozen=True, slots=True)
-class Value:
+class CallerValue:
     """A value of a job at its caller; ``shown`` are its watched parts: suffix of the name, display format."""
 
-    member: Member
+    member: MemberRow
     shown: tuple[tuple[str, str], ...]
 
 
@@ -106,14 +106,14 @@ class Command:
     stem: str
     title: str
     flags: Mapping[str, Address]
-    signals: Sequence[Member]
-    inputs: Sequence[Value]
-    outputs: Sequence[Value]
+    signals: Sequence[MemberRow]
+    inputs: Sequence[CallerValue]
+    outputs: Sequence[CallerValue]
     pin: Callable[[str], str] = _same
 
 
 @dataclass(frozen=True, slots=True)
-class Program:
+class FunctionBlock:
     """A function block and what belongs to it alone.
 
     ``buffers`` are the types and data blocks of its telegrams, ``data`` its other data blocks; ``telegrams`` lines for
@@ -134,7 +134,7 @@ class Program:
     open_call: str = ""
 
 
-class Tag(NamedTuple):
+class TagRow(NamedTuple):
     """A tag: ``address`` without %."""
 
     name: str
@@ -172,7 +172,7 @@ class Contribution:
     jobs: str
     types: Sequence[TypeBlock]
     data: Sequence[DataBlock | LibraryInstance]
-    programs: Iterable[Program]
+    programs: Iterable[FunctionBlock]
     control: BlockRef
     control_title: str
     tag_table: str

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from plcgen.documents.nouns import Call, Contribution, DataBlock, LibraryInstance, Program, Tag
+from plcgen.documents.nouns import Call, Contribution, DataBlock, FunctionBlock, LibraryInstance, TagRow
 from plcgen.project.nouns import BlockRef
 
 
@@ -20,7 +20,7 @@ class Overview:
     types: list[str] = field(default_factory=list)
     data: list[str] = field(default_factory=list)
     calls: list[Call] = field(default_factory=list)
-    tags: dict[str, list[Tag]] = field(default_factory=dict)
+    tags: dict[str, list[TagRow]] = field(default_factory=dict)
     symbols: dict[BlockRef, str] = field(default_factory=dict)
     sheets: list[dict[str, Any]] = field(default_factory=list)
     contributions: list[Contribution] = field(default_factory=list)
@@ -31,7 +31,7 @@ class Overview:
         if isinstance(made, LibraryInstance):
             self.symbols[made.block] = made.symbol
 
-    def program(self, made: Program, call: Call) -> None:
+    def program(self, made: FunctionBlock, call: Call) -> None:
         """Remember a function block; its buffers are remembered by :meth:`stored`."""
         self.calls.append(call)
         self.symbols[made.instance] = f"FB {made.block.number}"

@@ -14,7 +14,7 @@ from itertools import count
 from typing import Any
 
 from plcgen.documents.document import Document
-from plcgen.documents.nouns import Call, DataBlock, LibraryInstance, Program, Tag, TypeBlock, WatchRow
+from plcgen.documents.nouns import Call, DataBlock, FunctionBlock, LibraryInstance, TagRow, TypeBlock, WatchRow
 from plcgen.documents.spelling import culture, one_line
 from plcgen.project.nouns import Frame
 from plcgen.s7.blocks import Block, BlockKind
@@ -70,7 +70,7 @@ class SimaticMl:
         view = {"name": f"Watch_{name}", "id": next(ids), "rows": [(next(ids), row) for row in rows]}
         return self._document(f"Watch_{name}", "simaticml/watch.xml.j2", view, WATCH_NOTE)
 
-    def tags(self, name: str, rows: Sequence[Tag]) -> Document:
+    def tags(self, name: str, rows: Sequence[TagRow]) -> Document:
         """A tag table."""
         ids = _ids()
         view: dict[str, Any] = {"name": name, "id": next(ids), "tags": []}
@@ -80,7 +80,7 @@ class SimaticMl:
             view["tags"].append(tag)
         return self._document(name, "simaticml/tags.xml.j2", view, self._early)
 
-    def program(self, made: Program) -> Twins:
+    def program(self, made: FunctionBlock) -> Twins:
         """What makes the documents of a function block and of its instance DB from the block's text."""
         return partial(self._pair, made)
 
@@ -88,7 +88,7 @@ class SimaticMl:
         """What makes the document of the example OB1 from its text."""
         return partial(self._main, calls)
 
-    def _pair(self, made: Program, text: str) -> Iterator[Document]:
+    def _pair(self, made: FunctionBlock, text: str) -> Iterator[Document]:
         block, db = replace(read_block(text), number=made.block.number), made.instance
         yield self._finished(made.block.name, code_document(block, self._setting), made.note)
         instance = Block(

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from plcgen.documents.document import Document
-from plcgen.documents.nouns import Call, DataBlock, LibraryInstance, Program, TypeBlock
+from plcgen.documents.nouns import Call, DataBlock, FunctionBlock, LibraryInstance, TypeBlock
 from plcgen.documents.spelling import spelling_of
 from plcgen.project.nouns import BlockRef, Frame
 
 
-class Sources:
+class SourceWriter:
     """Sources of one project in the target's spelling, encoding, line ends and file names."""
 
     def __init__(self, frame: Frame) -> None:
@@ -45,7 +45,7 @@ class Sources:
         """A data block of either kind."""
         return self.data(made, family) if isinstance(made, DataBlock) else self.instance(made.block, made.of, family)
 
-    def program(self, made: Program) -> Document:
+    def program(self, made: FunctionBlock) -> Document:
         """A function block."""
         return self._document("scl", made.block.name, made.template, made.view)
 

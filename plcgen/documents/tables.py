@@ -7,9 +7,9 @@ import io
 from collections.abc import Iterable, Iterator, Sequence
 
 from plcgen.documents.document import Document
-from plcgen.documents.nouns import Tag, WatchRow
+from plcgen.documents.nouns import TagRow, WatchRow
 from plcgen.documents.overview import Overview
-from plcgen.documents.sources import Sources
+from plcgen.documents.sources import SourceWriter
 from plcgen.documents.spelling import encodable
 from plcgen.project.nouns import Project
 
@@ -19,7 +19,7 @@ def watch_document(name: str, rows: Sequence[WatchRow]) -> Document:
     return Document(f"watch/{name}.csv", text=_csv((("name", "address", "display format", "modify value"), *rows)))
 
 
-def table_documents(project: Project, seen: Overview, sources: Sources) -> Iterator[Document]:
+def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> Iterator[Document]:
     """The STEP 7 V5 symbol table and compile order or the tags, the import guide and the layout sheet."""
     order = _import_order(seen, sources)
     tags = [tag for rows in seen.tags.values() for tag in rows]
@@ -46,7 +46,7 @@ def table_documents(project: Project, seen: Overview, sources: Sources) -> Itera
     yield Document("LAYOUT.md", "text/layout.md.j2", {"project": project.name, "sheets": seen.sheets})
 
 
-def _import_order(seen: Overview, sources: Sources) -> list[str]:
+def _import_order(seen: Overview, sources: SourceWriter) -> list[str]:
     """Source files in the order a compiler wants them: types, data, function blocks, their instances."""
     groups = (
         ("udt", seen.types),
@@ -57,7 +57,7 @@ def _import_order(seen: Overview, sources: Sources) -> list[str]:
     return [sources.path(folder, name) for folder, names in groups for name in names]
 
 
-def _symbols(project: Project, seen: Overview, tags: Sequence[Tag]) -> str:
+def _symbols(project: Project, seen: Overview, tags: Sequence[TagRow]) -> str:
     rows: list[Sequence[str]] = [symbol for contribution in seen.contributions for symbol in contribution.symbols]
     for block in project.blocks:
         address = f"{block.kind} {block.number}"

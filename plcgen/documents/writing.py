@@ -34,7 +34,7 @@ MAX_DIFF = 400_000
 
 
 @dataclass(frozen=True, slots=True)
-class Written:
+class WrittenFolder:
     """Relative paths by what happened to them.
 
     ``kept`` are files of an earlier generation that are no longer generated but were changed by hand;
@@ -48,7 +48,7 @@ class Written:
     recovered: bool = False
 
 
-def write_folder(files: Iterable[RenderedFile], folder: Path, *, force: bool = False) -> Written:
+def write_folder(files: Iterable[RenderedFile], folder: Path, *, force: bool = False) -> WrittenFolder:
     """Bring a folder to exactly these files; each may be made when it is asked for, none is kept in memory.
 
     Raises:
@@ -58,7 +58,7 @@ def write_folder(files: Iterable[RenderedFile], folder: Path, *, force: bool = F
     return _write(files, folder, force=force, whole=True)
 
 
-def add_files(files: Iterable[RenderedFile], folder: Path, *, force: bool = False) -> Written:
+def add_files(files: Iterable[RenderedFile], folder: Path, *, force: bool = False) -> WrittenFolder:
     """Put files into a folder beside what is there, all or none.
 
     Raises:
@@ -67,7 +67,7 @@ def add_files(files: Iterable[RenderedFile], folder: Path, *, force: bool = Fals
     return _write(files, folder, force=force, whole=False)
 
 
-def _write(files: Iterable[RenderedFile], folder: Path, *, force: bool, whole: bool) -> Written:
+def _write(files: Iterable[RenderedFile], folder: Path, *, force: bool, whole: bool) -> WrittenFolder:
     """``whole``: the folder belongs to plcgen, so its manifest tells what may be replaced and what is left over."""
     try:
         with exclusive(folder):
@@ -79,7 +79,7 @@ def _write(files: Iterable[RenderedFile], folder: Path, *, force: bool, whole: b
                 stage.commit(removed)
     except OSError as problem:
         raise DiagnosticError([_cannot_write(problem, folder)]) from problem
-    return Written(tuple(stage.moves), tuple(unchanged), tuple(removed), tuple(kept), recovered=recovered)
+    return WrittenFolder(tuple(stage.moves), tuple(unchanged), tuple(removed), tuple(kept), recovered=recovered)
 
 
 class _Stage:

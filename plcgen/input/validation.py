@@ -27,7 +27,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.input.yaml import Node, parse_yaml, plain_node, resolve_plain
+from plcgen.input.yaml import YamlNode, parse_yaml, plain_node, resolve_plain
 
 Path = tuple[str | int, ...]
 Model = TypeVar("Model", bound=BaseModel)
@@ -40,19 +40,19 @@ class StrictModel(BaseModel):
 
 
 @dataclass(frozen=True, slots=True)
-class Document(Generic[Model]):
+class FileShape(Generic[Model]):
     """A kind of file.
 
     ``what`` names its top level in messages ("the spec"), ``shape`` says what stands there, ``help`` how to get one.
     ``keys`` overrides where the keys of a message come from. ``prepare`` widens short forms of the tree.
     """
 
-    model: Callable[[Node], type[Model]] | type[Model]
+    model: Callable[[YamlNode], type[Model]] | type[Model]
     what: str
     shape: str
     help: str = ""
     keys: Callable[[Path], list[str]] | None = None
-    prepare: Callable[[Node], Node] | None = None
+    prepare: Callable[[YamlNode], YamlNode] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +60,11 @@ class Loaded(Generic[Model]):
     """A valid file: its model, and the tree with the place of every value."""
 
     model: Model
-    root: Node
+    root: YamlNode
 
 
 def read_document(
-    text: str, file: str, document: Document[Model], report: Report, context: Mapping[str, Any] | None = None
+    text: str, file: str, document: FileShape[Model], report: Report, context: Mapping[str, Any] | None = None
 ) -> Loaded[Model] | None:
     """Parse and validate the text of a file; problems go to ``report``; None if it cannot be used.
 
@@ -82,7 +82,7 @@ def read_document(
 
 
 def load_document(
-    text: str, file: str, document: Document[Model], context: Mapping[str, Any] | None = None
+    text: str, file: str, document: FileShape[Model], context: Mapping[str, Any] | None = None
 ) -> Loaded[Model]:
     """Parse and validate the text of a file.
 
@@ -97,7 +97,7 @@ def load_document(
 
 
 def validate(
-    root: Node, document: Document[Model], report: Report, context: Mapping[str, Any] | None = None
+    root: YamlNode, document: FileShape[Model], report: Report, context: Mapping[str, Any] | None = None
 ) -> Model | None:
     """Validate a tree; problems go to ``report``, but none where it has one already; None if there are any."""
     if root.kind != "map":
@@ -116,7 +116,7 @@ def validate(
 
 
 def validate_option(
-    entry: Mapping[str, Any], option: str, document: Document[Model], context: Mapping[str, Any] | None = None
+    entry: Mapping[str, Any], option: str, document: FileShape[Model], context: Mapping[str, Any] | None = None
 ) -> Model:
     """Validate what an option of the command line says, ``option`` as it was typed.
 
@@ -252,7 +252,7 @@ _EXPECTED = {
 class _Teller:
     """Puts pydantic's errors into words, each at its place in the tree."""
 
-    root: Node
+    root: YamlNode
     what: str
     keys: Callable[[Path], list[str]]
 
@@ -331,7 +331,7 @@ class _Teller:
         return Diagnostic(words["code"], words["message"], span, help=words["help"])
 
 
-def _shown(node: Node) -> str:
+def _shown(node: YamlNode) -> str:
     if node.kind == "map":
         return "a mapping"
     if node.kind == "seq":

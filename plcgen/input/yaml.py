@@ -25,7 +25,7 @@ Scalar: TypeAlias = str | int | float | bool | None
 
 
 @dataclass(slots=True)
-class Node:
+class YamlNode:
     """One YAML value: a mapping (``pairs``), a sequence (``items``) or a scalar (``value``, ``raw`` text)."""
 
     kind: Literal["map", "seq", "scalar"]
@@ -33,10 +33,10 @@ class Node:
     value: Scalar = None
     raw: str = ""
     plain: bool = False
-    pairs: dict[str, tuple[Node, Node]] = field(default_factory=dict)
-    items: list[Node] = field(default_factory=list)
+    pairs: dict[str, tuple[YamlNode, YamlNode]] = field(default_factory=dict)
+    items: list[YamlNode] = field(default_factory=list)
 
-    def get(self, key: str) -> Node | None:
+    def get(self, key: str) -> YamlNode | None:
         """Value node of a mapping's key, or None."""
         pair = self.pairs.get(key)
         return pair[1] if pair else None
@@ -46,7 +46,7 @@ class Node:
         pair = self.pairs.get(key)
         return pair[0].span if pair else self.span
 
-    def find(self, path: Iterable[str | int]) -> Node:
+    def find(self, path: Iterable[str | int]) -> YamlNode:
         """Follow keys and indexes as far as they exist; the last node found.
 
         An index into a mapping means its n-th pair: short forms turn mappings into lists.
@@ -70,14 +70,14 @@ class Node:
         return self.value
 
 
-def plain_node(data: Any, span: Span) -> Node:
+def plain_node(data: Any, span: Span) -> YamlNode:
     """Wrap plain data as nodes that all stand at one place."""
     if isinstance(data, Mapping):
-        pairs = {str(key): (Node("scalar", span, str(key)), plain_node(value, span)) for key, value in data.items()}
-        return Node("map", span, pairs=pairs)
+        pairs = {str(key): (YamlNode("scalar", span, str(key)), plain_node(value, span)) for key, value in data.items()}
+        return YamlNode("map", span, pairs=pairs)
     if isinstance(data, list | tuple):
-        return Node("seq", span, items=[plain_node(item, span) for item in data])
-    return Node("scalar", span, data, str(data))
+        return YamlNode("seq", span, items=[plain_node(item, span) for item in data])
+    return YamlNode("scalar", span, data, str(data))
 
 
 _INT = re.compile(r"[-+]?(?:0|[1-9][0-9]*)\Z")
@@ -144,9 +144,9 @@ class _Builder:
     def __init__(self, file: str, report: Report) -> None:
         self.file = file
         self.report = report
-        self.root: Node | None = None
-        self.stack: list[tuple[Node, Node | None]] = []
-        self.anchors: dict[str, Node] = {}
+        self.root: YamlNode | None = None
+        self.stack: list[tuple[YamlNode, YamlNode | None]] = []
+        self.anchors: dict[str, YamlNode] = {}
         self.sizes: dict[int, int] = {}
         self.count = 0
         self.documents = 0
@@ -164,7 +164,7 @@ class _Builder:
             self.error("PG109", f"the file expands to more than {MAX_NODES} values", span, "split the file")
             self.report.raise_on_errors()
 
-    def open(self, node: Node, anchor: str | None) -> None:
+    def open(self, node: YamlNode, anchor: str | None) -> None:
         if anchor:
             self.anchors[anchor] = node
         if len(self.stack) >= MAX_DEPTH:
@@ -187,7 +187,7 @@ class _Builder:
         self.sizes[id(node)] = self.count - self.sizes[id(node)]
         self.place(node)
 
-    def place(self, node: Node) -> None:
+    def place(self, node: YamlNode) -> None:
         self.grow(1, node.span)
         if not self.stack:
             self.root = node
@@ -201,7 +201,7 @@ class _Builder:
             self.stack[-1] = (parent, None)
             self.pair(parent, key, node)
 
-    def pair(self, parent: Node, key: Node, node: Node) -> None:
+    def pair(self, parent: YamlNode, key: YamlNode, node: YamlNode) -> None:
         if key.kind != "scalar":
             self.error("PG101", "a key must be a single word", key.span)
             return
@@ -221,13 +221,13 @@ class _Builder:
             return
         parent.pairs[name] = (key, node)
 
-    def merge(self, parent: Node, node: Node) -> None:
+    def merge(self, parent: YamlNode, node: YamlNode) -> None:
         for source in node.items if node.kind == "seq" else [node]:
             if source.kind != "map":
                 self.error("PG101", 'the merge key "<<" needs a mapping', source.span)
                 continue
             for name, (key, value) in source.pairs.items():
-                copied = Node("scalar", key.span, _MERGED, key.raw)
+                copied = YamlNode("scalar", key.span, _MERGED, key.raw)
                 parent.pairs.setdefault(name, (copied, value))
 
     def scalar(self, event: Any) -> None:
@@ -241,7 +241,7 @@ class _Builder:
             value = resolve_plain(text)
             if not self.expects_key():
                 self.trap(text, value, span)
-        node = Node("scalar", span, value, text, plain)
+        node = YamlNode("scalar", span, value, text, plain)
         if event.anchor:
             self.anchors[event.anchor] = node
         self.place(node)
@@ -271,7 +271,7 @@ class _Builder:
         node = self.anchors.get(event.anchor)
         if node is None:
             self.error("PG101", f'alias "*{event.anchor}" has no anchor', span, "if it is a text, put it in quotes")
-            node = Node("scalar", span)
+            node = YamlNode("scalar", span)
         elif any(node is ancestor for ancestor, _ in self.stack):
             self.error("PG109", f'alias "*{event.anchor}" contains itself', span, "write the values out")
             self.report.raise_on_errors()
@@ -282,7 +282,7 @@ class _Builder:
 _MERGED = "\0merged"
 
 
-def parse_yaml(text: str, file: str, report: Report) -> Node | None:
+def parse_yaml(text: str, file: str, report: Report) -> YamlNode | None:
     """Parse one YAML document; problems go to ``report``; None if nothing usable was found."""
     import yaml
 
@@ -336,7 +336,7 @@ def _feed(builder: _Builder, event: Any) -> bool:
         if event.tag is not None:
             builder.tag(event.tag, builder.span(event))
         kind: Literal["map", "seq"] = "map" if isinstance(event, yaml.MappingStartEvent) else "seq"
-        builder.open(Node(kind, builder.span(event)), event.anchor)
+        builder.open(YamlNode(kind, builder.span(event)), event.anchor)
     elif isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
         builder.close(event)
     elif isinstance(event, yaml.AliasEvent):
@@ -349,7 +349,7 @@ def _feed(builder: _Builder, event: Any) -> bool:
     return True
 
 
-def load_yaml(text: str, file: str) -> Node:
+def load_yaml(text: str, file: str) -> YamlNode:
     """Parse one YAML document.
 
     Raises:

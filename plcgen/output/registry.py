@@ -30,7 +30,7 @@ GROUP = "plcgen.outputs"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Format:
+class OutputFormat:
     """One output format: a pure function for every kind of result that it can show.
 
     ``complete`` says that the diagnostics stand in its results; otherwise a verb tells them on stderr.
@@ -57,13 +57,13 @@ class Format:
         return text
 
 
-KINDS = tuple(field.name for field in fields(Format) if field.name not in {"name", "complete"})
+KINDS = tuple(field.name for field in fields(OutputFormat) if field.name not in {"name", "complete"})
 
 
-def find(name: str) -> Format | None:
+def find(name: str) -> OutputFormat | None:
     """The format of a name, None if there is none. Raises PluginError if an entry point is none."""
     if name in _shipped():
-        found: Format = import_module(f"plcgen.output.formats.{name}").FORMAT
+        found: OutputFormat = import_module(f"plcgen.output.formats.{name}").FORMAT
         return found
     return _foreign().get(name)
 
@@ -78,9 +78,9 @@ def _shipped() -> list[str]:
     return [path.stem for path in Path(__file__).with_name("formats").glob("[!_]*.py")]
 
 
-def _foreign() -> dict[str, Format]:
+def _foreign() -> dict[str, OutputFormat]:
     """Formats of other distributions; the shipped names are taken."""
-    found = plugins(GROUP, Format)
+    found = plugins(GROUP, OutputFormat)
     for name, loaded in found.items():
         if loaded.name != name:
             raise PluginError(f"the entry point {name} in {GROUP} is a format called {loaded.name}")

@@ -8,8 +8,8 @@ from typing import Any
 
 from plcgen.diagnostics import Report
 from plcgen.input.text import read_text
-from plcgen.input.validation import Document, keys_at, read_document
-from plcgen.input.yaml import Node
+from plcgen.input.validation import FileShape, keys_at, read_document
+from plcgen.input.yaml import YamlNode
 from plcgen.project.schema import Spec
 from plcgen.project.shape import spec_model
 from plcgen.project.spec import LoadedSpec, SpecPath
@@ -46,7 +46,7 @@ def _as_text(spec: LoadedSpec) -> tuple[Any, ...]:
 copyreg.pickle(LoadedSpec, _as_text)  # its model is made anew: a class that was made for some protocols has no name
 
 
-def used_protocols(root: Node) -> tuple[Protocol, ...]:
+def used_protocols(root: YamlNode) -> tuple[Protocol, ...]:
     """The protocols whose sections stand in a spec; without any, the first one, whose keys are missing then."""
     used = tuple(protocol for protocol in protocols() if any(key in root.pairs for key in protocol.sections))
     return used or protocols()[:1]
@@ -57,7 +57,7 @@ def spec_keys(path: SpecPath) -> list[str]:
     return keys_at(spec_model(protocols()), path)
 
 
-_SPEC: Document[Spec] = Document(
+_SPEC: FileShape[Spec] = FileShape(
     model=lambda root: spec_model(used_protocols(root)),
     what="the spec",
     shape="a spec is a mapping with plc, drives and jobs",

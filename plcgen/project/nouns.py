@@ -38,7 +38,7 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class BufferField:
     """One member of a buffer: where it lies in the telegram and what it holds at start.
 
     ``offset`` and ``size`` in bytes; ``data`` is the start value as wire bytes, zeros for what the partner fills in.
@@ -52,7 +52,7 @@ class Field:
     data: bytes
 
 
-F_co = TypeVar("F_co", bound=Field, covariant=True)
+F_co = TypeVar("F_co", bound=BufferField, covariant=True)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,11 +87,11 @@ class Telegram:
     number: int
     request_id: int
     response_id: int
-    request: Buffer[Field]
-    response: Buffer[Field] | None
+    request: Buffer[BufferField]
+    response: Buffer[BufferField] | None
 
     @property
-    def buffers(self) -> tuple[Buffer[Field], ...]:
+    def buffers(self) -> tuple[Buffer[BufferField], ...]:
         """The request buffer, and the response buffer if there is one."""
         return (self.request,) if self.response is None else (self.request, self.response)
 

@@ -7,7 +7,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, TypeVar
 
 from plcgen.diagnostics import Span
-from plcgen.input.yaml import Node
+from plcgen.input.yaml import YamlNode
 from plcgen.project.schema import Spec
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ class LoadedSpec:
     file: str
     text: str
     spec: Spec
-    root: Node
+    root: YamlNode
 
     def sections(self, shape: type[Sections]) -> Sections:
         """The spec as one protocol sees it."""

@@ -2,17 +2,10 @@
 
 from __future__ import annotations
 
-import enum
 from dataclasses import dataclass
 from functools import cache
 
-
-class Dialect(enum.StrEnum):
-    """The three SCL dialects."""
-
-    V5 = "v5"
-    T3 = "t3"
-    T15 = "t15"
+from plcgen.scl.dialect import Dialect
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,12 +27,12 @@ class Target:
     @property
     def v5(self) -> bool:
         """Whether STEP 7 V5 compiles the sources."""
-        return self.dialect is Dialect.V5
+        return self.dialect is Dialect.STEP7_V5
 
     @property
     def t15(self) -> bool:
         """Whether the CPU is an S7-1200 or S7-1500."""
-        return self.dialect is Dialect.T15
+        return self.dialect is Dialect.TIA_1200_1500
 
     @property
     def classic(self) -> bool:
@@ -67,7 +60,7 @@ def target(family: str, toolchain: str) -> Target:
     """Describe a target; the combination has been checked by :func:`combination_problem`."""
     new = family in {"s7-1200", "s7-1500"}
     v5 = toolchain == "step7-v5"
-    dialect = Dialect.T15 if new else Dialect.V5 if v5 else Dialect.T3
+    dialect = Dialect.TIA_1200_1500 if new else Dialect.STEP7_V5 if v5 else Dialect.TIA_300_400
     xml = _XML_VERSIONS.get(toolchain)
     return Target(family, toolchain, dialect, "cp1252" if v5 else "utf-8-sig", xml, _NUMBERS[family], _FLAGS[family])
 

@@ -36,7 +36,7 @@ class Premise:
     follow: tuple[str, ...] = ()
 
 
-class Scope:
+class Names:
     """The names of a block: constants, variables that nothing but its own code can change, and what premises say.
 
     ``opened`` are names that may be anything.

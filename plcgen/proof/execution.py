@@ -13,7 +13,7 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.project.nouns import PlannedJob, Project
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.coverage import Coverage, cover
-from plcgen.proof.rig import Bench
+from plcgen.proof.rig import ProgramBench
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, ScenarioError, Statistics, diagnostic
 from plcgen.proof.suite import CodeBlock, Level, Procedure, Progress, Suite
@@ -48,10 +48,10 @@ def added(counts: list[list[int]]) -> list[int]:
 class Work:
     """Every job of every suite, and what they do together, as pieces of work."""
 
-    def __init__(self, bench: Bench, level: Level) -> None:
+    def __init__(self, bench: ProgramBench, level: Level) -> None:
         self.bench, self.level = bench, level
 
-    def __reduce__(self) -> tuple[type[Work], tuple[Bench, Level]]:
+    def __reduce__(self) -> tuple[type[Work], tuple[ProgramBench, Level]]:
         """A worker makes the suites again."""
         return Work, (self.bench, self.level)
 
@@ -86,7 +86,7 @@ def check_execution(
 
     ``partner`` is the user's file of a partner: every job runs once against it too.
     """
-    work = Work(Bench(project, folder), level)
+    work = Work(ProgramBench(project, folder), level)
     try:
         program = work.bench.program
     except DiagnosticError as problem:

@@ -10,9 +10,9 @@ from pathlib import Path
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.input.files import read_bounded
 from plcgen.project.nouns import Project
-from plcgen.project.target import Dialect
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
+from plcgen.scl.dialect import Dialect
 from plcgen.simaticml.reading.invariants import check_invariants
 from plcgen.sources.generated import (
     JOURNAL,
@@ -24,9 +24,9 @@ from plcgen.sources.generated import (
 )
 
 _DIALECTS = {
-    Dialect.V5: "S7-SCL of STEP 7 V5",
-    Dialect.T3: "SCL of TIA Portal, S7-300/400",
-    Dialect.T15: "SCL of TIA Portal, S7-1200/1500",
+    Dialect.STEP7_V5: "S7-SCL of STEP 7 V5",
+    Dialect.TIA_300_400: "SCL of TIA Portal, S7-300/400",
+    Dialect.TIA_1200_1500: "SCL of TIA Portal, S7-1200/1500",
 }
 
 

@@ -7,19 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Span
-from plcgen.project.target import Dialect as TargetDialect
 from plcgen.project.target import Target
 from plcgen.s7.shapes import TypeTable
-from plcgen.scl.dialect import Dialect
 from plcgen.simaticml.reading.documents import read_simaticml
 from plcgen.sources.generated import generated_documents, generated_sources
 from plcgen.sources.text import read_source
-
-DIALECTS = {
-    TargetDialect.V5: Dialect.STEP7_V5,
-    TargetDialect.T3: Dialect.TIA_300_400,
-    TargetDialect.T15: Dialect.TIA_1200_1500,
-}
 
 
 @dataclass(slots=True)
@@ -46,7 +38,7 @@ def read_folder(path: Path, where: Target, progress: Callable[[str, int, int], N
     sources, documents = generated_sources(path), generated_documents(path)
     total = len(sources) + len(documents)
     for number, source in enumerate(sources):
-        blocks, found = read_source(source, DIALECTS[where.dialect], encoding="cp1252" if where.v5 else None)
+        blocks, found = read_source(source, where.dialect, encoding="cp1252" if where.v5 else None)
         folder.problems += found
         for block in blocks:
             earlier = folder.files.get(block.name.upper())

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import inf
 from typing import TypeAlias
 
-from plcgen.proof.conditions import ELEMENT, Premise, Scope
+from plcgen.proof.conditions import ELEMENT, Names, Premise
 from plcgen.proof.values import (
     ANYTHING,
     MOST,
@@ -45,14 +45,14 @@ def reachable(unit: ast.Unit, premises: Sequence[Premise] = (), opened: Iterable
     if any(isinstance(node, ast.Jump | ast.Goto) for node in nodes):
         return frozenset((node.start, kind) for node in nodes for kind in KINDS)  # jumps are not followed
     followed = {name for premise in premises for name in premise.follow}
-    scope = Scope(unit, premises, {name.upper() for name in opened if name not in followed})
+    scope = Names(unit, premises, {name.upper() for name in opened if name not in followed})
     return _Execution(unit, scope).run()
 
 
 class _Execution:
     """One block, executed until nothing new is reached."""
 
-    def __init__(self, unit: ast.Unit, scope: Scope) -> None:
+    def __init__(self, unit: ast.Unit, scope: Names) -> None:
         self.unit, self.scope = unit, scope
         self.reached: set[Place] = set()
         self.labelled: dict[int, frozenset[int] | None] = {}

@@ -13,7 +13,6 @@ from plcgen.cpu.folder import load_folder
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import DiagnosticError
 from plcgen.project.nouns import BlockRef, Project
-from plcgen.proof.folder import DIALECTS
 from plcgen.proof.scenario import ScenarioError
 from plcgen.s7.image import Tree
 from plcgen.s7.layout import Layout, locate
@@ -25,7 +24,7 @@ _GARBAGE = {"0": "0xA0", "0.0": "1e30", "False": "True"}
 
 def load_program(project: Project, folder: Path) -> Program:
     """Compile the folder's sources with coverage; local data holds garbage at the start of a call, as in a CPU."""
-    program = load_folder(folder, DIALECTS[project.target.dialect], coverage=True)
+    program = load_folder(folder, project.target.dialect, coverage=True)
     if not program.ok:
         raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
     for compiled in program.compiled:
@@ -36,7 +35,7 @@ def load_program(project: Project, folder: Path) -> Program:
     return program
 
 
-class Bench:
+class ProgramBench:
     """A project and the program in its folder. A worker that starts from nothing compiles the program again."""
 
     def __init__(self, project: Project, folder: Path) -> None:
@@ -47,9 +46,9 @@ class Bench:
         """The compiled sources. Raises DiagnosticError."""
         return load_program(self.project, self.folder)
 
-    def __reduce__(self) -> tuple[type[Bench], tuple[Project, Path]]:
+    def __reduce__(self) -> tuple[type[ProgramBench], tuple[Project, Path]]:
         """A program cannot be pickled."""
-        return Bench, (self.project, self.folder)
+        return ProgramBench, (self.project, self.folder)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from typing import Any, Literal, Protocol, TypeVar
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import Span
-from plcgen.project.nouns import Buffer, Field, PlannedJob
+from plcgen.project.nouns import Buffer, BufferField, PlannedJob
 from plcgen.proof.checks import Check, CheckGroup
 from plcgen.proof.conditions import Premise
 from plcgen.proof.coverage import Step
@@ -31,8 +31,8 @@ class LaidOut:
     ``room`` is how long the longest answer is, and ``note`` stands in front of the offsets.
     """
 
-    buffer: Buffer[Field]
-    shown: Callable[[Field], bool]
+    buffer: Buffer[BufferField]
+    shown: Callable[[BufferField], bool]
     prefix: str = ""
     room: int = 0
     note: str = ""

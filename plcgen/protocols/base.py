@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic, Report, Span
     from plcgen.display.page import Page
     from plcgen.documents.nouns import Contribution
-    from plcgen.project.nouns import Buffer, Field, Plan
+    from plcgen.project.nouns import Buffer, BufferField, Plan
     from plcgen.project.numbering import Numbering
     from plcgen.project.spec import LoadedSpec, SpecPath
     from plcgen.proof.suite import Proof
@@ -81,7 +81,7 @@ class Protocol(typing.Protocol):
     def documents(self, plan: Any) -> Contribution:
         """What a plan with jobs contributes to the documents; programs are made when they are asked for."""
 
-    def buffers(self, plan: Any) -> Iterator[tuple[Buffer[Field], str]]:
+    def buffers(self, plan: Any) -> Iterator[tuple[Buffer[BufferField], str]]:
         """Every buffer of a plan with its role, for layout tables."""
 
     def link_states(self, plan: Any) -> Iterator[DriveState]:

@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING, TypeAlias
 
 from plcgen.s7.errors import UnfitValueError
-from plcgen.s7.initializers import Group, Item, Node, flatten, parse_initializer
+from plcgen.s7.initializers import Group, InitialItem, Node, flatten, parse_initializer
 from plcgen.s7.layout import Entry, Layout, layout_block, locate
 from plcgen.s7.literals import LiteralError, pack_literal
 from plcgen.s7.types import ELEMENTARY, ArrayType, Elementary, StringType
@@ -154,7 +154,7 @@ def _put(memory: bytearray, offset: int, data: bytes, bits: int) -> None:
         memory[offset // 8 : offset // 8 + len(data)] = data
 
 
-def _store(memory: bytearray, shape: Shape, offset: int, items: tuple[Item, ...]) -> None:
+def _store(memory: bytearray, shape: Shape, offset: int, items: tuple[InitialItem, ...]) -> None:
     """Write an initialiser at a place; an empty value keeps what is there."""
     if isinstance(shape.type, Elementary | StringType):
         if len(items) != 1 or items[0].name or items[0].count != 1 or not isinstance(items[0].value, str):
@@ -171,10 +171,10 @@ def _store(memory: bytearray, shape: Shape, offset: int, items: tuple[Item, ...]
 def _node(memory: bytearray, shape: Shape, offset: int, node: Node) -> None:
     if node is None:
         return
-    _store(memory, shape, offset, (Item(node),))
+    _store(memory, shape, offset, (InitialItem(node),))
 
 
-def _store_array(memory: bytearray, shape: Shape, offset: int, items: tuple[Item, ...]) -> None:
+def _store_array(memory: bytearray, shape: Shape, offset: int, items: tuple[InitialItem, ...]) -> None:
     element = shape.element
     if element is None:
         return
@@ -186,7 +186,7 @@ def _store_array(memory: bytearray, shape: Shape, offset: int, items: tuple[Item
         _node(memory, element, offset + _element_offset(shape, position), node)
 
 
-def _unwrap(items: tuple[Item, ...]) -> tuple[Item, ...]:
+def _unwrap(items: tuple[InitialItem, ...]) -> tuple[InitialItem, ...]:
     """Drop the brackets around a whole list; an array of arrays keeps those of its rows."""
     if len(items) == 1 and items[0].count == 1 and items[0].name is None:
         node = items[0].value
@@ -204,7 +204,7 @@ def _element_offset(shape: Shape, position: int) -> int:
     return offset
 
 
-def _store_struct(memory: bytearray, shape: Shape, offset: int, items: tuple[Item, ...]) -> None:
+def _store_struct(memory: bytearray, shape: Shape, offset: int, items: tuple[InitialItem, ...]) -> None:
     if len(items) == 1 and items[0].name is None and isinstance(items[0].value, Group):
         items = items[0].value.items
     own = [child for child in shape.fields if child.member.at is None]

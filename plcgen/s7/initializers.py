@@ -17,11 +17,11 @@ class Group:
     """A bracketed list; ``kind`` is ``[`` or ``(``, or empty for a bare list."""
 
     kind: str
-    items: tuple[Item, ...]
+    items: tuple[InitialItem, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Item:
+class InitialItem:
     """One value of a list, ``count`` times, for the member ``name`` if given; None keeps the default."""
 
     value: Node
@@ -50,34 +50,34 @@ class _Reader:
             self.position += 1
         return self.text[self.position : self.position + 1]
 
-    def items(self, closing: str, depth: int) -> tuple[Item, ...]:
+    def items(self, closing: str, depth: int) -> tuple[InitialItem, ...]:
         if depth > MAX_DEPTH:
             raise self.fail("nested too deeply")
-        items: list[Item] = []
+        items: list[InitialItem] = []
         while True:
             items.append(self.item(closing, depth))
             char = self.skip()
             self.position += 1
             if char == closing:
-                return () if items == [Item(None)] else tuple(items)
+                return () if items == [InitialItem(None)] else tuple(items)
             if char != ",":
                 raise self.fail(f"expected , or {closing or 'the end'}")
 
-    def item(self, closing: str, depth: int) -> Item:
+    def item(self, closing: str, depth: int) -> InitialItem:
         char = self.skip()
         name = _NAME.match(self.text, self.position)
         if name is not None:
             self.position = name.end()
-            return Item(self.value(closing, depth), name[1] or name[2])
+            return InitialItem(self.value(closing, depth), name[1] or name[2])
         repeat = _REPEAT.match(self.text, self.position)
         if repeat is not None:
             self.position = repeat.end()
             items = self.items(")", depth + 1)
             value = items[0].value if len(items) == 1 and items[0].count == 1 else Group("", items)
-            return Item(value, count=int(repeat[1].replace("_", "")))
+            return InitialItem(value, count=int(repeat[1].replace("_", "")))
         if char in ("", ",") or char == closing:
-            return Item(None)
-        return Item(self.value(closing, depth))
+            return InitialItem(None)
+        return InitialItem(self.value(closing, depth))
 
     def value(self, closing: str, depth: int) -> Node:
         char = self.skip()
@@ -101,12 +101,12 @@ class _Reader:
         return self.text[start : self.position].strip()
 
 
-def parse_initializer(text: str) -> tuple[Item, ...]:
+def parse_initializer(text: str) -> tuple[InitialItem, ...]:
     """Take a start value apart. Raises LiteralError with a reason if brackets or commas are wrong."""
     return _Reader(text).items("", 0)
 
 
-def flatten(items: tuple[Item, ...], limit: int, kinds: str = "[") -> Iterator[Node]:
+def flatten(items: tuple[InitialItem, ...], limit: int, kinds: str = "[") -> Iterator[Node]:
     """Values in order, repetitions written out, groups of ``kinds`` opened; ends one after ``limit``."""
     produced = 0
     for item in items:

@@ -35,12 +35,12 @@ class Halt(Exception):  # noqa: N818 - control flow inside the parser, never see
         super().__init__(diagnostic.message)
 
 
-class Fault(Halt):
+class SyntaxFault(Halt):
     """On its way to the next synchronisation point."""
 
 
 class Abort(Halt):
-    """The rest of the file is not parsed; no ``Fault``, so that nothing on the way catches it."""
+    """The rest of the file is not parsed; no ``SyntaxFault``, so that nothing on the way catches it."""
 
 
 class Cursor:
@@ -78,22 +78,22 @@ class Cursor:
         """Return an error at a range of offsets; ``text`` says how to fix it."""
         return Diagnostic(code, message, self.tokens.span(start, end), help=text, notes=notes)
 
-    def fault(self, message: str, *, index: int | None = None, text: str = "") -> Fault:
+    def fault(self, message: str, *, index: int | None = None, text: str = "") -> SyntaxFault:
         """Return a syntax error at a token, by default the current one."""
         index = self.pos if index is None else index
         if self.kinds[index] == ERROR:
             message, text = lexical_error(self.texts[index])
-        return Fault(
+        return SyntaxFault(
             self.diagnostic(message, self.starts[index], max(self.tokens.end(index), self.starts[index]), text=text)
         )
 
-    def expected(self, what: str, text: str = "") -> Fault:
+    def expected(self, what: str, text: str = "") -> SyntaxFault:
         """Return the usual message; ``text`` says how to fix it."""
         return self.fault(f"expected {what}, found {self.describe(self.pos)}", text=text)
 
-    def report(self, found: Diagnostic | Fault) -> None:
+    def report(self, found: Diagnostic | SyntaxFault) -> None:
         """Keep a diagnostic; too many of them end the run."""
-        self.diagnostics.append(found.diagnostic if isinstance(found, Fault) else found)
+        self.diagnostics.append(found.diagnostic if isinstance(found, SyntaxFault) else found)
         if len(self.diagnostics) >= MAX_ERRORS:
             raise Abort(self.diagnostic("too many errors, the rest of the file was not read", 0, 0))
 

@@ -10,7 +10,7 @@ from typing import Any
 from plcgen.cpu.cpu import Cpu, Family
 from plcgen.cpu.memory import Memory, Reference
 from plcgen.cpu.program import Program
-from plcgen.cpu.system.bus import Bus
+from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.cpu.system.record import RecordBlock
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -24,7 +24,7 @@ from plcgen.trace.model import Contact, Kind, RecordCall, Signal, Value
 class RecordingCpu(Cpu):
     """A CPU that keeps every call of WRREC and RDREC; ``groups`` says which job an instance data block belongs to."""
 
-    def __init__(self, program: Program, bus: Bus, family: Family, groups: Mapping[str, str]) -> None:
+    def __init__(self, program: Program, bus: Periphery, family: Family, groups: Mapping[str, str]) -> None:
         self.calls: list[RecordCall] = []
         self.contacts: list[Contact] = []
         self._groups = groups

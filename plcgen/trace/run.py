@@ -8,25 +8,24 @@ from pathlib import Path
 from typing import Literal, cast
 
 from plcgen.cpu.cpu import Family, Misuse
-from plcgen.cpu.system.bus import Bus
+from plcgen.cpu.system.bus import Periphery
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import usage
-from plcgen.proof.folder import DIALECTS
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.words import DRAIN_MS
 from plcgen.trace.jobs import JobWatch, job_signals, token_signals
 from plcgen.trace.model import RecordCall, Signal, Step, Trace, Value
 from plcgen.trace.program import connect, load_program
 from plcgen.trace.recorder import RecordingCpu, Watched, name_drives, signal
-from plcgen.trace.settings import Assignment, parse_assignment, parse_time, plan_faults
+from plcgen.trace.settings import TimedValue, parse_assignment, parse_time, plan_faults
 from plcgen.trace.values import assign, full_path
 
 Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class RunSettings:
     """What a run is told. ``jobs`` empty: all; ``scans`` None: until every job must have ended; times in ms."""
 
     jobs: Sequence[str] = ()
@@ -40,7 +39,7 @@ class Settings:
     own: Sequence[Path] = ()
 
 
-def simulate(spec: Path, folder: Path, settings: Settings, progress: Progress | None = None) -> Trace:
+def simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progress | None = None) -> Trace:
     """Run the generated files in a folder against simulated drives and record it; problems are diagnostics."""
     report = Report()
     try:
@@ -50,7 +49,7 @@ def simulate(spec: Path, folder: Path, settings: Settings, progress: Progress | 
     return Trace(str(spec), str(folder), diagnostics=tuple(report))
 
 
-def _simulate(spec: Path, folder: Path, settings: Settings, progress: Progress | None, report: Report) -> Trace:
+def _simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progress | None, report: Report) -> Trace:
     from plcgen.project.opening import open_spec
 
     opened = open_spec(spec)
@@ -67,9 +66,9 @@ def _simulate(spec: Path, folder: Path, settings: Settings, progress: Progress |
     if not folder.is_dir():
         missing = Diagnostic("PG507", "there is no such folder", Span(str(folder)), help="run plcgen generate first")
         raise DiagnosticError([missing])
-    program = load_program(folder, DIALECTS[plan.target.dialect], settings.own)
+    program = load_program(folder, plan.target.dialect, settings.own)
     report.extend(program.diagnostics)
-    bus = Bus({address: unit for address, (_, unit) in units.items()})
+    bus = Periphery({address: unit for address, (_, unit) in units.items()})
     groups = {name.upper(): job.key for job in plan.jobs for name in _instances(job)}
     cpu = RecordingCpu(program, bus, cast("Family", plan.target.family), groups)
     name_drives(cpu, units.values())
@@ -134,9 +133,9 @@ class _Run:
     cpu: RecordingCpu
     plan: DrivePlan
     planned: Sequence[DriveJob]
-    settings: Settings
+    settings: RunSettings
     scan_time: int
-    assignments: Sequence[Assignment]
+    assignments: Sequence[TimedValue]
     signals: list[Signal] = field(default_factory=list)
     start: list[Value] = field(default_factory=list)
     now: list[Value] = field(default_factory=list)

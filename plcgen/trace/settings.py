@@ -15,8 +15,8 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import read_fault, usage
 from plcgen.input.text import read_text
-from plcgen.input.validation import Document, StrictModel, load_document, problem, validate_option
-from plcgen.input.yaml import Node, resolve_plain
+from plcgen.input.validation import FileShape, StrictModel, load_document, problem, validate_option
+from plcgen.input.yaml import YamlNode, resolve_plain
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.protocols.ds47.sim.load import FaultKeys
 
@@ -28,7 +28,7 @@ LONGEST_SCAN = 60_000
 
 
 @dataclass(frozen=True, slots=True)
-class Assignment:
+class TimedValue:
     """A value given to a member, tag or address before scan ``scan``."""
 
     path: str
@@ -67,12 +67,12 @@ def parse_time(text: str) -> int:
     return int(time)
 
 
-def parse_assignment(text: str) -> Assignment:
+def parse_assignment(text: str) -> TimedValue:
     """Read ``MEMBER=VALUE`` or ``MEMBER=VALUE@SCAN``. Raises DiagnosticError."""
     match = _SET.fullmatch(text.strip())
     if match is None or not match["value"].strip():
         raise usage(f"--set {text}", "a member and its value are needed", "for example DriveJobs.setRamps.execute=TRUE")
-    return Assignment(match["path"].strip(), match["value"].strip(), int(match["scan"] or 1))
+    return TimedValue(match["path"].strip(), match["value"].strip(), int(match["scan"] or 1))
 
 
 def plan_faults(texts: Sequence[str], file: Path | None, drives: Sequence[str]) -> FaultPlan:
@@ -118,16 +118,16 @@ class _Faults(StrictModel):
     faults: tuple[_Fault, ...]
 
 
-def _with_key(root: Node) -> Node:
+def _with_key(root: YamlNode) -> YamlNode:
     """Widen a file that is the list of faults itself."""
     if root.kind != "seq":
         return root
-    return Node("map", root.span, pairs={"faults": (Node("scalar", root.span, "faults"), root)})
+    return YamlNode("map", root.span, pairs={"faults": (YamlNode("scalar", root.span, "faults"), root)})
 
 
 _SHAPE = "a list of faults is needed, or a mapping with the key faults"
-_FILE = Document(_Faults, "the file", _SHAPE, prepare=_with_key)
-_OPTION = Document(_Fault, "the fault", _SHAPE)
+_FILE = FileShape(_Faults, "the file", _SHAPE, prepare=_with_key)
+_OPTION = FileShape(_Fault, "the fault", _SHAPE)
 
 
 def _typed(text: str, drives: Sequence[str]) -> _Fault:

@@ -12,7 +12,7 @@ from plcgen.s7.layout import layout_block
 from plcgen.s7.literals import LiteralError, parse_literal
 from plcgen.s7.types import Elementary, StringType
 from plcgen.trace.recorder import watch
-from plcgen.trace.settings import Assignment
+from plcgen.trace.settings import TimedValue
 
 
 def full_path(cpu: Cpu, path: str, plan: DrivePlan, option: str) -> str:
@@ -48,7 +48,7 @@ def _members(cpu: Cpu, name: str) -> list[str]:
     return [e.path for e in layout_block(entry.block, cpu.program.link.types).entries if not e.shape.fields]
 
 
-def assign(cpu: Cpu, item: Assignment, plan: DrivePlan) -> None:
+def assign(cpu: Cpu, item: TimedValue, plan: DrivePlan) -> None:
     """Give a member its value. Raises DiagnosticError if the value does not fit."""
     path = full_path(cpu, item.path, plan, "--set")
     _, type_ = watch(cpu, path)

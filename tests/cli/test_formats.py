@@ -15,9 +15,9 @@ from plcgen.output import formats, registry
 
 TOY = '''"""A format of somebody else: counts."""
 
-from plcgen.output.registry import Format
+from plcgen.output.registry import OutputFormat
 
-FORMAT = Format(
+FORMAT = OutputFormat(
     name="toy",
     findings=lambda found, view: f"toy: {found.verb} found {len(found.diagnostics)}\\n",
     verification=lambda result, view: f"toy: {len(list(result.checks()))} checks of {result.verb}\\n",
@@ -92,7 +92,7 @@ def test_completion(plcgen, monkeypatch):
 def test_entry_points_that_are_no_format(toy, plcgen):
     """Said by name: an object of another class, a format of another name. Shipped names are taken."""
     toy("FORMAT = 1\n")
-    with pytest.raises(PluginError, match=r"toy_format:FORMAT in plcgen.outputs is no Format"):
+    with pytest.raises(PluginError, match=r"toy_format:FORMAT in plcgen.outputs is no OutputFormat"):
         registry.find("toy")
     sys.modules.pop("toy_format")
     toy(TOY, "other = toy_format:FORMAT")

@@ -5,7 +5,7 @@ import pytest
 from plcgen import api
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.folder import load_folder
-from plcgen.cpu.system.bus import Bus
+from plcgen.cpu.system.bus import Periphery
 from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.scl.dialect import Dialect
@@ -50,7 +50,7 @@ class Rig:
         project = api.check(spec).project
         self.program = load_folder(folder / "out", dialect, coverage=coverage)
         self.drive = build_drive(project, project.jobs[0].drive)
-        self.bus = Bus()
+        self.bus = Periphery()
         self.bus.attach(256, self.drive)
         self.cpu = Cpu(self.program, self.bus)
         self.cpu.scan()

@@ -4,10 +4,10 @@ import pytest
 from cpu.support import load
 
 from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.system.bus import Bus
+from plcgen.cpu.system.bus import Periphery
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
-from plcgen.protocols.ds47.sim.parameters import DriveObject, Parameter
+from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter
 from plcgen.protocols.ds47.wire import formats
 
 REQUEST = bytes.fromhex("01 01 01 01 10 01 00 01 00 00")
@@ -24,8 +24,8 @@ CASE = {
 
 def bench(case=None, *, busy=2, limit=None):
     """CPU, bus and a drive with p1 = 5 at 271."""
-    drive = Drive(Behaviour(), [DriveObject(1, {1: Parameter(1, formats.by_name("Unsigned16"), [5])})])
-    bus = Bus(write_busy=busy, read_busy=busy)
+    drive = Drive(Behaviour(), [DriveObject(1, {1: SimulatedParameter(1, formats.by_name("Unsigned16"), [5])})])
+    bus = Periphery(write_busy=busy, read_busy=busy)
     bus.attach(271, drive)
     cpu = Cpu(load(case or CASE), bus, job_limit=limit)
     cpu.scan(0)

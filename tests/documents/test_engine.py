@@ -17,8 +17,8 @@ from plcgen.documents.control import signals
 from plcgen.documents.engine import emit
 from plcgen.documents.environment import render_all
 from plcgen.documents.members import assignments, buffer_member, initializer, plain
-from plcgen.documents.nouns import Command, Contribution, DataBlock, Member, Program, TypeBlock, Value
-from plcgen.project.nouns import BlockRef, Field, Plan, PlannedJob, Project
+from plcgen.documents.nouns import CallerValue, Command, Contribution, DataBlock, FunctionBlock, MemberRow, TypeBlock
+from plcgen.project.nouns import BlockRef, BufferField, Plan, PlannedJob, Project
 from plcgen.project.target import target
 from plcgen.s7.address import parse_address
 from plcgen.s7.types import ELEMENTARY, ArrayType, Elementary
@@ -56,8 +56,8 @@ class Toy:
     def documents(self, plan: Plan) -> Contribution:
         """One of each noun."""
         buffer, type_ = ref("DB", "Frame", 5), ref("UDT", "FrameType", 6)
-        word = Field("code", "code", ELEMENTARY["WORD"], 0, 2, b"\x12\x34")
-        array = Field("data", "data", ArrayType(((0, 1),), ELEMENTARY["BYTE"]), 2, 2, b"\x00\x07")
+        word = BufferField("code", "code", ELEMENTARY["WORD"], 0, 2, b"\x12\x34")
+        array = BufferField("data", "data", ArrayType(((0, 1),), ELEMENTARY["BYTE"]), 2, 2, b"\x00\x07")
         members = [
             buffer_member(plan, buffer, field, {"en-US": text}, text, starts=True)
             for field, text in ((word, "what it is"), (array, ""))
@@ -65,9 +65,9 @@ class Toy:
         speed = plain(plan, "speed", "REAL" if plan.target.v5 else "Real", "set point", start="1.5")
         command = Command(
             "move", "move", "Move it", {"execute": parse_address("M50.0")}, signals(plan),
-            [Value(speed, (("", "FloatingPoint"),))], [],
+            [CallerValue(speed, (("", "FloatingPoint"),))], [],
         )  # fmt: skip
-        program = Program(
+        program = FunctionBlock(
             ref("FB", "Toy", 7), ref("DB", "Toy_DB", 8), "Toy of all", "toy_protocol:templates/toy.scl.j2",
             {"name": "Toy"}, "a toy",
             [(TypeBlock(type_, members), DataBlock(buffer, "Frame", members, assignments(members)))],
@@ -162,7 +162,7 @@ def test_start_values_of_arrays_are_written_if_all_are_alike() -> None:
 
 def test_the_members_of_a_page_are_plain_data() -> None:
     """A member says nothing that it was not told."""
-    assert Member("a", "Int") == ("a", "Int", "", "", (), (), (), (), 0, 0, "", ())
+    assert MemberRow("a", "Int") == ("a", "Int", "", "", (), (), (), (), 0, 0, "", ())
 
 
 def _imports(path: Path) -> Iterator[str]:

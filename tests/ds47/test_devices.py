@@ -18,10 +18,10 @@ from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.profile import (
     Answers,
+    DeviceProfile,
     DriveObjects,
-    Entry,
-    Limits,
-    Profile,
+    ParameterEntry,
+    ProfileLimits,
     RecordIndexes,
     ScalarElements,
 )
@@ -405,7 +405,7 @@ def test_mistakes_in_the_profile_of_a_package_have_a_place(installed: Path, tmp_
 
 def test_every_key_is_on_the_page() -> None:
     """docs/devices.md describes every key of a profile, and nothing that is none."""
-    models = (Profile, RecordIndexes, DriveObjects, Limits, Answers, ScalarElements, Entry)
+    models = (DeviceProfile, RecordIndexes, DriveObjects, ProfileLimits, Answers, ScalarElements, ParameterEntry)
     keys = {info.alias or name for model in models for name, info in model.model_fields.items()}
     section = PAGE[PAGE.index("## A profile of your own") :]
     table = {
@@ -420,7 +420,7 @@ def test_the_profile_of_the_page_is_valid(tmp_path: Path) -> None:
     (tmp_path / "acme.yaml").write_text(text, "utf-8")
     device = devices.find_device(str(tmp_path / "acme.yaml"))
     assert device.parameters
-    assert set(yaml.safe_load(text)) == set(Profile.model_fields)
+    assert set(yaml.safe_load(text)) == set(DeviceProfile.model_fields)
 
 
 def test_shipped_profiles_name_no_default_twice() -> None:

@@ -15,7 +15,7 @@ from plcgen.protocols.ds47.wire.codec import (
     encode_response,
 )
 from plcgen.protocols.ds47.wire.dissect import dissect_request, dissect_response, looks_like
-from plcgen.protocols.ds47.wire.formats import Kind
+from plcgen.protocols.ds47.wire.formats import FormatKind
 from plcgen.protocols.ds47.wire.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock, ZeroBlock
 
 WRITABLE = [item for item in formats.FORMATS if item.writable]
@@ -139,11 +139,11 @@ def format_values(draw):
     """Draw a format and values it takes."""
     fmt = draw(st.sampled_from([item for item in WRITABLE if not item.is_string]))
     limits = formats.integer_range(fmt)
-    if fmt.kind is Kind.BOOLEAN:
+    if fmt.kind is FormatKind.BOOLEAN:
         value = st.booleans()
     elif limits:
         value = st.integers(*limits)
-    elif fmt.kind is Kind.FLOAT:
+    elif fmt.kind is FormatKind.FLOAT:
         value = st.floats(allow_nan=False, allow_infinity=False, width=8 * fmt.size)
     else:
         value = st.binary(min_size=fmt.size, max_size=fmt.size)

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BaseModel, Field, RootModel, field_validato
 
 from plcgen.diagnostics import DiagnosticError, Report
 from plcgen.input.validation import (
-    Document,
+    FileShape,
     Octets,
     Problems,
     StrictModel,
@@ -54,10 +54,10 @@ class Garage(RootModel[dict[str, Car]]):
     pass
 
 
-CAR = Document(Car, "the car", "a car is a mapping", "see the manual")
+CAR = FileShape(Car, "the car", "a car is a mapping", "see the manual")
 
 
-def told(text: str, document: Document[Any] = CAR) -> list[tuple[str, int, int, str]]:
+def told(text: str, document: FileShape[Any] = CAR) -> list[tuple[str, int, int, str]]:
     """Everything wrong with a text."""
     with pytest.raises(DiagnosticError) as caught:
         load_document(text, "car.yaml", document)

@@ -11,12 +11,12 @@ from plcgen.protocols.ppi.traffic import TrafficText
 from plcgen.protocols.ppi.wire.areas import Area
 from plcgen.protocols.ppi.wire.model import (
     Item,
+    ItemWrite,
     ReadRequest,
     Request,
     RunRequest,
     SetupRequest,
     StopRequest,
-    WriteItem,
     WriteRequest,
 )
 from plcgen.protocols.ppi.wire.telegram import encode_poll, encode_request
@@ -50,7 +50,7 @@ def test_a_read() -> None:
 
 def test_a_write() -> None:
     entries = exchange(
-        WriteRequest(1, (WriteItem(Item.memory(Area.V, 0), b"\x0c"), WriteItem(Item.memory(Area.SM, 0), b"\x01")))
+        WriteRequest(1, (ItemWrite(Item.memory(Area.V, 0), b"\x0c"), ItemWrite(Item.memory(Area.SM, 0), b"\x01")))
     )
     assert words(entries)[::3] == [
         "write request, station 0 to 2 (6C): VB0 = 0C, SMB0 = 01",

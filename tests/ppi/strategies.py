@@ -42,7 +42,7 @@ def values(draw, item):
 def write_requests(draw):
     """Draw a write; the last odd value with or without pad."""
     items = draw(st.lists(bits | memory(2) | elements, min_size=1, max_size=6))
-    entries = tuple(model.WriteItem(item, draw(values(item))) for item in items)
+    entries = tuple(model.ItemWrite(item, draw(values(item))) for item in items)
     padded = len(entries[-1].data) % 2 == 1 and draw(st.booleans())
     return model.WriteRequest(draw(reference), entries, padded)
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from ppi.strategies import bits, elements, memory
 
-from plcgen.protocols.ppi.wire.address import AddressError, address_text, parse_address
+from plcgen.protocols.ppi.wire.address import PpiAddressError, address_text, parse_address
 from plcgen.protocols.ppi.wire.areas import Area, TransportSize
 from plcgen.protocols.ppi.wire.model import Item
 
@@ -92,7 +92,7 @@ def test_spelling(text, item):
 )
 def test_refusal(text, code, message, help_):
     """What is no address, why, and what to write instead."""
-    with pytest.raises(AddressError) as caught:
+    with pytest.raises(PpiAddressError) as caught:
         parse_address(text)
     assert caught.value.code == code
     assert message in caught.value.message
@@ -105,7 +105,7 @@ def test_text_of_an_item(item):
     text = address_text(item)
     try:
         again = parse_address(text)
-    except AddressError:
+    except PpiAddressError:
         assert item.area in {Area.SYS, Area.AI, Area.AQ} or item.size not in {BYTE, WORD, DWORD}
     else:
         assert again == item

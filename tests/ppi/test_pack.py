@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from plcgen.protocols.ppi.wire.address import address_text, parse_address
 from plcgen.protocols.ppi.wire.areas import Area, ReturnCode, TransportSize
 from plcgen.protocols.ppi.wire.errors import PpiError
-from plcgen.protocols.ppi.wire.load import READING, WRITING, Rules
-from plcgen.protocols.ppi.wire.model import Item, ItemResult, ReadReply, WriteItem, WriteReply
+from plcgen.protocols.ppi.wire.load import READING, WRITING, PackingRules
+from plcgen.protocols.ppi.wire.model import Item, ItemResult, ItemWrite, ReadReply, WriteReply
 from plcgen.protocols.ppi.wire.pack import pack_read, pack_write
 from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu
 
@@ -63,12 +63,12 @@ def test_nineteen_items_and_one_more():
 
 def test_writes():
     """Contiguous values become one item, a gap is never written, and 212 bytes are the most of one item."""
-    plan = pack_write([WriteItem(item, bytes(item.octets)) for item in items("VW100 VB102 VB104 M0.0 M0.1")])
+    plan = pack_write([ItemWrite(item, bytes(item.octets)) for item in items("VW100 VB102 VB104 M0.0 M0.1")])
     assert [[address_text(entry.item) for entry in telegram] for telegram in plan.telegrams] == [
         ["VB100[3]", "VB104", "M0.0", "M0.1"]
     ]
     (long,) = items("VB0[213]")
-    plan = pack_write([WriteItem(long, bytes(range(213)))])
+    plan = pack_write([ItemWrite(long, bytes(range(213)))])
     assert [[address_text(entry.item) for entry in telegram] for telegram in plan.telegrams] == [
         ["VB0[212]"], ["VB212"]
     ]  # fmt: skip
@@ -79,7 +79,7 @@ def test_writes():
 def test_nothing_is_written_twice(text):
     """Which value would stay is not defined."""
     with pytest.raises(PpiError, match="written twice"):
-        pack_write([WriteItem(item, bytes(item.octets)) for item in items(text)])
+        pack_write([ItemWrite(item, bytes(item.octets)) for item in items(text)])
 
 
 # ---- Minimality, against all distributions and all ways of joining -------------------------------------------
@@ -150,7 +150,7 @@ def test_no_distribution_needs_fewer_telegrams(asked):
 @given(st.lists(blocks, min_size=1, max_size=6))
 def test_few_items_a_telegram(asked):
     """The same where the number of items is what limits."""
-    rules = Rules(READING.header, READING.item, READING.bridge, most=2)
+    rules = PackingRules(READING.header, READING.item, READING.bridge, most=2)
     assert len(pack_read(asked, rules=rules).telegrams) == fewest(spans_of(asked), rules)
 
 
@@ -172,7 +172,7 @@ def writes(draw):
 @given(writes())
 def test_no_distribution_writes_with_fewer_telegrams(asked):
     """Brute force for writes: only touching blocks are joined."""
-    plan = pack_write([WriteItem(item, bytes(item.octets)) for item in asked])
+    plan = pack_write([ItemWrite(item, bytes(item.octets)) for item in asked])
     assert len(plan.telegrams) == fewest(spans_of(asked), WRITING)
 
 
@@ -231,12 +231,12 @@ def test_every_byte_is_written_once(asked, data):
     apart = []
     for item in asked:
         try:
-            pack_write([WriteItem(entry, bytes(entry.octets)) for entry in [*apart, item]])
+            pack_write([ItemWrite(entry, bytes(entry.octets)) for entry in [*apart, item]])
         except PpiError:
             continue
         apart.append(item)
     entries = [
-        WriteItem(item, bytes([data.draw(st.integers(0, 1))]) if item.size == 1 else bytes(
+        ItemWrite(item, bytes([data.draw(st.integers(0, 1))]) if item.size == 1 else bytes(
             (n * 3 + item.address) & 0xFF for n in range(item.octets)))
         for item in apart
     ]  # fmt: skip
@@ -277,7 +277,7 @@ def test_a_wrong_answer_is_refused():
         plan.collect([ReadReply(0, (good,))])
     with pytest.raises(PpiError, match="VW0 has 1 bytes instead of 2"):
         plan.collect([ReadReply(0, (good, good))])
-    written = pack_write([WriteItem(items("MB0")[0], b"\x01")])
+    written = pack_write([ItemWrite(items("MB0")[0], b"\x01")])
     with pytest.raises(PpiError, match="2 items are answered"):
         written.collect([WriteReply(0, (255, 255))])
 

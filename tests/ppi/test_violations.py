@@ -16,13 +16,13 @@ from plcgen.protocols.ppi.wire.model import (
     FrameCount,
     Item,
     ItemResult,
+    ItemWrite,
     ReadReply,
     ReadRequest,
     RunRequest,
     SetupRequest,
     TokenFrame,
     VariableFrame,
-    WriteItem,
     WriteRequest,
 )
 from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu, examine_pdu
@@ -240,10 +240,10 @@ VB = Item.memory(Area.V, 0)
         (ReadRequest(0, (Item(0x84, 1, 2, 0, 1),)), Kind.COUNT),
         (ReadRequest(0, (Item(0x84, 2, 1, 1 << 24, 1),)), Kind.ADDRESS),
         (ReadRequest(0, (Item(0x99, 2, 1, 0, 0),)), Kind.AREA),
-        (WriteRequest(0, (WriteItem(Item.memory(Area.V, 0, 213), bytes(213)),)), Kind.LIMIT),
-        (WriteRequest(0, (WriteItem(VB, b"\x00\x00"),)), Kind.VALUE_LENGTH),
-        (WriteRequest(0, (WriteItem(Item.bit(Area.M, 0, 0), b"\x02"),)), Kind.VALUE),
-        (WriteRequest(0, (WriteItem(Item.element(Area.T, 1), bytes(5)),)), Kind.EXPERIMENTAL),
+        (WriteRequest(0, (ItemWrite(Item.memory(Area.V, 0, 213), bytes(213)),)), Kind.LIMIT),
+        (WriteRequest(0, (ItemWrite(VB, b"\x00\x00"),)), Kind.VALUE_LENGTH),
+        (WriteRequest(0, (ItemWrite(Item.bit(Area.M, 0, 0), b"\x02"),)), Kind.VALUE),
+        (WriteRequest(0, (ItemWrite(Item.element(Area.T, 1), bytes(5)),)), Kind.EXPERIMENTAL),
         (ForceRequest(0, VB, b"\x01"), Kind.EXPERIMENTAL),
         (SetupRequest(0, 70000), Kind.VALUE),
         (AckReply(0, 0x04), Kind.VALUE),
@@ -265,7 +265,7 @@ def test_values_that_make_no_pdu(pdu, kind):
 def test_longest_telegrams():
     """222 bytes are read with one item, 212 are written, 19 items fit: PDUs of exactly 240 bytes."""
     assert len(encode_pdu(ReadRequest(0, (VB,) * 19))) == 240
-    assert len(encode_pdu(WriteRequest(0, (WriteItem(Item.memory(Area.V, 0, 212), bytes(212)),)))) == 240
+    assert len(encode_pdu(WriteRequest(0, (ItemWrite(Item.memory(Area.V, 0, 212), bytes(212)),)))) == 240
     reply = ReadReply(0, (ItemResult.of(Item.memory(Area.V, 0, 222), bytes(222)),))
     assert len(encode_pdu(reply)) == 240
     assert encode_pdu(ReadRequest(0, (Item.memory(Area.V, 0, 222),)))

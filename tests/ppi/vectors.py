@@ -43,7 +43,7 @@ def pdu(row: dict[str, Any]) -> model.Pdu | None:
     if kind == "read":
         return model.ReadRequest(0, tuple(item(entry) for entry in value))
     if kind == "write":
-        entries = tuple(model.WriteItem(item(place), bytes.fromhex(data)) for place, data in value)
+        entries = tuple(model.ItemWrite(item(place), bytes.fromhex(data)) for place, data in value)
         return model.WriteRequest(0, entries, row.get("trailing_pad", False))
     if kind == "read_reply":
         results = tuple(model.ItemResult(code, bytes.fromhex(data), size) for code, size, data in value)

@@ -15,7 +15,7 @@ from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.execution import check_execution
-from plcgen.protocols.ds47.proof.scenario import Limits
+from plcgen.protocols.ds47.proof.scenario import TimeLimits
 from plcgen.protocols.ds47.proof.words import WORDS
 
 PROJECTS = {
@@ -173,5 +173,5 @@ def test_a_source_that_does_not_compile_is_an_error(tmp_path: Path) -> None:
 )
 def test_repeated_errors_end_with_what_is_reached_first(retries: int, timeout: int, expected: str) -> None:
     """Retries or time, and either of them where scans decide."""
-    limits = Limits(timeout, 200, retries, 5000, 3000)
+    limits = TimeLimits(timeout, 200, retries, 5000, 3000)
     assert limits.repeated(10, 1) == tuple(WORDS[word] for word in expected.split())

@@ -10,24 +10,24 @@ from plcgen.simaticml.addresses import address
 from plcgen.simaticml.reading.documents import read_simaticml
 from plcgen.simaticml.versions import VERSIONS
 from plcgen.simaticml.writing.documents import Setting, document
-from plcgen.simaticml.writing.scope import Scope
+from plcgen.simaticml.writing.scope import BlockScope
 from plcgen.simaticml.writing.structured_text import elements, numbered
 
 SETTING = Setting(VERSIONS["V18"], classic=False)
 
 
-def network(code: str, scope: Scope | None = None, setting: Setting = SETTING) -> str:
+def network(code: str, scope: BlockScope | None = None, setting: Setting = SETTING) -> str:
     """Numbered elements of a code."""
-    return numbered(elements(tokenize(code, "code"), 0, len(code), scope or Scope(), setting))
+    return numbered(elements(tokenize(code, "code"), 0, len(code), scope or BlockScope(), setting))
 
 
-def wrapped(code: str, scope: Scope | None = None) -> str:
+def wrapped(code: str, scope: BlockScope | None = None) -> str:
     """A document of an FB around a code."""
     block = Block(BlockKind.FB, "X", (), code=code, optimized=False)
     return document(block, SETTING, network(code, scope))[0]
 
 
-def back(code: str, scope: Scope | None = None) -> tuple[str, list[Diagnostic]]:
+def back(code: str, scope: BlockScope | None = None) -> tuple[str, list[Diagnostic]]:
     """SCL -> SimaticML -> SCL."""
     return read_code(wrapped(code, scope))
 

@@ -22,7 +22,7 @@ from plcgen.simaticml.reading.documents import read_simaticml
 from plcgen.simaticml.reading.source import source
 from plcgen.simaticml.versions import VERSIONS
 from plcgen.simaticml.writing.documents import Setting, document
-from plcgen.simaticml.writing.scope import Scope
+from plcgen.simaticml.writing.scope import BlockScope
 from plcgen.simaticml.writing.structured_text import elements, numbered
 
 
@@ -67,7 +67,7 @@ def test_every_generated_source_comes_back_as_the_same_text(generated: dict[str,
         read = [block_of(text) for text in texts]
         known = {block.name.upper(): block for block in read}
         for text, block in zip(texts, read, strict=True):
-            code = network(block.code, Scope.of(block, read)) if block.code is not None else ""
+            code = network(block.code, BlockScope.of(block, read)) if block.code is not None else ""
             written, lost = document(block, Setting(VERSIONS["V17"], classic), code, known)
             again, diagnostics = read_simaticml(written.encode(), classic=classic)
             assert (lost, diagnostics) == ([], [])
@@ -89,7 +89,7 @@ def test_every_generated_code_document_comes_back_as_its_source(generated: dict[
             old = data.decode("utf-8-sig")
             begin, stop = old.index("<StructuredText"), old.index("</StructuredText>")
             setting = Setting(VERSIONS[re.findall('Engineering version="([^"]+)"', old)[0]], classic)
-            written = network(found[0].code or "", Scope.of(found[0], read), setting)
+            written = network(found[0].code or "", BlockScope.of(found[0], read), setting)
             assert written == old[begin:stop].partition(">\n")[2]
 
 
@@ -283,7 +283,7 @@ BEGIN
 END_FUNCTION
 """
     block = block_of(text)
-    written, lost = document(block, SETTING, network(block.code or "", Scope.of(block)))
+    written, lost = document(block, SETTING, network(block.code or "", BlockScope.of(block)))
     assert lost == []
     assert 'Datatype="Real"' in written
     found, diagnostics = read_simaticml(written.encode())
@@ -379,6 +379,6 @@ END_DATA_BLOCK
 def test_the_whole_of_a_code_is_written_by_elements_of_offsets() -> None:
     """A part of a source is written by its offsets, with the trivia at both ends."""
     text = "#a := 1; // x\n"
-    assert numbered(elements(tokenize(text, "x"), 8, 13, Scope(), SETTING)) == (
+    assert numbered(elements(tokenize(text, "x"), 8, 13, BlockScope(), SETTING)) == (
         '<Blank UId="21" /><LineComment UId="22"><Text UId="23"> x</Text></LineComment>'
     )

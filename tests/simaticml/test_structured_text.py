@@ -10,7 +10,7 @@ from plcgen.scl.declarations import blocks
 from plcgen.scl.parser import parse
 from plcgen.simaticml.versions import VERSIONS
 from plcgen.simaticml.writing.documents import Setting
-from plcgen.simaticml.writing.scope import Scope
+from plcgen.simaticml.writing.scope import BlockScope
 from plcgen.simaticml.writing.structured_text import elements, numbered
 
 DECLARATIONS = """
@@ -36,7 +36,9 @@ def written(code: str, version: str = "V17") -> str:
     )
     block, known = blocks(result)[0][0], blocks(others)[0]
     tokens = parse(code, "code").tokens
-    text = numbered(elements(tokens, 0, len(code), Scope.of(block, known), Setting(VERSIONS[version], classic=False)))
+    text = numbered(
+        elements(tokens, 0, len(code), BlockScope.of(block, known), Setting(VERSIONS[version], classic=False))
+    )
     uids = [int(uid) for uid in re.findall(r'UId="(\d+)"', text)]
     assert uids == list(range(21, 21 + len(uids)))
     text = re.sub(r' UId="\d+"', "", text)
@@ -168,4 +170,4 @@ def test_a_comment_that_can_be_translated_is_in_the_language_of_its_document() -
     """A project without English has no place for an English comment."""
     tokens = parse("(/* a */)", "code").tokens
     setting = Setting(VERSIONS["V19"], classic=False, cultures=("de-DE",))
-    assert '<MultiLanguageText Lang="de-DE"' in elements(tokens, 0, 9, Scope(), setting)
+    assert '<MultiLanguageText Lang="de-DE"' in elements(tokens, 0, 9, BlockScope(), setting)

@@ -16,7 +16,7 @@ from plcgen.scl.parser import parse
 from plcgen.simaticml.versions import VERSIONS
 from plcgen.simaticml.writing import twin
 from plcgen.simaticml.writing.documents import Setting, document
-from plcgen.simaticml.writing.scope import Scope
+from plcgen.simaticml.writing.scope import BlockScope
 from plcgen.simaticml.writing.structured_text import elements, numbered
 
 SETTING = Setting(VERSIONS["V19"], classic=False)
@@ -49,7 +49,7 @@ def test_line_by_line_and_as_a_whole_give_the_same_document(generated: dict[str,
             for text in texts(folder):
                 block = blocks(parse(text, "x"))[0][0]
                 code = block.code or ""
-                whole = elements(tokenize(code, "x"), 0, len(code), Scope.of(block), SETTING)
+                whole = elements(tokenize(code, "x"), 0, len(code), BlockScope.of(block), SETTING)
                 quick = twin.read_block(text)
                 assert document(block, SETTING, numbered(whole))[0] == twin.code_document(quick, SETTING)
                 seen += 1
@@ -85,7 +85,7 @@ def test_awkward_code_line_by_line(code: str) -> None:
     """What goes over the end of a line is written as the whole text is."""
     text = f'FUNCTION_BLOCK "X"\nVAR\n  a : Int;\n  f : "F";\nEND_VAR\nBEGIN\n{code}\nEND_FUNCTION_BLOCK\n'
     block = twin.read_block(text)
-    whole = numbered(elements(tokenize(block.code or "", "x"), 0, len(block.code or ""), Scope.of(block), SETTING))
+    whole = numbered(elements(tokenize(block.code or "", "x"), 0, len(block.code or ""), BlockScope.of(block), SETTING))
     for _ in range(3):
         assert document(block, SETTING, whole)[0] == twin.code_document(block, SETTING)
 

@@ -20,7 +20,7 @@ _HEAD = re.compile(rb"\x68(.)\1\x68|\x10[\x00-\x7f]{2}.", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class CapturedPiece:
     """Bytes that belong together: a frame, or what was found between frames (``frame`` False)."""
 
     offset: int
@@ -70,21 +70,21 @@ class Capture:
         column, length = parsed.place(offset - start)
         return Span(self.name, number, column + 1, number, column + 1 + length)
 
-    def pieces(self, *, tolerant: bool) -> list[Piece]:
+    def pieces(self, *, tolerant: bool) -> list[CapturedPiece]:
         """Frames and what lies between them; garbage is cut where a line or something like a frame starts."""
-        found: list[Piece] = []
+        found: list[CapturedPiece] = []
         for chunk in split(bytes(self.data), tolerant=tolerant):
             if chunk.frame:
-                found.append(Piece(chunk.offset, chunk.data, frame=True))
+                found.append(CapturedPiece(chunk.offset, chunk.data, frame=True))
             else:
                 found += self._cut(chunk.offset, chunk.data)
         return found
 
-    def _cut(self, offset: int, data: bytes) -> list[Piece]:
+    def _cut(self, offset: int, data: bytes) -> list[CapturedPiece]:
         cuts = {start - offset for start, _, _ in self._lines if offset < start < offset + len(data)}
         cuts |= {match.start() for match in _HEAD.finditer(data) if match[0][0] == SD2}
         edges = sorted({0, *cuts, len(data)})
-        return [Piece(offset + first, data[first:last], frame=False) for first, last in pairwise(edges)]
+        return [CapturedPiece(offset + first, data[first:last], frame=False) for first, last in pairwise(edges)]
 
 
 def capture_of(name: str, data: bytes) -> Capture:

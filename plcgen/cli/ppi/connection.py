@@ -13,7 +13,7 @@ from plcgen.diagnostics import DiagnosticError
 
 if TYPE_CHECKING:
     from plcgen.display.results import Answer
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
     from plcgen.protocols.ppi.client import Client
     from plcgen.protocols.ppi.symbols import SymbolTable
 
@@ -79,7 +79,7 @@ def failure(kind: str, problem: DiagnosticError) -> Answer:
     return Answer(diagnostics_data(kind, problem.diagnostics), lambda _view: "", problem.diagnostics)
 
 
-def ask(format_: Format, kind: str, words: Sequence[str], question: Callable[[], Answer]) -> int:
+def ask(format_: OutputFormat, kind: str, words: Sequence[str], question: Callable[[], Answer]) -> int:
     """Deliver the answer to a question, or what kept the verb from it as an answer of this kind."""
     try:
         found = question()

@@ -11,7 +11,7 @@ from plcgen.cli.ppi.connection import ask, line_options, open_client, station_an
 
 if TYPE_CHECKING:
     from plcgen.display.results import Answer
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 
 @verb(
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 )
 @line_options
 @format_option("answer")
-def info(*, format_: Format, **given: Any) -> int:
+def info(*, format_: OutputFormat, **given: Any) -> int:
     """Show the CPU type and firmware that the station reports in its system area."""
 
     def question() -> Answer:
@@ -41,7 +41,7 @@ def _mode(name: str, help_: str) -> click.Command:
     @click.option(f"--yes-{name}", "confirmed", is_flag=True, help="Really do it; without it nothing is sent.")
     @line_options
     @format_option("answer")
-    def command(*, confirmed: bool, format_: Format, **given: Any) -> int:
+    def command(*, confirmed: bool, format_: OutputFormat, **given: Any) -> int:
         if not confirmed:
             raise click.UsageError(f"nothing was sent: {name} needs --yes-{name}")
 

@@ -15,8 +15,8 @@ from plcgen.diagnostics import Diagnostic, Severity, Span
 
 if TYPE_CHECKING:
     from plcgen.cli.ppi.capture import Capture
-    from plcgen.output.registry import Format
-    from plcgen.protocols.ppi.texts import PpiTelegram
+    from plcgen.output.registry import OutputFormat
+    from plcgen.protocols.ppi.texts import DecodedFrame
 
 STDIN = "<stdin>"
 
@@ -35,7 +35,7 @@ STDIN = "<stdin>"
 )
 @click.option("-s", "--short", is_flag=True, help="One line a telegram.")
 @format_option("answer")
-def command(*, hex_: tuple[str, ...], file: Path | None, tolerant: bool, short: bool, format_: Format) -> int:
+def command(*, hex_: tuple[str, ...], file: Path | None, tolerant: bool, short: bool, format_: OutputFormat) -> int:
     """Explain PPI telegrams byte by byte: from arguments, a file or stdin.
 
     All bytes are one stream; frames are found in it, and what belongs to no frame is named. An answer is shown with
@@ -74,7 +74,7 @@ def _capture(hex_: Sequence[str], file: Path | None) -> tuple[Capture, dict[str,
     return capture_of(str(file), data), {}
 
 
-def _diagnostics(telegram: PpiTelegram, capture: Capture) -> list[Diagnostic]:
+def _diagnostics(telegram: DecodedFrame, capture: Capture) -> list[Diagnostic]:
     return [
         Diagnostic("PG710", f"{mark}byte {p.offset}: {p.message}", capture.span(telegram.offset + p.offset), severity)
         for mark, severity, problems in (

@@ -14,8 +14,8 @@ from plcgen.cli.ppi.places import cpu_option, symbols_option
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import Format
-    from plcgen.protocols.ppi.sim.profiles import Profile
+    from plcgen.output.registry import OutputFormat
+    from plcgen.protocols.ppi.sim.profiles import CpuProfile
     from plcgen.protocols.ppi.symbols import SymbolTable
     from plcgen.protocols.ppi.wire.model import Request
 
@@ -66,7 +66,7 @@ def command(
     experimental: bool,
     cpu: str | None,
     symbols: str | None,
-    format_: Format,
+    format_: OutputFormat,
 ) -> int:
     """Print PPI request telegrams as hex, one per line.
 
@@ -121,7 +121,9 @@ def _function(verb: str, *, first: bool, fcb: int | None) -> int:
     return 0x5C if verb == "poll" and not first else 0x6C
 
 
-def _encode(verb: str, rest: Sequence[str], how: _How, cpu: Profile | None, symbols: SymbolTable | None) -> list[bytes]:
+def _encode(
+    verb: str, rest: Sequence[str], how: _How, cpu: CpuProfile | None, symbols: SymbolTable | None
+) -> list[bytes]:
     from plcgen.protocols.ppi.wire.telegram import encode_poll, encode_request
 
     stations = {"destination": how.station, "source": how.source}
@@ -136,7 +138,7 @@ def _encode(verb: str, rest: Sequence[str], how: _How, cpu: Profile | None, symb
 
 
 def _requests(
-    verb: str, rest: Sequence[str], how: _How, cpu: Profile | None, symbols: SymbolTable | None
+    verb: str, rest: Sequence[str], how: _How, cpu: CpuProfile | None, symbols: SymbolTable | None
 ) -> Sequence[Request]:
     from plcgen.cli.ppi.places import assignments, places
     from plcgen.protocols.ppi.wire import model

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plcgen.protocols.ppi.client.places import Place, PlaceError
-    from plcgen.protocols.ppi.sim.profiles import Profile
+    from plcgen.protocols.ppi.sim.profiles import CpuProfile
     from plcgen.protocols.ppi.symbols import SymbolTable
-    from plcgen.protocols.ppi.wire.model import Item, WriteItem
+    from plcgen.protocols.ppi.wire.model import Item, ItemWrite
 
 Callback = TypeVar("Callback", bound=Callable[..., object])
 Result = TypeVar("Result")
@@ -39,7 +39,7 @@ def symbols_option(verb: Callback) -> Callback:
     return option(verb)
 
 
-def find_profile(key: str | None) -> Profile | None:
+def find_profile(key: str | None) -> CpuProfile | None:
     """Return the CPU of ``--cpu``. Raises DiagnosticError if there is none of that name."""
     if key is None:
         return None
@@ -64,7 +64,7 @@ def find_symbols(name: str | None) -> SymbolTable | None:
 
 
 def places(
-    words: Sequence[str], symbols: SymbolTable | None, cpu: Profile | None, limit: int | None = None
+    words: Sequence[str], symbols: SymbolTable | None, cpu: CpuProfile | None, limit: int | None = None
 ) -> list[Place]:
     """Read what is to be read; ``limit`` is the longest value. Raises DiagnosticError with every problem."""
     from plcgen.protocols.ppi.client.places import parse_place
@@ -79,13 +79,13 @@ def places(
 
 
 def assignments(
-    words: Sequence[str], symbols: SymbolTable | None, cpu: Profile | None, limit: int | None = None
-) -> list[tuple[Place, WriteItem]]:
+    words: Sequence[str], symbols: SymbolTable | None, cpu: CpuProfile | None, limit: int | None = None
+) -> list[tuple[Place, ItemWrite]]:
     """Read what is to be written, see ``places``. Raises DiagnosticError with every problem, overlaps included."""
     from plcgen.protocols.ppi.client.places import parse_assignment
     from plcgen.protocols.ppi.wire.pack import require_apart
 
-    def read(argument: Argument) -> tuple[Place, WriteItem]:
+    def read(argument: Argument) -> tuple[Place, ItemWrite]:
         place, entry = parse_assignment(argument.text, symbols)
         _require_memory(place.item, cpu)
         _require_length(place.item, limit)
@@ -118,7 +118,7 @@ def _diagnostic(problem: PlaceError, argument: Argument) -> Diagnostic:
     return Diagnostic(problem.code, problem.message, argument.span, help=problem.help)
 
 
-def _require_memory(item: Item, cpu: Profile | None) -> None:
+def _require_memory(item: Item, cpu: CpuProfile | None) -> None:
     from plcgen.protocols.ppi.client.places import beyond
 
     error = beyond(item, cpu.sizes, cpu.title) if cpu is not None else None

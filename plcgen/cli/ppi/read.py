@@ -12,7 +12,7 @@ from plcgen.cli.ppi.places import cpu_option, symbols_option
 
 if TYPE_CHECKING:
     from plcgen.display.results import Answer
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 
 @verb(
@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 @cpu_option
 @symbols_option
 @format_option("answer")
-def command(*, words: tuple[str, ...], cpu: str | None, symbols: str | None, format_: Format, **given: Any) -> int:
+def command(
+    *, words: tuple[str, ...], cpu: str | None, symbols: str | None, format_: OutputFormat, **given: Any
+) -> int:
     """Read values by address or symbol, in as few telegrams as possible.
 
     A type after a colon says how to read the bytes: BYTE, WORD, INT, DWORD, DINT, REAL, CHAR, STRING. Without one

@@ -12,7 +12,7 @@ from plcgen.cli.ppi.places import cpu_option, symbols_option
 
 if TYPE_CHECKING:
     from plcgen.display.results import Answer
-    from plcgen.output.registry import Format
+    from plcgen.output.registry import OutputFormat
 
 
 @verb(
@@ -35,7 +35,7 @@ def command(
     symbols: str | None,
     yes_write: bool,
     experimental: bool,
-    format_: Format,
+    format_: OutputFormat,
     **given: Any,
 ) -> int:
     """Write values to addresses or symbols; only with --yes-write, since a machine may move.

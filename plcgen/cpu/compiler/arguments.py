@@ -11,7 +11,7 @@ from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.references import References
 from plcgen.cpu.compiler.scope import scalar_name
-from plcgen.cpu.compiler.values import Place
+from plcgen.cpu.compiler.values import MemoryPlace
 from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.blocks import SectionKind
@@ -26,7 +26,7 @@ _IN, _OUT, _INOUT = SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT
 class Passed:
     """What is left to do when the inputs are stored: the outputs that are wanted, and the code of the buffer."""
 
-    outputs: list[tuple[ast.Argument, Place]]
+    outputs: list[tuple[ast.Argument, MemoryPlace]]
     buffer: str = ""
 
 
@@ -42,7 +42,7 @@ class Arguments:
     assignments: Assignments
 
     def pass_arguments(
-        self, node: ast.Call, place: Place, allowed: dict[str, SectionKind], system: SystemFb | None = None
+        self, node: ast.Call, place: MemoryPlace, allowed: dict[str, SectionKind], system: SystemFb | None = None
     ) -> Passed | None:
         """Store inputs; None if the call makes no sense without those that are missing."""
         passed = Passed([])
@@ -97,7 +97,7 @@ class Arguments:
     def enable(self, argument: ast.Argument, upper: str, passed: Passed) -> None:
         """EN and ENO of a call."""
         if upper == "ENO":
-            passed.outputs.append((argument, Place(Shape(Elementary("BOOL", 1), 1, 1, 1, 1), local="E[0]")))
+            passed.outputs.append((argument, MemoryPlace(Shape(Elementary("BOOL", 1), 1, 1, 1, 1), local="E[0]")))
         else:
             self.context.error("PG827", "the soft CPU does not execute EN of a call", argument, "use IF")
 
@@ -129,7 +129,7 @@ class Arguments:
             return "(None,0,0)"
         return self.references.reference(argument.value)
 
-    def pass_input(self, argument: ast.Argument, target: Place, kind: SectionKind) -> None:
+    def pass_input(self, argument: ast.Argument, target: MemoryPlace, kind: SectionKind) -> None:
         """Store one input."""
         type_ = scalar_name(target.shape)
         if type_ in {"POINTER", "ANY"} and not (
@@ -149,7 +149,7 @@ class Arguments:
         symbol = self.places.symbol(node) if isinstance(node, ast.Name) else None
         return scalar_name(symbol.place.shape) if symbol is not None and symbol.place is not None else ""
 
-    def place_of_argument(self, argument: ast.Argument) -> Place | None:
+    def place_of_argument(self, argument: ast.Argument) -> MemoryPlace | None:
         """Variable given to an OUT or IN_OUT parameter; PG823 if it must not be written."""
         if isinstance(argument.value, ast.Slice):
             self.context.error("PG827", "the soft CPU takes no slice here", argument.value)
@@ -162,7 +162,7 @@ class Arguments:
             return None
         return place
 
-    def take_output(self, argument: ast.Argument, target: Place) -> None:
+    def take_output(self, argument: ast.Argument, target: MemoryPlace) -> None:
         """Copy an output to the variable behind ``=>``."""
         place = self.place_of_argument(argument)
         if place is not None:

@@ -10,7 +10,7 @@ from plcgen.cpu.compiler.conversions import coerce
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.scope import bare_shape, scalar_name
-from plcgen.cpu.compiler.values import UNKNOWN, Place, Val
+from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Val
 from plcgen.cpu.type_rules import BITS
 from plcgen.diagnostics import Severity
 from plcgen.s7.blocks import BlockKind, SectionKind
@@ -49,11 +49,11 @@ class Assignments:
             if place is not None:
                 self.assign_value(place, value, value_node)
 
-    def target(self, node: ast.Expression) -> Place | None:
+    def target(self, node: ast.Expression) -> MemoryPlace | None:
         """Place left of ``:=``; PG823 if it must not be written. Computed offsets are evaluated first."""
         if isinstance(node, ast.Name) and node.name.upper() in {"ENO", "OK"} and self.places.undeclared(node):
             self.context.uses_eno = True
-            return Place(_BOOL, local="E[0]")
+            return MemoryPlace(_BOOL, local="E[0]")
         place = self.places.place(node)
         if place is None:
             return None
@@ -94,7 +94,7 @@ class Assignments:
             result = Val(f"({old.code}&{(1 << BITS[whole]) - 1 & ~mask}|{code}<<{node.index * bits})", whole)
         self.access.store(place, result.wrapped)
 
-    def assign_value(self, place: Place, value: Val, node: ast.Expression) -> None:
+    def assign_value(self, place: MemoryPlace, value: Val, node: ast.Expression) -> None:
         """Store a value with its implicit conversion; structures are copied."""
         type_ = scalar_name(place.shape)
         if value.type == UNKNOWN:
@@ -106,7 +106,7 @@ class Assignments:
             return
         self.copy(place, value, node)
 
-    def copy(self, place: Place, value: Val, node: ast.Expression) -> None:
+    def copy(self, place: MemoryPlace, value: Val, node: ast.Expression) -> None:
         """Copy a structure or array byte by byte."""
         source = value.place
         if source is None or source.shape.bits != place.shape.bits or not same_type(place.shape, source.shape):

@@ -16,7 +16,7 @@ from plcgen.cpu.compiler.moves import Moves, is_move
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.references import References
 from plcgen.cpu.compiler.scope import function_parameters
-from plcgen.cpu.compiler.values import UNKNOWN, Place, Val, unknown
+from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Val, unknown
 from plcgen.cpu.linkage import ProgramBlock
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.diagnostics.suggest import did_you_mean
@@ -172,7 +172,7 @@ class Calls:
             return
         self.call_instance(node, self.places.data_block(found), type_)
 
-    def call_instance(self, node: ast.Call, place: Place, type_: str) -> None:
+    def call_instance(self, node: ast.Call, place: MemoryPlace, type_: str) -> None:
         """Call an FB or system block with the instance at a place."""
         system = system_fbs(classic=self.context.classic).get(type_.upper())
         found = self.context.link.find(type_) if type_ else None
@@ -191,7 +191,7 @@ class Calls:
         for argument, output in passed.outputs if passed is not None else ():
             self.arguments.take_output(argument, output)
 
-    def call_user(self, node: ast.Call, place: Place, found: ProgramBlock) -> None:
+    def call_user(self, node: ast.Call, place: MemoryPlace, found: ProgramBlock) -> None:
         """Emit the call of an FB of the program."""
         self.context.calls.setdefault(found.name.upper(), self.context.span(node))
         self.watchdog.hand_over()
@@ -203,7 +203,7 @@ class Calls:
         self.watchdog.take_back()
         self.access.forget()
 
-    def call_system(self, node: ast.Call, place: Place, system: SystemFb, buffer: str) -> None:
+    def call_system(self, node: ast.Call, place: MemoryPlace, system: SystemFb, buffer: str) -> None:
         """Emit the call of a system block."""
         name = f"S_{system.block.name}"
         if not system.buffer:
@@ -219,7 +219,7 @@ class Calls:
         self.out.emit(f"{name}({place.mem},{self.access.address(place)},{buffer})")
         self.access.forget()
 
-    def timer_guard(self, place: Place, system: SystemFb) -> str:
+    def timer_guard(self, place: MemoryPlace, system: SystemFb) -> str:
         """Condition that leaves out the call of a TON whose IN, Q and state are all zero: it does nothing."""
         index = place.shape.index
         if system.kind != "TON":

@@ -13,7 +13,7 @@ from plcgen.cpu.compiler.functions import Functions
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.references import References
 from plcgen.cpu.compiler.scope import scalar_name
-from plcgen.cpu.compiler.values import UNKNOWN, Place, Val, unknown
+from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Val, unknown
 from plcgen.cpu.memory import CODECS
 from plcgen.cpu.type_rules import BITS, INT_CONST
 from plcgen.s7.types import ArrayType
@@ -177,7 +177,7 @@ class Moves:
         self.access.forget()
         return Val(result, "WORD" if self.context.classic else "INT")
 
-    def store_if_done(self, result: str, place: Place, code: str) -> None:
+    def store_if_done(self, result: str, place: MemoryPlace, code: str) -> None:
         """Store a value if the error number in ``result`` is 0."""
         self.out.emit(f"if not {result}:")
         self.out.indent += " "

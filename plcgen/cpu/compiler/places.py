@@ -10,7 +10,7 @@ from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.conversions import integer_code
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.scope import bare_shape, scalar_name
-from plcgen.cpu.compiler.values import UNKNOWN, Place, Symbol, Val
+from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Symbol, Val
 from plcgen.cpu.linkage import ProgramBlock
 from plcgen.cpu.system.interfaces import system_fbs
 from plcgen.cpu.type_rules import BITS, INT_CONST, INTEGERS, REALS, WIDTHS, canonical
@@ -40,7 +40,7 @@ class Places:
     access: Access
     expressions: Expressions
 
-    def place(self, node: ast.Expression) -> Place | None:
+    def place(self, node: ast.Expression) -> MemoryPlace | None:
         """Place of a variable; a problem is reported and gives None."""
         if isinstance(node, ast.Name):
             return self.named(node)
@@ -70,7 +70,7 @@ class Places:
         """Whether a name without ``#`` and quotes is none of the block: then it may be a word of the language."""
         return node.scope == "bare" and node.name.upper() not in self.context.scope.symbols
 
-    def named(self, node: ast.Name) -> Place | None:
+    def named(self, node: ast.Name) -> MemoryPlace | None:
         """Place of a local variable, tag or data block."""
         symbol = self.symbol(node)
         if symbol is not None:
@@ -106,16 +106,16 @@ class Places:
             near = did_you_mean(node.name, [*known, *self.context.link.tags])
         self.context.error("PG820", f"{node.name} is not defined", node, near)
 
-    def data_block(self, block: ProgramBlock) -> Place:
+    def data_block(self, block: ProgramBlock) -> MemoryPlace:
         """Whole memory of a data block."""
         shape = block.shape
         assert shape is not None  # noqa: S101 - the caller looked
         region = f"d{block.index}"
         if region in self.context.link.instance_regions:
             self.access.aliased = True
-        return Place(shape, region, 0, region=region)
+        return MemoryPlace(shape, region, 0, region=region)
 
-    def member(self, node: ast.Member) -> Place | None:
+    def member(self, node: ast.Member) -> MemoryPlace | None:
         """``base.name``; a base that is ``DB3`` and a name ``DBW6`` cannot meet here, the lexer joins them."""
         if isinstance(node.base, ast.Name) and self.symbol(node.base) is None:
             block = self.context.link.find(node.base.name)
@@ -126,7 +126,7 @@ class Places:
             return None
         return self.field(base, node.name, node)
 
-    def field(self, base: Place, name: str, node: ast.Expression) -> Place | None:
+    def field(self, base: MemoryPlace, name: str, node: ast.Expression) -> MemoryPlace | None:
         """Return a member of a structure."""
         found = base.shape.index.get(name.upper())
         if found is None:
@@ -144,7 +144,7 @@ class Places:
             self.watch_status(base, name, node)
         return place
 
-    def indexed(self, node: ast.Index) -> Place | None:
+    def indexed(self, node: ast.Index) -> MemoryPlace | None:
         """``base[i, j]`` with a check of every index."""
         special = self.indexed_area(node)
         if special is not None:
@@ -169,7 +169,7 @@ class Places:
             position += len(bounds)
         return place
 
-    def element(self, base: Place, shape: Shape, indices: tuple[ast.Expression, ...]) -> Place:
+    def element(self, base: MemoryPlace, shape: Shape, indices: tuple[ast.Expression, ...]) -> MemoryPlace:
         """One element of an array."""
         assert isinstance(shape.type, ArrayType)  # noqa: S101 - the caller looked
         assert shape.element is not None  # noqa: S101
@@ -213,7 +213,7 @@ class Places:
             return None
         return bits, type_
 
-    def absolute(self, node: ast.Address) -> Place | None:
+    def absolute(self, node: ast.Address) -> MemoryPlace | None:
         """``%DB3.DBW6``, ``M50.0``."""
         text = _SHORT.sub(lambda match: f"{match[1]}DB{match[2] or 'X'}", node.text)
         try:
@@ -224,7 +224,7 @@ class Places:
         widths = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD"}
         return self.at_address(address, widths.get(address.width_bits, "BYTE"), node)
 
-    def at_address(self, address: Address, type_: str, node: ast.Expression) -> Place | None:
+    def at_address(self, address: Address, type_: str, node: ast.Expression) -> MemoryPlace | None:
         """Place of an address with a type."""
         name = canonical(type_)
         shape = bare_shape(name if name in ELEMENTARY else "WORD")
@@ -239,9 +239,9 @@ class Places:
             return base.inside(address.offset, shape, overlay=True)
         area = AREAS[address.area]
         region = None if area == "P" else area
-        return Place(shape, area, address.offset, region=region, overlay=True)
+        return MemoryPlace(shape, area, address.offset, region=region, overlay=True)
 
-    def indexed_area(self, node: ast.Index) -> Place | None:
+    def indexed_area(self, node: ast.Index) -> MemoryPlace | None:
         """``DB100.DW[i]``, ``MW[i]``: an index that counts bytes, for bits bytes and bits."""
         base = node.base
         if isinstance(base, ast.Member) and isinstance(base.base, ast.Name):
@@ -256,7 +256,7 @@ class Places:
                 return self.computed(area, (match[2] or "X").upper(), node.indices, 65536)
         return None
 
-    def called_address(self, node: ast.Call) -> Place | None:
+    def called_address(self, node: ast.Call) -> MemoryPlace | None:
         """``%DB100.DW(5)``, ``%DB1.DW(IDX := #i)``."""
         text = self.context.text(node.target).upper().lstrip("%")
         head, _, tail = text.partition(".")
@@ -268,7 +268,7 @@ class Places:
         indices = tuple(argument.value for argument in node.arguments)
         return self.computed(f"d{block.index}", match[1].upper(), indices, block.shape.bits // 8)
 
-    def computed(self, mem: str, letter: str, indices: tuple[ast.Expression, ...], limit: int) -> Place:
+    def computed(self, mem: str, letter: str, indices: tuple[ast.Expression, ...], limit: int) -> MemoryPlace:
         """Absolute access with a computed address."""
         codes = []
         for index in indices:
@@ -280,10 +280,10 @@ class Places:
         last = limit - max(1, shape.bits // 8)
         if letter == "X":
             bit = codes[1] if len(codes) > 1 else "0"
-            return Place(shape, mem, 0, dynbit=f"ck({codes[0]},{last})*8+ck({bit},7)")
-        return Place(shape, mem, 0, f"ck({codes[0]},{last})")
+            return MemoryPlace(shape, mem, 0, dynbit=f"ck({codes[0]},{last})*8+ck({bit},7)")
+        return MemoryPlace(shape, mem, 0, f"ck({codes[0]},{last})")
 
-    def watch_status(self, base: Place, name: str, node: ast.Expression) -> None:
+    def watch_status(self, base: MemoryPlace, name: str, node: ast.Expression) -> None:
         """Note reads of STATUS of a record block: it counts in the scan of its call only."""
         if name.upper() != "STATUS" or not isinstance(node, ast.Member):
             return
@@ -296,7 +296,7 @@ class Places:
             self.out.emit(f"st({base.mem},{self.access.address(base)})")
 
 
-def characters(text: Place) -> Place:
+def characters(text: MemoryPlace) -> MemoryPlace:
     """Return the characters of a STRING or WSTRING as an array: ``s[1]`` is the first one."""
     type_ = text.shape.type
     assert isinstance(type_, StringType)  # noqa: S101 - the caller looked

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from plcgen.cpu.compiler.literals import literal_value
-from plcgen.cpu.compiler.values import Place, Symbol, Val, unknown
+from plcgen.cpu.compiler.values import MemoryPlace, Symbol, Val, unknown
 from plcgen.cpu.memory import CODECS
 from plcgen.cpu.type_rules import INT_CONST, POINTERS
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
@@ -89,7 +89,7 @@ class Scope:
         sections = {id(member): section.kind for section in self.block.sections for member in section.members}
         for field in shape.fields:
             section = sections.get(id(field.member), SectionKind.STATIC)
-            place = Place(field.shape, "m", field.offset, region="m", section=section)
+            place = MemoryPlace(field.shape, "m", field.offset, region="m", section=section)
             place.overlay = field.member.at is not None
             self._add(Symbol(field.member.name, section, place))
         # a structured IN_OUT is a pointer in memory, the data lies elsewhere
@@ -104,7 +104,7 @@ class Scope:
         self.locals.append((local, "reference"))
         symbol.type_name = local
         pointer = symbol.place
-        symbol.place = Place(self.shape_of(member), f"{local}_m", 0, f"{local}_o", section=SectionKind.IN_OUT)
+        symbol.place = MemoryPlace(self.shape_of(member), f"{local}_m", 0, f"{local}_o", section=SectionKind.IN_OUT)
         self.copied.append((local, Symbol(member.name, SectionKind.IN_OUT, pointer)))
 
     def _views(self, section: SectionKind) -> None:
@@ -114,7 +114,7 @@ class Scope:
                 continue
             target = self.symbols.get(_plain(member.at))
             if target is not None and target.place is not None and target.place.dyn:
-                place = Place(self.shape_of(member), target.place.mem, 0, target.place.dyn, section=section)
+                place = MemoryPlace(self.shape_of(member), target.place.mem, 0, target.place.dyn, section=section)
                 self.symbols[member.name.upper()] = Symbol(member.name, section, place)
 
     def shape_of(self, member: Member) -> Shape:
@@ -137,11 +137,11 @@ class Scope:
             name = self.block.name if kind is SectionKind.RETURN else member.name
             self.locals.append((local, _name(member.type) if how == "value" else how))
             if how == "value":
-                place = Place(bare_shape(_name(member.type)), local=local, section=kind)
+                place = MemoryPlace(bare_shape(_name(member.type)), local=local, section=kind)
             elif how == "pointer":
-                place = Place(Shape(member.type, 0, 1, 0, 1), local=local, section=kind)
+                place = MemoryPlace(Shape(member.type, 0, 1, 0, 1), local=local, section=kind)
             else:
-                place = Place(self.shape_of(member), f"{local}_m", 0, f"{local}_o", section=kind)
+                place = MemoryPlace(self.shape_of(member), f"{local}_m", 0, f"{local}_o", section=kind)
             symbol = Symbol(name, kind, place, type_name=local)
             self._add(symbol)
             if kind is SectionKind.RETURN:
@@ -160,7 +160,7 @@ class Scope:
             if member.at is None and is_scalar(member.type) and member.name.upper() not in viewed:
                 local = f"v{len(self.locals)}"
                 self.locals.append((local, _name(member.type)))
-                place = Place(bare_shape(_name(member.type)), local=local, section=SectionKind.TEMP)
+                place = MemoryPlace(bare_shape(_name(member.type)), local=local, section=SectionKind.TEMP)
                 self._add(Symbol(member.name, SectionKind.TEMP, place))
             else:
                 in_memory.append(member)
@@ -179,14 +179,14 @@ class Scope:
             self.problems.append(problem)
             return
         for field in self.temp_shape.fields:
-            place = Place(field.shape, "t", field.offset, region="t", section=SectionKind.TEMP)
+            place = MemoryPlace(field.shape, "t", field.offset, region="t", section=SectionKind.TEMP)
             place.overlay = field.member.at is not None
             self._add(Symbol(field.member.name, SectionKind.TEMP, place))
         for member in views:
             target = self.symbols[_plain(member.at or "")]
             if target.place is not None and not target.place.local:
                 source = target.place
-                place = Place(self.shape_of(member), source.mem, source.off, source.dyn, region=source.region)
+                place = MemoryPlace(self.shape_of(member), source.mem, source.off, source.dyn, region=source.region)
                 place.overlay = True
                 place.section = SectionKind.TEMP
                 self._add(Symbol(member.name, SectionKind.TEMP, place))

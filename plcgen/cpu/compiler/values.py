@@ -13,7 +13,7 @@ UNKNOWN = "?"
 
 
 @dataclass(slots=True)
-class Place:
+class MemoryPlace:
     """Somewhere in memory.
 
     ``mem`` is the generated name of the memory, ``off`` the fixed offset in bits; ``dyn`` and ``dynbit`` are
@@ -36,10 +36,10 @@ class Place:
         """Whether the offset is known at compile time."""
         return not self.dyn and not self.dynbit
 
-    def inside(self, offset: int, shape: Shape, *, overlay: bool) -> Place:
+    def inside(self, offset: int, shape: Shape, *, overlay: bool) -> MemoryPlace:
         """Return a place inside this one, ``offset`` bits behind its start."""
         off = self.off + offset
-        return Place(shape, self.mem, off, self.dyn, self.dynbit, self.region, self.local, self.section, overlay)
+        return MemoryPlace(shape, self.mem, off, self.dyn, self.dynbit, self.region, self.local, self.section, overlay)
 
 
 @dataclass(slots=True)
@@ -53,7 +53,7 @@ class Val:
     code: str
     type: str
     const: object = None
-    place: Place | None = None
+    place: MemoryPlace | None = None
     raw: bool = False
     pure: bool = True
     parts: tuple[str, list[str]] | None = None
@@ -70,7 +70,7 @@ class Symbol:
 
     name: str
     section: SectionKind
-    place: Place | None = None
+    place: MemoryPlace | None = None
     constant: Val | None = None
     type_name: str = ""
 

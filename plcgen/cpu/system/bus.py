@@ -28,7 +28,7 @@ _OUTPUT_BIT = 0x8000
 
 
 @dataclass(slots=True)
-class Bus:
+class Periphery:
     """Drives by logical address or hardware identifier.
 
     ``write_busy`` and ``read_busy`` say how many calls of a job answer BUSY before the last one; a function is

@@ -24,7 +24,7 @@ class AccessFaultError(PlcgenError):
         super().__init__(message)
 
 
-class Moves:
+class MemoryMoves:
     """The functions of one CPU; ``locate`` finds an area by its name and DB number."""
 
     def __init__(self, locate: Callable[[str, int], Memory | None], report: Report) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from plcgen.cpu.memory import Memory, Reference
-from plcgen.cpu.system.bus import Bus
+from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.cpu.system.port import BAUD, Port
 from plcgen.cpu.system.timers import Fields
@@ -44,7 +44,7 @@ class PortBlock:
     ready = "DONE"
     port = "PORT"
 
-    def __init__(self, system: SystemFb, shape: Shape, bus: Bus, report: Report, locate: Locate) -> None:
+    def __init__(self, system: SystemFb, shape: Shape, bus: Periphery, report: Report, locate: Locate) -> None:
         self.kind = system.block.name
         self.bus = bus
         self.report = report
@@ -204,7 +204,7 @@ class Receiver(PortBlock):
     idle = RUNNING
     area, length = "BUFFER", "LENGTH"
 
-    def __init__(self, system: SystemFb, shape: Shape, bus: Bus, report: Report, locate: Locate) -> None:
+    def __init__(self, system: SystemFb, shape: Shape, bus: Periphery, report: Report, locate: Locate) -> None:
         super().__init__(system, shape, bus, report, locate)
         self.users: dict[int, tuple[int, Key]] = {}
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from plcgen.cpu.memory import Memory, Reference
-from plcgen.cpu.system.bus import Bus
+from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.s7.shapes import Shape
 
@@ -19,7 +19,7 @@ Report = Callable[[str, str], None]
 
 
 @dataclass(slots=True)
-class Job:
+class RecordJob:
     """A running record job; ``calls`` is how many calls still answer BUSY, None for ever."""
 
     address: int
@@ -33,13 +33,13 @@ class Job:
 class RecordBlock:
     """WRREC or RDREC of one CPU: every instance has at most one job, the CPU a bounded number."""
 
-    def __init__(self, system: SystemFb, shape: Shape, bus: Bus, report: Report, limit: int) -> None:
+    def __init__(self, system: SystemFb, shape: Shape, bus: Periphery, report: Report, limit: int) -> None:
         self.kind = system.block.name
         self.write = system.kind == "WRREC"
         self.bus = bus
         self.report = report
         self.limit = limit
-        self.jobs: dict[tuple[int, int], Job] = {}
+        self.jobs: dict[tuple[int, int], RecordJob] = {}
         self.called: dict[tuple[int, int], int] = {}
         self.scan = 0
         fields = shape.index
@@ -71,14 +71,14 @@ class RecordBlock:
         index = int.from_bytes(memory[at : at + self.index_size]) & 0xFFFF
         length = int.from_bytes(memory[offset + self.length : offset + self.length + 2])
         if job is None:
-            self.start(memory, offset, key, Job(address, index, length, record, b"", 0))
+            self.start(memory, offset, key, RecordJob(address, index, length, record, b"", 0))
             return
         if requested:
             self.report("PG833", f"REQ of {self.kind} is still TRUE while its job runs")
         self.check(job, address, index, length, record)
         self.go_on(memory, offset, key, job, RUNNING)
 
-    def start(self, memory: Memory, offset: int, key: tuple[int, int], job: Job) -> None:
+    def start(self, memory: Memory, offset: int, key: tuple[int, int], job: RecordJob) -> None:
         """Take a job over, with a snapshot of RECORD."""
         target, first, room = job.record
         if target is not None and target.area == "L":
@@ -104,7 +104,7 @@ class RecordBlock:
         self.jobs[key] = job
         self.go_on(memory, offset, key, job, FIRST)
 
-    def check(self, job: Job, address: int, index: int, length: int, record: Reference) -> None:
+    def check(self, job: RecordJob, address: int, index: int, length: int, record: Reference) -> None:
         """Misuse: what must stay the same in every call of a job."""
         if record[:2] != job.record[:2] or record[0] is not job.record[0]:
             self.report("PG830", f"RECORD of {self.kind} changed during the job")
@@ -117,7 +117,7 @@ class RecordBlock:
             if record[0][record[1] : record[1] + size] != job.snapshot:
                 self.report("PG830", f"the contents of RECORD of {self.kind} changed during the job")
 
-    def go_on(self, memory: Memory, offset: int, key: tuple[int, int], job: Job, status: int) -> None:
+    def go_on(self, memory: Memory, offset: int, key: tuple[int, int], job: RecordJob, status: int) -> None:
         """One more call of a running job."""
         if job.calls is None or job.calls > 0:
             if job.calls is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.display.table import csv_table
-from plcgen.output.registry import Format
+from plcgen.output.registry import OutputFormat
 
 if TYPE_CHECKING:
     from plcgen.display.view import View
@@ -38,4 +38,4 @@ def _csv_row(block: BlockTable, row: LayoutRow) -> tuple[str, ...]:
     return (*place, row.name, row.type, bits, row.start, row.comment, row.kind, unconfirmed)
 
 
-FORMAT = Format(name="csv", complete=False, layout=_layout)
+FORMAT = OutputFormat(name="csv", complete=False, layout=_layout)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity
-from plcgen.output.registry import Format
+from plcgen.output.registry import OutputFormat
 from plcgen.output.verification import problems
 
 if TYPE_CHECKING:
@@ -61,4 +61,4 @@ def _verification(verification: Verification, _view: View) -> str:
     return text
 
 
-FORMAT = Format(name="github", findings=_findings, verification=_verification)
+FORMAT = OutputFormat(name="github", findings=_findings, verification=_verification)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from plcgen.output.registry import Format
+from plcgen.output.registry import OutputFormat
 
 if TYPE_CHECKING:
     from plcgen.display.view import View
@@ -21,4 +21,4 @@ def _layout(result: LayoutResult, _view: View) -> str:
     return render_text("html/layout.html.j2", {"blocks": views(result.blocks, CHUNK), "tones": range(TONES)})
 
 
-FORMAT = Format(name="html", complete=False, layout=_layout)
+FORMAT = OutputFormat(name="html", complete=False, layout=_layout)

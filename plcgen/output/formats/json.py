@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.display.data import diagnostics_data, dump, verification_data
-from plcgen.output.registry import Format
+from plcgen.output.registry import OutputFormat
 
 if TYPE_CHECKING:
     from plcgen.display.results import Answer, Findings
@@ -46,7 +46,7 @@ def _answer(answer: Answer, _view: View) -> str:
     return dump(answer.data)
 
 
-FORMAT = Format(
+FORMAT = OutputFormat(
     name="json",
     findings=_findings,
     verification=_verification,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity
-from plcgen.output.registry import Format
+from plcgen.output.registry import OutputFormat
 
 if TYPE_CHECKING:
     from plcgen.display.results import Findings
@@ -115,4 +115,4 @@ def _body(check: Check) -> str:
     return ""
 
 
-FORMAT = Format(name="junit", findings=_findings, verification=_verification)
+FORMAT = OutputFormat(name="junit", findings=_findings, verification=_verification)

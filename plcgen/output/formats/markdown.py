@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from plcgen.display.cells import clean
 from plcgen.display.markdown import escape
 from plcgen.display.table import markdown_table
-from plcgen.output.registry import Format
+from plcgen.output.registry import OutputFormat
 
 if TYPE_CHECKING:
     from plcgen.display.view import View
@@ -92,4 +92,4 @@ def _escape(text: str) -> str:
     return safe
 
 
-FORMAT = Format(name="markdown", complete=False, layout=_layout, comparison=_comparison)
+FORMAT = OutputFormat(name="markdown", complete=False, layout=_layout, comparison=_comparison)

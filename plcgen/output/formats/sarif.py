@@ -9,7 +9,7 @@ from plcgen._version import __version__
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.diagnostics.codes import code as code_info
 from plcgen.display.data import dump
-from plcgen.output.registry import Format
+from plcgen.output.registry import OutputFormat
 from plcgen.output.verification import problems
 
 if TYPE_CHECKING:
@@ -156,4 +156,4 @@ def _change(change: Change, index: dict[str, int]) -> dict[str, Any]:
     return result
 
 
-FORMAT = Format(name="sarif", findings=_findings, verification=_verification, comparison=_comparison)
+FORMAT = OutputFormat(name="sarif", findings=_findings, verification=_verification, comparison=_comparison)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.display.cells import width
-from plcgen.output.registry import Format
+from plcgen.output.registry import OutputFormat
 
 if TYPE_CHECKING:
     from plcgen.display.view import View
@@ -30,4 +30,4 @@ def _layout(result: LayoutResult, _view: View) -> str:
     return render_text("html/layout.svg.j2", {"blocks": blocks, "tones": range(TONES), **size})
 
 
-FORMAT = Format(name="svg", complete=False, layout=_layout)
+FORMAT = OutputFormat(name="svg", complete=False, layout=_layout)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from plcgen.output.registry import Format
+from plcgen.output.registry import OutputFormat
 
 if TYPE_CHECKING:
     from plcgen.display.results import Answer, Findings
@@ -49,7 +49,7 @@ def _answer(answer: Answer, view: View) -> str:
     return answer.text(view)
 
 
-FORMAT = Format(
+FORMAT = OutputFormat(
     name="text",
     complete=False,
     findings=_findings,

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plcgen._version import __version__
-from plcgen.output.registry import Format
+from plcgen.output.registry import OutputFormat
 
 if TYPE_CHECKING:
     from plcgen.display.view import View
@@ -157,4 +157,4 @@ def _trace(trace: Trace, _view: View) -> str:
     return "\n".join(_Dump(trace).lines()) + "\n"
 
 
-FORMAT = Format(name="vcd", complete=False, trace=_trace)
+FORMAT = OutputFormat(name="vcd", complete=False, trace=_trace)

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from plcgen.diagnostics import Span
-    from plcgen.input.yaml import Node
+    from plcgen.input.yaml import YamlNode
     from plcgen.project.nouns import BlockRef, Frame
     from plcgen.project.spec import SpecPath
 
@@ -18,9 +18,9 @@ _OWNERS = frozenset({"drives", "jobs", "ppi", "stations"})
 _NUMBER_KEYS = {"request": "db", "response": "db", "block": "number", "instance": "number"}
 
 
-def node_at(project: Frame, path: SpecPath) -> Node | None:
+def node_at(project: Frame, path: SpecPath) -> YamlNode | None:
     """Find the value at a path of the spec; None if the spec leaves it out."""
-    node: Node | None = project.loaded.root
+    node: YamlNode | None = project.loaded.root
     for step in path:
         if node is None:
             return None
@@ -28,7 +28,7 @@ def node_at(project: Frame, path: SpecPath) -> Node | None:
     return node
 
 
-def _item(node: Node, index: int) -> Node | None:
+def _item(node: YamlNode, index: int) -> YamlNode | None:
     """Find the n-th value of a list, or of a mapping that stands for a list."""
     if node.kind == "map":
         return next((value for _, value in islice(node.pairs.values(), index, index + 1)), None)

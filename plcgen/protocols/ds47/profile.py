@@ -18,14 +18,14 @@ from pydantic import (
     field_validator,
 )
 
-from plcgen.input.validation import Document, Problems, StrictModel, problem
+from plcgen.input.validation import FileShape, Problems, StrictModel, problem
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Line, Parameter, ParameterDef, ParameterNumber, parameter_from
 from plcgen.protocols.ds47.plan.references import number_of, parse_reference
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.bico import Layout, parse_bico
-from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind
+from plcgen.protocols.ds47.wire.formats import Format, FormatKind, FormatValueError
 from plcgen.protocols.ds47.wire.model import MAX_ELEMENTS, MAX_PARAMETERS, RECORD_LIMIT
 
 RecordIndex = Annotated[int, Field(ge=1, le=0xFFFF)]
@@ -76,7 +76,7 @@ class DriveObjects(StrictModel):
         return allowed
 
 
-class Limits(StrictModel):
+class ProfileLimits(StrictModel):
     """How much one telegram may hold."""
 
     record: int = Field(RECORD_LIMIT, ge=16, le=RECORD_LIMIT, description="longest request and response in bytes")
@@ -98,7 +98,7 @@ class ScalarElements(StrictModel):
     write: Literal[0, 1] = 1
 
 
-class Entry(ParameterDef):
+class ParameterEntry(ParameterDef):
     """One parameter of the catalogue."""
 
     name: Annotated[str, Field(max_length=64)] | None = Field(None, description="symbolic name, snake_case")
@@ -132,7 +132,7 @@ class Entry(ParameterDef):
         if limit is None or "type" not in info.data:
             return limit
         fmt, _ = read_type(info.data["type"])
-        if fmt.kind not in {Kind.SIGNED, Kind.UNSIGNED, Kind.FLOAT}:
+        if fmt.kind not in {FormatKind.SIGNED, FormatKind.UNSIGNED, FormatKind.FLOAT}:
             raise problem(f"{fmt.name} has no limits")
         _pack(fmt, limit)
         low = info.data.get("min")
@@ -146,7 +146,7 @@ class Entry(ParameterDef):
         if value is None or "type" not in info.data:
             return value
         fmt, octets = read_type(info.data["type"])
-        if fmt.is_string or fmt.kind is Kind.OPAQUE:
+        if fmt.is_string or fmt.kind is FormatKind.OPAQUE:
             _check_text(fmt, octets or fmt.size, value)
             return value
         if isinstance(value, str):
@@ -179,29 +179,29 @@ def _check_text(fmt: Format, octets: int, value: Any) -> None:
     if not isinstance(value, str):
         raise problem(f"{fmt.name} takes text", help_='put it in quotes, octets as hexadecimal digits: "0329"')
     try:
-        data = value.encode("ascii") if fmt.kind is Kind.TEXT else bytes.fromhex(value)
+        data = value.encode("ascii") if fmt.kind is FormatKind.TEXT else bytes.fromhex(value)
     except ValueError:
         raise problem(f'"{value}" is not a value of type {fmt.name}') from None
-    if len(data) < octets and fmt.kind is Kind.OCTETS:
+    if len(data) < octets and fmt.kind is FormatKind.OCTETS:
         raise problem(f"{fmt.name}[{octets}] takes {octets} octets, not {len(data)}")
     if len(data) > octets:
         raise problem(f"{len(data)} octets do not fit {fmt.name}[{octets}]")
 
 
-class Profile(StrictModel):
+class DeviceProfile(StrictModel):
     """A device profile."""
 
     title: Line = Field(description="name of the device for people")
     source: Line = Field(description="manuals that say so")
     record_index: RecordIndexes = Field(description="data records that carry parameter jobs")
     drive_object: DriveObjects = Field(description="numbers of drive objects")
-    limits: Limits = Field(Limits(), description="how much one telegram may hold")
+    limits: ProfileLimits = Field(ProfileLimits(), description="how much one telegram may hold")
     answers: Answers = Field(Answers(), description="how the device answers")
     scalar_elements: ScalarElements = Field(ScalarElements(), description="elements in a request without an index")
     strict_length: bool = Field(default=True, description="a request of another length than its contents is refused")
     bico: Layout = Field("drive-object", description="BICO values carry the drive object, or zeros in its place")
     error_table: Literal["sinamics", "profidrive"] = Field("sinamics", description="meaning of error numbers")
-    parameters: dict[ParameterNumber, Entry] = Field(default_factory=dict, description="the catalogue")
+    parameters: dict[ParameterNumber, ParameterEntry] = Field(default_factory=dict, description="the catalogue")
 
     @field_validator("parameters", mode="wrap")
     @classmethod
@@ -250,14 +250,14 @@ class Profile(StrictModel):
             parameters={found.pnu: found for found in itertools.starmap(self._parameter, self.parameters.items())},
         )
 
-    def _parameter(self, key: str, entry: Entry) -> Parameter:
+    def _parameter(self, key: str, entry: ParameterEntry) -> Parameter:
         pnu = number_of(key) or 0
         given = {"source": self.source} | entry.model_dump(exclude_none=True)
         return parameter_from(pnu, given, read_only=bool(guards.why_read_only(key, pnu)))
 
 
-PROFILE = Document(
-    model=Profile,
+PROFILE = FileShape(
+    model=DeviceProfile,
     what="the profile",
     shape="a device profile is a mapping with title, source, record_index and drive_object",
     help="docs/devices.md describes it",

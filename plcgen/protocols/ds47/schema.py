@@ -37,7 +37,7 @@ Address = Annotated[int, Field(ge=0, le=65535), AfterValidator(_address)]
 HardwareId = Annotated[int, Field(ge=0, le=65535), AfterValidator(_hardware_id)]
 
 
-class Drive(StrictModel):
+class DriveEntry(StrictModel):
     """One drive the PLC talks to."""
 
     device: str = Field(
@@ -68,7 +68,7 @@ SignOff = Annotated[dict[ParameterNumber, Line], BeforeValidator(_signed)]
 """Parameters that a job may write although that can do harm, and why."""
 
 
-class Buffer(StrictModel):
+class BufferSettings(StrictModel):
     """A request or response data block."""
 
     db: int | None = Field(None, ge=1, le=65535, description="DB number; absent: automatic")
@@ -86,8 +86,8 @@ class JobTarget(StrictModel):
 class JobSettings(StrictModel):
     """What every job may say, whatever its kind."""
 
-    request: Buffer = Field(Buffer(), description="request DB")
-    response: Buffer = Field(Buffer(), description="response DB")
+    request: BufferSettings = Field(BufferSettings(), description="request DB")
+    response: BufferSettings = Field(BufferSettings(), description="response DB")
     block: BlockName = Field(BlockName(), description="the job's function block")
     instance: BlockName = Field(BlockName(), description="the function block's instance DB")
     names: Naming | None = Field(None, description="overrides plc.names for this job")
@@ -109,15 +109,15 @@ class JobSettings(StrictModel):
     comment: Text | None = None
 
 
-class Job(JobSettings, JobTarget):
+class JobEntry(JobSettings, JobTarget):
     """One job on one drive; the keys of its kind stand between ``drive`` and the settings, see ``sections``."""
 
 
 class DriveSections(StrictModel):
     """Drives and their jobs."""
 
-    drives: dict[str, Drive] = Field(min_length=1)
-    jobs: Mapping[str, Job] = Field(min_length=1)
+    drives: dict[str, DriveEntry] = Field(min_length=1)
+    jobs: Mapping[str, JobEntry] = Field(min_length=1)
 
 
 @functools.cache
@@ -127,12 +127,12 @@ def sections(*, alone: bool) -> type[DriveSections]:
         kind.key: (kind.shape | None, Field(None, description=kind.description)) for kind in kinds()
     }
     keys = create_model("JobKinds", __base__=JobTarget, **shapes)
-    job = create_model("Job", __base__=(Job, keys), __doc__="One parameter job on one drive.")
+    job = create_model("Job", __base__=(JobEntry, keys), __doc__="One parameter job on one drive.")
     least: dict[str, Any] = {"min_length": 1} if alone else {"default_factory": dict}
     return create_model(
         "DriveSections",
         __base__=DriveSections,
-        drives=(dict[str, Drive], Field(**least)),
+        drives=(dict[str, DriveEntry], Field(**least)),
         jobs=(dict[str, job], Field(**least)),
     )
 
@@ -140,7 +140,7 @@ def sections(*, alone: bool) -> type[DriveSections]:
 def complete(schema: dict[str, Any]) -> None:
     """Put the short forms of jobs into the JSON schema of a spec."""
     definitions = schema["$defs"]
-    job = definitions["Job"]["properties"]
+    job = definitions["JobEntry"]["properties"]
     for kind in kinds():
         if kind.short is not None:
             job[kind.key] = {**kind.short(definitions), "description": kind.description}

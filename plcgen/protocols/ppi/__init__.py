@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from plcgen.diagnostics import Report
     from plcgen.display.page import Page
     from plcgen.documents.nouns import Contribution
-    from plcgen.project.nouns import Buffer, Field
+    from plcgen.project.nouns import Buffer, BufferField
     from plcgen.project.numbering import Numbering
     from plcgen.project.spec import LoadedSpec
     from plcgen.protocols.base import Rules
@@ -65,7 +65,7 @@ class Ppi:
 
         return contribution(plan)
 
-    def buffers(self, plan: PpiPlan) -> Iterator[tuple[Buffer[Field], str]]:
+    def buffers(self, plan: PpiPlan) -> Iterator[tuple[Buffer[BufferField], str]]:
         """Buffers with their roles."""
         from plcgen.protocols.ppi.review import buffers
 

@@ -6,14 +6,14 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from plcgen.project.nouns import Buffer, Field
+from plcgen.project.nouns import Buffer, BufferField
 from plcgen.protocols.dissection import ByteField
 from plcgen.protocols.ppi.plan.nouns import PpiPlan
 from plcgen.protocols.ppi.wire.dissect import dissect
 from plcgen.review.compare.model import DriveState, JobState, TelegramState
 
 
-def buffers(plan: PpiPlan) -> Iterator[tuple[Buffer[Field], str]]:
+def buffers(plan: PpiPlan) -> Iterator[tuple[Buffer[BufferField], str]]:
     """Every telegram table and response DB with what it is for."""
     for master in plan.masters:
         for telegram in master.telegrams:

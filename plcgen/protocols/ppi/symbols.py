@@ -13,7 +13,7 @@ from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Report, Span
 from plcgen.input.files import read_bounded
-from plcgen.protocols.ppi.wire.address import AddressError, parse_address
+from plcgen.protocols.ppi.wire.address import PpiAddressError, parse_address
 from plcgen.protocols.ppi.wire.model import Item
 
 MAX_BYTES = 16 * 1024 * 1024
@@ -28,7 +28,7 @@ _HELP = "columns are Symbol, Address, Comment, separated by tabs, semicolons or 
 
 
 @dataclass(frozen=True, slots=True)
-class Symbol:
+class PpiSymbol:
     """One symbol: name, item, comment and the line it stands in (from 1)."""
 
     name: str
@@ -41,8 +41,8 @@ class Symbol:
 class SymbolTable:
     """Symbols by name, letter case ignored."""
 
-    symbols: tuple[Symbol, ...]
-    _index: dict[str, Symbol] = field(default_factory=dict)
+    symbols: tuple[PpiSymbol, ...]
+    _index: dict[str, PpiSymbol] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._index.update({symbol.name.casefold(): symbol for symbol in self.symbols})
@@ -52,7 +52,7 @@ class SymbolTable:
         """Names in the order of the table."""
         return [symbol.name for symbol in self.symbols]
 
-    def find(self, name: str) -> Symbol | None:
+    def find(self, name: str) -> PpiSymbol | None:
         """Return the symbol of this name."""
         return self._index.get(name.strip().strip('"').casefold())
 
@@ -89,7 +89,7 @@ def parse_symbols(text: str, name: str = "<symbols>") -> SymbolTable:
     if columns is None:
         report.add(Diagnostic("PG717", "no column of addresses was found", Span(name), help=_HELP))
         raise DiagnosticError(report.sorted())
-    found: dict[str, Symbol] = {}
+    found: dict[str, PpiSymbol] = {}
     for number, cells in rows:
         symbol = _symbol(name, number, cells, columns, report)
         if symbol is None:
@@ -149,12 +149,14 @@ def _columns(rows: list[tuple[int, list[_Cell]]]) -> tuple[int, int, int] | None
 def _is_address(text: str) -> bool:
     try:
         parse_address(text)
-    except AddressError:
+    except PpiAddressError:
         return False
     return True
 
 
-def _symbol(name: str, number: int, cells: list[_Cell], columns: tuple[int, int, int], report: Report) -> Symbol | None:
+def _symbol(
+    name: str, number: int, cells: list[_Cell], columns: tuple[int, int, int], report: Report
+) -> PpiSymbol | None:
     """Read one row; None for a header, a row without symbol and address, and one that is wrong."""
     empty = _Cell("", 1)
     symbol, address, comment = (cells[index] if index < len(cells) else empty for index in columns)
@@ -167,8 +169,8 @@ def _symbol(name: str, number: int, cells: list[_Cell], columns: tuple[int, int,
             report.add(Diagnostic("PG717", f"the {missing} is missing", _span(name, number, cell), help=_HELP))
         return None
     try:
-        return Symbol(symbol.text, parse_address(address.text), comment.text, number)
-    except AddressError as problem:
+        return PpiSymbol(symbol.text, parse_address(address.text), comment.text, number)
+    except PpiAddressError as problem:
         report.add(Diagnostic("PG717", problem.message, _span(name, number, address), help=problem.help))
         return None
 

@@ -28,7 +28,7 @@ _REFERENCE = 11
 """Offset of the reference in an SD2 frame."""
 
 
-class Piece(Protocol):
+class StreamPiece(Protocol):
     """Bytes of a stream that belong together."""
 
     @property
@@ -45,7 +45,7 @@ class Piece(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class PpiTelegram:
+class DecodedFrame:
     """One telegram of a stream: where it starts, its fields, one line about it, what is wrong and what was accepted."""
 
     offset: int
@@ -63,7 +63,7 @@ class PpiTelegram:
         return DecodedTelegram(self.kind, self.data, self.fields, problems)
 
 
-def decode_pieces(pieces: Iterable[Piece], *, tolerant: bool = False) -> list[PpiTelegram]:
+def decode_pieces(pieces: Iterable[StreamPiece], *, tolerant: bool = False) -> list[DecodedFrame]:
     """Take the telegrams of a stream apart, each with the request before it as context."""
     context = _Context()
     return [_telegram(piece, context, tolerant=tolerant) for piece in pieces]
@@ -102,14 +102,14 @@ def _items(request: ReadRequest | WriteRequest) -> tuple[Item, ...]:
     return tuple(entry.item for entry in request.items)
 
 
-def _telegram(piece: Piece, context: _Context, *, tolerant: bool) -> PpiTelegram:
+def _telegram(piece: StreamPiece, context: _Context, *, tolerant: bool) -> DecodedFrame:
     data = piece.data
     if not piece.telegram and (len(data) != 1 or examine(data).frame is None):
         count = f"{len(data)} byte{'s' * (len(data) > 1)}"
         text = f"{count} skipped: no frame starts here"
         shown = data[:16].hex(" ").upper() + (" ..." if len(data) > 16 else "")
         field = TelegramField(0, data, "skipped", shown, "", problem=True)
-        return PpiTelegram(piece.offset, data, "no frame", text, (field,), (Violation(Kind.START, 0, text),), ())
+        return DecodedFrame(piece.offset, data, "no frame", text, (field,), (Violation(Kind.START, 0, text),), ())
     seen = examine(data)
     more, asked = context.follow(seen)
     violations = [*seen.violations, *more]
@@ -121,19 +121,19 @@ def _telegram(piece: Piece, context: _Context, *, tolerant: bool) -> PpiTelegram
         for f in dissect(data, problems, asked[:ITEM_LIMIT])
     )
     line = frame_text(seen.frame, seen.pdu) if seen.frame is not None else title(data)
-    return PpiTelegram(piece.offset, data, _kind(data, seen.pdu), line, fields, problems, tolerated)
+    return DecodedFrame(piece.offset, data, _kind(data, seen.pdu), line, fields, problems, tolerated)
 
 
 def _kind(data: bytes, pdu: Pdu | None) -> str:
     return title(data) if pdu is None else f"{title(data)}, reference {pdu.reference}"
 
 
-def telegram_text(telegram: PpiTelegram, view: View) -> str:
+def telegram_text(telegram: DecodedFrame, view: View) -> str:
     """Table of all fields; ``!`` marks the wrong ones."""
     return plain_text(telegram.table, view)
 
 
-def short_text(telegrams: Sequence[PpiTelegram], view: View) -> str:
+def short_text(telegrams: Sequence[DecodedFrame], view: View) -> str:
     """One line a telegram: offset in the stream, ``!`` for a wrong and ``~`` for a tolerated one, contents."""
     lines = []
     for telegram in telegrams:
@@ -144,7 +144,7 @@ def short_text(telegrams: Sequence[PpiTelegram], view: View) -> str:
 
 
 def telegrams_answer(
-    telegrams: Sequence[PpiTelegram], diagnostics: Sequence[Diagnostic], *, short: bool = False
+    telegrams: Sequence[DecodedFrame], diagnostics: Sequence[Diagnostic], *, short: bool = False
 ) -> Answer:
     """Answer of ``ppi decode``: every telegram with its fields, violations with their kinds; ``short`` for people."""
     ok = not any(diagnostic.severity is Severity.ERROR for diagnostic in diagnostics)
@@ -162,7 +162,7 @@ def telegrams_answer(
     return Answer(data, partial(short_text if short else _text, telegrams), diagnostics)
 
 
-def _text(telegrams: Sequence[PpiTelegram], view: View) -> str:
+def _text(telegrams: Sequence[DecodedFrame], view: View) -> str:
     return "\n".join(telegram_text(telegram, view) for telegram in telegrams)
 
 

@@ -15,8 +15,8 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, PlainVa
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
 from plcgen.input.text import read_text
-from plcgen.input.validation import Document, StrictModel, problem, read_document
-from plcgen.input.yaml import Node
+from plcgen.input.validation import FileShape, StrictModel, problem, read_document
+from plcgen.input.yaml import YamlNode
 from plcgen.protocols.registry import protocols
 from plcgen.review.compare.lockfile import ACCESS, FORMAT, content_hash
 from plcgen.review.compare.model import BlockState, DriveState, JobState, MemberState, Snapshot, TelegramState
@@ -156,7 +156,7 @@ class _Lock(StrictModel):
     blocks: dict[Annotated[str, AfterValidator(_block_key)], _Block]
 
 
-def _as_text(root: Node) -> Node:
+def _as_text(root: YamlNode) -> YamlNode:
     """Check the format, and make the text of every scalar its value: 16#0A is a word here, not the number 10."""
     form = root.get("format") if root.kind == "map" else None
     if form is None or form.raw != str(FORMAT):
@@ -173,7 +173,7 @@ def _as_text(root: Node) -> Node:
     return root
 
 
-_LOCK = Document(_Lock, "the lock", "a lock is a mapping", prepare=_as_text)
+_LOCK = FileShape(_Lock, "the lock", "a lock is a mapping", prepare=_as_text)
 
 
 def read_lock(path: Path) -> Lock:
@@ -200,7 +200,7 @@ def read_lock(path: Path) -> Lock:
 class _Reader:
     """Puts the parts of a valid lock together, each with its place."""
 
-    tree: Node
+    tree: YamlNode
     report: Report
 
     def snapshot(self, file: str, lock: _Lock) -> Snapshot:
@@ -235,7 +235,7 @@ class _Reader:
             self.report.add(Diagnostic("PG634", message, node.find(["hash"]).span, help=help_))
         return block
 
-    def members(self, block: Node, given: _Block, section: str, kind: str) -> Iterator[MemberState]:
+    def members(self, block: YamlNode, given: _Block, section: str, kind: str) -> Iterator[MemberState]:
         """Members of one section; nested ones follow their parent and begin with its path."""
         roots: list[_Tree] = []
         stack: list[_Tree] = []
@@ -260,7 +260,7 @@ class _Tree:
 
     path: str
     line: _Line
-    node: Node
+    node: YamlNode
     inner: list[_Tree] = field(default_factory=list)
 
     def state(self, section: str) -> MemberState:

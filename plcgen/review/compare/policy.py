@@ -22,7 +22,7 @@ class Level(enum.StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class ChangeKind:
     """One kind of change: stable id, default level, what it is, why it is so classified."""
 
     id: str
@@ -33,53 +33,71 @@ class Kind:
 
 _B, _C, _D = Level.BREAKING, Level.COMPATIBLE, Level.DOCUMENTATION
 _TABLE = (
-    Kind("block-added", _C, "block added", "nothing refers to it yet"),
-    Kind("block-removed", _B, "block removed", "calls, the HMI and other PLCs still refer to it"),
-    Kind("block-renamed", _B, "block renamed", "symbolic references break"),
-    Kind("block-renumbered", _B, "block number changed", "absolute references (DB3.DBW6, PUT/GET) reach another block"),
-    Kind("block-grown", _C, "block became longer", "what was there stays where it was, unless members moved"),
-    Kind("block-shrunk", _B, "block became shorter", "reads of the old length reach beyond the end of the block"),
-    Kind("access-changed", _B, "optimized and standard access exchanged", "offsets appear or vanish"),
-    Kind("instance-type", _B, "instance or type-based DB made from another type", "its whole contents change"),
-    Kind("block-attribute", _C, "attribute of the block changed", "start-up or protection may differ, the layout not"),
-    Kind("block-text", _D, "title, author, version or comment of the block", "nothing but text changes"),
-    Kind("member-added", _C, "member added", "what follows may move: that is reported separately"),
-    Kind("parameter-required", _B, "parameter that every call must supply was added", "existing calls do not compile"),
-    Kind("member-removed", _B, "member removed", "readers find nothing or something else"),
-    Kind("member-renamed", _B, "member renamed, at the same place", "symbolic references break, absolute ones do not"),
-    Kind("member-spelling", _D, "letter case of a name", "S7 names do not tell cases apart"),
-    Kind("member-moved", _B, "member lies at another offset", "absolute readers and the drive read other bytes"),
-    Kind("section-changed", _B, "parameter changed its section", "calls pass it in another direction"),
-    Kind("type-changed", _B, "data type changed", "the same bytes mean something else"),
-    Kind("length-changed", _B, "length of a string or array changed", "readers expect the old number of elements"),
-    Kind("start-value", _C, "start value changed", "takes effect when the block is loaded or initialised"),
-    Kind("constant-changed", _C, "constant changed", "the block behaves differently, its interface not"),
-    Kind("retain-changed", _C, "retentivity changed", "the value survives a restart, or no longer does"),
-    Kind("hmi-access-removed", _B, "no longer visible, readable or writable from outside", "HMI and OPC UA lose it"),
-    Kind("hmi-access-added", _C, "now visible, readable or writable from outside", "nothing is lost"),
-    Kind("member-attribute", _C, "other attribute of a member", "the layout stays"),
-    Kind("member-comment", _D, "comment of a member", "nothing but text changes"),
-    Kind("internal-changed", _C, "static variables of an FB changed", "not for use from outside: style guide"),
-    Kind("internal-moved", _C, "static variables of an FB moved", "instance data are initialised again when loaded"),
-    Kind("local-changed", _C, "temporary variables or constants declared differently", "invisible from outside"),
-    Kind("code-changed", _C, "code changed", "the block behaves differently, its interface not"),
-    Kind("job-added", _C, "job added", "nothing refers to it yet"),
-    Kind("job-removed", _B, "job removed", "its block and its data go away"),
-    Kind("telegram-count", _B, "job is sent in another number of telegrams", "buffers and timing differ"),
-    Kind("telegram-field", _B, "request asks for something else", "another parameter, index, axis or service"),
-    Kind("telegram-value", _C, "request writes another value", "intended, but worth a look: the drive gets it"),
-    Kind("telegram-reference", _C, "other request reference at start", "the block changes it with every request"),
-    Kind("request-length", _B, "request has another length", "LEN of WRREC and the buffer change"),
-    Kind("response-length", _B, "answer or its buffer has another length", "MLEN of RDREC and the buffer change"),
-    Kind("drive-added", _C, "drive added", "nothing refers to it yet"),
-    Kind("drive-removed", _B, "drive removed", "its jobs and its token go away"),
-    Kind("drive-address", _B, "hardware identifier or address changed", "requests go to another device"),
-    Kind("drive-device", _B, "device, drive object or record index changed", "the drive is addressed differently"),
-    Kind("job-drive", _B, "job works on another drive", "requests go to another device"),
-    Kind("job-timing", _C, "timeout, pauses or retries changed", "jobs end earlier or later"),
-    Kind("job-trigger", _B, "absolute flags of a job changed", "whoever sets or reads the old flags is not heard"),
+    ChangeKind("block-added", _C, "block added", "nothing refers to it yet"),
+    ChangeKind("block-removed", _B, "block removed", "calls, the HMI and other PLCs still refer to it"),
+    ChangeKind("block-renamed", _B, "block renamed", "symbolic references break"),
+    ChangeKind(
+        "block-renumbered", _B, "block number changed", "absolute references (DB3.DBW6, PUT/GET) reach another block"
+    ),
+    ChangeKind("block-grown", _C, "block became longer", "what was there stays where it was, unless members moved"),
+    ChangeKind("block-shrunk", _B, "block became shorter", "reads of the old length reach beyond the end of the block"),
+    ChangeKind("access-changed", _B, "optimized and standard access exchanged", "offsets appear or vanish"),
+    ChangeKind("instance-type", _B, "instance or type-based DB made from another type", "its whole contents change"),
+    ChangeKind(
+        "block-attribute", _C, "attribute of the block changed", "start-up or protection may differ, the layout not"
+    ),
+    ChangeKind("block-text", _D, "title, author, version or comment of the block", "nothing but text changes"),
+    ChangeKind("member-added", _C, "member added", "what follows may move: that is reported separately"),
+    ChangeKind(
+        "parameter-required", _B, "parameter that every call must supply was added", "existing calls do not compile"
+    ),
+    ChangeKind("member-removed", _B, "member removed", "readers find nothing or something else"),
+    ChangeKind(
+        "member-renamed", _B, "member renamed, at the same place", "symbolic references break, absolute ones do not"
+    ),
+    ChangeKind("member-spelling", _D, "letter case of a name", "S7 names do not tell cases apart"),
+    ChangeKind("member-moved", _B, "member lies at another offset", "absolute readers and the drive read other bytes"),
+    ChangeKind("section-changed", _B, "parameter changed its section", "calls pass it in another direction"),
+    ChangeKind("type-changed", _B, "data type changed", "the same bytes mean something else"),
+    ChangeKind(
+        "length-changed", _B, "length of a string or array changed", "readers expect the old number of elements"
+    ),
+    ChangeKind("start-value", _C, "start value changed", "takes effect when the block is loaded or initialised"),
+    ChangeKind("constant-changed", _C, "constant changed", "the block behaves differently, its interface not"),
+    ChangeKind("retain-changed", _C, "retentivity changed", "the value survives a restart, or no longer does"),
+    ChangeKind(
+        "hmi-access-removed", _B, "no longer visible, readable or writable from outside", "HMI and OPC UA lose it"
+    ),
+    ChangeKind("hmi-access-added", _C, "now visible, readable or writable from outside", "nothing is lost"),
+    ChangeKind("member-attribute", _C, "other attribute of a member", "the layout stays"),
+    ChangeKind("member-comment", _D, "comment of a member", "nothing but text changes"),
+    ChangeKind("internal-changed", _C, "static variables of an FB changed", "not for use from outside: style guide"),
+    ChangeKind(
+        "internal-moved", _C, "static variables of an FB moved", "instance data are initialised again when loaded"
+    ),
+    ChangeKind("local-changed", _C, "temporary variables or constants declared differently", "invisible from outside"),
+    ChangeKind("code-changed", _C, "code changed", "the block behaves differently, its interface not"),
+    ChangeKind("job-added", _C, "job added", "nothing refers to it yet"),
+    ChangeKind("job-removed", _B, "job removed", "its block and its data go away"),
+    ChangeKind("telegram-count", _B, "job is sent in another number of telegrams", "buffers and timing differ"),
+    ChangeKind("telegram-field", _B, "request asks for something else", "another parameter, index, axis or service"),
+    ChangeKind("telegram-value", _C, "request writes another value", "intended, but worth a look: the drive gets it"),
+    ChangeKind("telegram-reference", _C, "other request reference at start", "the block changes it with every request"),
+    ChangeKind("request-length", _B, "request has another length", "LEN of WRREC and the buffer change"),
+    ChangeKind("response-length", _B, "answer or its buffer has another length", "MLEN of RDREC and the buffer change"),
+    ChangeKind("drive-added", _C, "drive added", "nothing refers to it yet"),
+    ChangeKind("drive-removed", _B, "drive removed", "its jobs and its token go away"),
+    ChangeKind("drive-address", _B, "hardware identifier or address changed", "requests go to another device"),
+    ChangeKind(
+        "drive-device", _B, "device, drive object or record index changed", "the drive is addressed differently"
+    ),
+    ChangeKind("job-drive", _B, "job works on another drive", "requests go to another device"),
+    ChangeKind("job-timing", _C, "timeout, pauses or retries changed", "jobs end earlier or later"),
+    ChangeKind(
+        "job-trigger", _B, "absolute flags of a job changed", "whoever sets or reads the old flags is not heard"
+    ),
 )
-KINDS: Mapping[str, Kind] = MappingProxyType({kind.id: kind for kind in _TABLE})
+KINDS: Mapping[str, ChangeKind] = MappingProxyType({kind.id: kind for kind in _TABLE})
 """Every kind of change by id, in the order of the documentation."""
 
 FAIL_ON = ("breaking", "compatible", "any", "never")

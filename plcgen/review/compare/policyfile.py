@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BeforeValidator, RootModel
 from plcgen.diagnostics import DiagnosticError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.text import read_text
-from plcgen.input.validation import Document, problem, read_document, validate
+from plcgen.input.validation import FileShape, problem, read_document, validate
 from plcgen.input.yaml import plain_node
 from plcgen.review.compare.policy import KINDS, Level
 
@@ -36,7 +36,7 @@ class Policy(RootModel[dict[Annotated[str, AfterValidator(_kind)], Annotated[Lev
     """A policy file."""
 
 
-POLICY = Document(
+POLICY = FileShape(
     Policy, "the policy", "a policy is a mapping of change ids to classes", "for example: member-renamed: compatible"
 )
 

@@ -26,7 +26,7 @@ _FOLD = 6
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class CellRun:
     """Bits ``start`` to ``start + bits`` that hold one value, or nothing (``name`` is empty).
 
     ``tone`` counts the members of the block: cells of one top-level member share a colour.
@@ -47,7 +47,7 @@ class Cell:
 
     x: int
     width: int
-    run: Run
+    run: CellRun
     first: bool
 
 
@@ -95,19 +95,19 @@ def grid(block: BlockTable, limit: int = MAX_CELLS) -> Grid:
     return picture
 
 
-def _with_gaps(runs: Iterable[Run], end: int) -> Iterator[Run]:
+def _with_gaps(runs: Iterable[CellRun], end: int) -> Iterator[CellRun]:
     """Fill what no run covers."""
     at = 0
     for run in runs:
         if run.start > at:
-            yield Run(at, run.start - at, "", "", 0)
+            yield CellRun(at, run.start - at, "", "", 0)
         yield run
         at = run.start + run.bits
     if end > at:
-        yield Run(at, end - at, "", "", 0)
+        yield CellRun(at, end - at, "", "", 0)
 
 
-def _pieces(run: Run, columns: int) -> Iterator[tuple[int, list[Cell], int]]:
+def _pieces(run: CellRun, columns: int) -> Iterator[tuple[int, list[Cell], int]]:
     """One item per row that a run touches: first byte of the row, cells, bytes left out before it."""
     width = 8 * columns
     first, last = run.start // width, (run.start + run.bits - 1) // width
@@ -122,7 +122,7 @@ def _pieces(run: Run, columns: int) -> Iterator[tuple[int, list[Cell], int]]:
         before = row
 
 
-def _cells(run: Run, begin: int, end: int, origin: int) -> Iterator[Cell]:
+def _cells(run: CellRun, begin: int, end: int, origin: int) -> Iterator[Cell]:
     """Rectangles of one run in one row: whole bytes together, single bits of a byte from bit 7 on the left."""
     while begin < end:
         if begin % 8 or end - begin < 8:
@@ -134,7 +134,7 @@ def _cells(run: Run, begin: int, end: int, origin: int) -> Iterator[Cell]:
         begin = stop
 
 
-def _runs(block: BlockTable) -> Iterator[Run]:
+def _runs(block: BlockTable) -> Iterator[CellRun]:
     if block.shape is not None:
         for tone, child in enumerate(block.shape.fields):
             if child.member.at is None:
@@ -142,12 +142,12 @@ def _runs(block: BlockTable) -> Iterator[Run]:
         return
     for tone, row in enumerate(row for row in block.rows if row.kind == MEMBER and row.byte is not None):
         start = 8 * (row.byte or 0) + (row.bit or 0)
-        yield Run(start, row.bits, row.name, row.type, tone, row.start, row.comment)
+        yield CellRun(start, row.bits, row.name, row.type, tone, row.start, row.comment)
 
 
 def _leaves(
     shape: Shape, start: int, name: str, tone: int, member: Member | None, begin: Mapping[str, str]
-) -> Iterator[Run]:
+) -> Iterator[CellRun]:
     """What one member holds, in memory order; arrays of plain values are one run."""
     if shape.fields:
         for child in shape.fields:
@@ -161,10 +161,10 @@ def _leaves(
         value, comment = (member.start or "", member.comment) if member else ("", "")
         if begin:
             value = begin.get(name.lower(), value)
-        yield Run(start, extent(shape), name, type_text(shape.type), tone, value, comment)
+        yield CellRun(start, extent(shape), name, type_text(shape.type), tone, value, comment)
 
 
-def title(run: Run, db: int | None, *, in_db: bool) -> str:
+def title(run: CellRun, db: int | None, *, in_db: bool) -> str:
     """Text to show under the mouse: ``DB3.DBW6  Para_No : WORD := 16#C47F, 2 B``."""
     byte, bit = divmod(run.start, 8)
     size = size_text(run.bits)

@@ -49,7 +49,7 @@ class Rectangle:
 
 
 @dataclass(frozen=True, slots=True)
-class Note:
+class PictureNote:
     """A line of text inside a picture, for example the bytes that were left out."""
 
     y: int
@@ -65,7 +65,7 @@ class Picture:
     heads: tuple[tuple[float, str], ...]
     offsets: tuple[tuple[int, int], ...]
     rectangles: tuple[Rectangle, ...]
-    notes: tuple[Note, ...]
+    notes: tuple[PictureNote, ...]
     summary: str
 
 
@@ -115,12 +115,12 @@ def _pictures(block: BlockTable, picture: Grid, chunk: int) -> Iterator[Picture]
 def _picture(block: BlockTable, picture: Grid, rows: Sequence[GridRow], summary: str) -> Picture:
     cell = _CELL[picture.columns]
     rectangles: list[Rectangle] = []
-    notes: list[Note] = []
+    notes: list[PictureNote] = []
     offsets: list[tuple[int, int]] = []
     y = HEAD
     for row in rows:
         if row.skipped:
-            notes.append(Note(y + 15, f"... {row.skipped} more bytes of it ..."))
+            notes.append(PictureNote(y + 15, f"... {row.skipped} more bytes of it ..."))
             y += _ROW
         offsets.append((y + 17, row.byte))
         rectangles += [_rectangle(block, piece, cell, y) for piece in row.cells]

@@ -10,7 +10,7 @@ from plcgen.s7.types import Elementary
 from plcgen.s7.values import unpack_value
 
 if TYPE_CHECKING:
-    from plcgen.project.nouns import Buffer, Field, Project
+    from plcgen.project.nouns import Buffer, BufferField, Project
 
 
 def project_tables(project: Project) -> list[BlockTable]:
@@ -22,14 +22,14 @@ def project_tables(project: Project) -> list[BlockTable]:
     ]
 
 
-def buffer_table(buffer: Buffer[Field], role: str, *, v5: bool) -> BlockTable:
+def buffer_table(buffer: Buffer[BufferField], role: str, *, v5: bool) -> BlockTable:
     """One buffer; the start values of a request are shown, those of a response are filled in by the partner."""
     rows = tuple(_row(field, buffer.db.number, v5=v5, start=bool(buffer.data)) for field in buffer.fields)
     data = buffer.image if buffer.data else None
     return BlockTable("DB", buffer.db.name, buffer.db.number, buffer.size, rows, role, data)
 
 
-def _row(field: Field, db: int, *, v5: bool, start: bool) -> LayoutRow:
+def _row(field: BufferField, db: int, *, v5: bool, start: bool) -> LayoutRow:
     text = ""
     if start and isinstance(field.type, Elementary):
         text = spell(unpack_value(field.data, field.type), field.type, v5=v5)

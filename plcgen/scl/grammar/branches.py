@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from plcgen.scl import ast
-from plcgen.scl.cursor import Cursor, Fault
+from plcgen.scl.cursor import Cursor, SyntaxFault
 from plcgen.scl.grammar import mistakes
 from plcgen.scl.grammar.expressions import Expressions
 from plcgen.scl.grammar.statements import Statements
@@ -94,7 +94,7 @@ class Branches:
         start, depth = cursor.start, cursor.depth
         try:
             return self.expressions.read()
-        except Fault as fault:
+        except SyntaxFault as fault:
             index = cursor.pos
             while (kind := cursor.kinds[index]) not in CODE and kind not in {closing, ";"}:
                 index += 1

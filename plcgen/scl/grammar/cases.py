@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from plcgen.scl import ast
-from plcgen.scl.cursor import Cursor, Fault
+from plcgen.scl.cursor import Cursor, SyntaxFault
 from plcgen.scl.grammar.expressions import Expressions
 from plcgen.scl.grammar.labels import CaseLabels
 from plcgen.scl.grammar.statements import Statements
@@ -78,7 +78,7 @@ class Cases:
         began, depth = cursor.pos, cursor.depth
         try:
             return self.case_branch(regions)
-        except Fault as fault:
+        except SyntaxFault as fault:
             cursor.depth = depth
             cursor.report(fault)
             self.statements.skip_statement(began)

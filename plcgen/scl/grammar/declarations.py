@@ -6,7 +6,7 @@ from bisect import bisect_left
 from dataclasses import dataclass, replace
 
 from plcgen.scl import ast
-from plcgen.scl.cursor import Cursor, Fault, unquote
+from plcgen.scl.cursor import Cursor, SyntaxFault, unquote
 from plcgen.scl.grammar import foreign
 from plcgen.scl.grammar.expressions import Expressions
 from plcgen.scl.grammar.foreign import FOREIGN_SECTIONS
@@ -87,7 +87,7 @@ class Declarations:
             depth = cursor.depth
             try:
                 found.append(self.constant() if constants else self.declaration())
-            except Fault as fault:
+            except SyntaxFault as fault:
                 cursor.depth = depth
                 cursor.report(fault)
                 self.skip_declaration()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 
-from plcgen.scl.cursor import Cursor, Fault
+from plcgen.scl.cursor import Cursor, SyntaxFault
 from plcgen.scl.lexer import EOF, INT, NAME, QUOTED, WORDS
 
 _STATEMENTS = """IF ELSIF ELSE END_IF CASE END_CASE FOR END_FOR WHILE END_WHILE REPEAT UNTIL END_REPEAT EXIT CONTINUE
@@ -111,7 +111,7 @@ def braces(cursor: Cursor, keyword: str, closer: str) -> bool:
     return True
 
 
-def wrong_assignment(cursor: Cursor) -> Fault:
+def wrong_assignment(cursor: Cursor) -> SyntaxFault:
     """Return the fault about what follows the target of an assignment."""
     kinds = cursor.kinds[cursor.pos], cursor.kind(1)
     text = _ASSIGNMENTS.get(kinds, "")
@@ -120,13 +120,13 @@ def wrong_assignment(cursor: Cursor) -> Fault:
     return cursor.expected("':=' or '('", text)
 
 
-def no_expression(cursor: Cursor) -> Fault:
+def no_expression(cursor: Cursor) -> SyntaxFault:
     """Return the fault about a token that begins no expression."""
     before = cursor.kinds[cursor.pos - 1] if cursor.pos else ""
     return cursor.expected("an expression", _OPERATORS.get((before, cursor.kinds[cursor.pos]), ""))
 
 
-def no_end(cursor: Cursor) -> Fault:
+def no_end(cursor: Cursor) -> SyntaxFault:
     """Return the fault about a token in place of a semicolon."""
     kind = cursor.kinds[cursor.pos]
     text = ""

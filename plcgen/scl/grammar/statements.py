@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from plcgen.diagnostics import Note
 from plcgen.scl import ast
-from plcgen.scl.cursor import Cursor, Fault
+from plcgen.scl.cursor import Cursor, SyntaxFault
 from plcgen.scl.grammar import foreign, mistakes
 from plcgen.scl.grammar.expressions import Expressions
 from plcgen.scl.grammar.labels import CaseLabels
@@ -64,7 +64,7 @@ class Statements:
                     cursor.pos = pos + 1
                 elif statement := self.other(kind):
                     found.append(statement)
-            except Fault as fault:
+            except SyntaxFault as fault:
                 cursor.depth = depth
                 cursor.report(fault)
                 self.skip_statement(pos)

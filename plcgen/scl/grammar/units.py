@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field, replace
 
 from plcgen.scl import ast
-from plcgen.scl.cursor import Abort, Cursor, Fault, unquote
+from plcgen.scl.cursor import Abort, Cursor, SyntaxFault, unquote
 from plcgen.scl.grammar import foreign, mistakes
 from plcgen.scl.grammar.declarations import Declarations
 from plcgen.scl.grammar.statements import Statements
@@ -77,7 +77,7 @@ class Units:
         self.cursor.depth = 0
         try:
             units.append(self.unit())
-        except Fault as fault:
+        except SyntaxFault as fault:
             self.cursor.report(fault)
             self.skip_to_unit()
 
@@ -85,7 +85,7 @@ class Units:
         """Attributes outside every block."""
         try:
             self.cursor.attributes()
-        except Fault as fault:
+        except SyntaxFault as fault:
             self.cursor.report(fault)
             self.skip_to_unit()
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Scope:
+class BlockScope:
     """Names in upper case.
 
     ``types`` are the local variables, ``constants`` the local constants, ``instances`` the instance DBs of the
@@ -30,7 +30,7 @@ class Scope:
     global_constants: frozenset[str] = frozenset()
 
     @classmethod
-    def of(cls, block: Block, known: Iterable[Block] = (), constants: Iterable[str] = ()) -> Scope:
+    def of(cls, block: Block, known: Iterable[Block] = (), constants: Iterable[str] = ()) -> BlockScope:
         """Scope of a block; ``known`` are the other blocks of the project."""
         types: dict[str, DataType] = {}
         local_constants = set()

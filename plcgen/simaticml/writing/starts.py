@@ -12,7 +12,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from plcgen.s7.blocks import Block, SectionKind
-from plcgen.s7.initializers import Group, Item, Node, flatten, parse_initializer
+from plcgen.s7.initializers import Group, InitialItem, Node, flatten, parse_initializer
 from plcgen.s7.literals import LiteralError
 from plcgen.s7.types import ArrayType, DataType, Member, NamedType, StructType
 
@@ -126,7 +126,7 @@ class Starts:
         self._above.update(path[:n] for n in range(len(path)))
         self._into.setdefault(path, {})[";".join(groups)] = literal
 
-    def _spread(self, type_: DataType, items: Sequence[Item], path: Path, groups: tuple[str, ...]) -> None:
+    def _spread(self, type_: DataType, items: Sequence[InitialItem], path: Path, groups: tuple[str, ...]) -> None:
         """Give the values of a list to the elements of an array or the members of a structure."""
         if isinstance(type_, ArrayType):
             if len(items) == 1 and isinstance(items[0].value, Group) and items[0].value.kind == "[":
@@ -153,7 +153,7 @@ class Starts:
         if isinstance(node, str):
             self._add(path, groups, node)
         else:
-            self._spread(type_, (Item(node),), path, groups)
+            self._spread(type_, (InitialItem(node),), path, groups)
 
 
 def _indices(type_: ArrayType) -> Iterator[str]:

@@ -41,7 +41,7 @@ from plcgen.simaticml.writing.scope import is_system
 
 if TYPE_CHECKING:
     from plcgen.simaticml.writing.documents import Setting
-    from plcgen.simaticml.writing.scope import Scope
+    from plcgen.simaticml.writing.scope import BlockScope
 
 FIRST_UID = 21
 """UIds of a network begin here in every genuine export."""
@@ -64,7 +64,7 @@ _ASSIGNS = frozenset({":=", "=>"})
 _NO_TITLE = frozenset({".", "[", "(", ":", ";", ",", ")", ":=", "+=", "-=", "*=", "/=", "&=", "**=", "?="})
 
 
-def elements(tokens: Tokens, begin: int, stop: int, scope: Scope, setting: Setting) -> str:
+def elements(tokens: Tokens, begin: int, stop: int, scope: BlockScope, setting: Setting) -> str:
     """Elements for the source between two offsets, with ``SLOT`` for every UId."""
     return _Writer(tokens, begin, stop, scope, setting).write(stop)
 
@@ -84,7 +84,7 @@ def numbered(elements: str) -> str:
 class _Writer:
     """A position in the token list; every method writes what begins there and goes behind it."""
 
-    def __init__(self, tokens: Tokens, begin: int, stop: int, scope: Scope, setting: Setting) -> None:
+    def __init__(self, tokens: Tokens, begin: int, stop: int, scope: BlockScope, setting: Setting) -> None:
         self.source = tokens.source
         self.kinds = tokens.kinds
         self.texts = tokens.texts

@@ -20,7 +20,7 @@ from plcgen.scl.parser import parse
 from plcgen.simaticml.datatypes import innermost
 from plcgen.simaticml.escape import attribute
 from plcgen.simaticml.writing.documents import Setting, document
-from plcgen.simaticml.writing.scope import Scope
+from plcgen.simaticml.writing.scope import BlockScope
 from plcgen.simaticml.writing.structured_text import elements, is_plain, numbered
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def read_block(text: str) -> Block:
 
 def code_document(block: Block, setting: Setting, known: tuple[Block, ...] = ()) -> str:
     """Document of an FB, FC or OB; ``known`` are the blocks it may call."""
-    code = numbered("".join(_pieces(block.code or "", _Meanings(Scope.of(block, known), setting))))
+    code = numbered("".join(_pieces(block.code or "", _Meanings(BlockScope.of(block, known), setting))))
     return document(block, setting, code)[0]
 
 
@@ -145,7 +145,7 @@ def _declared(line: str) -> Member:
 class _Meanings:
     """What the names of a block stand for and how its version writes them, as a part of the key of a line."""
 
-    scope: Scope
+    scope: BlockScope
     setting: Setting
     names: Mapping[str, str | None] | None = None
 

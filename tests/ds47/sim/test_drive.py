@@ -3,8 +3,8 @@
 import pytest
 
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
-from plcgen.protocols.ds47.sim.drive import Drive, Exchange, State
-from plcgen.protocols.ds47.sim.parameters import DriveObject, Limits, Parameter
+from plcgen.protocols.ds47.sim.drive import ChannelState, Drive, RecordExchange
+from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter, ValueLimits
 from plcgen.protocols.ds47.wire import formats
 
 WORD = formats.by_name("Unsigned16")
@@ -15,15 +15,15 @@ ANSWER = bytes.fromhex("01 01 01 01 06 01 00 05")
 
 def drive(processing=0, **behaviour):
     """Return a drive with one parameter, p1 = 5."""
-    return Drive(Behaviour(processing=processing, **behaviour), [DriveObject(1, {1: Parameter(1, WORD, [5])})])
+    return Drive(Behaviour(processing=processing, **behaviour), [DriveObject(1, {1: SimulatedParameter(1, WORD, [5])})])
 
 
 def in_state(state):
     """Return a drive in the given state: 100 ms of processing."""
     unit = drive(100)
-    if state is not State.IDLE:
+    if state is not ChannelState.IDLE:
         unit.write_record(47, READ)
-    if state is State.AVAILABLE:
+    if state is ChannelState.AVAILABLE:
         unit.advance(100)
     assert unit.state is state
     return unit
@@ -32,9 +32,9 @@ def in_state(state):
 @pytest.mark.parametrize(
     ("state", "write", "after_write", "read", "after_read"),
     [
-        (State.IDLE, 0, State.PROCESSING, 0xDE80B500, State.IDLE),
-        (State.PROCESSING, 0xDF80B500, State.PROCESSING, 0xDE80B500, State.PROCESSING),
-        (State.AVAILABLE, 0, State.PROCESSING, 0, State.IDLE),
+        (ChannelState.IDLE, 0, ChannelState.PROCESSING, 0xDE80B500, ChannelState.IDLE),
+        (ChannelState.PROCESSING, 0xDF80B500, ChannelState.PROCESSING, 0xDE80B500, ChannelState.PROCESSING),
+        (ChannelState.AVAILABLE, 0, ChannelState.PROCESSING, 0, ChannelState.IDLE),
     ],
 )
 def test_state_machine(state, write, after_write, read, after_read):
@@ -98,7 +98,7 @@ def test_write_status(index, data, status):
 
 def test_refused_write_changes_nothing():
     """A refused WRREC leaves the unread response where it was."""
-    unit = in_state(State.AVAILABLE)
+    unit = in_state(ChannelState.AVAILABLE)
     for index, data in ((1, READ), (47, b""), (47, bytes(4))):
         assert unit.write_record(index, data) != 0
     assert unit.read_record(47, 240) == (0, ANSWER)
@@ -106,7 +106,7 @@ def test_refused_write_changes_nothing():
 
 def test_read_status():
     """B0h for a wrong record, B1h for too short a buffer; neither takes the response away."""
-    unit = in_state(State.AVAILABLE)
+    unit = in_state(ChannelState.AVAILABLE)
     assert unit.read_record(1, 240)[0] == 0xDE80B000
     assert unit.read_record(47, 7)[0] == 0xDE80B100
     assert unit.read_record(47, 8) == (0, ANSWER)
@@ -120,9 +120,9 @@ def test_journal():
     unit.advance(50)
     unit.read_record(47, 240)
     assert unit.journal == [
-        Exchange(0, "write", 47, 0, READ),
-        Exchange(0, "read", 47, 0xDE80B500, b""),
-        Exchange(50, "read", 47, 0, ANSWER),
+        RecordExchange(0, "write", 47, 0, READ),
+        RecordExchange(0, "read", 47, 0xDE80B500, b""),
+        RecordExchange(50, "read", 47, 0, ANSWER),
     ]
 
 
@@ -139,9 +139,9 @@ def saving_drive():
     """Return a drive whose p971 and p977 save within 300 ms, for one object and the unit."""
 
     def item(number):
-        own = Parameter(971, WORD, [0], clears_after=300, saves="object")
-        unit = Parameter(977, WORD, [0], clears_after=300, saves="unit")
-        return DriveObject(number, {1: Parameter(1, WORD, [5]), 971: own, 977: unit})
+        own = SimulatedParameter(971, WORD, [0], clears_after=300, saves="object")
+        unit = SimulatedParameter(977, WORD, [0], clears_after=300, saves="unit")
+        return DriveObject(number, {1: SimulatedParameter(1, WORD, [5]), 971: own, 977: unit})
 
     return Drive(Behaviour(), [item(1), item(2)])
 
@@ -183,7 +183,7 @@ def test_power_cycle_without_saving():
 
 def real(pnu, *values):
     """Return a REAL parameter from 0.0 to 650.0; several values make an array."""
-    return Parameter(pnu, REAL, list(values), array=len(values) > 1, limits=Limits(0.0, 650.0))
+    return SimulatedParameter(pnu, REAL, list(values), array=len(values) > 1, limits=ValueLimits(0.0, 650.0))
 
 
 def test_mm4_examples():

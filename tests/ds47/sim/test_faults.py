@@ -3,9 +3,9 @@
 import pytest
 
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
-from plcgen.protocols.ds47.sim.drive import Drive, State
+from plcgen.protocols.ds47.sim.drive import ChannelState, Drive
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
-from plcgen.protocols.ds47.sim.parameters import DriveObject, Parameter
+from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter
 from plcgen.protocols.ds47.wire import formats
 
 WORD = formats.by_name("Unsigned16")
@@ -15,7 +15,7 @@ ANSWER = bytes.fromhex("07 01 01 01 06 01 00 05")
 
 def drive(*faults, **behaviour):
     """Return a drive with p1 = 5 and p2 = 6 that shows these faults."""
-    listed = {n: Parameter(n, WORD, [n + 4]) for n in (1, 2)}
+    listed = {n: SimulatedParameter(n, WORD, [n + 4]) for n in (1, 2)}
     return Drive(Behaviour(**behaviour), [DriveObject(1, listed)], faults)
 
 
@@ -103,12 +103,12 @@ def test_late():
     unit = drive(Fault(FaultKind.LATE, milliseconds=500), processing=20)
     unit.write_record(47, READ)
     unit.advance(519)
-    assert unit.state is State.PROCESSING
+    assert unit.state is ChannelState.PROCESSING
     unit.advance(1)
     assert unit.read_record(47, 240) == (0, ANSWER)
     unit.write_record(47, READ)
     unit.advance(20)
-    assert unit.state is State.AVAILABLE
+    assert unit.state is ChannelState.AVAILABLE
 
 
 def test_silence():

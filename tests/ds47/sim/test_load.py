@@ -18,7 +18,7 @@ from plcgen.protocols.ds47.sim.load import (
     Refusal,
     load_drive,
 )
-from plcgen.protocols.ds47.sim.parameters import Condition, Limits
+from plcgen.protocols.ds47.sim.parameters import Condition, ValueLimits
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "drive-yaml.md"
 MINIMAL = "objects: [{number: 1, parameters: [{pnu: 1, type: Unsigned16, value: 5}]}]\n"
@@ -34,8 +34,8 @@ def test_documented_example():
     """The example in docs/drive-yaml.md loads and says what its comments say."""
     drive = example()
     ramp = drive.objects[0].parameters[1120]
-    assert (ramp.values, ramp.limits, ramp.array) == ([10.0], Limits(0.0, 650.0), False)
-    assert ramp.state_limits == {"running": Limits(0.5, 100.0)}
+    assert (ramp.values, ramp.limits, ramp.array) == ([10.0], ValueLimits(0.0, 650.0), False)
+    assert ramp.state_limits == {"running": ValueLimits(0.5, 100.0)}
     assert ramp.conditions == (Condition(0x6B, while_in=frozenset({"enabled"})),)
     assert drive.objects[0].parameters[2155].array
     assert drive.behaviour.record_indexes == (47, 0xB02F)

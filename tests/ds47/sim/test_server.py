@@ -4,7 +4,7 @@ import pytest
 
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
-from plcgen.protocols.ds47.sim.parameters import Condition, DriveObject, Limits, Parameter
+from plcgen.protocols.ds47.sim.parameters import Condition, DriveObject, SimulatedParameter, ValueLimits
 from plcgen.protocols.ds47.wire import formats
 
 WORD = formats.by_name("Unsigned16")
@@ -19,24 +19,24 @@ def parameters():
     quick = Condition(0x70, unless_in=frozenset({"quick"}))
     secret = Condition(0x10, while_in=frozenset({"protected"}), read=True)
     listed = [
-        Parameter(1, WORD, [5], limits=Limits(0, 100), state_limits={"running": Limits(10, 20)}),
-        Parameter(2, WORD, [7], read_only=True, texts=("off", "on")),
-        Parameter(3, WORD, [0], reset_only=True),
-        Parameter(4, WORD, [1], allowed=frozenset({1, 2, 4})),
-        Parameter(5, WORD, [10, 20, 30], array=True, limits=Limits(0, 99)),
-        Parameter(6, WORD, [9], conditions=(running,)),
-        Parameter(7, WORD, [9], conditions=(quick,)),
-        Parameter(8, REAL, [1.5], limits=Limits(0.0, 100.0), name="Speed"),
-        Parameter(9, TEXT, ["abcde"], described=False),
-        Parameter(10, BYTE, [1, 2, 3], array=True),
-        Parameter(11, WORD, [3], conditions=(secret,)),
+        SimulatedParameter(1, WORD, [5], limits=ValueLimits(0, 100), state_limits={"running": ValueLimits(10, 20)}),
+        SimulatedParameter(2, WORD, [7], read_only=True, texts=("off", "on")),
+        SimulatedParameter(3, WORD, [0], reset_only=True),
+        SimulatedParameter(4, WORD, [1], allowed=frozenset({1, 2, 4})),
+        SimulatedParameter(5, WORD, [10, 20, 30], array=True, limits=ValueLimits(0, 99)),
+        SimulatedParameter(6, WORD, [9], conditions=(running,)),
+        SimulatedParameter(7, WORD, [9], conditions=(quick,)),
+        SimulatedParameter(8, REAL, [1.5], limits=ValueLimits(0.0, 100.0), name="Speed"),
+        SimulatedParameter(9, TEXT, ["abcde"], described=False),
+        SimulatedParameter(10, BYTE, [1, 2, 3], array=True),
+        SimulatedParameter(11, WORD, [3], conditions=(secret,)),
     ]
     return {item.pnu: item for item in listed}
 
 
 def drive(state="ready", **behaviour):
     """Return a drive with object 1 in this state and object 2 holding one parameter."""
-    second = DriveObject(2, {1: Parameter(1, WORD, [0x2222])})
+    second = DriveObject(2, {1: SimulatedParameter(1, WORD, [0x2222])})
     return Drive(Behaviour(**behaviour), [DriveObject(1, parameters(), state), second])
 
 
@@ -263,7 +263,7 @@ def test_generic_answers():
 
 def test_response_too_long():
     """What does not fit the record any more answers 15h; 234 bytes still fit: 4 + 2 + 234 = 240."""
-    big = {n: Parameter(n, BYTE, [0] * 234, array=True) for n in (1, 2)}
+    big = {n: SimulatedParameter(n, BYTE, [0] * 234, array=True) for n in (1, 2)}
     unit = Drive(Behaviour(), [DriveObject(1, big)])
     assert len(bytes.fromhex(ask(unit, "01 01 01 01 10 EA 00 01 00 00"))) == 240
     answer = ask(unit, "01 01 01 02 10 EA 00 01 00 00 10 01 00 02 00 00")
@@ -310,7 +310,7 @@ def test_single_access_without_multi_parameter_access():
 
 def test_room_is_kept_for_the_errors_behind():
     """4 + 232 bytes and a possible 6-byte error behind them are 242, over 240: the array answers 15h."""
-    unit = Drive(Behaviour(), [DriveObject(1, {1: Parameter(1, BYTE, [0] * 230, array=True)})])
+    unit = Drive(Behaviour(), [DriveObject(1, {1: SimulatedParameter(1, BYTE, [0] * 230, array=True)})])
     request = "01 01 01 02 10 E6 00 01 00 00 10 01 00 63 00 00"
     assert ask(unit, request) == "01 81 01 02 44 02 00 15 00 00 44 02 00 00 00 00"
 

@@ -10,17 +10,17 @@ from s7_200_talk import Talk
 from plcgen.protocols.ppi.sim import Bus, Station
 from plcgen.protocols.ppi.sim.cpu import BY_LEVEL, Mode, Service
 from plcgen.protocols.ppi.sim.profiles import profile, profiles
-from plcgen.protocols.ppi.wire.address import AddressError
+from plcgen.protocols.ppi.wire.address import PpiAddressError
 from plcgen.protocols.ppi.wire.areas import Area, ReturnCode, TransportSize
 from plcgen.protocols.ppi.wire.model import (
     AckReply,
     ErrorReply,
     ForceRequest,
     Item,
+    ItemWrite,
     ReadRequest,
     RunRequest,
     StopRequest,
-    WriteItem,
     WriteRequest,
 )
 
@@ -181,7 +181,7 @@ def test_a_value_of_the_wrong_size_is_refused(talk: Talk) -> None:
     """The item says word, the value has one byte."""
     from plcgen.protocols.ppi.wire.pdu import encode_pdu
 
-    request = bytearray(encode_pdu(WriteRequest(7, (WriteItem(Item.memory(Area.V, 0), b"\x55"),))))
+    request = bytearray(encode_pdu(WriteRequest(7, (ItemWrite(Item.memory(Area.V, 0), b"\x55"),))))
     request[15] = TransportSize.WORD
     body = bytes((2, 0, 0x6C)) + bytes(request)
     talk.send(bytes((0x68, len(body), len(body), 0x68)) + body + bytes((sum(body) & 0xFF, 0x16)))
@@ -219,7 +219,7 @@ def test_a_password_protects_what_its_level_says() -> None:
     station = Station(protected=BY_LEVEL[2], experimental=True)
     talk = Talk(Bus([station]))
     denied = ErrorReply(7, 0xD6, 0x02)
-    write = WriteRequest(7, (WriteItem(Item.memory(Area.Q, 0), b"\x01"),))
+    write = WriteRequest(7, (ItemWrite(Item.memory(Area.Q, 0), b"\x01"),))
     assert talk.write(("QB0", b"\x01"), ("VB0", b"\x01")) == [OK, OK]
     assert talk.ask(ForceRequest(7, Item.memory(Area.Q, 0), b"\x01")) == denied
     assert talk.ask(StopRequest(1)) == AckReply(1, 0x29)
@@ -233,7 +233,7 @@ def test_any_service_can_be_protected() -> None:
     talk = Talk(Bus([station]))
     jobs = (
         ReadRequest(7, (Item.memory(Area.V, 0),)),
-        WriteRequest(7, (WriteItem(Item.memory(Area.V, 0), b"\x01"),)),
+        WriteRequest(7, (ItemWrite(Item.memory(Area.V, 0), b"\x01"),)),
         RunRequest(7),
         StopRequest(7),
     )
@@ -284,7 +284,7 @@ def test_names() -> None:
     """Symbols are names of addresses; what is none raises."""
     station = Station(symbols={"speed": "VW200"}, values={"speed": 77})
     assert station["VW200"] == station["speed"] == 77
-    with pytest.raises(AddressError):
+    with pytest.raises(PpiAddressError):
         station["speeed"]
     with pytest.raises(IndexError, match="CPU 224"):
         station["VB9000"]

@@ -13,12 +13,12 @@ from plcgen.protocols.ppi.wire.model import (
     ErrorReply,
     FixedFrame,
     Item,
+    ItemWrite,
     ReadRequest,
     RunRequest,
     SetupReply,
     SetupRequest,
     StopRequest,
-    WriteItem,
     WriteRequest,
 )
 
@@ -258,7 +258,7 @@ def test_the_negotiated_size_is_a_limit(talk: Talk) -> None:
     assert talk.read("VB0[82]")[0][0] == 0xFF
     assert talk.ask(ReadRequest(4, (Item.memory(Area.V, 0, 83),))) == ErrorReply(4, 0x85, 0x00)
     assert talk.write(("VB0[72]", bytes(72))) == [0xFF]
-    too_long = WriteRequest(5, (WriteItem(Item.memory(Area.V, 0, 73), bytes(73)),))
+    too_long = WriteRequest(5, (ItemWrite(Item.memory(Area.V, 0, 73), bytes(73)),))
     assert talk.ask(too_long) == ErrorReply(5, 0x85, 0x00)
 
 
@@ -335,7 +335,7 @@ def test_what_is_no_job_is_acknowledged_and_thrown_away(talk: Talk, job: bytes) 
 
 def test_a_trailing_pad_of_a_write_is_accepted(talk: Talk, station: Station) -> None:
     """Micro/WIN pads the last odd value, other clients do not."""
-    item = WriteItem(Item.memory(Area.V, 100), b"\x77")
+    item = ItemWrite(Item.memory(Area.V, 100), b"\x77")
     for trailing in (True, False):
         station["VB100"] = 0
         talk.ask(WriteRequest(9, (item,), trailing))

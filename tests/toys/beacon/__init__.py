@@ -14,9 +14,9 @@ from pydantic import Field as Key
 from plcgen.diagnostics import Diagnostic
 from plcgen.documents.control import signals
 from plcgen.documents.members import assignments, buffer_member
-from plcgen.documents.nouns import Command, Contribution, DataBlock, Program, TypeBlock
+from plcgen.documents.nouns import Command, Contribution, DataBlock, FunctionBlock, TypeBlock
 from plcgen.input.validation import StrictModel
-from plcgen.project.nouns import BlockRef, Buffer, Field, Link, Plan, PlannedJob, PlannedTrigger, Telegram
+from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, PlannedJob, PlannedTrigger, Telegram
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.suite import LaidOut
 from plcgen.protocols.base import Named, Rules
@@ -124,7 +124,10 @@ class Beacon:
             frame = bytes((MARK, lamp.number))
             db, type_ = numbering.block("DB", f"{name}_Request", path), numbering.block("UDT", f"type{name}", path)
             byte = ELEMENTARY["BYTE"]
-            fields = [Field("mark", "mark", byte, 0, 1, frame[:1]), Field("lamp", "lamp", byte, 1, 1, frame[1:])]
+            fields = [
+                BufferField("mark", "mark", byte, 0, 1, frame[:1]),
+                BufferField("lamp", "lamp", byte, 1, 1, frame[1:]),
+            ]
             telegram = Telegram(1, MARK, MARK, Buffer(db, type_, fields, 2, frame), None)
             trigger = PlannedTrigger()
             jobs.append(PlannedJob(key, key, "switch", Link(key, {}, path), (telegram,), trigger, 1000, {}, path))
@@ -146,7 +149,7 @@ class Beacon:
             "BEACON", "lamps", (), (), programs, plan.control, "All lamps", "BeaconTags", lambda: ([], []), dict
         )
 
-    def _program(self, plan: BeaconPlan, job: PlannedJob) -> Program:
+    def _program(self, plan: BeaconPlan, job: PlannedJob) -> FunctionBlock:
         block, instance = plan.blocks_of[job.key]
         buffer = job.telegrams[0].request
         members = [buffer_member(plan, buffer.db, field, {}, field.name, starts=True) for field in buffer.fields]
@@ -154,7 +157,9 @@ class Beacon:
         command = Command(job.member, job.member, f"Switch {job.key}", {}, signals(plan), [], [])
         title, template = f"Switch {job.key}", "beacon:templates/lamp.scl.j2"
         view = {"name": block.name}
-        return Program(block, instance, title, template, view, "a toy", [frame], [command], [buffer.data.hex(" ")])
+        return FunctionBlock(
+            block, instance, title, template, view, "a toy", [frame], [command], [buffer.data.hex(" ")]
+        )
 
     def buffers(self, plan: BeaconPlan):
         """The frames."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
-from plcgen.protocols.ds47.audit.model import Buffer, Expected, Match, Slot
+from plcgen.protocols.ds47.audit.model import Expected, FoundBuffer, Match, Slot
 from plcgen.protocols.ds47.plan.nouns import DriveField, DrivePlan, DriveTelegram
 from plcgen.protocols.ds47.wire.codec import TelegramError, decode_request
 from plcgen.protocols.ds47.wire.model import Request
@@ -27,9 +27,9 @@ _LABELS = {
 }  # fmt: skip
 
 
-def buffers(sources: Sources, diagnostics: list[Diagnostic]) -> list[Buffer]:
+def buffers(sources: Sources, diagnostics: list[Diagnostic]) -> list[FoundBuffer]:
     """Every data block that is small enough to be a buffer, and has a layout."""
-    found: list[Buffer] = []
+    found: list[FoundBuffer] = []
     for source in sources.blocks:
         if source.block.kind is not BlockKind.DB or _is_instance(source.block, sources.types):
             continue
@@ -48,7 +48,9 @@ def _is_instance(block: Block, types: Mapping[str, Block]) -> bool:
     return block.instance_of is not None and (owner is None or owner.kind is not BlockKind.UDT)
 
 
-def _buffer(source: SourceBlock, layout: Layout, types: Mapping[str, Block], diagnostics: list[Diagnostic]) -> Buffer:
+def _buffer(
+    source: SourceBlock, layout: Layout, types: Mapping[str, Block], diagnostics: list[Diagnostic]
+) -> FoundBuffer:
     memory: bytes | None = None
     try:
         memory = bytes(image(source.block, types))
@@ -64,7 +66,7 @@ def _buffer(source: SourceBlock, layout: Layout, types: Mapping[str, Block], dia
         place = leaf.member.span or source.block.span or Span(source.file)
         size = max(leaf.size // 8, 1)
         slots.append(Slot(path, leaf.byte, size, leaf.size, leaf.type, place, given))
-    return Buffer(source.block, source.file, layout.size, tuple(slots), memory)
+    return FoundBuffer(source.block, source.file, layout.size, tuple(slots), memory)
 
 
 def expected_fields(match: Match) -> list[Expected]:
@@ -99,7 +101,7 @@ def _expected(field: DriveField, request: bool) -> Iterator[Expected]:  # noqa: 
         yield Expected("pad", f"pad byte of {part.use.label}", field.offset + field.size - rest, rest, None, part)
 
 
-def match_buffers(plan: DrivePlan, found: Sequence[Buffer]) -> list[Match]:
+def match_buffers(plan: DrivePlan, found: Sequence[FoundBuffer]) -> list[Match]:
     """A match for every buffer of every job: by number, then by name, then by the start values of the request."""
     matches = [
         Match(job, telegram, role)
@@ -123,15 +125,15 @@ def match_buffers(plan: DrivePlan, found: Sequence[Buffer]) -> list[Match]:
 _HOW = {"_by_number": "number", "_by_name": "name", "_by_content": "start values", "_by_shape": "members"}
 
 
-def _by_number(match: Match, buffer: Buffer) -> bool:
+def _by_number(match: Match, buffer: FoundBuffer) -> bool:
     return match.ref.pinned and buffer.block.number == match.ref.number
 
 
-def _by_name(match: Match, buffer: Buffer) -> bool:
+def _by_name(match: Match, buffer: FoundBuffer) -> bool:
     return buffer.block.name.upper() == match.ref.name.upper()
 
 
-def _by_content(match: Match, buffer: Buffer) -> bool:
+def _by_content(match: Match, buffer: FoundBuffer) -> bool:
     """Whether the start values are a request for the same parameters, in the same order."""
     if match.role != "request" or buffer.memory is None:
         return False
@@ -142,7 +144,7 @@ def _by_content(match: Match, buffer: Buffer) -> bool:
     return [(a.pnu, a.subindex) for a in request.addresses] == wanted and match.job.writes == bool(request.values)
 
 
-def _by_shape(match: Match, buffer: Buffer) -> bool:
+def _by_shape(match: Match, buffer: FoundBuffer) -> bool:
     """Whether a response has exactly the members of the answer, as names and offsets tell."""
     from plcgen.protocols.ds47.audit.names import CLASSES, class_of
 
@@ -172,7 +174,7 @@ def _missing(plan: DrivePlan, match: Match, matches: Sequence[Match]) -> None:
     match.report("PG650", message, span, help_, severity=Severity.WARNING)
 
 
-def stray_requests(plan: DrivePlan, found: Sequence[Buffer], matches: Sequence[Match]) -> list[Diagnostic]:
+def stray_requests(plan: DrivePlan, found: Sequence[FoundBuffer], matches: Sequence[Match]) -> list[Diagnostic]:
     """Data blocks whose start values are a good request that no job of the spec sends."""
     taken = {id(match.buffer) for match in matches}
     known: list[DriveTelegram] = [telegram for job in plan.jobs for telegram in job.telegrams]

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from plcgen.diagnostics import DiagnosticError, Span
-from plcgen.protocols.ds47.audit.model import Argument, Record, RecordCall, block_title
+from plcgen.protocols.ds47.audit.model import ConstantArgument, FoundCall, Record, block_title
 from plcgen.s7.address import AddressError, parse_address, parse_pointer
 from plcgen.s7.blocks import Block
 from plcgen.s7.layout import layout_members, split_path
@@ -26,7 +26,7 @@ _NUMBER = re.compile(r"%?DB\s*([0-9]{1,5})", re.IGNORECASE)
 _PARAMETERS = frozenset({"REQ", "ID", "INDEX", "LEN", "MLEN", "DONE", "VALID", "BUSY", "ERROR", "STATUS", "RECORD"})
 
 
-def record_calls(sources: Sources) -> Iterator[RecordCall]:
+def record_calls(sources: Sources) -> Iterator[FoundCall]:
     """Every call in the text sources, in the order of the files."""
     for source in sources.blocks:
         if source.unit is None or source.parsed is None:
@@ -41,7 +41,7 @@ def _is_read(names: set[str]) -> bool:
     return bool(names & {"MLEN", "VALID"})
 
 
-def _scl(source: SourceBlock, unit: ast.Unit, result: ParseResult, types: Mapping[str, Block]) -> Iterator[RecordCall]:
+def _scl(source: SourceBlock, unit: ast.Unit, result: ParseResult, types: Mapping[str, Block]) -> Iterator[FoundCall]:
     known = _constants(unit)
     for node in ast.walk(unit):
         if not isinstance(node, ast.Call):
@@ -50,19 +50,21 @@ def _scl(source: SourceBlock, unit: ast.Unit, result: ParseResult, types: Mappin
         if not {"RECORD", "INDEX"} <= named.keys():
             continue
         arguments = {
-            name: Argument(_text(result, argument.value), evaluate(argument.value, known), result.span(argument))
+            name: ConstantArgument(
+                _text(result, argument.value), evaluate(argument.value, known), result.span(argument)
+            )
             for name, argument in named.items()
         }
         record = _record(named["RECORD"].value, _text(result, named["RECORD"].value), result.span(named["RECORD"]))
         if record.local and record.length is None:
             record = replace(record, length=_local_size(named["RECORD"].value, source, types))
-        call = RecordCall(
+        call = FoundCall(
             not _is_read(set(named)), block_title(source.block), result.span(node.target), arguments, record
         )
         yield call if source.located else _at_block(call, source.block.span or Span(source.file))
 
 
-def _at_block(call: RecordCall, place: Span) -> RecordCall:
+def _at_block(call: FoundCall, place: Span) -> FoundCall:
     """The same call in SimaticML, whose code has no lines: everything in it stands where the block does."""
     arguments = {name: replace(argument, span=place) for name, argument in call.arguments.items()}
     record = None if call.record is None else replace(call.record, span=place)
@@ -142,7 +144,7 @@ def address_record(text: str, shown: str, span: Span, path: str = "") -> Record:
     return Record(shown, span, number=address.db, start=address.byte, length=max(address.width_bits // 8, 1))
 
 
-def _statement_list(source: SourceBlock, unit: ast.Unit, result: ParseResult) -> Iterator[RecordCall]:
+def _statement_list(source: SourceBlock, unit: ast.Unit, result: ParseResult) -> Iterator[FoundCall]:
     """``CALL SFB 53 , DB 53 ( REQ := .., LEN := 10, RECORD := P#DB3.DBX0.0 BYTE 10);``."""
     tokens = result.tokens
     first = next((i for i, start in enumerate(tokens.starts) if start >= unit.start), 0)
@@ -157,7 +159,7 @@ def _statement_list(source: SourceBlock, unit: ast.Unit, result: ParseResult) ->
             index += 1
 
 
-def _call(source: SourceBlock, result: ParseResult, start: int, last: int) -> tuple[RecordCall | None, int]:
+def _call(source: SourceBlock, result: ParseResult, start: int, last: int) -> tuple[FoundCall | None, int]:
     """One CALL up to its semicolon."""
     tokens = result.tokens
     stop = next((i for i in range(start, last) if tokens.kinds[i] == ";"), last)
@@ -165,7 +167,7 @@ def _call(source: SourceBlock, result: ParseResult, start: int, last: int) -> tu
         i for i in range(start + 1, stop - 1)
         if tokens.texts[i].upper() in _PARAMETERS and tokens.kinds[i + 1] in {":=", "=>"}
     ]  # fmt: skip
-    arguments: dict[str, Argument] = {}
+    arguments: dict[str, ConstantArgument] = {}
     record = None
     for i, head in enumerate(heads):
         end = heads[i + 1] if i + 1 < len(heads) else stop
@@ -174,14 +176,14 @@ def _call(source: SourceBlock, result: ParseResult, start: int, last: int) -> tu
             continue
         text = " ".join(tokens.source[tokens.starts[values[0]] : tokens.end(values[-1])].split())
         span = tokens.span(tokens.starts[head], tokens.end(values[-1]))
-        arguments[tokens.texts[head].upper()] = Argument(text, integer(text), span)
+        arguments[tokens.texts[head].upper()] = ConstantArgument(text, integer(text), span)
         if tokens.texts[head].upper() == "RECORD":
             record = _stl_record(text, span)
     if not {"RECORD", "INDEX"} <= arguments.keys():
         return None, stop + 1
     names = {tokens.texts[head].upper() for head in heads}
     span = tokens.span(tokens.starts[start], tokens.end(start))
-    return RecordCall(not _is_read(names), block_title(source.block), span, arguments, record), stop + 1
+    return FoundCall(not _is_read(names), block_title(source.block), span, arguments, record), stop + 1
 
 
 def _stl_record(text: str, span: Span) -> Record:

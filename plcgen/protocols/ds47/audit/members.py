@@ -13,7 +13,7 @@ from plcgen.protocols.ds47.audit.align import align
 from plcgen.protocols.ds47.audit.buffers import is_elementary
 from plcgen.protocols.ds47.audit.model import Expected, Match, Slot
 from plcgen.protocols.ds47.audit.names import CLASSES, class_of
-from plcgen.protocols.ds47.wire.formats import Kind
+from plcgen.protocols.ds47.wire.formats import FormatKind
 
 Pair = tuple[tuple[Expected, ...], tuple[Slot, ...]]
 """Fields and the members that hold them."""
@@ -195,7 +195,7 @@ class _Check:
         """A value of the right width that is read as another kind of number."""
         if field.format is None or slot.size != field.size:
             return
-        real = field.format.kind is Kind.FLOAT
+        real = field.format.kind is FormatKind.FLOAT
         if (real and is_elementary(slot, _INTEGERS)) or (not real and is_elementary(slot, _REALS)):
             message = f"{slot.path} reads the {field.label}, a {field.format.name}, as {slot.type.name}"  # type: ignore[union-attr]
             help_ = f"declare it as {_type(field)}"
@@ -220,7 +220,7 @@ def _bytes(count: int) -> str:
 
 
 def _type(field: Expected) -> str:
-    if field.format is not None and field.format.kind is Kind.FLOAT:
+    if field.format is not None and field.format.kind is FormatKind.FLOAT:
         return "Real" if field.size == 4 else "LReal"
     names = {1: "Byte", 2: "Word", 4: "DWord", 8: "LWord"}
     return names.get(field.size, f"Array[0..{field.size - 1}] of Byte")

@@ -43,7 +43,7 @@ class Slot:
 
 
 @dataclass(frozen=True, slots=True)
-class Buffer:
+class FoundBuffer:
     """A data block with its members in memory order; ``memory`` is its start image, None if that has errors."""
 
     block: Block
@@ -83,7 +83,7 @@ class Match:
     job: DriveJob
     telegram: DriveTelegram
     role: Role
-    buffer: Buffer | None = None
+    buffer: FoundBuffer | None = None
     how: str = ""
     findings: list[Diagnostic] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -114,7 +114,7 @@ class Match:
 
 
 @dataclass(frozen=True, slots=True)
-class Argument:
+class ConstantArgument:
     """One argument of a call: its text, its value if it is a constant, and where it stands."""
 
     text: str
@@ -140,13 +140,13 @@ class Record:
 
 
 @dataclass(frozen=True, slots=True)
-class RecordCall:
+class FoundCall:
     """A call of WRREC (``writes``) or RDREC with its constant arguments by upper-case name."""
 
     writes: bool
     block: str
     span: Span
-    arguments: dict[str, Argument]
+    arguments: dict[str, ConstantArgument]
     record: Record | None
 
     @property

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.project.target import Target
-from plcgen.protocols.ds47.audit.model import Argument, Match, Record, RecordCall
+from plcgen.protocols.ds47.audit.model import ConstantArgument, FoundCall, Match, Record
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
 _RECORD_LIMIT = 240
@@ -17,7 +17,7 @@ _RECORD_LIMIT = 240
 class CallAudit:
     """One call with the buffer it names, if that is known, and what is wrong with it."""
 
-    call: RecordCall
+    call: FoundCall
     match: Match | None
     findings: list[Diagnostic] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -30,7 +30,7 @@ class CallAudit:
         self.findings.append(Diagnostic(code, message, span, severity, help=help_, notes=notes))
 
 
-def check_calls(plan: DrivePlan, calls: Sequence[RecordCall], matches: Sequence[Match]) -> list[CallAudit]:
+def check_calls(plan: DrivePlan, calls: Sequence[FoundCall], matches: Sequence[Match]) -> list[CallAudit]:
     """Every call, checked as far as its arguments are constants."""
     audits = []
     for call in calls:
@@ -182,7 +182,7 @@ def _index(audit: CallAudit, match: Match) -> None:
 
 
 def _id(audit: CallAudit, match: Match, target: Target) -> None:
-    argument: Argument | None = audit.call.arguments.get("ID")
+    argument: ConstantArgument | None = audit.call.arguments.get("ID")
     wanted = match.job.drive.id_value
     if argument is None or argument.value is None:
         if argument is not None and argument.value is None:

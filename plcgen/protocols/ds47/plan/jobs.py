@@ -12,8 +12,8 @@ from plcgen.protocols.ds47.plan import pack
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part, PlannedDrive, Use
 from plcgen.protocols.ds47.plan.uses import UseResolver
-from plcgen.protocols.ds47.schema import Buffer as BufferSpec
-from plcgen.protocols.ds47.schema import DriveSections, Job
+from plcgen.protocols.ds47.schema import BufferSettings as BufferSpec
+from plcgen.protocols.ds47.schema import DriveSections, JobEntry
 from plcgen.protocols.ds47.wire.codec import encode_request
 from plcgen.protocols.ds47.wire.model import ParameterAddress, Request, RequestId, ValueBlock
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorten
@@ -70,19 +70,19 @@ def plan_job(
     )
 
 
-def _retries(job: Job) -> int:
+def _retries(job: JobEntry) -> int:
     """Bound on retries of one telegram; by default their pauses take 80 % of the time-out, so that it is reached."""
     return max(1, job.timeout * 4 // (5 * job.retry_pause)) if job.retries is None else job.retries
 
 
-def _member(key: str, job: Job, numbering: Numbering) -> str:
+def _member(key: str, job: JobEntry, numbering: Numbering) -> str:
     """Name of the job in the control DB; with flags, their tags (``..Execute``) have to fit the limit too."""
     limit = V5_LIMIT if numbering.where.v5 else TIA_LIMIT
     return shorten(camel_case(key), limit if job.trigger is None else limit - len("Execute"))
 
 
 def _blocks(
-    job: Job, name: str, path: SpecPath, numbering: Numbering
+    job: JobEntry, name: str, path: SpecPath, numbering: Numbering
 ) -> tuple[BlockRef, BlockRef, tuple[BlockRef, BlockRef] | None]:
     """The function block, its instance DB and, for STEP 7 V5, the instance DBs of WRREC and RDREC."""
     own = job.block.name
@@ -118,7 +118,7 @@ def _packed(
     return None
 
 
-def _kind(job: Job, key: str, loaded: LoadedSpec, report: Report) -> JobKind | None:
+def _kind(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> JobKind | None:
     """The one kind that a job says it is; None after a diagnostic."""
     given = [kind for kind in kinds() if getattr(job, kind.key) is not None]
     if len(given) == 1:
@@ -131,7 +131,7 @@ def _kind(job: Job, key: str, loaded: LoadedSpec, report: Report) -> JobKind | N
 
 
 def _uses(
-    job: Job, kind: JobKind, path: SpecPath, loaded: LoadedSpec, resolver: UseResolver, report: Report
+    job: JobEntry, kind: JobKind, path: SpecPath, loaded: LoadedSpec, resolver: UseResolver, report: Report
 ) -> tuple[Use, ...]:
     items = kind.items(getattr(job, kind.key))
     if not items:
@@ -192,7 +192,7 @@ class _Context:
         return f"{base}{index}" if self.many else base
 
 
-def _telegram(number: int, parts: tuple[Part, ...], job: Job, name: str, context: _Context) -> DriveTelegram:
+def _telegram(number: int, parts: tuple[Part, ...], job: JobEntry, name: str, context: _Context) -> DriveTelegram:
     where, write, faq = context.numbering.where, context.write, context.faq
     request_id = RequestId.CHANGE if write else RequestId.READ
     header = (context.reference_of(number) & 0xFF, int(request_id), context.drive.drive_object)

@@ -18,7 +18,7 @@ from plcgen.protocols.ds47.plan.jobs import plan_job
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
 from plcgen.protocols.ds47.plan.references import parse_reference
 from plcgen.protocols.ds47.plan.uses import UseResolver
-from plcgen.protocols.ds47.schema import Drive, DriveSections
+from plcgen.protocols.ds47.schema import DriveEntry, DriveSections
 from plcgen.s7.names import pascal_case
 
 if TYPE_CHECKING:
@@ -152,7 +152,7 @@ def _own_parameters(loaded: LoadedSpec, key: str, device: Device, report: Report
 
 def _drive(
     key: str,
-    drive: Drive,
+    drive: DriveEntry,
     loaded: LoadedSpec,
     numbering: Numbering,
     tokens: dict[int, BlockRef],
@@ -194,7 +194,7 @@ def _drive(
     )
 
 
-def _record_index(drive: Drive, device: Device, loaded: LoadedSpec, key: str, report: Report) -> int:
+def _record_index(drive: DriveEntry, device: Device, loaded: LoadedSpec, key: str, report: Report) -> int:
     default = device.record_index[device.default_index]
     if drive.record_index is None:
         return default

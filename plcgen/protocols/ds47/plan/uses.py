@@ -17,7 +17,7 @@ from plcgen.protocols.ds47.plan.references import Reference, parse_reference
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.bico import parse_bico
-from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind
+from plcgen.protocols.ds47.wire.formats import Format, FormatKind, FormatValueError
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, shorten
 
 
@@ -186,12 +186,12 @@ class UseResolver:
                 message = f"{value}: BICO values of {self.device.title} have no drive object"
                 self.problem("PG211", message, path, f"write {value.partition('@')[0]}")
                 return None
-            if bico is None and fmt.kind is not Kind.OPAQUE:
+            if bico is None and fmt.kind is not FormatKind.OPAQUE:
                 self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, _value_help(fmt))
                 return None
             value = value if bico is None else bico
         try:
-            if fmt.kind is Kind.OPAQUE:
+            if fmt.kind is FormatKind.OPAQUE:
                 value = _octets(value, fmt.size)
             packed = formats.pack_values(fmt, [value])
         except FormatValueError as problem:
@@ -218,14 +218,14 @@ class UseResolver:
             self.problem("PG211", f"{fmt.name} takes text", path, _value_help(fmt))
             return None
         try:
-            data = value.encode("ascii") if fmt.kind is Kind.TEXT else bytes.fromhex(value)
+            data = value.encode("ascii") if fmt.kind is FormatKind.TEXT else bytes.fromhex(value)
         except ValueError:
             self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, _value_help(fmt))
             return None
         if len(data) > count:
             self.problem("PG208", f"{len(data)} octets do not fit {fmt.name}[{count}]", path)
             return None
-        if len(data) < count and fmt.kind is Kind.OCTETS:
+        if len(data) < count and fmt.kind is FormatKind.OCTETS:
             self.problem("PG208", f"{fmt.name}[{count}] takes {count} octets, not {len(data)}", path)
             return None
         return data.ljust(count)
@@ -249,9 +249,9 @@ def _octets(value: Any, size: int) -> bytes:
 
 
 def _value_help(fmt: Format) -> str:
-    if fmt.kind is Kind.OCTETS:
+    if fmt.kind is FormatKind.OCTETS:
         return 'write the octets as hexadecimal digits, for example "0329"'
-    if fmt.kind is Kind.TEXT:
+    if fmt.kind is FormatKind.TEXT:
         return "write the text in quotes, ASCII characters only"
     if fmt.name == "Unsigned32":
         return "write a number or a BICO source such as r722.2, or r722.2@3 of drive object 3"
@@ -261,12 +261,12 @@ def _value_help(fmt: Format) -> str:
 def _safe_default(parameter: Parameter, fmt: Format, count: int) -> Any:
     """Start value of an input: the factory setting, else zero or the nearest limit."""
     if fmt.is_string:
-        return parameter.default or ("" if fmt.kind is Kind.TEXT else "00" * count)
+        return parameter.default or ("" if fmt.kind is FormatKind.TEXT else "00" * count)
     if parameter.default is not None:
         return parameter.default
     low, high = parameter.minimum, parameter.maximum
     number = low if low is not None and low > 0 else high if high is not None and high < 0 else 0
-    return int(number) if fmt.kind is not Kind.FLOAT else float(number)
+    return int(number) if fmt.kind is not FormatKind.FLOAT else float(number)
 
 
 def _member(parameter: Parameter, reference: Reference) -> str:

@@ -45,7 +45,7 @@ def _error(job: DriveJob, telegram: DriveTelegram, number: int, position: int, w
 
 
 @dataclass(frozen=True, slots=True)
-class Shape:
+class AnswerShape:
     """What one answer looks like: positive and negative id, offsets of the value blocks, room in the buffer."""
 
     job: DriveJob
@@ -104,7 +104,7 @@ def answer_scenarios(job: DriveJob, *, classic: bool) -> Iterator[DriveScenario]
     largest = max(telegram.response.size for telegram in job.telegrams)
     for number in ends(job):
         telegram = job.telegrams[number - 1]
-        shape = Shape(job, telegram, telegram.response.size if classic else largest)
+        shape = AnswerShape(job, telegram, telegram.response.size if classic else largest)
         yield from _header(shape)
         yield from _length(shape)
         yield from _negative(shape)
@@ -131,7 +131,7 @@ def longer(more: int) -> Edit:
     return lambda answer: answer + bytes(more)
 
 
-def _header(shape: Shape) -> Iterator[DriveScenario]:
+def _header(shape: AnswerShape) -> Iterator[DriveScenario]:
     good, other = shape.good, 3 - shape.good
     for value in (0, other, 3, 0x7F, 0x80 | other, 0x83, 0xFF):
         yield shape.scenario(f"response id {value:02X}h", "RESPONSE_ID", put(1, value))
@@ -147,7 +147,7 @@ def _header(shape: Shape) -> Iterator[DriveScenario]:
         yield shape.scenario(f"{value} parameters", "PARAMETER_COUNT", put(3, value))
 
 
-def _length(shape: Shape) -> Iterator[DriveScenario]:
+def _length(shape: AnswerShape) -> Iterator[DriveScenario]:
     length = shape.telegram.positive_length
     marks = {0, 1, 2, 3, 4, 5, length - 2, length - 1} | {at + step for at, _ in shape.blocks for step in (0, 1, 2, 3)}
     for kept in sorted(marks):
@@ -163,7 +163,7 @@ def _length(shape: Shape) -> Iterator[DriveScenario]:
         )
 
 
-def _negative(shape: Shape) -> Iterator[DriveScenario]:
+def _negative(shape: AnswerShape) -> Iterator[DriveScenario]:
     parts = shape.telegram.parts
     sizes = [2] * len(parts) if shape.job.writes else [size for _, size in shape.blocks]
     total = 4 + sum(sizes)
@@ -196,7 +196,7 @@ def _negative(shape: Shape) -> Iterator[DriveScenario]:
         yield from _written(shape)
 
 
-def _positive_error(shape: Shape) -> Iterator[DriveScenario]:
+def _positive_error(shape: AnswerShape) -> Iterator[DriveScenario]:
     """An error block under the id of a positive answer."""
     for words in (1, 2):
         block = bytes((0x44, words, 0, 0x11, 0, 7)[: 2 + 2 * words])
@@ -208,7 +208,7 @@ def _positive_error(shape: Shape) -> Iterator[DriveScenario]:
         yield shape.scenario(f"error block of {words} words in a good answer", "RESPONSE_FORMAT", edit)
 
 
-def _missing(shape: Shape) -> Iterator[DriveScenario]:
+def _missing(shape: AnswerShape) -> Iterator[DriveScenario]:
     """An answer that lacks the block of one parameter."""
     count = len(shape.telegram.parts)
     for index in range(count) if count > 1 else ():
@@ -224,7 +224,7 @@ def _missing(shape: Shape) -> Iterator[DriveScenario]:
             yield shape.scenario(f"good without block {index + 1}", "RESPONSE_FORMAT", without(at, size))
 
 
-def _leftovers(shape: Shape) -> Iterator[DriveScenario]:
+def _leftovers(shape: AnswerShape) -> Iterator[DriveScenario]:
     """What stands in the buffer behind a short answer does not count, nor what a block before the wrong one was."""
     if shape.job.writes:
         if len(shape.telegram.parts) > 2:
@@ -256,7 +256,7 @@ def without(at: int, size: int) -> Edit:
     return lambda answer: answer[:at] + answer[at + size :]
 
 
-def _failed(shape: Shape, sizes: list[int]) -> Iterator[DriveScenario]:
+def _failed(shape: AnswerShape, sizes: list[int]) -> Iterator[DriveScenario]:
     parts = shape.telegram.parts
     two = bytes.fromhex("440200110007")
     for name, chosen in (("all parameters fail", range(len(parts))), ("first and last fail", {0, len(parts) - 1})):
@@ -274,7 +274,7 @@ def _failed(shape: Shape, sizes: list[int]) -> Iterator[DriveScenario]:
             )
 
 
-def _written(shape: Shape) -> Iterator[DriveScenario]:
+def _written(shape: AnswerShape) -> Iterator[DriveScenario]:
     """Blocks of good parameters in a partly refused change are 40 00, nothing else."""
     count = len(shape.telegram.parts)
     for wrong in (b"\x40\x01", b"\x41\x00", b"\x00\x00"):
@@ -290,7 +290,7 @@ def _written(shape: Shape) -> Iterator[DriveScenario]:
             )
 
 
-def _refused(shape: Shape) -> Iterator[DriveScenario]:
+def _refused(shape: AnswerShape) -> Iterator[DriveScenario]:
     single = len(shape.telegram.parts) == 1
     for number in (0x00, 0x11, 0x19, 0x21, 0x23, 0xFF):
         for words in (1, 2):
@@ -302,7 +302,7 @@ def _refused(shape: Shape) -> Iterator[DriveScenario]:
             yield shape.scenario(name, "PARAMETER_ERROR" if single else "REFUSED", edit, errors=errors)
 
 
-def _formats(shape: Shape) -> Iterator[DriveScenario]:
+def _formats(shape: AnswerShape) -> Iterator[DriveScenario]:
     for index, (at, _) in enumerate(shape.blocks):
         part = shape.telegram.parts[index]
         generic = None if part.use.format.is_string else generic_of(part.use.format.size)

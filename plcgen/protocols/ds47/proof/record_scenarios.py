@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import ceil
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob
-from plcgen.protocols.ds47.proof.scenario import DriveScenario, Foreign, Limits
+from plcgen.protocols.ds47.proof.scenario import DriveScenario, Foreign, TimeLimits
 from plcgen.protocols.ds47.proof.words import WORDS
 
 STATE_CONFLICT = 0xDE80B500
@@ -29,7 +29,7 @@ def ends(job: DriveJob) -> tuple[int, ...]:
     return tuple(sorted({1, len(job.telegrams)}))
 
 
-def record_scenarios(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
+def record_scenarios(job: DriveJob, limits: TimeLimits) -> Iterator[DriveScenario]:
     """Everything the record calls may do."""
     yield from _status_once(job, limits)
     yield from _status_always(limits)
@@ -38,7 +38,7 @@ def record_scenarios(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
     yield from _stale(job, limits)
 
 
-def _status_once(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
+def _status_once(job: DriveJob, limits: TimeLimits) -> Iterator[DriveScenario]:
     for number in ends(job):
         for code in CODES:
             for base, name in ((WRITE, "WRREC"), (READ, "RDREC"), (LOCAL, "WRREC locally"), (LOCAL, "RDREC locally")):
@@ -51,7 +51,7 @@ def _status_once(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
                 yield _once(name, base | decode << 16 | code << 8, 1, job, limits)
 
 
-def _once(name: str, status: int, number: int, job: DriveJob, limits: Limits) -> DriveScenario:
+def _once(name: str, status: int, number: int, job: DriveJob, limits: TimeLimits) -> DriveScenario:
     """One STATUS on the call of one telegram."""
     total = len(job.telegrams)
     title = f"{name} of telegram {number} ends with {status:08X}"
@@ -69,7 +69,7 @@ def _once(name: str, status: int, number: int, job: DriveJob, limits: Limits) ->
     return DriveScenario(name=title, status=(word,), telegram=number, calls=calls, **script)  # type: ignore[arg-type]
 
 
-def _status_always(limits: Limits) -> Iterator[DriveScenario]:
+def _status_always(limits: TimeLimits) -> Iterator[DriveScenario]:
     for code in CODES_FOR_EVER:
         for base, name in ((WRITE, "WRREC"), (READ, "RDREC")):
             writing = name[0] == "W"
@@ -120,7 +120,7 @@ def _status_always(limits: Limits) -> Iterator[DriveScenario]:
         )
 
 
-def _busy(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
+def _busy(job: DriveJob, limits: TimeLimits) -> Iterator[DriveScenario]:
     tries = len(job.telegrams)
     for scans in BUSY_SCANS:
         if (scans + 10) * 10 * tries * 2 > limits.timeout:
@@ -156,7 +156,7 @@ def _busy(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
             )
 
 
-def _late(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
+def _late(job: DriveJob, limits: TimeLimits) -> Iterator[DriveScenario]:
     total = len(job.telegrams)
     for late in (25, 350, 2000):
         if limits.fits(ceil(late / limits.pause) * total, total) and late < limits.retries * limits.pause:
@@ -176,7 +176,7 @@ def _late(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
         )
 
 
-def _stale(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
+def _stale(job: DriveJob, limits: TimeLimits) -> Iterator[DriveScenario]:
     total = len(job.telegrams)
     for number in ends(job):
         for count in (1, 3):
@@ -201,7 +201,7 @@ def _stale(job: DriveJob, limits: Limits) -> Iterator[DriveScenario]:
 # --- the CPU ----------------------------------------------------------------------------------------------
 
 
-def cpu_scenarios(job: DriveJob, limits: Limits, scans: int, *, retentive: bool) -> Iterator[DriveScenario]:
+def cpu_scenarios(job: DriveJob, limits: TimeLimits, scans: int, *, retentive: bool) -> Iterator[DriveScenario]:
     """What the CPU and its program may do.
 
     ``scans`` is how long a good run takes, ``retentive`` says that instances keep their values at a warm restart.
@@ -260,7 +260,7 @@ def cpu_scenarios(job: DriveJob, limits: Limits, scans: int, *, retentive: bool)
     yield from _clock(limits, total)
 
 
-def _owner(limits: Limits, scans: int) -> Iterator[DriveScenario]:
+def _owner(limits: TimeLimits, scans: int) -> Iterator[DriveScenario]:
     loose = {"retries": None, "telegram": None, "calls": None}
     none = {"telegram": 1, "calls": (-1, -1)}
     if limits.fits(0, 3):
@@ -311,7 +311,7 @@ def _owner(limits: Limits, scans: int) -> Iterator[DriveScenario]:
     yield DriveScenario(name="another job takes the drive at the end", happens={scans: "steal"})
 
 
-def _clock(limits: Limits, total: int) -> Iterator[DriveScenario]:
+def _clock(limits: TimeLimits, total: int) -> Iterator[DriveScenario]:
     for before in (15, 60, 150):
         yield DriveScenario(
             name=f"the clock wraps after {before} ms",

@@ -8,14 +8,14 @@ from dataclasses import replace
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
-from plcgen.cpu.system.bus import Bus
+from plcgen.cpu.system.bus import Periphery
 from plcgen.proof.rig import Members, Source
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, Use
-from plcgen.protocols.ds47.proof.scenario import DriveScenario, Limits
+from plcgen.protocols.ds47.proof.scenario import DriveScenario, TimeLimits
 from plcgen.protocols.ds47.proof.words import DRAIN_MS, LEASE_MS
 from plcgen.protocols.ds47.sim.bench import build_drive
-from plcgen.protocols.ds47.sim.drive import Drive, Exchange
-from plcgen.protocols.ds47.wire.formats import Kind, Value, pack_values, unpack_values
+from plcgen.protocols.ds47.sim.drive import Drive, RecordExchange
+from plcgen.protocols.ds47.wire.formats import FormatKind, Value, pack_values, unpack_values
 
 VALUE_SETS = 3
 SIGNALS = ("execute", "busy", "done", "error", "status", "errors", "errorInfos", "statRequest", "statResponse")
@@ -51,7 +51,7 @@ class ScriptedDrive(Drive):
         script = self.scenario.writes
         status = script.get(self.writes) or script.get(0, 0)
         if status:
-            self.journal.append(Exchange(self.time, "write", index, status, bytes(data)))
+            self.journal.append(RecordExchange(self.time, "write", index, status, bytes(data)))
             return status
         status = super().write_record(index, data)
         if not status and self.scenario.silent:
@@ -63,12 +63,12 @@ class ScriptedDrive(Drive):
         self.reads += 1
         act = self.scenario.reads.get(self.reads) or self.scenario.reads.get(0)
         if isinstance(act, int):
-            self.journal.append(Exchange(self.time, "read", index, act, b""))
+            self.journal.append(RecordExchange(self.time, "read", index, act, b""))
             return act, b""
         if self.reads in self.scenario.stale:
             sent = next(exchange.data for exchange in reversed(self.journal) if exchange.direction == "write")
             old = bytes((sent[0] - 1 or 255,)) + bytes((self._response or b"\0\0\0\0")[1:])
-            self.journal.append(Exchange(self.time, "read", index, 0, old))
+            self.journal.append(RecordExchange(self.time, "read", index, 0, old))
             return 0, old
         if act is not None and self._response is not None:
             self._response = act(self._response)
@@ -81,11 +81,11 @@ class JobRig:
     def __init__(self, plan: DrivePlan, program: Program, job: DriveJob) -> None:
         self.plan, self.program, self.job = plan, program, job
         self.drive = ScriptedDrive(build_drive(plan, job.drive))
-        self.bus = Bus()
+        self.bus = Periphery()
         self.bus.attach(job.drive.id_value, self.drive)
         self.cpu = Cpu(program, self.bus)
         self.cpu.restart("cold")
-        self.limits = Limits(job.timeout, job.retry_pause, job.retries, DRAIN_MS, LEASE_MS, int(plan.target.t15))
+        self.limits = TimeLimits(job.timeout, job.retry_pause, job.retries, DRAIN_MS, LEASE_MS, int(plan.target.t15))
         values = (use.member for use in (*job.inputs, *job.outputs))
         paths = (*SIGNALS, *(f"diagnostics.{name}" for name in DETAILS), *values)
         self.db = Members(self.cpu, program, job.instance.name, paths, "diagnostics.")
@@ -202,19 +202,25 @@ def _sample(use: Use, count: int, draw: random.Random) -> list[Value]:
     fmt, definition = use.format, use.parameter
     if fmt.is_string:
         size = use.count
-        low, high = (65, 90) if fmt.kind is Kind.TEXT else (0, 255)
+        low, high = (65, 90) if fmt.kind is FormatKind.TEXT else (0, 255)
         return list(unpack_values(fmt, size, bytes(draw.randint(low, high) for _ in range(size))))
-    if fmt.kind is Kind.BOOLEAN:
+    if fmt.kind is FormatKind.BOOLEAN:
         flags: Sequence[Value] = [bool(draw.getrandbits(1)) for _ in range(count)]
         return list(flags)
-    if fmt.kind is Kind.FLOAT:
+    if fmt.kind is FormatKind.FLOAT:
         low_f = definition.minimum if definition.minimum is not None else -1e6
         high_f = definition.maximum if definition.maximum is not None else 1e6
         packed = b"".join(pack_values(fmt, [draw.uniform(low_f, high_f)]) for _ in range(count))
         return list(unpack_values(fmt, count, packed))
-    if fmt.kind in {Kind.SIGNED, Kind.UNSIGNED} and (definition.minimum is not None or definition.maximum is not None):
-        span = 1 << fmt.size * 8 - (1 if fmt.kind is Kind.SIGNED else 0)
-        least = int(definition.minimum) if definition.minimum is not None else (-span if fmt.kind is Kind.SIGNED else 0)
+    if fmt.kind in {FormatKind.SIGNED, FormatKind.UNSIGNED} and (
+        definition.minimum is not None or definition.maximum is not None
+    ):
+        span = 1 << fmt.size * 8 - (1 if fmt.kind is FormatKind.SIGNED else 0)
+        least = (
+            int(definition.minimum)
+            if definition.minimum is not None
+            else (-span if fmt.kind is FormatKind.SIGNED else 0)
+        )
         most = int(definition.maximum) if definition.maximum is not None else span - 1
         return [draw.randint(least, most) for _ in range(count)]
     return list(unpack_values(fmt, count, draw.randbytes(fmt.size * count)))

@@ -63,7 +63,7 @@ class DriveScenario(Scenario):
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class TimeLimits:
     """Times of a block in ms as its head comment states them, and its retries.
 
     ``late`` is by how many calls its timers start later than its clock: 1 with IEC timers.

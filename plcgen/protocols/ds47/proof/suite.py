@@ -8,7 +8,7 @@ from pathlib import Path
 
 from plcgen.cpu.program import Program
 from plcgen.input.text import read_text
-from plcgen.project.nouns import Field
+from plcgen.project.nouns import BufferField
 from plcgen.proof.checks import Check, CheckGroup, Outcome
 from plcgen.proof.conditions import Premise
 from plcgen.proof.coverage import NO_OTHER
@@ -71,7 +71,7 @@ class DriveProof:
         return [DriveSuite(self.plan)] if self.plan.jobs else []
 
 
-def _no_reserve(field: Field) -> bool:
+def _no_reserve(field: BufferField) -> bool:
     return field.role != "reserve"
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
-from plcgen.cpu.system.bus import Bus
+from plcgen.cpu.system.bus import Periphery
 from plcgen.proof.rig import Members
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, ScenarioError
@@ -35,7 +35,7 @@ class Plant:
 
     def __init__(self, plan: DrivePlan, program: Program, job_limit: int | None = None) -> None:
         self.plan, self.program = plan, program
-        self.bus = Bus(write_busy=1, read_busy=1)
+        self.bus = Periphery(write_busy=1, read_busy=1)
         self.drives: dict[int, ScriptedDrive] = {}
         for planned in plan.drives:
             built = build_drive(plan, planned)

@@ -9,9 +9,9 @@ from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault
-from plcgen.protocols.ds47.sim.parameters import DriveObject, Limits, Parameter
+from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter, ValueLimits
 from plcgen.protocols.ds47.wire.bico import parse_bico
-from plcgen.protocols.ds47.wire.formats import Format, Kind, Value, unpack_values
+from plcgen.protocols.ds47.wire.formats import Format, FormatKind, Value, unpack_values
 
 
 def build_drive(plan: DrivePlan, drive: PlannedDrive, faults: Iterable[Fault] = (), *, distinct: bool = False) -> Drive:
@@ -38,15 +38,15 @@ def build_drive(plan: DrivePlan, drive: PlannedDrive, faults: Iterable[Fault] = 
     return Drive(behaviour, [DriveObject(drive.drive_object, parameters)], faults)
 
 
-def _parameter(group: list[Use], seed: int, *, distinct: bool) -> Parameter:
+def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParameter:
     use = group[0]
     fmt, definition = use.format, use.parameter
     highest = max(u.subindex + (1 if fmt.is_string else u.count) for u in group)
     array = definition.array is not None or highest > 1
     count = max(definition.array or 1, highest)
     values = [_value(use, definition, seed * 16 + index, distinct=distinct) for index in range(count)]
-    limits = Limits(definition.minimum, definition.maximum) if fmt.kind in _NUMERIC else Limits()
-    return Parameter(
+    limits = ValueLimits(definition.minimum, definition.maximum) if fmt.kind in _NUMERIC else ValueLimits()
+    return SimulatedParameter(
         pnu=definition.pnu,
         format=fmt,
         values=values,
@@ -57,16 +57,16 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> Parameter:
     )
 
 
-_NUMERIC = {Kind.SIGNED, Kind.UNSIGNED, Kind.FLOAT}
+_NUMERIC = {FormatKind.SIGNED, FormatKind.UNSIGNED, FormatKind.FLOAT}
 
 
 def _value(use: Use, definition: CatalogueParameter, number: int, *, distinct: bool) -> Value:
     """Content of one element: the factory setting, or a number of its own within the limits."""
     fmt = use.format
-    if fmt.is_string or fmt.kind is Kind.OPAQUE:
+    if fmt.is_string or fmt.kind is FormatKind.OPAQUE:
         octets = use.count if fmt.is_string else fmt.size
         return _octets(fmt, definition, number, octets, distinct=distinct)
-    if fmt.kind is Kind.BOOLEAN:
+    if fmt.kind is FormatKind.BOOLEAN:
         return bool(number % 2) if distinct else bool(definition.default)
     if not distinct and isinstance(definition.default, int | float) and not isinstance(definition.default, bool):
         return definition.default
@@ -75,14 +75,14 @@ def _value(use: Use, definition: CatalogueParameter, number: int, *, distinct: b
         return source.value if source else 0
     low = definition.minimum if definition.minimum is not None else 0.0
     high = definition.maximum if definition.maximum is not None else low + 100.0
-    if fmt.kind is Kind.FLOAT:
+    if fmt.kind is FormatKind.FLOAT:
         return low + (high - low) * (number % 97) / 128.0
     return int(low) + number % (int(min(high - low, 100.0)) + 1)
 
 
 def _octets(fmt: Format, definition: CatalogueParameter, number: int, count: int, *, distinct: bool) -> Value:
     text = definition.default if isinstance(definition.default, str) and not distinct else ""
-    if fmt.kind is Kind.TEXT:
+    if fmt.kind is FormatKind.TEXT:
         return (text or "".join(chr(65 + (number + i) % 26) for i in range(count))).ljust(count)[:count]
     data = bytes.fromhex(text) if text else bytes((number + i) % 256 for i in range(count))
     return unpack_values(fmt, count if fmt.is_string else 1, data.ljust(count, b"\0")[:count])[0]

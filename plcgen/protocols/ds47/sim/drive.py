@@ -21,13 +21,13 @@ from plcgen.protocols.ds47.wire.status import status_of
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from plcgen.protocols.ds47.sim.parameters import DriveObject, Parameter
+    from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter
     from plcgen.protocols.ds47.wire.status import Direction
 
 INVALID_INDEX, LENGTH_ERROR, STATE_CONFLICT, HEADER_ERROR = 0xB0, 0xB1, 0xB5, 0xB7
 
 
-class State(enum.Enum):
+class ChannelState(enum.Enum):
     """State of the parameter channel."""
 
     IDLE = "idle"
@@ -36,7 +36,7 @@ class State(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Exchange:
+class RecordExchange:
     """One call as the drive saw it: when, which service, its STATUS, the request or response bytes."""
 
     time: int
@@ -60,20 +60,20 @@ class Drive:
         self.objects = {item.number: item for item in objects}
         self.faults = list(faults)
         self.time = 0
-        self.journal: list[Exchange] = []
+        self.journal: list[RecordExchange] = []
         self._server = Server(self.behaviour, self.objects)
         self._request: tuple[int, bytes] | None = None
         self._due = 0
         self._response: bytes | None = None
         self._previous: bytes | None = None
-        self._clearing: list[tuple[int, int, Parameter]] = []
+        self._clearing: list[tuple[int, int, SimulatedParameter]] = []
 
     @property
-    def state(self) -> State:
+    def state(self) -> ChannelState:
         """State of the parameter channel now."""
         if self._request is not None:
-            return State.PROCESSING
-        return State.IDLE if self._response is None else State.AVAILABLE
+            return ChannelState.PROCESSING
+        return ChannelState.IDLE if self._response is None else ChannelState.AVAILABLE
 
     @property
     def saving(self) -> bool:
@@ -100,7 +100,7 @@ class Drive:
         """Take a parameter request; STATUS 0, or DF80xx00h."""
         data = bytes(data)
         status = self._struck("write") or self._check_write(index & 0xFFFF, data)
-        self.journal.append(Exchange(self.time, "write", index, status, data))
+        self.journal.append(RecordExchange(self.time, "write", index, status, data))
         if status:
             return status
         self._response = None
@@ -118,7 +118,7 @@ class Drive:
         delivered = b""
         if not status and self._response is not None:
             delivered, self._previous, self._response = self._response, self._response, None
-        self.journal.append(Exchange(self.time, "read", index, status, delivered))
+        self.journal.append(RecordExchange(self.time, "read", index, status, delivered))
         return status, delivered
 
     def power_cycle(self) -> None:
@@ -134,7 +134,7 @@ class Drive:
             return status_of("write", INVALID_INDEX)
         if not HEADER_SIZE <= len(data) <= self.behaviour.record_limit:
             return status_of("write", LENGTH_ERROR)
-        if self.state is State.PROCESSING:
+        if self.state is ChannelState.PROCESSING:
             return status_of("write", STATE_CONFLICT)
         reference, identifier, _, count = data[:HEADER_SIZE]
         if reference == 0 or count == 0:

@@ -10,15 +10,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator, ValidationInfo, field_validator
 
-from plcgen.input.validation import Document, Octets, Problems, StrictModel, load_document, problem, unique
+from plcgen.input.validation import FileShape, Octets, Problems, StrictModel, load_document, problem, unique
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
-from plcgen.protocols.ds47.sim.parameters import READY, Condition, DriveObject, Limits, Parameter
+from plcgen.protocols.ds47.sim.parameters import READY, Condition, DriveObject, SimulatedParameter, ValueLimits
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.errors import Table
-from plcgen.protocols.ds47.wire.formats import Format, FormatValueError, Kind, Value
+from plcgen.protocols.ds47.wire.formats import Format, FormatKind, FormatValueError, Value
 
 Byte = Annotated[int, Field(ge=0, le=0xFF)]
 Word = Annotated[int, Field(ge=0, le=0xFFFF)]
@@ -72,7 +72,7 @@ def _format(name: object) -> Format:
 def _value(fmt: Format, value: Any) -> Value:
     """Return a value in the parameter's type; octets are written as hexadecimal text."""
     try:
-        if fmt.kind in {Kind.OCTETS, Kind.OPAQUE} and isinstance(value, str):
+        if fmt.kind in {FormatKind.OCTETS, FormatKind.OPAQUE} and isinstance(value, str):
             value = bytes.fromhex(value)
         formats.pack_values(fmt, [value])
     except FormatValueError as wrong:
@@ -89,9 +89,9 @@ class LimitsKeys(StrictModel):
     low: float | None = None
     high: float | None = None
 
-    def limits(self) -> Limits:
+    def limits(self) -> ValueLimits:
         """Build the limits."""
-        return Limits(self.low, self.high)
+        return ValueLimits(self.low, self.high)
 
 
 class Refusal(StrictModel):
@@ -180,15 +180,15 @@ class ParameterKeys(StrictModel):
         problems.raise_any()
         return states
 
-    def parameter(self) -> Parameter:
+    def parameter(self) -> SimulatedParameter:
         """Build the parameter."""
-        return Parameter(
+        return SimulatedParameter(
             self.pnu,
             self.type,
             [self.value] if self.values is None else list(self.values),
             name=self.name,
             array=self.values is not None if self.array is None else self.array,
-            limits=Limits(self.low, self.high),
+            limits=ValueLimits(self.low, self.high),
             state_limits={state: keys.limits() for state, keys in self.state_limits.items()},
             read_only=self.read_only or self.pnu in guards.READ_ONLY,
             reset_only=self.reset_only,
@@ -256,4 +256,4 @@ class DriveKeys(StrictModel):
         return Drive(self.behaviour.behaviour(), objects, [keys.fault() for keys in self.faults])
 
 
-DRIVE = Document(DriveKeys, "the drive", "a drive is a mapping with objects", "docs/drive-yaml.md describes it")
+DRIVE = FileShape(DriveKeys, "the drive", "a drive is a mapping with objects", "docs/drive-yaml.md describes it")

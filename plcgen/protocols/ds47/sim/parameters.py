@@ -26,7 +26,7 @@ TEXT_SIZE = 16
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class ValueLimits:
     """Smallest and largest value; None is no limit beyond the format's own."""
 
     low: float | None = None
@@ -60,7 +60,7 @@ class Condition:
 
 
 @dataclass(slots=True)
-class Parameter:
+class SimulatedParameter:
     """One parameter; ``values`` has one entry per array element, one for a string or a simple parameter.
 
     ``state_limits`` narrows the limits in a state (C8h, C9h). ``clears_after`` makes the value return to 0
@@ -73,8 +73,8 @@ class Parameter:
     values: list[Value]
     name: str = ""
     array: bool = False
-    limits: Limits = Limits()
-    state_limits: Mapping[str, Limits] = field(default_factory=dict)
+    limits: ValueLimits = ValueLimits()
+    state_limits: Mapping[str, ValueLimits] = field(default_factory=dict)
     read_only: bool = False
     reset_only: bool = False
     allowed: frozenset[Value] = frozenset()
@@ -119,5 +119,5 @@ class DriveObject:
     """One drive object (axis): its number, its parameters by number, its operating state."""
 
     number: int
-    parameters: dict[int, Parameter]
+    parameters: dict[int, SimulatedParameter]
     state: str = READY

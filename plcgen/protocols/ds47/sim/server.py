@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from plcgen.protocols.ds47.sim.behaviour import Behaviour
-    from plcgen.protocols.ds47.sim.parameters import DriveObject, Parameter
+    from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter
     from plcgen.protocols.ds47.wire.formats import Value
 
 WHOLE = 0
@@ -62,7 +62,7 @@ class _Values:
 
 
 @dataclass(frozen=True, slots=True)
-class Written:
+class ParameterWrite:
     """One parameter that a change has set."""
 
     drive_object: int
@@ -76,7 +76,7 @@ class Server:
     behaviour: Behaviour
     objects: Mapping[int, DriveObject]
     frozen: bool = False
-    written: list[Written] = field(default_factory=list)
+    written: list[ParameterWrite] = field(default_factory=list)
 
     def answer(self, index: int, data: bytes, injected: Mapping[int, ErrorBlock]) -> Response:
         """Execute a request; ``injected`` fails parameters by position, 0 is all of them."""
@@ -139,7 +139,7 @@ class Server:
         except _RefusedError as refused:
             return self._error(refused.number, refused.info)
 
-    def _parameter(self, target: DriveObject, address: ParameterAddress) -> Parameter:
+    def _parameter(self, target: DriveObject, address: ParameterAddress) -> SimulatedParameter:
         illegal = (
             address.attribute not in self.behaviour.attributes
             or address.elements > self.behaviour.max_elements
@@ -165,7 +165,7 @@ class Server:
             raise _RefusedError(0x18)
         return block
 
-    def _read_value(self, parameter: Parameter, address: ParameterAddress, state: str) -> ValueBlock:
+    def _read_value(self, parameter: SimulatedParameter, address: ParameterAddress, state: str) -> ValueBlock:
         start, count = _range(parameter, address)
         refusal = parameter.refusal(state, change=False)
         if refusal is not None:
@@ -192,9 +192,9 @@ class Server:
         for position, value in enumerate(values):
             self._check(parameter, value, target.state, start + position)
         parameter.values[start : start + len(values)] = values
-        self.written.append(Written(target.number, parameter.pnu))
+        self.written.append(ParameterWrite(target.number, parameter.pnu))
 
-    def _check(self, parameter: Parameter, value: Value, state: str, subindex: int) -> None:
+    def _check(self, parameter: SimulatedParameter, value: Value, state: str, subindex: int) -> None:
         """Raise the error of a value that the parameter does not take now."""
         if isinstance(value, int | float):
             if not math.isfinite(value) or parameter.limits.below(value) or parameter.limits.above(value):
@@ -244,7 +244,7 @@ def _values(data: bytes, count: int) -> _Values:
     return found
 
 
-def _range(parameter: Parameter, address: ParameterAddress) -> tuple[int, int]:
+def _range(parameter: SimulatedParameter, address: ParameterAddress) -> tuple[int, int]:
     """First element and number of elements of an access: elements 0 means the first one alone."""
     if parameter.format.is_string:
         if address.elements and address.subindex:
@@ -259,7 +259,7 @@ def _range(parameter: Parameter, address: ParameterAddress) -> tuple[int, int]:
 
 
 def _wire_values(
-    parameter: Parameter, address: ParameterAddress, block: ValueBlock | None, *, exact: bool
+    parameter: SimulatedParameter, address: ParameterAddress, block: ValueBlock | None, *, exact: bool
 ) -> list[Value]:
     """Return the values of a change in the parameter's own type."""
     if block is not None:
@@ -279,7 +279,7 @@ def _wire_values(
     return filled.values()
 
 
-def _read_description(parameter: Parameter, address: ParameterAddress) -> ValueBlock:
+def _read_description(parameter: SimulatedParameter, address: ParameterAddress) -> ValueBlock:
     if not parameter.described:
         raise _RefusedError(0x09)
     subindex = address.subindex if address.elements else 0
@@ -291,7 +291,7 @@ def _read_description(parameter: Parameter, address: ParameterAddress) -> ValueB
         raise _RefusedError(0x03, subindex) from None
 
 
-def _read_text(parameter: Parameter, address: ParameterAddress) -> ValueBlock:
+def _read_text(parameter: SimulatedParameter, address: ParameterAddress) -> ValueBlock:
     """Return texts of 16 characters each, one behind the other."""
     if not parameter.texts:
         raise _RefusedError(0x0F)

@@ -6,7 +6,7 @@ from typing import Any
 
 from plcgen.documents.control import signals
 from plcgen.documents.members import initializer, plain
-from plcgen.documents.nouns import Command, LibraryInstance, Member, Program, Value
+from plcgen.documents.nouns import CallerValue, Command, FunctionBlock, LibraryInstance, MemberRow
 from plcgen.documents.simaticml import RECORD_NOTE
 from plcgen.documents.spelling import clean_title, comment_text, encodable, literal, one_line, type_text
 from plcgen.protocols.ds47.plan.fields import interface_type
@@ -19,12 +19,12 @@ from plcgen.protocols.ds47.words import DRAIN_MS, HEARTBEATS, LEASE_MS, STATES, 
 from plcgen.s7.types import ArrayType, Elementary
 
 
-def program(plan: DrivePlan, job: DriveJob) -> Program:
+def program(plan: DrivePlan, job: DriveJob) -> FunctionBlock:
     """The function block of a job with its buffers and the command of its caller."""
     label = title(plan, job)
     records = job.record_instances
     names = (("SFB53", "SFB 53"), ("SFB52", "SFB 52"))
-    return Program(
+    return FunctionBlock(
         block=job.block,
         instance=job.instance,
         title=label,
@@ -54,12 +54,12 @@ def _command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
     )
 
 
-def _value(plan: DrivePlan, use: Use, *, start: bool) -> Value:
+def _value(plan: DrivePlan, use: Use, *, start: bool) -> CallerValue:
     type_ = interface_type(use.format, use.count, use.subindex, plan.target)
     if not isinstance(type_, Elementary):
-        return Value(_interface(plan, use, start=start), ())
+        return CallerValue(_interface(plan, use, start=start), ())
     shown = {"REAL": "FloatingPoint", "LREAL": "FloatingPoint", "BOOL": "Bool"}.get(type_.name, "DEC")
-    return Value(_interface(plan, use, start=start), (("", shown),))
+    return CallerValue(_interface(plan, use, start=start), (("", shown),))
 
 
 def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
@@ -168,7 +168,7 @@ def _drive(job: DriveJob) -> dict[str, Any]:
     }
 
 
-def _interface(plan: DrivePlan, use: Use, *, start: bool) -> Member:
+def _interface(plan: DrivePlan, use: Use, *, start: bool) -> MemberRow:
     """Declaration of a value at the interface and in the control DB."""
     where = plan.target
     type_ = interface_type(use.format, use.count, use.subindex, where)

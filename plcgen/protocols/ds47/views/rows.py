@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from plcgen.documents.members import assignments, buffer_member, display_format
-from plcgen.documents.nouns import DataBlock, Member, TypeBlock
+from plcgen.documents.nouns import DataBlock, MemberRow, TypeBlock
 from plcgen.documents.spelling import comment_text, literal, one_line
 from plcgen.project.nouns import Buffer
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan
@@ -25,7 +25,7 @@ def buffer_blocks(plan: DrivePlan, job: DriveJob, title: str) -> list[tuple[Type
     return found
 
 
-def _member(plan: DrivePlan, buffer: Buffer[DriveField], field: DriveField, *, response: bool) -> Member:
+def _member(plan: DrivePlan, buffer: Buffer[DriveField], field: DriveField, *, response: bool) -> MemberRow:
     texts = {language: one_line(text) for language, text in field_texts(field, plan.languages, response=response)}
     text = texts[plan.languages[0]]
     if plan.target.v5:

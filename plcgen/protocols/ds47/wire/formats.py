@@ -36,7 +36,7 @@ class FormatValueError(PlcgenError, ValueError):
     """A Python value does not fit a format; the message says the allowed range."""
 
 
-class Kind(enum.Enum):
+class FormatKind(enum.Enum):
     """How the bytes of one value are read."""
 
     BOOLEAN = "boolean"
@@ -57,7 +57,7 @@ class Format:
     code: int
     name: str
     size: int
-    kind: Kind
+    kind: FormatKind
     source: str
 
     @property
@@ -68,12 +68,12 @@ class Format:
     @property
     def writable(self) -> bool:
         """Whether a change request may use the format; 40h and 44h occur in responses only."""
-        return self.kind not in {Kind.ZERO, Kind.ERROR}
+        return self.kind not in {FormatKind.ZERO, FormatKind.ERROR}
 
     @property
     def is_string(self) -> bool:
         """Whether ``count`` counts octets of one value instead of values."""
-        return self.kind in {Kind.TEXT, Kind.OCTETS}
+        return self.kind in {FormatKind.TEXT, FormatKind.OCTETS}
 
 
 FLOATING_POINT, VISIBLE_STRING, OCTET_STRING = 0x08, 0x09, 0x0A
@@ -87,42 +87,42 @@ _PROFILE = "PROFIdrive profile, data types"
 _G120X = "SINAMICS G120X operating instructions p. 222"
 
 FORMATS: tuple[Format, ...] = (
-    Format(0x01, "Boolean", 1, Kind.BOOLEAN, _PROFILE),
-    Format(0x02, "Integer8", 1, Kind.SIGNED, _TABLE_4_3),
-    Format(0x03, "Integer16", 2, Kind.SIGNED, _TABLE_4_3),
-    Format(0x04, "Integer32", 4, Kind.SIGNED, _TABLE_4_3),
-    Format(0x05, "Unsigned8", 1, Kind.UNSIGNED, _TABLE_4_3),
-    Format(0x06, "Unsigned16", 2, Kind.UNSIGNED, _TABLE_4_3),
-    Format(0x07, "Unsigned32", 4, Kind.UNSIGNED, _TABLE_4_3),
-    Format(0x08, "FloatingPoint", 4, Kind.FLOAT, _TABLE_4_3),
-    Format(0x09, "VisibleString", 1, Kind.TEXT, _PROFILE),
-    Format(0x0A, "OctetString", 1, Kind.OCTETS, _MM4),
-    Format(0x0B, "BinaryDate", 7, Kind.OPAQUE, _PROFILE),
-    Format(0x0C, "TimeOfDay", 6, Kind.OPAQUE, _PROFILE),
-    Format(0x0D, "TimeDifference", 4, Kind.UNSIGNED, _MM4),
-    Format(0x0F, "Float64", 8, Kind.FLOAT, _PROFILE),
-    Format(0x34, "TimeOfDayWithoutDate", 4, Kind.UNSIGNED, _G120X),
-    Format(0x35, "TimeDifferenceWithDate", 6, Kind.OPAQUE, _G120X),
-    Format(0x36, "TimeDifferenceWithoutDate", 4, Kind.UNSIGNED, _G120X),
-    Format(0x37, "Integer64", 8, Kind.SIGNED, _PROFILE),
-    Format(0x38, "Unsigned64", 8, Kind.UNSIGNED, _PROFILE),
-    Format(0x71, "N2", 2, Kind.SIGNED, _PROFILE),
-    Format(0x72, "N4", 4, Kind.SIGNED, _PROFILE),
-    Format(0x73, "V2", 2, Kind.UNSIGNED, _PROFILE),
-    Format(0x74, "L2", 2, Kind.UNSIGNED, _PROFILE),
-    Format(0x75, "R2", 2, Kind.UNSIGNED, _PROFILE),
-    Format(0x76, "T2", 2, Kind.UNSIGNED, _PROFILE),
-    Format(0x77, "T4", 4, Kind.UNSIGNED, _PROFILE),
-    Format(0x78, "D2", 2, Kind.UNSIGNED, _PROFILE),
-    Format(0x79, "E2", 2, Kind.SIGNED, _PROFILE),
-    Format(0x7A, "C4", 4, Kind.SIGNED, _PROFILE),
-    Format(0x7B, "X2", 2, Kind.SIGNED, _PROFILE),
-    Format(0x7C, "X4", 4, Kind.SIGNED, _PROFILE),
-    Format(0x40, "Zero", 0, Kind.ZERO, _TABLE_4_3),
-    Format(0x41, "Byte", 1, Kind.UNSIGNED, _TABLE_4_3),
-    Format(0x42, "Word", 2, Kind.UNSIGNED, _TABLE_4_3),
-    Format(0x43, "DoubleWord", 4, Kind.UNSIGNED, _TABLE_4_3),
-    Format(0x44, "Error", 2, Kind.ERROR, _TABLE_4_3),
+    Format(0x01, "Boolean", 1, FormatKind.BOOLEAN, _PROFILE),
+    Format(0x02, "Integer8", 1, FormatKind.SIGNED, _TABLE_4_3),
+    Format(0x03, "Integer16", 2, FormatKind.SIGNED, _TABLE_4_3),
+    Format(0x04, "Integer32", 4, FormatKind.SIGNED, _TABLE_4_3),
+    Format(0x05, "Unsigned8", 1, FormatKind.UNSIGNED, _TABLE_4_3),
+    Format(0x06, "Unsigned16", 2, FormatKind.UNSIGNED, _TABLE_4_3),
+    Format(0x07, "Unsigned32", 4, FormatKind.UNSIGNED, _TABLE_4_3),
+    Format(0x08, "FloatingPoint", 4, FormatKind.FLOAT, _TABLE_4_3),
+    Format(0x09, "VisibleString", 1, FormatKind.TEXT, _PROFILE),
+    Format(0x0A, "OctetString", 1, FormatKind.OCTETS, _MM4),
+    Format(0x0B, "BinaryDate", 7, FormatKind.OPAQUE, _PROFILE),
+    Format(0x0C, "TimeOfDay", 6, FormatKind.OPAQUE, _PROFILE),
+    Format(0x0D, "TimeDifference", 4, FormatKind.UNSIGNED, _MM4),
+    Format(0x0F, "Float64", 8, FormatKind.FLOAT, _PROFILE),
+    Format(0x34, "TimeOfDayWithoutDate", 4, FormatKind.UNSIGNED, _G120X),
+    Format(0x35, "TimeDifferenceWithDate", 6, FormatKind.OPAQUE, _G120X),
+    Format(0x36, "TimeDifferenceWithoutDate", 4, FormatKind.UNSIGNED, _G120X),
+    Format(0x37, "Integer64", 8, FormatKind.SIGNED, _PROFILE),
+    Format(0x38, "Unsigned64", 8, FormatKind.UNSIGNED, _PROFILE),
+    Format(0x71, "N2", 2, FormatKind.SIGNED, _PROFILE),
+    Format(0x72, "N4", 4, FormatKind.SIGNED, _PROFILE),
+    Format(0x73, "V2", 2, FormatKind.UNSIGNED, _PROFILE),
+    Format(0x74, "L2", 2, FormatKind.UNSIGNED, _PROFILE),
+    Format(0x75, "R2", 2, FormatKind.UNSIGNED, _PROFILE),
+    Format(0x76, "T2", 2, FormatKind.UNSIGNED, _PROFILE),
+    Format(0x77, "T4", 4, FormatKind.UNSIGNED, _PROFILE),
+    Format(0x78, "D2", 2, FormatKind.UNSIGNED, _PROFILE),
+    Format(0x79, "E2", 2, FormatKind.SIGNED, _PROFILE),
+    Format(0x7A, "C4", 4, FormatKind.SIGNED, _PROFILE),
+    Format(0x7B, "X2", 2, FormatKind.SIGNED, _PROFILE),
+    Format(0x7C, "X4", 4, FormatKind.SIGNED, _PROFILE),
+    Format(0x40, "Zero", 0, FormatKind.ZERO, _TABLE_4_3),
+    Format(0x41, "Byte", 1, FormatKind.UNSIGNED, _TABLE_4_3),
+    Format(0x42, "Word", 2, FormatKind.UNSIGNED, _TABLE_4_3),
+    Format(0x43, "DoubleWord", 4, FormatKind.UNSIGNED, _TABLE_4_3),
+    Format(0x44, "Error", 2, FormatKind.ERROR, _TABLE_4_3),
 )
 
 
@@ -183,9 +183,9 @@ def padded(size: int) -> int:
 def integer_range(fmt: Format) -> tuple[int, int] | None:
     """Smallest and largest raw integer of an integer format, None for the others."""
     bits = 8 * fmt.size
-    if fmt.kind is Kind.SIGNED:
+    if fmt.kind is FormatKind.SIGNED:
         return -(1 << bits - 1), (1 << bits - 1) - 1
-    if fmt.kind is Kind.UNSIGNED:
+    if fmt.kind is FormatKind.UNSIGNED:
         return 0, (1 << bits) - 1
     return None
 
@@ -196,7 +196,7 @@ def _pack_integer(fmt: Format, value: Value) -> bytes:
         value = int(value)
     if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
         raise FormatValueError(f"{fmt.name} takes an integer from {low} to {high}, not {value!r}")
-    return value.to_bytes(fmt.size, "big", signed=fmt.kind is Kind.SIGNED)
+    return value.to_bytes(fmt.size, "big", signed=fmt.kind is FormatKind.SIGNED)
 
 
 def _pack_float(fmt: Format, value: Value) -> bytes:
@@ -236,7 +236,7 @@ def _pack_text(fmt: Format, value: Value) -> bytes:
 def _pack_octets(fmt: Format, value: Value) -> bytes:
     if not isinstance(value, bytes):
         raise FormatValueError(f"{fmt.name} takes bytes, not {value!r}")
-    if fmt.kind is Kind.OPAQUE and len(value) != fmt.size:
+    if fmt.kind is FormatKind.OPAQUE and len(value) != fmt.size:
         raise FormatValueError(f"{fmt.name} takes exactly {fmt.size} bytes, not {len(value)}")
     return value
 
@@ -246,15 +246,15 @@ def _pack_nothing(fmt: Format, value: Value) -> bytes:
 
 
 _PACK = {
-    Kind.BOOLEAN: _pack_boolean,
-    Kind.SIGNED: _pack_integer,
-    Kind.UNSIGNED: _pack_integer,
-    Kind.FLOAT: _pack_float,
-    Kind.TEXT: _pack_text,
-    Kind.OCTETS: _pack_octets,
-    Kind.OPAQUE: _pack_octets,
-    Kind.ZERO: _pack_nothing,
-    Kind.ERROR: _pack_integer,
+    FormatKind.BOOLEAN: _pack_boolean,
+    FormatKind.SIGNED: _pack_integer,
+    FormatKind.UNSIGNED: _pack_integer,
+    FormatKind.FLOAT: _pack_float,
+    FormatKind.TEXT: _pack_text,
+    FormatKind.OCTETS: _pack_octets,
+    FormatKind.OPAQUE: _pack_octets,
+    FormatKind.ZERO: _pack_nothing,
+    FormatKind.ERROR: _pack_integer,
 }
 
 
@@ -264,7 +264,7 @@ def pack_values(fmt: Format, values: Sequence[Value]) -> bytes:
     Strings: a sequence of ``str`` (VisibleString) or ``bytes`` (OctetString), joined.
     """
     pack = _PACK[fmt.kind]
-    if fmt.kind is Kind.ERROR:
+    if fmt.kind is FormatKind.ERROR:
         fmt = by_code(WORD)
         pack = _pack_integer
     return b"".join(pack(fmt, value) for value in values)
@@ -277,18 +277,18 @@ def unpack_values(fmt: Format, count: int, data: bytes) -> list[Value]:
     """
     if len(data) != count * fmt.size:
         raise FormatValueError(f"{count} x {fmt.name} takes {count * fmt.size} bytes, not {len(data)}")
-    if fmt.kind is Kind.TEXT:
+    if fmt.kind is FormatKind.TEXT:
         return [data.decode("latin-1")]
-    if fmt.kind is Kind.OCTETS:
+    if fmt.kind is FormatKind.OCTETS:
         return [data]
     return [_unpack_one(fmt, data[at : at + fmt.size]) for at in range(0, len(data), fmt.size or 1)]
 
 
 def _unpack_one(fmt: Format, data: bytes) -> Value:
-    if fmt.kind is Kind.BOOLEAN:
+    if fmt.kind is FormatKind.BOOLEAN:
         return data != b"\x00"
-    if fmt.kind is Kind.OPAQUE:
+    if fmt.kind is FormatKind.OPAQUE:
         return data
-    if fmt.kind is Kind.FLOAT:
+    if fmt.kind is FormatKind.FLOAT:
         return _unpack_float(data)
-    return int.from_bytes(data, "big", signed=fmt.kind is Kind.SIGNED)
+    return int.from_bytes(data, "big", signed=fmt.kind is FormatKind.SIGNED)

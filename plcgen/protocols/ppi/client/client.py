@@ -33,6 +33,7 @@ from plcgen.protocols.ppi.wire.model import (
     AckReply,
     Item,
     ItemResult,
+    ItemWrite,
     Pdu,
     ReadReply,
     Request,
@@ -40,7 +41,6 @@ from plcgen.protocols.ppi.wire.model import (
     SetupReply,
     SetupRequest,
     StopRequest,
-    WriteItem,
     WriteReply,
     WriteRequest,
 )
@@ -256,7 +256,7 @@ class Client:
         return self.write_items(entries, experimental=experimental)
 
     def write_items(
-        self, entries: Iterable[tuple[Place, WriteItem]], *, experimental: bool = False
+        self, entries: Iterable[tuple[Place, ItemWrite]], *, experimental: bool = False
     ) -> tuple[Written, ...]:
         """Write items with their bytes; everything is checked before the first telegram is sent.
 

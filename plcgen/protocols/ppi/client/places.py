@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from plcgen.diagnostics import PlcgenError
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.protocols.ppi.client.values import ItemValueError, check_type, default_type, pack, parse, unpack
-from plcgen.protocols.ppi.wire.address import AddressError, address_text, parse_address
+from plcgen.protocols.ppi.wire.address import PpiAddressError, address_text, parse_address
 from plcgen.protocols.ppi.wire.areas import Area
-from plcgen.protocols.ppi.wire.model import Item, WriteItem
+from plcgen.protocols.ppi.wire.model import Item, ItemWrite
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -52,10 +52,10 @@ class Place:
         """Value in the bytes of its item."""
         return unpack(self.item, data, self.type)
 
-    def write(self, value: Value | Sequence[bool | int | float]) -> WriteItem:
+    def write(self, value: Value | Sequence[bool | int | float]) -> ItemWrite:
         """Item and bytes that write a Python value. Raises PlaceError."""
         try:
-            return WriteItem(self.item, pack(self.item, value, self.type))
+            return ItemWrite(self.item, pack(self.item, value, self.type))
         except ItemValueError as problem:
             raise PlaceError(VALUE, problem.message, problem.help) from problem
 
@@ -84,14 +84,14 @@ def _item(name: str, symbols: SymbolTable | None) -> Item:
         return found.item
     try:
         return parse_address(name)
-    except AddressError as problem:
+    except PpiAddressError as problem:
         if symbols is None or any(char in "0123456789" for char in name):
             raise PlaceError(problem.code, problem.message, problem.help) from problem
         hint = did_you_mean(name, symbols.names) or "symbols are looked up in any letter case"
         raise PlaceError(problem.code, f'"{name}" is no symbol of the table and no address', hint) from problem
 
 
-def parse_assignment(text: str, symbols: SymbolTable | None = None) -> tuple[Place, WriteItem]:
+def parse_assignment(text: str, symbols: SymbolTable | None = None) -> tuple[Place, ItemWrite]:
     """Read ``VW100=1234``, ``VD100:REAL=1.5``, ``VD100=1.5:REAL`` or ``level=3``. Raises PlaceError."""
     name, equals, rest = text.partition("=")
     if not equals or not rest:
@@ -105,7 +105,7 @@ def parse_assignment(text: str, symbols: SymbolTable | None = None) -> tuple[Pla
         data, kind = parse(place.item, rest, place.type)
     except ItemValueError as problem:
         raise PlaceError(VALUE, f'"{text}": {problem.message}', problem.help) from problem
-    return Place(place.name, place.item, kind), WriteItem(place.item, data)
+    return Place(place.name, place.item, kind), ItemWrite(place.item, data)
 
 
 def beyond(item: Item, sizes: Mapping[Area, int], cpu: str) -> PlaceError | None:

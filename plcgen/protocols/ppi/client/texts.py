@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from plcgen.protocols.ppi.client import Reading, Written
     from plcgen.protocols.ppi.client.places import Place
     from plcgen.protocols.ppi.client.values import Value
-    from plcgen.protocols.ppi.wire.model import WriteItem
+    from plcgen.protocols.ppi.wire.model import ItemWrite
 
 HEADER = ("name", "address", "type", "value", "bytes")
 _SHOWN, _WIDEST = 8, 48
@@ -102,20 +102,20 @@ def _refused(line: str, place: Place, code: int) -> Diagnostic:
     return Diagnostic("PG719", f"{place.name}: {code:02X}h, {meaning.text}", Span(line), help=meaning.help)
 
 
-def entries_text(entries: Sequence[tuple[Place, WriteItem]]) -> str:
+def entries_text(entries: Sequence[tuple[Place, ItemWrite]]) -> str:
     """Return what would be written."""
     rows = [(*_planned(place, entry), _bytes(entry.data)) for place, entry in entries]
     return "\n".join(text_table(("address", "type", "value", "bytes"), rows))
 
 
-def _planned(place: Place, entry: WriteItem) -> tuple[str, str, str]:
+def _planned(place: Place, entry: ItemWrite) -> tuple[str, str, str]:
     from plcgen.protocols.ppi.client.values import text_of
 
     value = text_of(place.value(entry.data), place.type)
     return place.address, place.type_name, cut(clean(value), _WIDEST)
 
 
-def written_answer(line: str, entries: Sequence[tuple[Place, WriteItem]], written: Sequence[Written]) -> Answer:
+def written_answer(line: str, entries: Sequence[tuple[Place, ItemWrite]], written: Sequence[Written]) -> Answer:
     """Answer of ``ppi write``, with one diagnostic for each value that could not be written."""
     found = [_refused(line, entry.place, entry.code) for entry in written if not entry.ok]
     rows = [
@@ -134,7 +134,7 @@ def written_answer(line: str, entries: Sequence[tuple[Place, WriteItem]], writte
     return Answer({**diagnostics_data("ppi write", found), "values": rows}, partial(_written, entries, written), found)
 
 
-def _written(entries: Sequence[tuple[Place, WriteItem]], written: Sequence[Written], view: View) -> str:
+def _written(entries: Sequence[tuple[Place, ItemWrite]], written: Sequence[Written], view: View) -> str:
     """One row a value with its result."""
     rows = [
         (*_planned(place, entry), "written" if result.ok else f"error {result.error}")

@@ -31,12 +31,12 @@ from plcgen.protocols.ppi.wire.fdl import encode_frame
 from plcgen.protocols.ppi.wire.model import (
     FIRST,
     Item,
+    ItemWrite,
     Pdu,
     ReadRequest,
     RunRequest,
     StopRequest,
     VariableFrame,
-    WriteItem,
     WriteRequest,
 )
 from plcgen.protocols.ppi.wire.pdu import encode_pdu
@@ -226,7 +226,7 @@ class JobPlanner:
 def _frame(kind: Kind, station: int, own: int, items: tuple[WireItem, ...]) -> bytes:
     """The whole frame with function code 6Ch and reference 0."""
     if kind == "write":
-        pairs = tuple(WriteItem(wire.item, wire.data) for wire in items)
+        pairs = tuple(ItemWrite(wire.item, wire.data) for wire in items)
         pdu: Pdu = WriteRequest(0, pairs, trailing_pad=bool(pairs[-1].item.octets % 2))
     elif kind in {"run", "stop"}:
         pdu = RunRequest(0) if kind == "run" else StopRequest(0)

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
-from plcgen.project.nouns import BlockRef, Buffer, Field, Link, Plan, PlannedJob, Telegram
+from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, PlannedJob, Telegram
 from plcgen.project.spec import SpecPath
 from plcgen.protocols.ppi.schema import PpiSection
 from plcgen.protocols.ppi.wire.model import Item
-from plcgen.protocols.ppi.wire.profiles import Profile
+from plcgen.protocols.ppi.wire.profiles import CpuProfile
 from plcgen.s7.names import shorten
 from plcgen.s7.types import DataType, Elementary
 
@@ -30,7 +30,7 @@ class PlannedStation(Link):
 
     index: int
     address: int
-    profile: Profile
+    profile: CpuProfile
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ class WireItem:
 
 
 @dataclass(frozen=True, slots=True)
-class PpiField(Field):
+class PpiField(BufferField):
     """One member of a table or response DB; ``item`` is the item it belongs to, from 1 (0: none)."""
 
     item: int = 0

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from plcgen.protocols.ppi.plan.nouns import Placed, PpiValue
-from plcgen.protocols.ppi.wire.model import Item, WriteItem
+from plcgen.protocols.ppi.wire.model import Item, ItemWrite
 from plcgen.protocols.ppi.wire.pack import pack_read, pack_write
 
 
@@ -22,7 +22,7 @@ class Packed:
 def pack(values: Sequence[PpiValue], *, write: bool, merge: bool) -> list[tuple[Packed, ...]]:
     """Telegrams of a job, in order. PpiError if values that are written overlap."""
     if write:
-        plan = pack_write([WriteItem(value.item, value.data) for value in values], merge=merge)
+        plan = pack_write([ItemWrite(value.item, value.data) for value in values], merge=merge)
         return [
             tuple(_written(values, entry, numbers) for entry, numbers in zip(telegram, served, strict=True))
             for telegram, served in zip(plan.telegrams, plan.serves, strict=True)
@@ -39,7 +39,7 @@ def pack(values: Sequence[PpiValue], *, write: bool, merge: bool) -> list[tuple[
     ]
 
 
-def _written(values: Sequence[PpiValue], entry: WriteItem, numbers: Sequence[int]) -> Packed:
+def _written(values: Sequence[PpiValue], entry: ItemWrite, numbers: Sequence[int]) -> Packed:
     """An item that is written: which bytes of which values it carries."""
     placed = []
     for number in numbers:

@@ -15,9 +15,9 @@ from plcgen.protocols.base import Protocol
 from plcgen.protocols.ppi.plan.jobs import JobPlanner
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PlannedStation, PpiPlan
 from plcgen.protocols.ppi.schema import PpiMaster, PpiSection, PpiStation
-from plcgen.protocols.ppi.symbols import Symbol, SymbolTable, load_symbols
-from plcgen.protocols.ppi.wire.address import AddressError, parse_address
-from plcgen.protocols.ppi.wire.profiles import Profile, profiles
+from plcgen.protocols.ppi.symbols import PpiSymbol, SymbolTable, load_symbols
+from plcgen.protocols.ppi.wire.address import PpiAddressError, parse_address
+from plcgen.protocols.ppi.wire.profiles import CpuProfile, profiles
 from plcgen.s7.names import camel_case, pascal_case
 
 BAUD_RATES = (9600, 19200)
@@ -143,7 +143,7 @@ def _stations(key: str, master: PpiMaster, loaded: LoadedSpec, report: Report) -
     return found
 
 
-def _profile(station: PpiStation, loaded: LoadedSpec, path: tuple[str, ...], report: Report) -> Profile:
+def _profile(station: PpiStation, loaded: LoadedSpec, path: tuple[str, ...], report: Report) -> CpuProfile:
     known = profiles()
     name = station.cpu.upper().removeprefix("CPU").strip()
     if name not in known:
@@ -183,7 +183,7 @@ def _own_symbols(symbols: Mapping[str, str], path: tuple[str, ...], loaded: Load
     for name, address in symbols.items():
         span = loaded.span((*path, name))
         try:
-            found.append(Symbol(name, parse_address(address), "", span.line))
-        except AddressError as problem:
+            found.append(PpiSymbol(name, parse_address(address), "", span.line))
+        except PpiAddressError as problem:
             report.add(Diagnostic("PG230", problem.message, span, help=problem.help))
     return SymbolTable(tuple(found))

@@ -11,8 +11,8 @@ from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.target import Target
 from plcgen.protocols.ppi.plan.nouns import PlannedStation, PpiValue
 from plcgen.protocols.ppi.schema import PpiReadItem, PpiWriteItem
-from plcgen.protocols.ppi.symbols import Symbol, SymbolTable
-from plcgen.protocols.ppi.wire.address import AddressError, address_text, parse_address
+from plcgen.protocols.ppi.symbols import PpiSymbol, SymbolTable
+from plcgen.protocols.ppi.wire.address import PpiAddressError, address_text, parse_address
 from plcgen.protocols.ppi.wire.areas import OCTETS, Area, TransportSize
 from plcgen.protocols.ppi.wire.model import Item
 from plcgen.s7.errors import UnfitValueError
@@ -89,13 +89,13 @@ class ValueResolver:
 
     # --- address --------------------------------------------------------------------------------------
 
-    def _item(self, text: str, place: SpecPath) -> tuple[Item, Symbol | None] | None:
+    def _item(self, text: str, place: SpecPath) -> tuple[Item, PpiSymbol | None] | None:
         symbol = self.symbols.find(text)
         if symbol is not None:
             return symbol.item, symbol
         try:
             return parse_address(text), None
-        except AddressError as problem:
+        except PpiAddressError as problem:
             message, help_ = problem.message, problem.help
         known = self.symbols.names
         near = did_you_mean(text, known)
@@ -192,7 +192,7 @@ class ValueResolver:
             return None
         return data * count
 
-    def _member(self, symbol: Symbol | None, item: Item) -> str:
+    def _member(self, symbol: PpiSymbol | None, item: Item) -> str:
         """Default member name: the symbol, else the address."""
         if symbol is not None:
             name = camel_case(symbol.name)

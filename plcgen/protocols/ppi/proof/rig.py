@@ -8,15 +8,14 @@ from dataclasses import replace
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
-from plcgen.cpu.system.bus import Bus
+from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.port import Port
 from plcgen.proof.rig import Members, Source
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue
 from plcgen.protocols.ppi.proof.scenario import Edit
 from plcgen.protocols.ppi.sim import Bus as Line
 from plcgen.protocols.ppi.sim import Station
-from plcgen.protocols.ppi.sim.cpu import Cpu as StationCpu
-from plcgen.protocols.ppi.sim.cpu import Session
+from plcgen.protocols.ppi.sim.cpu import Session, StationCpu
 from plcgen.protocols.ppi.wire.areas import Area
 from plcgen.protocols.ppi.wire.fdl import encode_frame, examine_frame
 from plcgen.protocols.ppi.wire.model import Item, VariableFrame
@@ -28,7 +27,7 @@ DETAILS = (
 )  # fmt: skip
 
 
-class RecordingCpu(StationCpu):
+class RecordingStation(StationCpu):
     """The CPU of a station that keeps what it executed."""
 
     def __init__(self, plain: StationCpu, executed: list[bytes]) -> None:
@@ -75,9 +74,9 @@ class MasterRig:
         self.stations = {s.address: Station(s.profile.key, s.address, frame_count="strict") for s in master.stations}
         self.executed: list[bytes] = []
         for station in self.stations.values():
-            station.cpu = RecordingCpu(station.cpu, self.executed)
+            station.cpu = RecordingStation(station.cpu, self.executed)
         self.line = Line(self.stations.values())
-        self.bus = Bus()
+        self.bus = Periphery()
         self.edited = EditedLine(self.line)
         self.port = Port(peer=self.edited, line_baud=master.baud)
         if plan.target.classic:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from plcgen.cpu.program import Program
-from plcgen.project.nouns import Field
+from plcgen.project.nouns import BufferField
 from plcgen.proof.checks import Check, CheckGroup, Outcome
 from plcgen.proof.conditions import STATE, Premise
 from plcgen.proof.coverage import NO_OTHER
@@ -66,7 +66,7 @@ class PpiProof:
         return [PpiSuite(self.plan, master) for master in self.plan.masters]
 
 
-def _shown(field: Field) -> bool:
+def _shown(field: BufferField) -> bool:
     return field.role in SHOWN_ROLES
 
 

@@ -6,7 +6,7 @@ import enum
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from plcgen.protocols.ppi.sim.memory import Memory
+from plcgen.protocols.ppi.sim.memory import StationMemory
 from plcgen.protocols.ppi.wire.areas import JOB_HEADER, PDU_LIMIT, Area, Function, ReturnCode, Rosctr
 from plcgen.protocols.ppi.wire.errors import Kind, Violation
 from plcgen.protocols.ppi.wire.model import (
@@ -82,13 +82,13 @@ class Session:
 
 
 @dataclass(slots=True)
-class Cpu:
+class StationCpu:
     """One CPU. ``protected`` names the services that it refuses with D6xx, as nobody has given the password.
 
     ``jobs`` counts the PDUs that it was given.
     """
 
-    memory: Memory
+    memory: StationMemory
     mode: Mode = Mode.RUN
     switch: Switch = Switch.TERM
     pdu_limit: int = PDU_LIMIT

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationInfo, field_validator
 
 from plcgen.input.options import read_fault
-from plcgen.input.validation import Document, Octets, StrictModel, problem, validate_option
+from plcgen.input.validation import FileShape, Octets, StrictModel, problem, validate_option
 from plcgen.input.yaml import resolve_plain
 from plcgen.protocols.ppi.sim.faults import At, Fault, FaultKind
 
@@ -44,7 +44,7 @@ class FaultKeys(StrictModel):
         return Fault(**{**dict(self), "times": times})
 
 
-_OPTION = Document(FaultKeys, "the fault", "a fault is a mapping")
+_OPTION = FileShape(FaultKeys, "the fault", "a fault is a mapping")
 
 
 def parse_fault(text: str) -> Fault:

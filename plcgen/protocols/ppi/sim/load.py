@@ -15,16 +15,16 @@ from pydantic_core import PydanticCustomError
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import USAGE, usage
-from plcgen.input.validation import Document, Problems, StrictModel, load_document, problem, unique
-from plcgen.input.yaml import Node, resolve_plain
+from plcgen.input.validation import FileShape, Problems, StrictModel, load_document, problem, unique
+from plcgen.input.yaml import YamlNode, resolve_plain
 from plcgen.protocols.ppi.sim.bus import Bus
 from plcgen.protocols.ppi.sim.cpu import BY_LEVEL, LEAST_PDU, Mode, Service, Switch
 from plcgen.protocols.ppi.sim.fault_text import MOST, FaultKeys
-from plcgen.protocols.ppi.sim.memory import Memory
+from plcgen.protocols.ppi.sim.memory import StationMemory
 from plcgen.protocols.ppi.sim.profiles import profile, profiles
 from plcgen.protocols.ppi.sim.station import FrameCountRule, Station
 from plcgen.protocols.ppi.sim.values import encode_value
-from plcgen.protocols.ppi.wire.address import AddressError, parse_address
+from plcgen.protocols.ppi.wire.address import PpiAddressError, parse_address
 from plcgen.protocols.ppi.wire.areas import PDU_LIMIT, ReturnCode
 from plcgen.protocols.ppi.wire.model import Item
 
@@ -46,7 +46,7 @@ def load_bus(
     for every station, beside those of the file.
     """
     given = {"cpu": cpu, "address": address}
-    document: Document[SingleKeys | BusKeys] = Document(
+    document: FileShape[SingleKeys | BusKeys] = FileShape(
         lambda root: BusKeys if "stations" in root.pairs else SingleKeys,
         "the file",
         "a bus is a mapping with stations, or the keys of a single station",
@@ -56,14 +56,14 @@ def load_bus(
     return load_document(text, file, document, {"symbols": symbols or {}}).model.bus(symbols or {})
 
 
-def _with_options(root: Node, given: Mapping[str, Any]) -> Node:
+def _with_options(root: YamlNode, given: Mapping[str, Any]) -> YamlNode:
     """Put what the command line says about a single station into its file."""
     if given and "stations" in root.pairs:
         message = "--cpu and --station are for a single station, the file has several"
         raise DiagnosticError([Diagnostic(USAGE, message, root.key_span("stations"))])
     for key, value in given.items():
         place = Span("--station" if key == "address" else f"--{key}")
-        root.pairs[key] = (Node("scalar", place, key, key), Node("scalar", place, value, str(value)))
+        root.pairs[key] = (YamlNode("scalar", place, key, key), YamlNode("scalar", place, value, str(value)))
     return root
 
 
@@ -112,12 +112,12 @@ def _type(text: str) -> str:
     return text
 
 
-def _item(memory: Memory, text: str, *, at_key: bool) -> Item:
+def _item(memory: StationMemory, text: str, *, at_key: bool) -> Item:
     """Item of an address that this CPU has."""
     try:
         item = parse_address(text)
         code = memory.check(item)
-    except AddressError as wrong:
+    except PpiAddressError as wrong:
         raise problem(wrong.message, code=wrong.code, help_=wrong.help, at_key=at_key) from None
     if code != ReturnCode.OK:
         sizes = ", ".join(f"{area.name} 0..{size - 1}" for area, size in memory.profile.sizes.items())
@@ -126,7 +126,7 @@ def _item(memory: Memory, text: str, *, at_key: bool) -> Item:
     return item
 
 
-def _check_value(memory: Memory, name: str, address: str, value: Any) -> None:
+def _check_value(memory: StationMemory, name: str, address: str, value: Any) -> None:
     """Check an address and the value that it gets."""
     item = _item(memory, address, at_key=True)
     try:
@@ -207,9 +207,9 @@ class StationKeys(StrictModel):
         )
 
 
-def _memory(info: ValidationInfo) -> Memory:
+def _memory(info: ValidationInfo) -> StationMemory:
     """Memory of the station's CPU, of the usual one if the file names none that exists."""
-    return Memory(profile(info.data.get("cpu", FIRST_CPU)))
+    return StationMemory(profile(info.data.get("cpu", FIRST_CPU)))
 
 
 def _name_stations(faults: tuple[FaultKeys, ...], known: Iterable[int]) -> tuple[FaultKeys, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcgen.protocols.ppi.sim.profiles import TYPE_LENGTH, Profile
+from plcgen.protocols.ppi.sim.profiles import TYPE_LENGTH, CpuProfile
 from plcgen.protocols.ppi.wire.areas import ELEMENT_SIZES, OCTETS, Area, ReturnCode, TransportSize
 from plcgen.protocols.ppi.wire.model import Item, ItemResult
 
@@ -16,7 +16,7 @@ _PLAIN_ONLY = frozenset({TransportSize.BYTE, TransportSize.CHAR})
 _ELEMENT_CODES = frozenset(ELEMENT_SIZES.values())
 
 
-class Memory:
+class StationMemory:
     """All areas of one CPU, zero at power-on but for SYS and SM0.0, which is always on.
 
     ``write_inputs`` False refuses writes to I. ``experimental`` allows what no capture confirms: writing timers and
@@ -24,7 +24,7 @@ class Memory:
     """
 
     def __init__(
-        self, profile: Profile, type_: str | None = None, *, write_inputs: bool = True, experimental: bool = False
+        self, profile: CpuProfile, type_: str | None = None, *, write_inputs: bool = True, experimental: bool = False
     ) -> None:
         self.profile = profile
         self.write_inputs = write_inputs

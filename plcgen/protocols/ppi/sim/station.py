@@ -12,8 +12,8 @@ from copy import copy
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from plcgen.protocols.ppi.sim.cpu import BY_LEVEL, Cpu, Mode, Service, Session, Switch
-from plcgen.protocols.ppi.sim.memory import Memory
+from plcgen.protocols.ppi.sim.cpu import BY_LEVEL, Mode, Service, Session, StationCpu, Switch
+from plcgen.protocols.ppi.sim.memory import StationMemory
 from plcgen.protocols.ppi.sim.profiles import profile
 from plcgen.protocols.ppi.sim.values import decode_value, encode_value
 from plcgen.protocols.ppi.wire.address import parse_address
@@ -76,8 +76,8 @@ class Station:
     ) -> None:
         if not 0 <= address <= 126:
             raise ValueError(f"a station address is 0 to 126, not {address}")
-        memory = Memory(profile(cpu), type_, write_inputs=write_inputs, experimental=experimental)
-        self.cpu = Cpu(memory, mode, switch, pdu_limit, protected)
+        memory = StationMemory(profile(cpu), type_, write_inputs=write_inputs, experimental=experimental)
+        self.cpu = StationCpu(memory, mode, switch, pdu_limit, protected)
         self.address = address
         self.symbols = dict(symbols or {})
         self.not_ready = not_ready

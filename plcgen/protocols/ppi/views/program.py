@@ -6,7 +6,7 @@ from typing import Any
 
 from plcgen.documents.control import signals
 from plcgen.documents.members import initializer, plain
-from plcgen.documents.nouns import Command, DataBlock, Member, Program, Value
+from plcgen.documents.nouns import CallerValue, Command, DataBlock, FunctionBlock, MemberRow
 from plcgen.documents.spelling import clean_title, comment_text, type_text, type_words
 from plcgen.protocols.ppi.plan.fields import value_length
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue, WireItem
@@ -29,13 +29,13 @@ _FORMATS = {"REAL": "FloatingPoint", "BOOL": "Bool", "BYTE": "Hex", "WORD": "Hex
 VERBS = {"read": "Read", "write": "Write", "run": "Switch to RUN", "stop": "Switch to STOP"}
 
 
-def program(plan: PpiPlan, master: PlannedMaster) -> Program:
+def program(plan: PpiPlan, master: PlannedMaster) -> FunctionBlock:
     """The function block of a master with its tables, its buffer and the commands of its jobs."""
     buffer = f'"{master.buffer.name}"' if master.buffer else ""
     label = _title(plan, master)
     titles = {t.number: job_title(plan, job) for job in master.jobs for t in job.telegrams}
     titles |= {t.number: f"first frame to {t.station.key}" for t in master.syncs}
-    return Program(
+    return FunctionBlock(
         block=master.block,
         instance=master.instance,
         title=label,
@@ -69,7 +69,7 @@ def command(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Command:
         t = type_words(tia=not plan.target.v5)
         kind = f"{t['ARRAY']}[1..{len(job.values)}] {t['OF']} {t['WORD']}"
         errors = plain(plan, "errors", kind, "per address: 0 = good, 16#80nn = return code nn")
-        outputs.append(Value(errors, tuple((f"[{number}]", "Hex") for number in range(1, len(job.values) + 1))))
+        outputs.append(CallerValue(errors, tuple((f"[{number}]", "Hex") for number in range(1, len(job.values) + 1))))
     return Command(
         member=name,
         stem=job.member,
@@ -82,19 +82,19 @@ def command(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Command:
     )
 
 
-def _value(plan: PpiPlan, job: PpiJob, value: PpiValue) -> Value:
+def _value(plan: PpiPlan, job: PpiJob, value: PpiValue) -> CallerValue:
     shown = (("", _FORMATS.get(value.type.name, "DEC")),) if isinstance(value.type, Elementary) else ()
-    return Value(_interface(plan, job, value), shown)
+    return CallerValue(_interface(plan, job, value), shown)
 
 
-def _interface(plan: PpiPlan, job: PpiJob, value: PpiValue) -> Member:
+def _interface(plan: PpiPlan, job: PpiJob, value: PpiValue) -> MemberRow:
     """Declaration of a value at the block and in the control DB."""
     v5 = plan.target.v5
     start = initializer(value.type, value.data, v5=v5) if job.kind == "write" and any(value.data) else ""
     return plain(plan, value.member, type_text(value.type, tia=not v5), value_text(plan, value), start=start)
 
 
-def _frames(plan: PpiPlan) -> list[Member]:
+def _frames(plan: PpiPlan) -> list[MemberRow]:
     """Members of the buffer DB of a CP 341."""
     t = type_words(tia=not plan.target.v5)
     kind = f"{t['ARRAY']}[0..{{}}] {t['OF']} {t['BYTE']}"

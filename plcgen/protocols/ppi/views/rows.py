@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from plcgen.documents.members import buffer_member, display_format, plain
-from plcgen.documents.nouns import Assignment, DataBlock, Member, TypeBlock
+from plcgen.documents.nouns import DataBlock, MemberRow, StartAssignment, TypeBlock
 from plcgen.documents.spelling import comment_text, encodable, one_line
 from plcgen.project.nouns import BlockRef
 from plcgen.protocols.ppi.plan.nouns import PpiField, PpiPlan, PpiTelegram, PpiValue
@@ -30,17 +30,17 @@ def buffer_blocks(plan: PpiPlan, telegram: PpiTelegram, title: str) -> list[tupl
     return found
 
 
-def _start_values(members: list[Member]) -> list[Assignment]:
+def _start_values(members: list[MemberRow]) -> list[StartAssignment]:
     """All start values of a table: what the user type cannot hold."""
     found = []
     for member in members:
         values = [(member.name, member.start)] if member.start else []
         values += [(f"{member.name}[{index}]", text) for index, text in member.subs]
-        found += [Assignment(f"{_LEAD}.{path}", value, member.text) for path, value in values]
+        found += [StartAssignment(f"{_LEAD}.{path}", value, member.text) for path, value in values]
     return found
 
 
-def _member(plan: PpiPlan, telegram: PpiTelegram, db: BlockRef, field: PpiField, path: str) -> Member:
+def _member(plan: PpiPlan, telegram: PpiTelegram, db: BlockRef, field: PpiField, path: str) -> MemberRow:
     texts = {language: _text(plan, telegram, field, language) for language in plan.languages}
     return buffer_member(
         plan,

@@ -32,7 +32,7 @@ _LONGEST = 40
 _SPELLINGS = "write VB100, VW100, VD100, V100.3, M0.0, SMB34, AIW0, T32, C5, HC0 or VB100[20]"
 
 
-class AddressError(PlcgenError, ValueError):
+class PpiAddressError(PlcgenError, ValueError):
     """Text that is no S7-200 address: diagnostic code, what is wrong, how to write it."""
 
     def __init__(self, code: str, message: str, help_: str = _SPELLINGS) -> None:
@@ -63,33 +63,35 @@ def parse_address(text: str) -> Item:
 def _from_block(text: str, match: re.Match[str]) -> Item:
     _, block, width, number, bit, count = match.groups()
     if int(block) != 1:
-        raise AddressError("PG711", f'"{text}": an S7-200 has one data block, DB1, which is its V memory', "use VB, VW")
+        raise PpiAddressError(
+            "PG711", f'"{text}": an S7-200 has one data block, DB1, which is its V memory', "use VB, VW"
+        )
     if width.upper() == "X" and bit is None:
-        raise AddressError("PG711", f'"{text}": the bit is missing', f"write DB1.DBX{number}.0")
+        raise PpiAddressError("PG711", f'"{text}": the bit is missing', f"write DB1.DBX{number}.0")
     return _item(text, Area.V, width.upper(), int(number), bit, _count(text, count))
 
 
 def _count(text: str, count: str | None) -> int:
     number = 1 if count is None else int(count)
     if not 1 <= number <= 0xFFFF:
-        raise AddressError("PG714", f'"{text}": the count is {number}; it is 1 to 65535', "write VB100[20]")
+        raise PpiAddressError("PG714", f'"{text}": the count is {number}; it is 1 to 65535', "write VB100[20]")
     return number
 
 
 def _item(text: str, area: Area, width: str, number: int, bit: str | None, count: int) -> Item:
     if area.elements:
         if width or bit is not None:
-            raise AddressError("PG711", f'"{text}": {area.title} have a number only', f"write {area.name}{number}")
+            raise PpiAddressError("PG711", f'"{text}": {area.title} have a number only', f"write {area.name}{number}")
         _within(text, number)
         return Item.element(area, number, count)
     if bit is not None:
         if width not in {"", "X"}:
-            raise AddressError("PG711", f'"{text}": a bit has no width', f"write {area.name}{number}.{int(bit)}")
+            raise PpiAddressError("PG711", f'"{text}": a bit has no width', f"write {area.name}{number}.{int(bit)}")
         return _bit(text, area, number, int(bit), count)
     if area is Area.SYS and not width:
         width = "B"
     if width in {"", "X"}:
-        raise AddressError("PG711", f'"{text}": {_width_missing(area)}', _ways(area, number))
+        raise PpiAddressError("PG711", f'"{text}": {_width_missing(area)}', _ways(area, number))
     if area in {Area.AI, Area.AQ}:
         _analog(text, area, width, number)
     _within(text, number * 8)
@@ -98,28 +100,28 @@ def _item(text: str, area: Area, width: str, number: int, bit: str | None, count
 
 def _bit(text: str, area: Area, byte: int, bit: int, count: int) -> Item:
     if area in {Area.AI, Area.AQ, Area.SYS}:
-        raise AddressError("PG711", f'"{text}": {area.title} have no bits', _ways(area, byte))
+        raise PpiAddressError("PG711", f'"{text}": {area.title} have no bits', _ways(area, byte))
     if bit > 7:
         right = f"the bits of {area.name}B{byte} are {area.name}{byte}.0 to {area.name}{byte}.7"
-        raise AddressError("PG712", f'"{text}": bit {bit} is outside 0..7', right)
+        raise PpiAddressError("PG712", f'"{text}": bit {bit} is outside 0..7', right)
     if count != 1:
         bytes_ = f"{area.name}B{byte}" + (f"[{(bit + count + 7) // 8}]" if bit + count > 8 else "")
-        raise AddressError("PG714", f'"{text}": bits are read one at a time', f"read the bytes: {bytes_}")
+        raise PpiAddressError("PG714", f'"{text}": bits are read one at a time', f"read the bytes: {bytes_}")
     _within(text, byte * 8 + bit)
     return Item.bit(area, byte, bit)
 
 
 def _analog(text: str, area: Area, width: str, number: int) -> None:
     if width != "W":
-        raise AddressError("PG711", f'"{text}": {area.title} are words', f"write {area.name}W{number - number % 2}")
+        raise PpiAddressError("PG711", f'"{text}": {area.title} are words', f"write {area.name}W{number - number % 2}")
     if number % 2:
         help_ = f"write {area.name}W{number - 1} or {area.name}W{number + 1}"
-        raise AddressError("PG711", f'"{text}": {area.title} have even addresses', help_)
+        raise PpiAddressError("PG711", f'"{text}": {area.title} have even addresses', help_)
 
 
 def _within(text: str, address: int) -> None:
     if address > HIGHEST:
-        raise AddressError("PG713", f'"{text}": an item address has 24 bits', "the highest byte address is 2097151")
+        raise PpiAddressError("PG713", f'"{text}": an item address has 24 bits', "the highest byte address is 2097151")
 
 
 def _width_missing(area: Area) -> str:
@@ -135,17 +137,17 @@ def _ways(area: Area, number: int) -> str:
     return f"write {name}B{number}, {name}W{number}, {name}D{number} or {name}{number}.0"
 
 
-def _unreadable(text: str) -> AddressError:
+def _unreadable(text: str) -> PpiAddressError:
     letters = re.match(r"%?[A-Za-z]+", text.strip())
     if letters is None or len(text) > _LONGEST:
-        return AddressError("PG711", f'"{text[:_LONGEST]}" is no S7-200 address')
+        return PpiAddressError("PG711", f'"{text[:_LONGEST]}" is no S7-200 address')
     name = letters[0].lstrip("%").upper()
     stem = name[:-1] if len(name) > 1 and name[-1] in _WIDTHS else name
     if name in _AREAS or stem in _AREAS:
-        return AddressError("PG711", f'"{text}" is no S7-200 address')
+        return PpiAddressError("PG711", f'"{text}" is no S7-200 address')
     known = ", ".join(area.name for area in Area)
     hint = did_you_mean(stem, [area.name for area in Area])
-    return AddressError("PG711", f'"{text}": there is no memory area "{stem}"', f"{hint} areas: {known}".strip())
+    return PpiAddressError("PG711", f'"{text}": there is no memory area "{stem}"', f"{hint} areas: {known}".strip())
 
 
 def address_text(item: Item) -> str:

@@ -13,6 +13,7 @@ from plcgen.protocols.ppi.wire.model import (
     ForceRequest,
     Frame,
     ItemResult,
+    ItemWrite,
     Pdu,
     ReadReply,
     ReadRequest,
@@ -23,7 +24,6 @@ from plcgen.protocols.ppi.wire.model import (
     TokenFrame,
     UnknownJob,
     UnknownReply,
-    WriteItem,
     WriteReply,
     WriteRequest,
 )
@@ -73,7 +73,7 @@ def pdu_text(pdu: Pdu) -> str:
     return f"userdata {pdu.parameter.hex(' ').upper()}"
 
 
-def _assignment(entry: WriteItem) -> str:
+def _assignment(entry: ItemWrite) -> str:
     return f"{address_text(entry.item)} = {entry.data.hex(' ').upper()}"
 
 

@@ -21,7 +21,7 @@ from plcgen.protocols.ppi.wire.areas import (
     TransportSize,
 )
 from plcgen.protocols.ppi.wire.errors import Kind, PpiError, Violation
-from plcgen.protocols.ppi.wire.model import Item, ItemResult, WriteItem
+from plcgen.protocols.ppi.wire.model import Item, ItemResult, ItemWrite
 
 ITEM_HEADER = bytes((0x12, 0x0A, 0x10))
 _AREAS = frozenset(Area)
@@ -33,7 +33,7 @@ _IN_BYTES = frozenset({0x06, 0x07, int(SizeCode.OCTETS)})
 
 
 @dataclass(slots=True)
-class Findings:
+class ItemFindings:
     """Violations of one PDU; ``base`` is the offset of the PDU in what the caller decodes."""
 
     base: int = 0
@@ -60,14 +60,14 @@ def encode_item(item: Item) -> bytes:
         ))  # fmt: skip
     except OverflowError:
         raise PpiError.of(Kind.ADDRESS, f"a number of the item does not fit: {item}") from None
-    findings = Findings()
+    findings = ItemFindings()
     check_item(findings, item, 0, "the item")
     if findings.found:
         raise PpiError(findings.found)
     return data
 
 
-def read_item(findings: Findings, data: bytes, at: int, position: int) -> Item:
+def read_item(findings: ItemFindings, data: bytes, at: int, position: int) -> Item:
     """Return the item in the 12 bytes at ``at``."""
     what = f"item {position}"
     if data[at : at + 3] != ITEM_HEADER:
@@ -87,7 +87,7 @@ def bare_item(data: bytes, at: int) -> Item:
     return Item(known, TransportSize(size) if size in OCTETS else size, count, address, db)
 
 
-def check_item(findings: Findings, item: Item, at: int, what: str) -> None:
+def check_item(findings: ItemFindings, item: Item, at: int, what: str) -> None:
     """Note everything about an item that a CPU answers with a return code other than FFh."""
     area, size = item.area, item.size
     if size not in OCTETS:
@@ -153,7 +153,7 @@ def _require_value(result: ItemResult, number: int) -> None:
         raise PpiError.of(Kind.VALUE, f"item {number}: a bit is 00 or 01, not {result.data.hex(' ').upper()}")
 
 
-def encode_values(items: Sequence[WriteItem], *, trailing_pad: bool) -> bytes:
+def encode_values(items: Sequence[ItemWrite], *, trailing_pad: bool) -> bytes:
     """Return the data of a write request; PpiError if a value does not fit its item."""
     parts: list[bytes] = []
     for number, (item, data) in enumerate(((entry.item, entry.data) for entry in items), 1):
@@ -225,7 +225,7 @@ def find_values(data: bytes, at: int, count: int, *, reply: bool) -> tuple[list[
     return values, end, True
 
 
-def read_values(findings: Findings, data: bytes, at: int, count: int, *, reply: bool) -> tuple[list[Value], bool]:
+def read_values(findings: ItemFindings, data: bytes, at: int, count: int, *, reply: bool) -> tuple[list[Value], bool]:
     """Return the values behind offset ``at``, and whether the last one has a pad; everything wrong is noted."""
     values, end, padded = find_values(data, at, count, reply=reply)
     if not padded:
@@ -248,7 +248,7 @@ def read_values(findings: Findings, data: bytes, at: int, count: int, *, reply: 
     return values, left == 1 and odd
 
 
-def _check_value(findings: Findings, data: bytes, value: Value, number: int, *, reply: bool) -> None:
+def _check_value(findings: ItemFindings, data: bytes, value: Value, number: int, *, reply: bool) -> None:
     what, at = f"value {number}", value.at
     if reply and value.code != _OK:
         if value.code not in _CODES:
@@ -278,7 +278,7 @@ def result_of(value: Value) -> ItemResult:
     return ItemResult(value.code, value.data, value.size_code) if value.code == _OK else ItemResult(value.code)
 
 
-def check_against(findings: Findings, value: Value, item: Item, number: int) -> None:
+def check_against(findings: ItemFindings, value: Value, item: Item, number: int) -> None:
     """Check that a value of a write request suits its item."""
     if item.size not in OCTETS:
         return

@@ -23,7 +23,7 @@ Span = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
-class Rules:
+class PackingRules:
     """What a telegram may hold: bytes of its header, of an item besides the value, both limits, the bridged gap.
 
     A gap of up to ``bridge`` bytes between two spans is included in one item if that makes no telegram longer. Bytes
@@ -42,10 +42,10 @@ class Rules:
         return self.limit - self.header - self.item
 
 
-READING = Rules(REPLY_HEADER + 2, VALUE_HEADER, bridge=4)
+READING = PackingRules(REPLY_HEADER + 2, VALUE_HEADER, bridge=4)
 """The answer is the longer telegram: 12 + 2, then 4 and the value for each item."""
 
-WRITING = Rules(JOB_HEADER + 2, ITEM_SIZE + VALUE_HEADER, bridge=0)
+WRITING = PackingRules(JOB_HEADER + 2, ITEM_SIZE + VALUE_HEADER, bridge=0)
 """The request is the longer telegram: 10 + 2, then 12 + 4 and the value for each item."""
 
 WORTH_BRIDGING = ITEM_SIZE + VALUE_HEADER
@@ -53,7 +53,7 @@ WORTH_BRIDGING = ITEM_SIZE + VALUE_HEADER
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class MemoryPiece:
     """One value or part of it: area, bytes, and the asked items (with the offset of the part) that it serves.
 
     ``joins`` is False for what must stay an item of its own: timers, counters, and bits that are written.
@@ -74,8 +74,8 @@ class Piece:
 class Load:
     """Pieces of one telegram, the spans they make (by area, in order) and the sizes of those that stay alone."""
 
-    rules: Rules
-    pieces: tuple[Piece, ...] = ()
+    rules: PackingRules
+    pieces: tuple[MemoryPiece, ...] = ()
     spans: tuple[tuple[int, tuple[Span, ...]], ...] = ()
     single: tuple[int, ...] = ()
 
@@ -83,7 +83,7 @@ class Load:
         """Lengths of the values, without pads."""
         return [end - start for _, spans in self.spans for start, end in spans] + list(self.single)
 
-    def adding(self, piece: Piece) -> Load | None:
+    def adding(self, piece: MemoryPiece) -> Load | None:
         """Return the load with one more piece, None if that is too much for a telegram."""
         pieces = (*self.pieces, piece)
         if not piece.joins:
@@ -147,7 +147,7 @@ def _insert(spans: tuple[Span, ...], new: Span, bridge: int) -> tuple[Span, ...]
     return (*spans[:first], (start, end), *spans[last:])
 
 
-def distribute(pieces: list[Piece], rules: Rules, budget: int = 4000) -> list[Load]:
+def distribute(pieces: list[MemoryPiece], rules: PackingRules, budget: int = 4000) -> list[Load]:
     """Distribute pieces over the fewest loads.
 
     Simple ways of filling come first. If they need more than the number of bytes demands, all distributions with one
@@ -173,7 +173,7 @@ _MANY = 400
 """Pieces up to which more than one way of filling is tried."""
 
 
-def least_loads(pieces: list[Piece], rules: Rules) -> int:
+def least_loads(pieces: list[MemoryPiece], rules: PackingRules) -> int:
     """Return a number of loads that no distribution can be under: every byte is sent at least once."""
     spans: dict[int, tuple[Span, ...]] = {}
     total = 0
@@ -186,7 +186,7 @@ def least_loads(pieces: list[Piece], rules: Rules) -> int:
     return max(1, -(-total // rules.room))
 
 
-def _next_fit(pieces: list[Piece], rules: Rules) -> list[Load]:
+def _next_fit(pieces: list[MemoryPiece], rules: PackingRules) -> list[Load]:
     done: list[Load] = []
     current = Load(rules)
     for piece in pieces:
@@ -198,7 +198,7 @@ def _next_fit(pieces: list[Piece], rules: Rules) -> list[Load]:
     return [*done, current]
 
 
-def _first_fit(pieces: list[Piece], rules: Rules) -> list[Load]:
+def _first_fit(pieces: list[MemoryPiece], rules: PackingRules) -> list[Load]:
     loads: list[Load] = []
     for piece in pieces:
         for index, load in enumerate(loads):
@@ -211,7 +211,7 @@ def _first_fit(pieces: list[Piece], rules: Rules) -> list[Load]:
     return loads
 
 
-def _alone(rules: Rules, piece: Piece) -> Load:
+def _alone(rules: PackingRules, piece: MemoryPiece) -> Load:
     load = Load(rules).adding(piece)
     if load is None:
         raise ValueError(f"a piece of {piece.size} bytes does not fit a telegram")
@@ -222,8 +222,8 @@ def _alone(rules: Rules, piece: Piece) -> Load:
 class _Search:
     """Depth-first search for a distribution over at most ``loads`` loads, the largest pieces first."""
 
-    pieces: list[Piece]
-    rules: Rules
+    pieces: list[MemoryPiece]
+    rules: PackingRules
     loads: int
     budget: int
 

@@ -135,7 +135,7 @@ _ELEMENT_CODES = frozenset(ELEMENT_SIZES.values())
 
 
 @dataclass(frozen=True, slots=True)
-class WriteItem:
+class ItemWrite:
     """One item and the bytes to be written to it, big-endian, without pad; a bit is 00 or 01."""
 
     item: Item
@@ -177,7 +177,7 @@ class WriteRequest:
     """Function 05: write items. ``trailing_pad``: the last odd value has a pad byte, as STEP 7-Micro/WIN sends it."""
 
     reference: int
-    items: tuple[WriteItem, ...]
+    items: tuple[ItemWrite, ...]
     trailing_pad: bool = False
 
 

@@ -14,21 +14,21 @@ from itertools import pairwise
 from plcgen.protocols.ppi.wire.address import address_text
 from plcgen.protocols.ppi.wire.areas import OCTETS, Area, ReturnCode, TransportSize
 from plcgen.protocols.ppi.wire.errors import Kind, PpiError, Violation
-from plcgen.protocols.ppi.wire.items import Findings, check_item
-from plcgen.protocols.ppi.wire.load import READING, WRITING, Load, Piece, Rules, Span, distribute
+from plcgen.protocols.ppi.wire.items import ItemFindings, check_item
+from plcgen.protocols.ppi.wire.load import READING, WRITING, Load, MemoryPiece, PackingRules, Span, distribute
 from plcgen.protocols.ppi.wire.model import (
     Item,
     ItemResult,
+    ItemWrite,
     ReadReply,
     ReadRequest,
-    WriteItem,
     WriteReply,
     WriteRequest,
 )
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class PackedPart:
     """Where bytes of an asked item lie: ``length`` bytes at ``at`` of the value are bytes ``start`` on of ``asked``.
 
     ``bit`` is the bit of the byte if the asked item is a bit that is read with its byte.
@@ -46,7 +46,7 @@ class PlannedItem:
     """One item of a telegram and the asked items it serves."""
 
     item: Item
-    parts: tuple[Part, ...]
+    parts: tuple[PackedPart, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,8 +101,8 @@ class ReadPlan:
 class WritePlan:
     """What is to be written, and the telegrams that do it, each with the asked items of its items."""
 
-    asked: tuple[WriteItem, ...]
-    telegrams: tuple[tuple[WriteItem, ...], ...]
+    asked: tuple[ItemWrite, ...]
+    telegrams: tuple[tuple[ItemWrite, ...], ...]
     serves: tuple[tuple[tuple[int, ...], ...], ...]
 
     def requests(self, reference: int = 0) -> tuple[WriteRequest, ...]:
@@ -162,7 +162,7 @@ def _fits(item: Item, length: int) -> bool:
     return length == item.octets or (item.area == Area.HC and length == _BARE * item.count)
 
 
-def _placed(value: bytes, item: Item, part: Part, data: bytes) -> bytes:
+def _placed(value: bytes, item: Item, part: PackedPart, data: bytes) -> bytes:
     """Return the value of an asked item with one more part of it in place."""
     chunk = data[part.at : part.at + part.length]
     if part.bit is not None:
@@ -176,7 +176,7 @@ def _placed(value: bytes, item: Item, part: Part, data: bytes) -> bytes:
 # ---- Reading --------------------------------------------------------------------------------------------------
 
 
-def pack_read(items: Sequence[Item], *, merge: bool = True, rules: Rules = READING) -> ReadPlan:
+def pack_read(items: Sequence[Item], *, merge: bool = True, rules: PackingRules = READING) -> ReadPlan:
     """Plan the fewest telegrams that read ``items``; PpiError if one of them is no valid item.
 
     ``merge`` False keeps every item as it was asked for, so that each one gets a return code of its own.
@@ -196,7 +196,7 @@ def pack_read(items: Sequence[Item], *, merge: bool = True, rules: Rules = READI
 
 
 def _require_valid(items: Sequence[Item]) -> None:
-    findings = Findings()
+    findings = ItemFindings()
     for number, item in enumerate(items, 1):
         check_item(findings, item, 0, f"item {number}")
     if findings.found:
@@ -209,35 +209,35 @@ def _span(item: Item) -> Span:
     return item.byte, item.byte + item.octets
 
 
-def _own_piece(number: int, item: Item) -> Piece:
-    return Piece(item.area, _span(item), ((number, 0),), joins=False)
+def _own_piece(number: int, item: Item) -> MemoryPiece:
+    return MemoryPiece(item.area, _span(item), ((number, 0),), joins=False)
 
 
-def _read_pieces(asked: Sequence[Item], rules: Rules) -> tuple[list[Piece], list[Piece]]:
+def _read_pieces(asked: Sequence[Item], rules: PackingRules) -> tuple[list[MemoryPiece], list[MemoryPiece]]:
     """Make pieces: equal and contained items share one, long ones are kept apart, elements stay alone."""
     shared: dict[tuple[int, int, int, bool], list[int]] = {}
-    large: list[Piece] = []
+    large: list[MemoryPiece] = []
     for number, item in enumerate(asked):
         joins = not item.by_element
         if item.octets > rules.room:
-            large.append(Piece(item.area, _span(item), ((number, 0),), joins))
+            large.append(MemoryPiece(item.area, _span(item), ((number, 0),), joins))
             continue
         span = _span(item)
         first, size = (item.address, item.octets) if item.by_element else (span[0], span[1] - span[0])
         shared.setdefault((item.area, first, -size, joins), []).append(number)
-    pieces: list[Piece] = []
+    pieces: list[MemoryPiece] = []
     for (area, start, negative, joins), numbers in sorted(shared.items()):
         serves = tuple((number, 0) for number in numbers)
         span = (start, start - negative)
         outer = pieces[-1] if pieces and joins else None
         if outer is not None and outer.area == area and outer.span[1] >= span[1] and outer.joins:
-            pieces[-1] = Piece(area, outer.span, outer.serves + serves)
+            pieces[-1] = MemoryPiece(area, outer.span, outer.serves + serves)
         else:
-            pieces.append(Piece(area, span, serves, joins))
+            pieces.append(MemoryPiece(area, span, serves, joins))
     return pieces, large
 
 
-def _pour(loads: list[Load], large: Sequence[Piece], asked: Sequence[Item], rules: Rules) -> list[Load]:
+def _pour(loads: list[Load], large: Sequence[MemoryPiece], asked: Sequence[Item], rules: PackingRules) -> list[Load]:
     """Fill what is longer than a telegram into the room left, cut between elements, then into further telegrams."""
     loads = list(loads)
     for piece in large:
@@ -256,14 +256,14 @@ def _pour(loads: list[Load], large: Sequence[Piece], asked: Sequence[Item], rule
     return loads
 
 
-def _portion(load: Load, piece: Piece, done: int, unit: int) -> tuple[Load | None, int]:
+def _portion(load: Load, piece: MemoryPiece, done: int, unit: int) -> tuple[Load | None, int]:
     """Return the load with as much of the piece as fits from byte ``done`` on, and how much that is."""
     start, end = piece.span
     free = load.rules.limit - load.length() + 1
     size = min(end - done, load.rules.room, max(free, 0))
     size -= size % unit
     while size > 0:
-        part = Piece(piece.area, (done, done + size), ((piece.serves[0][0], done - start),), piece.joins)
+        part = MemoryPiece(piece.area, (done, done + size), ((piece.serves[0][0], done - start),), piece.joins)
         more = load.adding(part)
         if more is not None:
             return more, size
@@ -286,7 +286,7 @@ def _planned(load: Load, asked: Sequence[Item]) -> tuple[PlannedItem, ...]:
     return tuple(_odd_last(planned, [entry.item.octets for entry in planned], load.rules))
 
 
-def _odd_last(entries: list[PlannedItem], sizes: list[int], rules: Rules) -> list[PlannedItem]:
+def _odd_last(entries: list[PlannedItem], sizes: list[int], rules: PackingRules) -> list[PlannedItem]:
     """Move one entry of odd length to the end if the telegram would otherwise be one pad too long."""
     length = rules.header + sum(rules.item + size + size % 2 for size in sizes) - sizes[-1] % 2
     if length <= rules.limit:
@@ -295,11 +295,11 @@ def _odd_last(entries: list[PlannedItem], sizes: list[int], rules: Rules) -> lis
     return [*entries[:at], *entries[at + 1 :], entries[at]]
 
 
-def _single(piece: Piece, asked: Sequence[Item]) -> tuple[Item, tuple[Part, ...]]:
+def _single(piece: MemoryPiece, asked: Sequence[Item]) -> tuple[Item, tuple[PackedPart, ...]]:
     """One asked item as it is, or a part of one."""
     number, offset = piece.serves[0]
     item = asked[number]
-    parts = tuple(Part(entry, start, 0, piece.size) for entry, start in piece.serves)
+    parts = tuple(PackedPart(entry, start, 0, piece.size) for entry, start in piece.serves)
     if piece.size == item.octets:
         return item, parts
     unit = OCTETS[item.size]
@@ -307,13 +307,13 @@ def _single(piece: Piece, asked: Sequence[Item]) -> tuple[Item, tuple[Part, ...]
     return Item(item.area, item.size, piece.size // unit, item.address + offset // unit * step, item.db), parts
 
 
-def _joined(area: Area, span: Span, pieces: Sequence[Piece], asked: Sequence[Item]) -> PlannedItem:
+def _joined(area: Area, span: Span, pieces: Sequence[MemoryPiece], asked: Sequence[Item]) -> PlannedItem:
     """One item over a span: as it was asked for if it serves one item only, otherwise bytes (words for AI, AQ)."""
     numbers = [(number, start, piece) for piece in pieces for number, start in piece.serves]
     if len({(asked[number], start) for number, start, _ in numbers}) == 1:
         item, parts = _single(pieces[0], asked)
         if item.octets == span[1] - span[0]:
-            return PlannedItem(item, tuple(Part(number, start, 0, item.octets) for number, start, _ in numbers))
+            return PlannedItem(item, tuple(PackedPart(number, start, 0, item.octets) for number, start, _ in numbers))
     parts = tuple(_part(asked[number], number, start, piece, span) for number, start, piece in numbers)
     length = span[1] - span[0]
     if area in {Area.AI, Area.AQ}:
@@ -321,17 +321,17 @@ def _joined(area: Area, span: Span, pieces: Sequence[Piece], asked: Sequence[Ite
     return PlannedItem(Item.memory(area, span[0], length), parts)
 
 
-def _part(item: Item, number: int, start: int, piece: Piece, span: Span) -> Part:
+def _part(item: Item, number: int, start: int, piece: MemoryPiece, span: Span) -> PackedPart:
     bit = item.bit_number if item.size == TransportSize.BIT else None
     if start or piece.size < item.octets:
-        return Part(number, start, piece.span[0] - span[0], piece.size, bit)
-    return Part(number, 0, item.byte - span[0], item.octets, bit)
+        return PackedPart(number, start, piece.span[0] - span[0], piece.size, bit)
+    return PackedPart(number, 0, item.byte - span[0], item.octets, bit)
 
 
 # ---- Writing --------------------------------------------------------------------------------------------------
 
 
-def pack_write(items: Sequence[WriteItem], *, merge: bool = True, rules: Rules = WRITING) -> WritePlan:
+def pack_write(items: Sequence[ItemWrite], *, merge: bool = True, rules: PackingRules = WRITING) -> WritePlan:
     """Plan the fewest telegrams that write ``items``.
 
     PpiError if an item is not valid, a value has the wrong length, or a byte would be written twice.
@@ -351,17 +351,17 @@ def pack_write(items: Sequence[WriteItem], *, merge: bool = True, rules: Rules =
     telegrams.sort(key=lambda telegram: min(part.asked for planned in telegram for part in planned.parts))
     return WritePlan(
         asked,
-        tuple(tuple(WriteItem(planned.item, _data(planned, asked)) for planned in telegram) for telegram in telegrams),
+        tuple(tuple(ItemWrite(planned.item, _data(planned, asked)) for planned in telegram) for telegram in telegrams),
         tuple(tuple(tuple(part.asked for part in planned.parts) for planned in telegram) for telegram in telegrams),
     )
 
 
-def _write_piece(number: int, item: Item, *, merge: bool) -> Piece:
+def _write_piece(number: int, item: Item, *, merge: bool) -> MemoryPiece:
     joins = merge and not item.by_element and item.size != TransportSize.BIT
-    return Piece(item.area, _span(item), ((number, 0),), joins)
+    return MemoryPiece(item.area, _span(item), ((number, 0),), joins)
 
 
-def _data(planned: PlannedItem, asked: Sequence[WriteItem]) -> bytes:
+def _data(planned: PlannedItem, asked: Sequence[ItemWrite]) -> bytes:
     value = bytearray(planned.item.octets)
     for part in planned.parts:
         value[part.at : part.at + part.length] = asked[part.asked].data[part.start : part.start + part.length]

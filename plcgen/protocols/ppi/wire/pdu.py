@@ -23,7 +23,7 @@ from plcgen.protocols.ppi.wire.areas import (
 )
 from plcgen.protocols.ppi.wire.errors import ANSWERABLE, TOLERABLE, Kind, PpiError, Violation
 from plcgen.protocols.ppi.wire.items import (
-    Findings,
+    ItemFindings,
     bare_item,
     check_against,
     check_item,
@@ -40,6 +40,7 @@ from plcgen.protocols.ppi.wire.model import (
     ErrorReply,
     ForceRequest,
     Item,
+    ItemWrite,
     Pdu,
     ReadReply,
     ReadRequest,
@@ -50,7 +51,6 @@ from plcgen.protocols.ppi.wire.model import (
     UnknownJob,
     UnknownReply,
     Userdata,
-    WriteItem,
     WriteReply,
     WriteRequest,
 )
@@ -195,7 +195,7 @@ def examine_pdu(data: bytes, base: int = 0) -> tuple[Pdu | None, list[Violation]
 
     ``base`` is added to the offsets: the place of the PDU in its frame.
     """
-    findings = Findings(base)
+    findings = ItemFindings(base)
     if len(data) < JOB_HEADER:
         findings.add(Kind.SHORT, len(data), f"a PDU has at least {JOB_HEADER} bytes, not {len(data)}")
         return None, findings.found
@@ -218,14 +218,14 @@ def examine_pdu(data: bytes, base: int = 0) -> tuple[Pdu | None, list[Violation]
     return _reply(findings, data, REPLY_HEADER), findings.found
 
 
-_Read = Callable[[Findings, bytes, int], Pdu | None]
+_Read = Callable[[ItemFindings, bytes, int], Pdu | None]
 
 
 def _number(data: bytes, at: int) -> int:
     return data[at] << 8 | data[at + 1]
 
 
-def _split(findings: Findings, data: bytes, start: int, expected: int | None = None) -> tuple[bytes, int]:
+def _split(findings: ItemFindings, data: bytes, start: int, expected: int | None = None) -> tuple[bytes, int]:
     """Return the parameters and the offset of the data behind them.
 
     ``expected`` is the length that the parameters must have; it is used if the stated one contradicts it.
@@ -244,12 +244,12 @@ def _split(findings: Findings, data: bytes, start: int, expected: int | None = N
     return data[start : start + size], start + size
 
 
-def _no_data(findings: Findings, data: bytes, at: int, what: str) -> None:
+def _no_data(findings: ItemFindings, data: bytes, at: int, what: str) -> None:
     if at < len(data) and _number(data, 8):
         findings.add(Kind.DATA_LENGTH, 8, f"{what} has no data")
 
 
-def _job(findings: Findings, data: bytes, start: int) -> Pdu | None:
+def _job(findings: ItemFindings, data: bytes, start: int) -> Pdu | None:
     reference = _number(data, 4)
     if start >= len(data):
         _split(findings, data, start)
@@ -269,7 +269,7 @@ def _job(findings: Findings, data: bytes, start: int) -> Pdu | None:
     return UnknownJob(reference, parameter, data[at:])
 
 
-def _items(findings: Findings, data: bytes, start: int, reference: int, *, write: bool) -> Pdu | None:
+def _items(findings: ItemFindings, data: bytes, start: int, reference: int, *, write: bool) -> Pdu | None:
     if start + 2 > len(data):
         findings.add(Kind.PARAMETER_LENGTH, 6, "the number of items is missing")
         return None
@@ -293,12 +293,12 @@ def _items(findings: Findings, data: bytes, start: int, reference: int, *, write
         return None
     for number, (value, item) in enumerate(zip(values, items, strict=True), 1):
         check_against(findings, value, item, number)
-    pairs = tuple(WriteItem(item, value.data) for item, value in zip(items, values, strict=True))
+    pairs = tuple(ItemWrite(item, value.data) for item, value in zip(items, values, strict=True))
     return WriteRequest(reference, pairs, trailing)
 
 
 def _setup(
-    findings: Findings, data: bytes, start: int, reference: int, kind: type[SetupRequest | SetupReply]
+    findings: ItemFindings, data: bytes, start: int, reference: int, kind: type[SetupRequest | SetupReply]
 ) -> Pdu | None:
     parameter, at = _split(findings, data, start, 8)
     if len(parameter) < 8:
@@ -310,7 +310,7 @@ def _setup(
     return kind(reference, size, calling, called)
 
 
-def _service(findings: Findings, data: bytes, start: int, reference: int) -> Pdu | None:
+def _service(findings: ItemFindings, data: bytes, start: int, reference: int) -> Pdu | None:
     """RUN and STOP: every byte is fixed."""
     run = data[start] == Function.PI_SERVICE
     wanted, name = (RUN_PARAMETER, "RUN") if run else (STOP_PARAMETER, "STOP")
@@ -328,7 +328,7 @@ def _service(findings: Findings, data: bytes, start: int, reference: int) -> Pdu
     return RunRequest(reference) if run else StopRequest(reference)
 
 
-def _userdata(findings: Findings, data: bytes, start: int) -> Pdu | None:
+def _userdata(findings: ItemFindings, data: bytes, start: int) -> Pdu | None:
     reference = _number(data, 4)
     parameter, at = _split(findings, data, start)
     force = _force(reference, parameter, data[at:])
@@ -341,7 +341,7 @@ def _force(reference: int, parameter: bytes, data: bytes) -> ForceRequest | None
         return None
     if data[:2] != b"\xff\x09" or _number(data, 2) != len(data) - 4 or data[4:7] != b"\x00\x01\x10":
         return None
-    findings = Findings()
+    findings = ItemFindings()
     item = bare_item(data, 7)
     check_item(findings, item, 0, "the item")
     value, octets = data[16:], item.octets
@@ -350,7 +350,7 @@ def _force(reference: int, parameter: bytes, data: bytes) -> ForceRequest | None
     return ForceRequest(reference, item, value[:octets] if value else None)
 
 
-def _reply(findings: Findings, data: bytes, start: int) -> Pdu | None:
+def _reply(findings: ItemFindings, data: bytes, start: int) -> Pdu | None:
     reference, rosctr = _number(data, 4), data[1]
     if data[10] or data[11]:
         parameter, at = _split(findings, data, start)
@@ -371,7 +371,7 @@ def _reply(findings: Findings, data: bytes, start: int) -> Pdu | None:
     return UnknownReply(reference, parameter, data[at:], rosctr)
 
 
-def _results(findings: Findings, data: bytes, start: int, reference: int) -> Pdu | None:
+def _results(findings: ItemFindings, data: bytes, start: int, reference: int) -> Pdu | None:
     parameter, at = _split(findings, data, start, 2)
     if len(parameter) < 2:
         return None

@@ -13,7 +13,7 @@ TYPE_LENGTH = 20
 
 
 @dataclass(frozen=True, slots=True)
-class Profile:
+class CpuProfile:
     """One CPU. ``sizes`` counts bytes, or elements for T, C and HC; ``type`` is the text of SYS.
 
     ``unchecked`` names the entries that were not compared with the manual.
@@ -27,14 +27,14 @@ class Profile:
 
 
 @cache
-def profiles() -> Mapping[str, Profile]:
+def profiles() -> Mapping[str, CpuProfile]:
     """Every CPU of the table by its key: 221, 222, 224, 224XP, 226, ST20, ST40."""
     import tomllib
     from importlib.resources import files
 
     table = tomllib.loads(files("plcgen.protocols.ppi.wire").joinpath("profiles.toml").read_text("utf-8"))
     return {
-        key: Profile(
+        key: CpuProfile(
             key,
             entry["title"],
             entry["type"],
@@ -45,6 +45,6 @@ def profiles() -> Mapping[str, Profile]:
     }
 
 
-def profile(key: str) -> Profile:
+def profile(key: str) -> CpuProfile:
     """Return the CPU of this name, in any letter case. Raises KeyError."""
     return profiles()[key.upper().removeprefix("CPU").strip()]

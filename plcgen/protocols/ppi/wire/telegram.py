@@ -17,7 +17,7 @@ DATA_FUNCTION = 0x08
 
 
 @dataclass(frozen=True, slots=True)
-class Telegram:
+class WireTelegram:
     """A decoded telegram: its frame, the PDU of an SD2 frame, and what the tolerant mode accepted."""
 
     frame: Frame
@@ -44,7 +44,7 @@ def examine(data: bytes) -> Examination:
     return Examination(frame, pdu, tuple(found))
 
 
-def decode(data: bytes, *, tolerant: bool = False, answerable: bool = False) -> Telegram:
+def decode(data: bytes, *, tolerant: bool = False, answerable: bool = False) -> WireTelegram:
     """Return the telegram in ``data``; PpiError with every violation of frame and PDU.
 
     ``tolerant`` accepts what real lines produce and lists it in the result; ``answerable`` accepts items that a
@@ -57,7 +57,7 @@ def decode(data: bytes, *, tolerant: bool = False, answerable: bool = False) -> 
     left = [violation for violation in seen.violations if violation.kind not in accepted]
     if left or seen.frame is None or (isinstance(seen.frame, VariableFrame) and seen.pdu is None):
         raise PpiError(left)
-    return Telegram(seen.frame, seen.pdu, tolerated)
+    return WireTelegram(seen.frame, seen.pdu, tolerated)
 
 
 def encode_request(
