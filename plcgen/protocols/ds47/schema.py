@@ -140,7 +140,7 @@ def sections(*, alone: bool) -> type[DriveSections]:
 def complete(schema: dict[str, Any]) -> None:
     """Put the short forms of jobs into the JSON schema of a spec."""
     definitions = schema["$defs"]
-    job = definitions["JobEntry"]["properties"]
+    job = definitions["Job"]["properties"]
     for kind in kinds():
         if kind.short is not None:
             job[kind.key] = {**kind.short(definitions), "description": kind.description}
