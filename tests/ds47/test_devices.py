@@ -353,7 +353,7 @@ def test_a_package_brings_devices(installed: Path, tmp_path: Path) -> None:
     assert planned(path).key == "acme-turbo"
     assert "acme-turbo" in devices.device_names()
     assert devices.find_device("acme-turbo").title == "Acme Turbo"
-    offered = api.schema()["$defs"]["Drive"]["properties"]["device"]["anyOf"][0]["enum"]
+    offered = api.schema()["$defs"]["DriveEntry"]["properties"]["device"]["anyOf"][0]["enum"]
     assert "acme-turbo" in offered
     path.write_text(path.read_text().replace("acme-turbo", "acme-turbu"))
     (told,) = api.check(path).diagnostics
