@@ -119,7 +119,12 @@ DAMAGE = {
         "PG621",
         "old",
     ),
-    "reference wraps to 0": (".requestReference < 255", ".requestReference < 256", "PG621", "instead of 16#"),
+    "reference wraps to 0": (
+        ".requestReference < 255",
+        ".requestReference < 256",
+        "PG621",
+        "instead of 16#|request reference 0 follows 255",
+    ),
     "length unchecked": (" OR #statLength <> 10", "", "PG621", "cut to|too long|behind"),
     "generic formats refused": (" AND #statResponse[4] <> B#16#43", "", "PG621", "in format 43h"),
     "token kept": ('"DcmToken".owner := 0;', ";", "PG620", "run"),
