@@ -13,7 +13,7 @@ from concurrent.futures import ProcessPoolExecutor
 from mutation.cases import KINDS, ROOT, Case, cases, known_cases, project_of
 from mutation.equivalent import reason
 from mutation.known import FAQ, KNOWN, MM4
-from mutation.run import Verdict, clean, notice
+from mutation.run import Verdict, notice
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
 GOAL = 98.0
@@ -33,7 +33,6 @@ def verdicts_of(work: Sequence[Case]) -> list[Verdict]:
             found.append(verdict)
             if sys.stderr.isatty():
                 sys.stderr.write(f"\r{number}/{len(work)} " if number < len(work) else "\r\033[K")
-    clean()
     return found
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import atexit
 import os
+import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -18,8 +20,8 @@ from plcgen.project.resolve import resolve
 from plcgen.proof.suite import CodeBlock
 
 ROOT = Path(__file__).resolve().parent.parent
-FOLDERS = "plcgen-mutation-"
-"""How the temporary folders of all processes begin."""
+_RUN = "PLCGEN_MUTATION_RUN"
+"""Names the temporary folder of a run to the processes that it starts."""
 KINDS: dict[str, Callable[[str], Iterable[Mutant]]] = {"dropped": dropped, "exchanged": swapped, "changed": tokens}
 """Kinds of damage by name: statements dropped, neighbours exchanged, operators and constants changed."""
 
@@ -53,9 +55,17 @@ def blocks_of(spec: str) -> list[CodeBlock]:
     return [block for plan in plans for suite in plan.protocol.proof(plan).suites() for block in suite.blocks()]
 
 
+def run_folder() -> Path:
+    """The temporary folder of this run: no other run touches it, and it goes when the run ends."""
+    if _RUN not in os.environ:
+        os.environ[_RUN] = tempfile.mkdtemp(prefix="plcgen-mutation-")
+        atexit.register(shutil.rmtree, os.environ[_RUN], ignore_errors=True)
+    return Path(os.environ[_RUN])
+
+
 def golden(spec: str) -> Path:
     """The generated files of a shipped spec, made once in a temporary folder of this process."""
-    folder = Path(tempfile.gettempdir()) / f"{FOLDERS}{os.getpid()}-whole" / spec
+    folder = run_folder() / f"{os.getpid()}-whole" / spec
     if not folder.exists() and not api.generate(ROOT / "specs" / f"{spec}.yaml", folder).ok:
         raise SystemExit(f"{spec} cannot be generated")
     return folder

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from mutation.cases import FOLDERS, Case, encoding_of, golden, project_of
+from mutation.cases import Case, encoding_of, golden, project_of, run_folder
 from plcgen.diagnostics import DiagnosticError
 from plcgen.proof.execution import Result, Work, added, coverage, run_job, run_together
 from plcgen.proof.rig import ProgramBench
@@ -24,7 +23,7 @@ class Verdict:
 
 def notice(case: Case) -> Verdict:
     """What verify says about a mutant."""
-    folder = Path(tempfile.gettempdir()) / f"{FOLDERS}{os.getpid()}" / case.spec
+    folder = run_folder() / str(os.getpid()) / case.spec
     if not folder.exists():
         shutil.copytree(golden(case.spec), folder)
     path = folder / case.file
@@ -67,9 +66,3 @@ def _verdict(result: Result) -> Verdict:
     failure = result.failures[0]
     place = f"{Path(failure.file).name}:{failure.line}"
     return Verdict(f"{failure} ({place})", located=bool(failure.scenario and failure.scan and failure.line > 0))
-
-
-def clean() -> None:
-    """Remove the folders of all processes of this run."""
-    for folder in Path(tempfile.gettempdir()).glob(f"{FOLDERS}*"):
-        shutil.rmtree(folder, ignore_errors=True)
