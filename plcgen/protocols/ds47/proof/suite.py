@@ -29,7 +29,6 @@ from plcgen.protocols.ds47.proof.times import transitions
 from plcgen.protocols.ds47.proof.together import procedures, row, wrong_numbers
 from plcgen.protocols.ds47.proof.words import STATES, state_name
 from plcgen.protocols.ds47.sim.drive import Drive
-from plcgen.protocols.ds47.sim.load import load_drive
 from plcgen.protocols.ds47.wire.errors import known_numbers
 
 QUICK_ERRORS = 600
@@ -77,6 +76,8 @@ def _no_reserve(field: BufferField) -> bool:
 
 def drive_maker(file: Path) -> Callable[[], Drive]:
     """Makes a new drive of a drive file each time. Raises DiagnosticError."""
+    from plcgen.protocols.ds47.sim.load import load_drive  # its models cost start-up time that few runs need
+
     text = read_text(file)
     return lambda: load_drive(text, str(file))
 
