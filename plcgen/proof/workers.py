@@ -137,7 +137,10 @@ def _start(task: Task[Any]) -> _Worker:
     if _fork_is_safe():
         return _forked(task)
     process = subprocess.Popen(  # noqa: S603 - this interpreter
-        [sys.executable, "-P", "-c", START], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        [sys.executable, "-P", "-c", START],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        start_new_session=True,  # Ctrl-C is for the parent: it could meet an interpreter that is not ready to ignore it
     )
     assert process.stdin is not None and process.stdout is not None  # noqa: S101, PT018 - they are pipes
     worker = _Worker(process.stdin, process.stdout, process.kill, process.wait)

@@ -332,7 +332,7 @@ def _part(item: Item, number: int, start: int, piece: MemoryPiece, span: Span) -
 
 
 def pack_write(items: Sequence[ItemWrite], *, merge: bool = True, rules: PackingRules = WRITING) -> WritePlan:
-    """Plan the fewest telegrams that write ``items``.
+    """Plan few telegrams that write ``items``: touching blocks are joined first, which may cost one telegram.
 
     PpiError if an item is not valid, a value has the wrong length, or a byte would be written twice.
     """
