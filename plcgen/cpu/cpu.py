@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import struct
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import FrameType, TracebackType
 from typing import Any, Literal
@@ -13,6 +13,7 @@ from typing import Any, Literal
 from plcgen.cpu import arithmetic
 from plcgen.cpu.linkage import Compiled, Probe, ProgramBlock
 from plcgen.cpu.memory import Memory, codec_functions
+from plcgen.cpu.preemption import Passage, Plan, Preemption
 from plcgen.cpu.program import Program
 from plcgen.cpu.symbols import Symbols
 from plcgen.cpu.system.bus import Periphery
@@ -86,7 +87,10 @@ class Cpu:
         self._records: list[RecordBlock | PortBlock] = []
         self._make_memory()
         self.symbols = Symbols(program.link, self._blocks, self.areas)
+        self._eno = [True]
+        self.preemption = Preemption(program.link.points, self._start, self._eno)
         self._names = self._namespace()
+        self._load(program.compiled)
         self._main = program.main()
         self._start_up = program.start_up()
         self._started = False
@@ -115,16 +119,20 @@ class Cpu:
         names |= codec_functions() | arithmetic.functions() | self._moves.functions()
         names |= self.areas
         names |= {f"d{index}": memory for index, memory in self._blocks.items()}
-        names |= {"T": self._clock, "W": self._passes, "E": [True], "H": self.coverage}
+        names |= {"T": self._clock, "W": self._passes, "E": self._eno, "H": self.coverage}
+        names |= {"Z": self.preemption.point, "dis_airt": self.preemption.delay, "en_airt": self.preemption.enable}
         names |= {"ix": _bad_index, "ck": _address, "late": self._late, "div": self._div, "mod": self._mod}
         names |= {"fdiv": self._fdiv, "w_bit": _write_bit, "st": self._status_read}
         for system in {id(system): system for system in self.program.systems.values()}.values():
             names[f"S_{system.block.name}"] = self._runner(system)
-        for compiled in self.program.compiled:
-            if compiled.code is not None:
-                exec(compiled.code, names)  # noqa: S102 - code of our own compiler
-                self._compiled[compiled.function] = compiled
         return names
+
+    def _load(self, blocks: Iterable[Compiled]) -> None:
+        """Make the functions of compiled blocks."""
+        for compiled in blocks:
+            if compiled.code is not None:
+                exec(compiled.code, self._names)  # noqa: S102 - code of our own compiler
+                self._compiled[compiled.function] = compiled
 
     def _runner(self, system: SystemFb) -> Callable[..., None]:
         types: dict[str, Block] = {}
@@ -166,35 +174,63 @@ class Cpu:
 
     def call(self, name: str, milliseconds: int = 0, **inputs: Any) -> None:
         """Call one instance data block, OB or FC without parameters, as one scan; inputs are set before."""
+        block, arguments = self._callable(name)
         if not self._started:
             self.restart("cold")
         self._next(milliseconds)
+        for member, value in inputs.items():
+            self[f'"{name}".{member}'] = value
+        self._run(block, arguments)
+
+    def run(self, name: str, milliseconds: int = 0, interrupt: Plan | None = None) -> Passage:
+        """Run an OB, or what ``call`` takes, as one scan, and let other blocks interrupt it by a plan.
+
+        An empty plan counts: the result has the points and statements that were passed. Without a plan nothing is
+        counted and it is ``call``. Raises KeyError for an unknown block.
+        """
+        if interrupt is None:
+            self.call(name, milliseconds)
+            return Passage()
+        self._callable(name)
+        if not self.program.interruptible or self.program.interruptible[0].function not in self._compiled:
+            self._load(self.program.preemptive())
+        if not self._started:
+            self.restart("cold")
+        self._next(milliseconds)
+        self.faulted = False
+        return self.preemption.run(name, interrupt)
+
+    def _start(self, name: str) -> None:
+        """Run a block that can be interrupted; one that interrupts it does not hide its fault."""
+        faulted = self.faulted
+        self._run(*self._callable(name), "p")
+        self.faulted |= faulted
+
+    def _callable(self, name: str) -> tuple[ProgramBlock, tuple[Any, ...]]:
+        """Block and arguments behind the name of an instance data block, OB or FC."""
         entry = self.program.link.find(name)
         if entry is None:
             raise UnknownPathError(f"there is no block {name}")
-        for member, value in inputs.items():
-            self[f'"{entry.name}".{member}'] = value
-        if entry.block.kind is BlockKind.DB:
-            block = self.program.link.find(self.program.link.instance_type(entry) or "?")
-            if block is None:
-                raise UnknownPathError(f"{name} is no instance of a block of the program")
-            self._run(block, (self._blocks[entry.index],))
-        else:
-            self._run(entry, ())
+        if entry.block.kind is not BlockKind.DB:
+            return entry, ()
+        block = self.program.link.find(self.program.link.instance_type(entry) or "?")
+        if block is None:
+            raise UnknownPathError(f"{name} is no instance of a block of the program")
+        return block, (self._blocks[entry.index],)
 
     def _next(self, milliseconds: int) -> None:
         self.scans += 1
         self._clock[0] += milliseconds
         if milliseconds:
             self.bus.advance(milliseconds)
-        self._passes[0] = 0
+        self._passes[0] = self.preemption.delays = 0
         for block in self._records:
             block.scan = self.scans
 
-    def _run(self, entry: ProgramBlock, arguments: tuple[Any, ...]) -> None:
+    def _run(self, entry: ProgramBlock, arguments: tuple[Any, ...], form: str = "b") -> None:
         """Run one block; an access fault ends it and is kept as a misuse."""
         self.faulted = False
-        function = self._names[f"b{entry.index}"]
+        function = self._names[f"{form}{entry.index}"]
         try:
             function(*arguments)
         except AccessFaultError as fault:

@@ -62,7 +62,11 @@ class Compiled:
 
 @dataclass(slots=True)
 class Linkage:
-    """Names of a program; keys are upper case. ``probes`` grows while blocks are compiled for coverage."""
+    """Names of a program; keys are upper case.
+
+    ``probes`` grows while blocks are compiled for coverage, ``points`` while they are compiled for preemption; the
+    preemptive form of a block counts with the ``counters`` of the plain one.
+    """
 
     dialect: Dialect
     blocks: dict[str, ProgramBlock] = field(default_factory=dict)
@@ -72,6 +76,8 @@ class Linkage:
     instance_regions: set[str] = field(default_factory=set)
     coverage: bool = False
     probes: list[Probe] = field(default_factory=list)
+    points: list[Probe] = field(default_factory=list)
+    counters: dict[tuple[Probe, bool], int] = field(default_factory=dict)
 
     @property
     def classic(self) -> bool:

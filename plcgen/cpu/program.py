@@ -38,6 +38,7 @@ class Program:
     diagnostics: list[Diagnostic] = field(default_factory=list)
     compiled: list[Compiled] = field(default_factory=list)
     images: dict[int, bytes] = field(default_factory=dict)
+    interruptible: list[Compiled] = field(default_factory=list)
     circles: bool = False
     """Whether types that contain themselves have been reported: the layout finds them again."""
 
@@ -186,6 +187,17 @@ class Program:
             for entry in self.link.blocks.values():
                 if entry.block.kind is BlockKind.FB and entry.shape is not None:
                     self.compiled.append(compile_block(entry, self.link, dynamic=True))
+
+    def preemptive(self) -> list[Compiled]:
+        """Code blocks once more with points for interrupts (``plcgen.cpu.preemption``); compiled when first asked."""
+        if not self.interruptible:
+            doubled = any(found.moving for found in self.compiled)
+            for found in self.compiled:
+                entry = self.link.blocks[found.name.upper()]
+                dynamic = found.function.endswith("o")
+                if not dynamic or doubled:
+                    self.interruptible.append(compile_block(entry, self.link, dynamic=dynamic, preemptive=True))
+        return self.interruptible
 
     def check_recursion(self) -> None:
         """PG826 for every block that calls itself, directly or through others."""

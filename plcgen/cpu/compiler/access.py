@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 
 from plcgen.cpu.compiler.context import Context, Listing
@@ -13,6 +14,8 @@ from plcgen.s7.types import StringType
 Key = tuple[str, int, str]
 """Region, offset in bits and type of a value in memory."""
 _EVERYTHING = 1 << 40
+_CONSTANT = re.compile(r"\(?-?[0-9.]+(?:e[-+]?[0-9]+)?\)?|True|False|q[0-9]+")
+"""Code that reads nothing: numbers, and values that a temporary holds already."""
 
 
 @dataclass(slots=True, eq=False)
@@ -79,21 +82,36 @@ class Access:
             return Val("", "", place=place)
         if isinstance(place.shape.type, StringType):
             read = "r_s" if type_ == "STRING" else "r_ws"
-            return Val(f"{read}({place.mem},{self.address(place)})", type_, place=place)
+            return Val(self.shared(place, f"{read}({place.mem},{self.address(place)})"), type_, place=place)
         key = self.key(place, type_)
         known = self.cache.get(key) if key else None
         if known is not None:
             return Val(known, type_, place=place)
-        code = self.read_code(place, type_)
+        code = self.shared(place, self.read_code(place, type_))
         if key and not self.conditional:
             name = self.names.setdefault(key, f"c{len(self.names)}")
             self.cache[key] = name
             code = f"({name}:={code})"
         return Val(code, type_, place=place)
 
+    def shared(self, place: MemoryPlace, code: str) -> str:
+        """Read code with a point before it, if another OB may have written there since the last point."""
+        context = self.context
+        if not context.preemptive or place.mem in {"m", "t"}:
+            return code
+        if context.direct:
+            context.direct = False
+            return code
+        return f"({context.point_code('read')} or {code})"
+
     def key(self, place: MemoryPlace, type_: str) -> Key | None:
         """Cache key of a place, None if its value must be read every time."""
-        if place.region is None or not place.fixed or (type_ != "BOOL" and type_ not in CODECS):
+        if (
+            self.context.preemptive
+            or place.region is None
+            or not place.fixed
+            or (type_ != "BOOL" and type_ not in CODECS)
+        ):
             return None
         if place.overlay:
             self.overlap.add(place.region)
@@ -121,6 +139,7 @@ class Access:
         if place.local:
             self.out.emit(f"{place.local}={code}")
             return
+        code = self.before_store(code)
         if isinstance(place.shape.type, StringType):
             write = "w_s" if type_ == "STRING" else "w_ws"
             self.out.emit(f"{write}({place.mem},{self.address(place)},{place.shape.type.length},{code})")
@@ -139,6 +158,15 @@ class Access:
             self.out.keep(name, code)
             code = name
         self.out.emit(self.write_code(place, type_, code, const))
+
+    def before_store(self, code: str) -> str:
+        """Evaluate a value before the point of its store; a constant needs none."""
+        if not self.context.preemptive or _CONSTANT.fullmatch(code):
+            return code
+        name = self.out.temporary()
+        self.out.emit(f"{name}={code}")
+        self.context.point("store")
+        return name
 
     def write_code(self, place: MemoryPlace, type_: str, code: str, const: object) -> str:
         """Generated statement that writes a scalar."""

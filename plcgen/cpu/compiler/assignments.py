@@ -113,7 +113,9 @@ class Assignments:
             self.context.error("PG821", f"{self.context.text(node)} has another type", node)
             return
         size = place.shape.bits // 8
-        self.out.emit(f"cp({place.mem},{self.access.address(place)},{source.mem},{self.access.address(source)},{size})")
+        target, origin = self.access.address(place), self.access.address(source)
+        between = f",lambda:{self.context.point_code('copy', node)}" if self.context.preemptive else ""
+        self.out.emit(f"cp({place.mem},{target},{source.mem},{origin},{size}{between})")
         self.access.touched(place.region if place.fixed else None, place.off, place.shape.bits)
 
 

@@ -30,12 +30,12 @@ from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
 
 
-def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False) -> Compiled:
+def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False, preemptive: bool = False) -> Compiled:
     """Generate the code of an FB, FC or OB; what is wrong with it is in ``diagnostics``."""
     scope = Scope(owner.block, owner.shape, link.types, untyped=link.dialect is Dialect.STEP7_V5)
     out = Listing()
-    context = Context(owner, scope, link, out, dynamic)
-    name = f"b{owner.index}{'o' if dynamic else ''}"
+    context = Context(owner, scope, link, out, dynamic, preemptive)
+    name = context.function(owner.index, moving=dynamic)
     file = owner.result.tokens.file
     expressions, statements = Expressions(), Statements(context, out)
     source, code = "", None

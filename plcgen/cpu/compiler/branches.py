@@ -46,6 +46,7 @@ class Branches:
             start = len(self.out.lines)
             if position:
                 self.out.indent += " "
+                self.context.point("condition", branch.condition)
             code = truth(self.context, self.expressions.value(branch.condition), branch.condition)
             if position:
                 if len(self.out.lines) > start:

@@ -188,6 +188,8 @@ class Calls:
         else:
             self.context.error("PG825", f"{self.context.text(node.target)} is no instance of a block", node)
             return
+        if passed is not None and passed.outputs:
+            self.context.point("output", node)
         for argument, output in passed.outputs if passed is not None else ():
             self.arguments.take_output(argument, output)
 
@@ -196,16 +198,18 @@ class Calls:
         self.context.calls.setdefault(found.name.upper(), self.context.span(node))
         self.watchdog.hand_over()
         if place.mem != "m" and place.fixed and place.off == 0:
-            self.out.emit(f"b{found.index}({place.mem})")
+            self.out.emit(f"{self.context.function(found.index)}({place.mem})")
         else:
             self.context.moving = True
-            self.out.emit(f"b{found.index}o({place.mem},{self.access.address(place)})")
+            function = self.context.function(found.index, moving=True)
+            self.out.emit(f"{function}({place.mem},{self.access.address(place)})")
         self.watchdog.take_back()
         self.access.forget()
 
     def call_system(self, node: ast.Call, place: MemoryPlace, system: SystemFb, buffer: str) -> None:
         """Emit the call of a system block."""
         name = f"S_{system.block.name}"
+        self.context.point("call", node)
         if not system.buffer:
             self.out.emit(f"{self.timer_guard(place, system)}{name}({place.mem},{self.access.address(place)})")
             if system.watched:
@@ -261,7 +265,7 @@ class Calls:
         self, found: ProgramBlock, codes: list[str], after: list[tuple[ast.Argument | None, str]], result: str
     ) -> Val:
         """Emit the call and take the outputs."""
-        call = f"b{found.index}({','.join(codes)})"
+        call = f"{self.context.function(found.index)}({','.join(codes)})"
         self.watchdog.hand_over()
         name = self.out.temporary()
         self.out.emit(f"{name}={call}")

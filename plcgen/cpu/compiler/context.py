@@ -73,6 +73,7 @@ class Listing:
 class Context:
     """One block on its way to Python: ``dynamic`` adds a base offset ``o`` to every access to the instance.
 
+    ``preemptive`` adds points at which another OB may run (``Z``), and nothing is known from one access to the next.
     ``calls`` are the blocks it calls by upper-case name, ``moving`` says that it has multi-instances; ``leave`` is the
     code that ends the block, ``uses_eno`` says that it needs one of its own.
     """
@@ -82,7 +83,10 @@ class Context:
     link: Linkage
     out: Listing
     dynamic: bool
+    preemptive: bool = False
     classic: bool = field(init=False)
+    direct: bool = False
+    """Whether nothing was read since the last point."""
     diagnostics: list[Diagnostic] = field(default_factory=list)
     calls: dict[str, Span] = field(default_factory=dict)
     moving: bool = False
@@ -113,7 +117,30 @@ class Context:
 
     def probe(self, node: ast.Node, kind: str) -> None:
         """Count this place, if coverage is wanted."""
-        if self.link.coverage:
-            span = self.span(node)
-            self.link.probes.append(Probe(span.file, span.line, span.column, kind))
-            self.out.emit(f"H[{len(self.link.probes) - 1}]+=1")
+        if not self.link.coverage:
+            return
+        span = self.span(node)
+        probe = Probe(span.file, span.line, span.column, kind)
+        number = self.link.counters.get((probe, self.dynamic)) if self.preemptive else None
+        if number is None:
+            number = len(self.link.probes)
+            self.link.probes.append(probe)
+            self.link.counters[probe, self.dynamic] = number
+        self.out.emit(f"H[{number}]+=1")
+
+    def function(self, index: int, *, moving: bool = False) -> str:
+        """Python name of a block: ``b``, in preemptive programs ``p``; with ``o`` behind it for multi-instances."""
+        return f"{'p' if self.preemptive else 'b'}{index}{'o' if moving else ''}"
+
+    def point(self, kind: str, node: ast.Node | None = None) -> None:
+        """Another OB may run here, in a preemptive program."""
+        if self.preemptive:
+            self.out.emit(self.point_code(kind, node))
+            self.direct = True
+
+    def point_code(self, kind: str, node: ast.Node | None = None) -> str:
+        """Generated call of a point; its value is None."""
+        span = self.span(node) if node is not None else None
+        line, column = (span.line, span.column) if span is not None else (self.out.line, 0)
+        self.link.points.append(Probe(self.owner.result.tokens.file, line, column, kind))
+        return f"Z({len(self.link.points) - 1})"

@@ -37,6 +37,7 @@ _TEXT_FUNCTIONS = {
     "FIND": ("IN1", "IN2"), "DELETE": ("IN", "L", "P"), "INSERT": ("IN1", "IN2", "P"),
     "REPLACE": ("IN1", "IN2", "L", "P"),
 }  # fmt: skip
+_DELAYS = {"DIS_AIRT": "dis_airt", "SFC41": "dis_airt", "EN_AIRT": "en_airt", "SFC42": "en_airt"}
 _TIMES = frozenset({"TIME", "LTIME", "DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "LDT"})
 
 
@@ -72,6 +73,9 @@ class Functions:
         if name in {"TIME_TCK", "SFC64"}:
             self.bind(node, ())
             return Val("(T[0]&2147483647)", "TIME")
+        if name in _DELAYS:
+            self.bind(node, (), ("RET_VAL",))
+            return Val(f"{_DELAYS[name]}()", "INT", pure=False)
         if name in _TEXT_FUNCTIONS:
             return self.text_function(node, name)
         match = _CONVERSION.fullmatch(name)

@@ -170,6 +170,7 @@ class Loops:
     def while_statement(self, node: ast.While) -> None:
         """WHILE: the condition is evaluated before every pass."""
         self.open_loop(lambda: None)
+        self.context.point("condition", node.condition)
         condition = truth(self.context, self.expressions.value(node.condition), node.condition)
         self.out.emit(f"if not {condition}:break")
         self.context.probe(node, "pass")
@@ -180,6 +181,7 @@ class Loops:
         """REPEAT: the condition is evaluated behind every pass."""
 
         def again() -> None:
+            self.context.point("condition", node.condition)
             condition = truth(self.context, self.expressions.value(node.condition), node.condition)
             self.out.emit(f"if {condition}:break")
 

@@ -20,6 +20,8 @@ from plcgen.s7.types import ArrayType
 from plcgen.scl import ast
 
 _MOVES = {"BLKMOV": "blkmov", "SFC20": "blkmov", "UBLKMOV": "blkmov", "SFC81": "blkmov"}
+_WHOLE = frozenset({"UBLKMOV", "SFC81"})
+"""Copies that no interrupt divides."""
 _FILLS = {"FILL": "fill", "SFC21": "fill"}
 _ELEMENTS = frozenset({"MOVE_BLK", "UMOVE_BLK", "FILL_BLK", "UFILL_BLK"})
 _SERIAL = frozenset({"READ_BIG", "WRITE_BIG", "READ_LITTLE", "WRITE_LITTLE"})
@@ -60,7 +62,9 @@ class Moves:
         bound = self.functions.bind(node, names, ("RET_VAL",))
         source, target = self.references.reference(bound[names[0]]), self.references.reference(bound[names[1]])
         result = self.out.temporary()
-        self.out.emit(f"{result}={(_MOVES | _FILLS)[name]}({source},{target})")
+        whole = not self.context.preemptive or (_MOVES | _FILLS)[name] != "blkmov" or name in _WHOLE
+        between = "" if whole else f",lambda:{self.context.point_code('copy', node)}"
+        self.out.emit(f"{result}={(_MOVES | _FILLS)[name]}({source},{target}{between})")
         self.access.forget()
         if "RET_VAL" in bound:
             place = self.places.place(bound["RET_VAL"])

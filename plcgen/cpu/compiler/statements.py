@@ -43,5 +43,6 @@ class Statements:
         if isinstance(node, ast.Label):
             self.context.error("PG827", f"the label {node.name} stands inside another statement", node)
             return True
+        self.context.point("statement", node)
         self.context.probe(node, "statement")
         return self.parts[type(node)](node) is not False

@@ -14,6 +14,11 @@ _BAD_POSITION = 0x80B4 - 0x10000
 _SIZES = {2: 1, 3: 1, 4: 2, 5: 2, 6: 4, 7: 4, 8: 4, 9: 2, 10: 4, 11: 4, 12: 2, 14: 8, 0x13: 1}
 
 Report = Callable[[str, str], None]
+Between = Callable[[], object]
+
+
+def _nothing() -> None:
+    """Nobody interrupts a copy."""
 
 
 class AccessFaultError(PlcgenError):
@@ -95,13 +100,16 @@ class MemoryMoves:
 
     # --- blocks ---------------------------------------------------------------------------------------
 
-    def blkmov(self, source: Reference, target: Reference) -> int:
-        """SFC20: as many bytes as both sides have; RET_VAL names the parameter that is wrong."""
+    def blkmov(self, source: Reference, target: Reference, between: Between = _nothing) -> int:
+        """SFC20: as many bytes as both sides have; RET_VAL names the parameter that is wrong.
+
+        ``between`` is called in the middle: SFC20 can be interrupted (System and Standard Functions, SFC20), SFC81 not.
+        """
         problem = self.problem(source, 1, 0x22) or self.problem(target, 3, 0x23)
         if problem or source[0] is None or target[0] is None:
             return problem
         size = min(source[2], target[2])
-        target[0][target[1] : target[1] + size] = source[0][source[1] : source[1] + size]
+        self.cp(target[0], target[1], source[0], source[1], size, between)
         return 0
 
     def fill(self, pattern: Reference, target: Reference) -> int:
@@ -144,10 +152,15 @@ class MemoryMoves:
             target[0][target[1] : target[1] + total] = bytes(scratch) * count
 
     @staticmethod
-    def cp(target: bytearray, at: int, source: bytearray, start: int, size: int) -> None:
-        """Copy a structure; IndexError beyond the end."""
+    def cp(target: bytearray, at: int, source: bytearray, start: int, size: int, between: Between = _nothing) -> None:
+        """Copy a structure; IndexError beyond the end. ``between`` is called behind the first half."""
         if at < 0 or start < 0 or at + size > len(target) or start + size > len(source):
             raise IndexError(at)
+        if between is not _nothing:
+            half = size // 4 * 2
+            target[at : at + half] = source[start : start + half]
+            between()
+            at, start, size = at + half, start + half, size - half
         target[at : at + size] = source[start : start + size]
 
     # --- PEEK and POKE --------------------------------------------------------------------------------
