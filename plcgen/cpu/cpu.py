@@ -17,6 +17,7 @@ from plcgen.cpu.preemption import Passage, Plan, Preemption
 from plcgen.cpu.program import Program
 from plcgen.cpu.symbols import Symbols
 from plcgen.cpu.system.bus import Periphery
+from plcgen.cpu.system.clock import SystemClock
 from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.cpu.system.moves import AccessFaultError, MemoryMoves
 from plcgen.cpu.system.point_to_point import PORT_BLOCKS, PortBlock
@@ -76,7 +77,8 @@ class Cpu:
         self.misuses: list[Misuse] = []
         self.scans = 0
         self.faulted = False
-        self._clock = [0]
+        self.time = SystemClock()
+        self._clock = self.time.cell
         self._passes = [0, loop_limit]
         self.coverage = [0] * len(program.probes)
         self._compiled: dict[str, Compiled] = {}
@@ -119,7 +121,13 @@ class Cpu:
         names |= codec_functions() | arithmetic.functions() | self._moves.functions()
         names |= self.areas
         names |= {f"d{index}": memory for index, memory in self._blocks.items()}
-        names |= {"T": self._clock, "W": self._passes, "E": self._eno, "H": self.coverage}
+        names |= {
+            "T": self._clock,
+            "rd_sys_t": self.time.read_dtl,
+            "W": self._passes,
+            "E": self._eno,
+            "H": self.coverage,
+        }
         names |= {"Z": self.preemption.point, "dis_airt": self.preemption.delay, "en_airt": self.preemption.enable}
         names |= {"ix": _bad_index, "ck": _address, "late": self._late, "div": self._div, "mod": self._mod}
         names |= {"fdiv": self._fdiv, "w_bit": _write_bit, "st": self._status_read}

@@ -18,6 +18,8 @@ INTEGERS = {**SIGNED, **UNSIGNED}
 REALS = {"REAL": 32, "LREAL": 64}
 NUMERIC = frozenset({*INTEGERS, *REALS, INT_CONST, REAL_CONST})
 BLOCK_NUMBERS = frozenset({"TIMER", "COUNTER", *(name for name in ELEMENTARY if name.startswith("BLOCK_"))})
+NUMBERED = frozenset({"BLOCK_DB", "DB_ANY"})
+"""Types whose value is the number of a data block."""
 DURATIONS = frozenset({"TIME", "LTIME"})
 TEXTS = frozenset({"STRING", "WSTRING"})
 POINTERS = frozenset({"ANY", "POINTER", "VARIANT"})

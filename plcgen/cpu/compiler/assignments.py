@@ -11,7 +11,7 @@ from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.scope import bare_shape, scalar_name
 from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Val
-from plcgen.cpu.type_rules import BITS
+from plcgen.cpu.type_rules import BITS, NUMBERED
 from plcgen.diagnostics import Severity
 from plcgen.s7.blocks import BlockKind, SectionKind
 from plcgen.s7.shapes import Shape
@@ -99,7 +99,7 @@ class Assignments:
         type_ = scalar_name(place.shape)
         if value.type == UNKNOWN:
             return
-        if type_ and value.type:
+        if type_ and (value.type or type_ in NUMBERED):
             code = coerce(self.context, value, type_, node)
             const = value.const if isinstance(value.const, bool) else None
             self.access.store(place, code, const)

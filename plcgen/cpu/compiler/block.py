@@ -14,6 +14,7 @@ from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.functions import Functions
 from plcgen.cpu.compiler.loops import Labels, Loops, Watchdog, has_labels
 from plcgen.cpu.compiler.moves import Moves
+from plcgen.cpu.compiler.opened import OpenedBlocks
 from plcgen.cpu.compiler.operands import Operands
 from plcgen.cpu.compiler.operators import Operators
 from plcgen.cpu.compiler.places import Places
@@ -61,7 +62,7 @@ def _frame(context: Context, expressions: Expressions, statements: Statements) -
     """Put the parts together: each is given those it needs."""
     out = context.out
     access = Access(context, out)
-    places = Places(context, out, access, expressions)
+    places = Places(context, out, access, expressions, OpenedBlocks(context, expressions))
     references = References(context, out, access, expressions, places)
     operators = Operators(context, access, expressions)
     operands = Operands(context, access, expressions, places, references)

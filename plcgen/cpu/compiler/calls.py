@@ -58,7 +58,7 @@ class Calls:
         """Compile a call inside an expression."""
         target = node.target
         if isinstance(target, ast.Address) or (isinstance(target, ast.Member) and self.is_data(target)):
-            place = self.places.called_address(node)
+            place = self.places.place(node)
             return self.access.load(place) if place is not None else unknown()
         if isinstance(target, ast.Name) and self.places.symbol(target) is None:
             found = self.context.link.find(target.name)
@@ -77,6 +77,8 @@ class Calls:
     def is_data(self, target: ast.Member) -> bool:
         """Whether a path such as ``%DB1.DW`` begins with a data block instead of an FB."""
         base = target.base
+        if self.places.opened.is_number(base):
+            return True
         if not isinstance(base, ast.Name) or self.places.symbol(base) is not None:
             return False
         found = self.context.link.find(base.name)

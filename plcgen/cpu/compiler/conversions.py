@@ -9,6 +9,7 @@ from plcgen.cpu.type_rules import (
     BITS,
     INT_CONST,
     INTEGERS,
+    NUMBERED,
     REAL_CONST,
     REALS,
     TEXT_CONST,
@@ -29,6 +30,8 @@ def coerce(context: Context, value: Val, target: str, node: ast.Expression) -> s
         return value.code or "0"
     if source == target:
         return value.wrapped
+    if target in NUMBERED and value.place is not None and value.place.mem[:1] == "d" and isinstance(node, ast.Name):
+        return f"{value.place.mem}.number"
     if source in {INT_CONST, REAL_CONST, TEXT_CONST}:
         return constant_as(context, value, target, node)
     if not widens(source, target, classic=context.classic) and not (target in TEXTS and source in TEXTS):

@@ -72,7 +72,7 @@ class Functions:
             return self.swap(node)
         if name in {"TIME_TCK", "SFC64"}:
             self.bind(node, ())
-            return Val("(T[0]&2147483647)", "TIME")
+            return Val("(T[0]-T[1]&2147483647)", "TIME")
         if name in _DELAYS:
             self.bind(node, (), ("RET_VAL",))
             return Val(f"{_DELAYS[name]}()", "INT", pure=False)
@@ -231,7 +231,7 @@ class Functions:
         """``A_TO_B`` with one argument."""
         if name in {"BCD_TO_INT", "WORD_BCD_TO_INT", "INT_TO_BCD_WORD", "INT_TO_BCD"} or "BCD" in name:
             return self.bcd(node, name)
-        if name in INSTRUCTIONS:
+        if name in INSTRUCTIONS and "BLOCK_DB" not in name:
             return None
         source, target = canonical(source), canonical(target)
         if (source, target) in NOT_EXECUTED and not self.context.classic:

@@ -9,11 +9,13 @@ from plcgen.cpu.compiler.access import Access
 from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.conversions import integer_code
 from plcgen.cpu.compiler.expressions import Expressions
+from plcgen.cpu.compiler.opened import WIDTHS as _AREA_WIDTHS
+from plcgen.cpu.compiler.opened import OpenedBlocks
 from plcgen.cpu.compiler.scope import bare_shape, scalar_name
 from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Symbol, Val
 from plcgen.cpu.linkage import ProgramBlock
 from plcgen.cpu.system.interfaces import system_fbs
-from plcgen.cpu.type_rules import BITS, INT_CONST, INTEGERS, REALS, WIDTHS, canonical
+from plcgen.cpu.type_rules import INTEGERS, REALS, WIDTHS, canonical
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.blocks import BlockKind
@@ -23,7 +25,6 @@ from plcgen.scl import ast
 
 _TYPES = frozenset({BlockKind.UDT, BlockKind.FB})
 _SHORT = re.compile(r"(%?DB\d+\.)D([XBWD])?(?=\d)", re.IGNORECASE)
-_AREA_WIDTHS = {"X": "BOOL", "B": "BYTE", "W": "WORD", "D": "DWORD"}
 _INDEXED = re.compile(r"(?:DB|D)([XBWD])", re.IGNORECASE)
 _PLAIN_INDEXED = re.compile(r"(P?[IEQAM])([XBWD]?)", re.IGNORECASE)
 _DTL = {"YEAR": (0, "UINT"), "MONTH": (16, "USINT"), "DAY": (24, "USINT"), "WEEKDAY": (32, "USINT")}
@@ -39,9 +40,14 @@ class Places:
     out: Listing
     access: Access
     expressions: Expressions
+    opened: OpenedBlocks
 
     def place(self, node: ast.Expression) -> MemoryPlace | None:
         """Place of a variable; a problem is reported and gives None."""
+        if isinstance(node, ast.Member | ast.Index | ast.Call):
+            opened = self.opened.place(node)
+            if opened is not None:
+                return opened
         if isinstance(node, ast.Name):
             return self.named(node)
         if isinstance(node, ast.Member):
@@ -133,9 +139,6 @@ class Places:
             if scalar_name(base.shape) == "DTL" and name.upper() in _DTL:
                 offset, type_ = _DTL[name.upper()]
                 return base.inside(offset, bare_shape(type_), overlay=True)
-            if scalar_name(base.shape) in {"BLOCK_DB", "DB_ANY"}:
-                self.context.error("PG827", "the soft CPU does not open data blocks by a parameter", node)
-                return None
             near = did_you_mean(name, [f.member.name for f in base.shape.fields])
             self.context.error("PG820", f"there is no member {name}", node, near)
             return None
@@ -270,12 +273,7 @@ class Places:
 
     def computed(self, mem: str, letter: str, indices: tuple[ast.Expression, ...], limit: int) -> MemoryPlace:
         """Absolute access with a computed address."""
-        codes = []
-        for index in indices:
-            value = self.expressions.value(index)
-            if value.type not in INTEGERS and value.type not in {INT_CONST, UNKNOWN, *BITS}:
-                self.context.error("PG821", "an address index is an integer", index)
-            codes.append(integer_code(value))
+        codes = [self.opened.address(index) for index in indices]
         shape = bare_shape(_AREA_WIDTHS[letter])
         last = limit - max(1, shape.bits // 8)
         if letter == "X":

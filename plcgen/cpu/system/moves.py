@@ -40,7 +40,7 @@ class MemoryMoves:
     def functions(self) -> dict[str, Callable[..., Any]]:
         """Return what generated code calls."""
         names = "pt local deref any_of any10 ptr6 blkmov fill move_elements fill_elements peek peek_bit poke poke_bit"
-        names += " poke_block take put cp there"
+        names += " poke_block opened take put cp there"
         return {name: getattr(self, name) for name in names.split()}
 
     # --- references -----------------------------------------------------------------------------------
@@ -97,6 +97,13 @@ class MemoryMoves:
         data = bytes(memory[offset : offset + 10])
         size = _SIZES.get(data[1], 1) * int.from_bytes(data[2:4])
         return self.area(data[6], int.from_bytes(data[4:6])), (int.from_bytes(data[7:10]) & 0x7FFFF) >> 3, size
+
+    def opened(self, number: int) -> Memory:
+        """Data block behind a number; AccessFaultError if there is none."""
+        found = self.locate("DB", number)
+        if found is None:
+            raise AccessFaultError("PG834", f"there is no DB{number}")
+        return found
 
     # --- blocks ---------------------------------------------------------------------------------------
 
