@@ -201,7 +201,7 @@ def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
         unknown = Diagnostic("PG703", f'the spec has no job "{job}"', span, help=hint)
         return EncodeResult((), (*checked.diagnostics, unknown))
     telegrams = [
-        EncodedTelegram(planned.key, number, _block_text(telegram.request.db), telegram.request.data)
+        EncodedTelegram(planned.key, number, _block_text(telegram.request.home), telegram.request.data)
         for planned in jobs
         for number, telegram in enumerate(planned.telegrams, 1)
     ]

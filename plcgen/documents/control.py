@@ -74,8 +74,10 @@ def watch_rows(control: BlockRef, command: Command) -> Iterator[WatchRow]:
             yield WatchRow(place(control, command, value.member.name) + suffix, "", shown, "")
 
 
-def call(control: BlockRef, program: FunctionBlock) -> Call:
-    """The call of a function block with every command of its jobs."""
+def call(control: BlockRef, program: FunctionBlock) -> Call | None:
+    """The call of a function block with every command of its jobs; none if its instances lie in another block."""
+    if program.instance is None:
+        return None
     inputs: list[str] = []
     outputs: list[tuple[str, str]] = []
     for command in program.commands:

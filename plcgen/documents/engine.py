@@ -78,15 +78,19 @@ class _Emitter:
         """A function block with buffers, instance and watch table."""
         for type_, data in made.buffers:
             yield from self.type(type_)
-            yield from self.data(data)
+            if data is not None:
+                yield from self.data(data)
         for block in made.data:
             yield from self.data(block)
         self.seen.program(made, control.call(control_db, made))
         source = self.sources.program(made)
         yield source if self.xml is None else replace(source, twins=self.xml.program(made))
-        yield self.sources.instance(made.instance, f'"{made.block.name}"', self.contribution.family)
+        if made.instance is not None:
+            yield self.sources.instance(made.instance, f'"{made.block.name}"', self.contribution.family)
         rows = [row for command in made.commands for row in control.watch_rows(control_db, command)]
         rows += [row for type_, _ in made.buffers for member in type_.members for row in member.watch]
-        yield watch_document(made.block.name, rows)
-        if self.xml is not None:
-            yield self.xml.watch(made.block.name, rows)
+        if rows:
+            self.seen.watched.append(made.block.name)
+            yield watch_document(made.block.name, rows)
+            if self.xml is not None:
+                yield self.xml.watch(made.block.name, rows)

@@ -56,11 +56,12 @@ class StartAssignment(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class TypeBlock:
-    """A user type; ``comment`` by language is that of its document."""
+    """A user type; ``comment`` by language is that of its document, ``starts`` says that its members have start values."""
 
     block: BlockRef
     members: Sequence[MemberRow]
     comment: Mapping[str, str] = field(default_factory=dict)
+    starts: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,18 +117,19 @@ class Command:
 class FunctionBlock:
     """A function block and what belongs to it alone.
 
-    ``buffers`` are the types and data blocks of its telegrams, ``data`` its other data blocks; ``telegrams`` lines for
+    A block without an ``instance`` DB has its instances in another block, which calls it. ``buffers`` are the types of
+    its telegrams, with their data blocks where they have any, ``data`` its other data blocks; ``telegrams`` lines for
     the layout sheet; ``open_call`` stands between the parenthesis of a call and the first pin; ``note`` why its
     document is experimental.
     """
 
     block: BlockRef
-    instance: BlockRef
+    instance: BlockRef | None
     title: str
     template: str
     view: Mapping[str, Any]
     note: str
-    buffers: Sequence[tuple[TypeBlock, DataBlock]]
+    buffers: Sequence[tuple[TypeBlock, DataBlock | None]]
     commands: Sequence[Command]
     telegrams: Sequence[str]
     data: Sequence[DataBlock | LibraryInstance] = ()

@@ -37,15 +37,14 @@ def openness_documents(project: Project, seen: Overview, note: str) -> Iterator[
 
 def _steps(seen: Overview) -> list[dict[str, Any]]:
     """Import order: every document after what it needs."""
-    blocks = [call.block for call in seen.calls]
     found = [
         _step("types", "type", seen.types),
         _step("tag table", "tags", list(seen.tags)),
         _step("data blocks", "block", seen.data),
-        _step("function blocks", "block", blocks),
+        _step("function blocks", "block", seen.programs),
         _step("instance data blocks", "block", [call.instance for call in seen.calls]),
         _step("example of the main program", "block", ["Main"], "Main"),
-        _step("watch tables", "watch", [f"Watch_{block}" for block in blocks], "WatchTables"),
+        _step("watch tables", "watch", [f"Watch_{block}" for block in seen.watched], "WatchTables"),
     ]
     return [step for step in found if step["files"]]
 

@@ -13,12 +13,14 @@ from plcgen.project.nouns import BlockRef
 class Overview:
     """All blocks of a project by group, in import order.
 
-    ``types`` and ``data`` are names; ``tags`` the rows of each tag table that has any; ``symbols`` what an instance DB
+    ``types``, ``data`` and ``programs`` are names, ``watched`` those of the programs with a watch table; ``tags`` the rows of each tag table that has any; ``symbols`` what an instance DB
     is in a symbol table; ``sheets`` the parts of the layout sheet, one a function block.
     """
 
     types: list[str] = field(default_factory=list)
     data: list[str] = field(default_factory=list)
+    programs: list[str] = field(default_factory=list)
+    watched: list[str] = field(default_factory=list)
     calls: list[Call] = field(default_factory=list)
     tags: dict[str, list[TagRow]] = field(default_factory=dict)
     symbols: dict[BlockRef, str] = field(default_factory=dict)
@@ -31,12 +33,23 @@ class Overview:
         if isinstance(made, LibraryInstance):
             self.symbols[made.block] = made.symbol
 
-    def program(self, made: FunctionBlock, call: Call) -> None:
-        """Remember a function block; its buffers are remembered by :meth:`stored`."""
-        self.calls.append(call)
-        self.symbols[made.instance] = f"FB {made.block.number}"
+    def program(self, made: FunctionBlock, call: Call | None) -> None:
+        """Remember a function block and the call of its instance; its buffers are remembered by :meth:`stored`."""
+        self.programs.append(made.block.name)
+        if call is not None:
+            self.calls.append(call)
+        if made.instance is not None:
+            self.symbols[made.instance] = f"FB {made.block.number}"
         blocks = [
-            {"db": data.block, "rows": type_.members, "size": type_.members[-1].offset + type_.members[-1].size}
+            {
+                "block": type_.block if data is None else data.block,
+                "numbered": data is not None,
+                "rows": type_.members,
+                "size": type_.members[-1].offset + type_.members[-1].size,
+            }
             for type_, data in made.buffers
         ]
-        self.sheets.append({"title": made.title, "block": made.block, "telegrams": made.telegrams, "blocks": blocks})
+        if blocks:
+            self.sheets.append(
+                {"title": made.title, "block": made.block, "telegrams": made.telegrams, "blocks": blocks}
+            )

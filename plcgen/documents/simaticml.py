@@ -51,17 +51,17 @@ class SimaticMl:
 
     def type(self, made: TypeBlock) -> Document:
         """A user type."""
-        return self._declared(made, "simaticml/type.xml.j2")
+        return self._declared(made, "simaticml/type.xml.j2", starts=made.starts)
 
     def data(self, made: DataBlock | LibraryInstance) -> Iterator[Document]:
         """A global data block; instances of library blocks make themselves in the TIA Portal."""
         if isinstance(made, DataBlock):
             yield self._declared(made, "simaticml/db.xml.j2")
 
-    def _declared(self, made: TypeBlock | DataBlock, template: str) -> Document:
+    def _declared(self, made: TypeBlock | DataBlock, template: str, *, starts: bool = True) -> Document:
         ids = _ids()
         block = made.block
-        view = {"name": block.name, "number": block.number, "members": made.members, "id": next(ids)}
+        view = {"name": block.name, "number": block.number, "members": made.members, "starts": starts, "id": next(ids)}
         return self._document(block.name, template, {**view, "texts": self._texts(made.comment, ids)}, self._early)
 
     def watch(self, name: str, rows: Sequence[WatchRow]) -> Document:
@@ -91,6 +91,8 @@ class SimaticMl:
     def _pair(self, made: FunctionBlock, text: str) -> Iterator[Document]:
         block, db = replace(read_block(text), number=made.block.number), made.instance
         yield self._finished(made.block.name, code_document(block, self._setting), made.note)
+        if db is None:
+            return
         instance = Block(
             BlockKind.DB, db.name, (), number=db.number, instance_of=block.name, attributes=block.attributes
         )

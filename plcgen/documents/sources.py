@@ -28,7 +28,7 @@ class SourceWriter:
 
     def type(self, made: TypeBlock) -> Document:
         """A user type."""
-        view = {"name": made.block.name, "members": made.members}
+        view = {"name": made.block.name, "members": made.members, "starts": made.starts}
         return self._document("udt", made.block.name, "shared/type.udt.j2", view)
 
     def data(self, made: DataBlock, family: str) -> Document:

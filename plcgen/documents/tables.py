@@ -51,7 +51,7 @@ def _import_order(seen: Overview, sources: SourceWriter) -> list[str]:
     groups = (
         ("udt", seen.types),
         ("db", seen.data),
-        ("scl", [call.block for call in seen.calls]),
+        ("scl", seen.programs),
         ("db", [call.instance for call in seen.calls]),
     )
     return [sources.path(folder, name) for folder, names in groups for name in names]

@@ -57,13 +57,13 @@ F_co = TypeVar("F_co", bound=BufferField, covariant=True)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Buffer(Generic[F_co]):
-    """Where one half of an exchange lies in the PLC: a data block of a user type, with a member for every byte.
+    """Where one half of an exchange lies in the PLC, with a member for every byte: a user type, and the data block of it.
 
-    ``size`` is the length of the buffer in bytes. ``data`` is the telegram that the start values form, none for a
-    response; ``lead`` are the bytes in front of it.
+    Without a data block of its own it lies in the instance of its job. ``size`` is the length of the buffer in bytes.
+    ``data`` is the telegram that the start values form, none for a response; ``lead`` are the bytes in front of it.
     """
 
-    db: BlockRef
+    db: BlockRef | None
     type: BlockRef
     fields: Sequence[F_co]
     size: int
@@ -74,6 +74,11 @@ class Buffer(Generic[F_co]):
     def image(self) -> bytes:
         """The start values of the whole buffer."""
         return self.lead + self.data
+
+    @property
+    def home(self) -> BlockRef:
+        """The block whose layout is that of the buffer: its data block, else its type."""
+        return self.db or self.type
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -29,6 +29,10 @@ _DANGERS: dict[int, str] = {
 }
 
 
+TRIGGERS = frozenset({15, 970, 971, 972, 973, 974, 976, 977, 3900, 3981})
+"""Writing these starts something: whether it happened cannot be told by writing again. p3981 acknowledges faults."""
+
+
 def danger(pnu: int) -> str:
     """Why a write of this number needs a sign-off; empty if it needs none."""
     return "it belongs to Safety Integrated, which protects people" if pnu in SAFETY else _DANGERS.get(pnu, "")

@@ -13,7 +13,7 @@ from plcgen.review.compare.model import DriveState, JobState, TelegramState
 
 def buffers(plan: DrivePlan) -> Iterator[tuple[Buffer[BufferField], str]]:
     """Every request and response buffer with what it is for."""
-    for job in plan.jobs:
+    for job in plan.shapes:
         for telegram in job.telegrams:
             which = f" telegram {telegram.number}" if len(job.telegrams) > 1 else ""
             yield telegram.request, f"request of {job.key}{which}, LEN {len(telegram.request.data)}"

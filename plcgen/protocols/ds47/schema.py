@@ -7,8 +7,8 @@ step sees one shape. Whatever needs knowledge of devices, types or targets is ch
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, BeforeValidator, Field, create_model
 
@@ -26,35 +26,77 @@ def _address(value: int) -> int:
     return value
 
 
-def _hardware_id(value: int) -> int:
+def _hardware_id(value: int | str) -> int | str:
+    where = "it stands in the device view or among the system constants"
     if value == 0:
-        raise problem("0 is no hardware identifier", help_="it stands in the device view or among the system constants")
+        raise problem("0 is no hardware identifier", help_=where)
+    if isinstance(value, str) and ('"' in value or not value.isprintable() or not value.strip()):
+        raise problem(f"{value!r} is no name of a system constant", help_=where)
     return value
 
 
 _LAST_ADDRESS = 32767
 Address = Annotated[int, Field(ge=0, le=65535), AfterValidator(_address)]
-HardwareId = Annotated[int, Field(ge=0, le=65535), AfterValidator(_hardware_id)]
+HardwareNumber = Annotated[int, Field(ge=0, le=65535)]
+ConstantName = Annotated[str, Field(min_length=1, max_length=128)]
+HardwareId = Annotated[HardwareNumber | ConstantName, AfterValidator(_hardware_id)]
 
 
-class DriveEntry(StrictModel):
-    """One drive the PLC talks to."""
+class DriveSettings(StrictModel):
+    """What a drive may say, alone or in a unit."""
 
-    device: str = Field(
-        description="device profile, see plcgen schema --devices, or the path of one beside the spec",
-        json_schema_extra=offer_names,
-    )
     address: Address | None = Field(None, description="logical base address (S7-300/400), 0..32767")
     output_address: bool = Field(
         default=False, description="the address belongs to an output-only module (sets bit 15)"
     )
-    hardware_id: HardwareId | None = Field(None, description="hardware identifier (S7-1200/1500), 1..65535")
-    drive_object: int | None = Field(None, ge=0, le=255, description="drive object / axis; default of the device")
-    record_index: int | Literal["profibus", "profinet-local", "profinet-global"] | None = Field(
-        None, description="data record index; default of the device: 47, 16#B02E or 16#B02F"
+    hardware_id: HardwareId | None = Field(
+        None, description="hardware identifier (S7-1200/1500), 1..65535, or the name of its system constant"
     )
+    drive_object: int | None = Field(None, ge=0, le=255, description="drive object / axis; default of the device")
     parameters: dict[str, ParameterDef] = Field(default_factory=dict, description="parameters outside the catalogue")
     comment: Text | None = None
+
+
+RecordIndex = Annotated[
+    int | Literal["profibus", "profinet-local", "profinet-global"] | None,
+    Field(None, description="data record index; default of the device: 47, 16#B02E or 16#B02F"),
+]
+Profile = Annotated[
+    str,
+    Field(
+        description="device profile, see plcgen schema --devices, or the path of one beside the spec",
+        json_schema_extra=offer_names,
+    ),
+]
+
+
+class UnitSettings(StrictModel):
+    """What belongs to the parameter server of a device: its profile, its data record, how long jobs wait for it."""
+
+    device: Profile
+    record_index: RecordIndex = None
+    wait: Duration = Field(60_000, description="longest time that a job waits for its turn")
+
+
+class DriveEntry(DriveSettings, UnitSettings):
+    """One drive the PLC talks to; it is a unit of its own."""
+
+
+class UnitEntry(UnitSettings):
+    """A device whose drive objects share one parameter server, whatever their addresses: a control unit."""
+
+    drives: dict[str, DriveSettings] = Field(min_length=1, description="the drive objects by key")
+
+
+class PlacedDrive(NamedTuple):
+    """A drive of the spec with its unit: keys, where it stands, what it says, what its unit says."""
+
+    key: str
+    unit: str
+    path: tuple[str, ...]
+    drive: DriveSettings
+    settings: UnitSettings
+    settings_path: tuple[str, ...]
 
 
 def _signed(value: object) -> object:
@@ -77,10 +119,16 @@ class BufferSettings(StrictModel):
     members: dict[str, str] = Field(default_factory=dict, description="own member names: generated name -> yours")
 
 
+def _one_or_more(value: object) -> object:
+    return (value,) if isinstance(value, str) else value
+
+
 class JobTarget(StrictModel):
     """What every job begins with."""
 
-    drive: str = Field(description="key of a drive")
+    drive: Annotated[tuple[str, ...], BeforeValidator(_one_or_more)] = Field(
+        min_length=1, description="key of a drive, or a list of them: one function block, an instance for each"
+    )
 
 
 class JobSettings(StrictModel):
@@ -89,7 +137,9 @@ class JobSettings(StrictModel):
     request: BufferSettings = Field(BufferSettings(), description="request DB")
     response: BufferSettings = Field(BufferSettings(), description="response DB")
     block: BlockName = Field(BlockName(), description="the job's function block")
-    instance: BlockName = Field(BlockName(), description="the function block's instance DB")
+    buffers: Literal["instance", "db"] = Field(
+        "instance", description="where the telegrams lie: in the block's instance, or in data blocks of their own"
+    )
     names: Naming | None = Field(None, description="overrides plc.names for this job")
     trigger: Annotated[Trigger, BeforeValidator(trigger_short)] | None = Field(
         None, description="flag that starts the job, or a flag per signal"
@@ -114,10 +164,19 @@ class JobEntry(JobSettings, JobTarget):
 
 
 class DriveSections(StrictModel):
-    """Drives and their jobs."""
+    """Units, drives and their jobs."""
 
-    drives: dict[str, DriveEntry] = Field(min_length=1)
+    units: dict[str, UnitEntry] = Field(default_factory=dict, description="devices with several drive objects")
+    drives: dict[str, DriveEntry] = Field(default_factory=dict)
     jobs: Mapping[str, JobEntry] = Field(min_length=1)
+
+    def placed(self) -> Iterator[PlacedDrive]:
+        """Every drive, those of units first."""
+        for unit, entry in self.units.items():
+            for key, drive in entry.drives.items():
+                yield PlacedDrive(key, unit, ("units", unit, "drives", key), drive, entry, ("units", unit))
+        for key, own in self.drives.items():
+            yield PlacedDrive(key, key, ("drives", key), own, own, ("drives", key))
 
 
 @functools.cache
@@ -132,7 +191,6 @@ def sections(*, alone: bool) -> type[DriveSections]:
     return create_model(
         "DriveSections",
         __base__=DriveSections,
-        drives=(dict[str, DriveEntry], Field(**least)),
         jobs=(dict[str, job], Field(**least)),
     )
 

@@ -1,50 +1,76 @@
-"""The status words and states of a job block: one table for the templates, the manual pages and ``explain``.
+"""Status words, states and sizes of the drive blocks: one table for the templates, the manual pages and ``explain``.
 
 The 16#7000 words follow the custom of Siemens' system blocks; 16#8xxx are this product's own.
 """
 
 from __future__ import annotations
 
-STATES: tuple[tuple[str, int, str], ...] = (
-    ("STATE_IDLE", 0, "waiting for execute"),
-    ("STATE_ACQUIRE", 1, "waiting until no other job uses the drive"),
+CHANNEL_STATES: tuple[tuple[str, int, str], ...] = (
+    ("STATE_IDLE", 0, "no job holds the unit"),
+    ("STATE_HOLD", 1, "a job holds the unit: waiting for its next telegram, or until it goes"),
     ("STATE_BUILD", 2, "completing the request"),
-    ("STATE_WRITE", 3, "WRREC sends the request"),
-    ("STATE_READ", 4, "RDREC fetches the response"),
-    ("STATE_CHECK", 5, "checking the response"),
-    ("STATE_WAIT", 6, "pause before a retry"),
-    ("STATE_DRAIN", 7, "ending: no report before the record calls have ended"),
+    ("STATE_GATE", 3, "waiting for a place among the record jobs of the CPU"),
+    ("STATE_WRITE", 4, "WRREC sends the request"),
+    ("STATE_READ", 5, "RDREC fetches the answer"),
+    ("STATE_CHECK", 6, "checking the answer"),
+    ("STATE_PAUSE", 7, "pause before a retry"),
+    ("STATE_DRAIN", 8, "ending: nothing is reported while a record call is active"),
 )
 
 STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_DONE", 0x0000, "job done, no error"),
     ("STATUS_IDLE", 0x7000, "no job active"),
     ("STATUS_STARTED", 0x7001, "job started"),
-    ("STATUS_RUNNING", 0x7002, "job running"),
-    ("STATUS_TIMEOUT", 0x8101, "not finished within TIMEOUT"),
+    ("STATUS_RUNNING", 0x7002, "job running, or waiting for its turn"),
+    ("STATUS_TIMEOUT", 0x8101, "not finished within the time-out of the job"),
     ("STATUS_DRAIN_TIMEOUT", 0x8102, "a record call still active after DRAIN_LIMIT"),
-    ("STATUS_STILL_DRAINING", 0x8103, "start refused: a record call of an earlier job is still active"),
-    ("STATUS_DRIVE_OCCUPIED", 0x8104, "another job kept the drive for the whole TIMEOUT"),
-    ("STATUS_DRIVE_LOST", 0x8105, "another job took the drive over: this block was not called for LEASE"),
-    ("STATUS_WRITE_ERROR", 0x8201, "WRREC failed for good, see diagnostics.recordStatus"),
-    ("STATUS_READ_ERROR", 0x8202, "RDREC failed for good, see diagnostics.recordStatus"),
-    ("STATUS_RETRIES", 0x8203, "still not successful after MAX_RETRIES"),
-    ("STATUS_WRONG_DB", 0x8204, "a buffer DB has another number than the block expects"),
-    ("STATUS_RESPONSE_LENGTH", 0x8301, "response shorter than its header"),
+    ("STATUS_STILL_DRAINING", 0x8103, "refused: a record call of an earlier job is still active"),
+    ("STATUS_OCCUPIED", 0x8104, "other jobs kept the unit for longer than the wait limit"),
+    ("STATUS_LOST", 0x8105, "not called for LEASE, or channel loaded again: what the drive did is unknown"),
+    ("STATUS_NOT_CALLED", 0x8106, "the channel of the unit is not called"),
+    ("STATUS_NO_PLACE", 0x8107, "no place for a record job within the time-out of the job"),
+    ("STATUS_NO_SLOT", 0x8108, "the unit has no such slot, or its channel was never called"),
+    ("STATUS_SLOT_TAKEN", 0x8109, "another instance uses the slot, or the unit was loaded again"),
+    ("STATUS_WRITE_ERROR", 0x8201, "WRREC failed for good, see recordStatus of the unit"),
+    ("STATUS_READ_ERROR", 0x8202, "RDREC failed for good, see recordStatus of the unit"),
+    ("STATUS_RETRIES", 0x8203, "still not successful after all retries"),
+    ("STATUS_WRONG_DB", 0x8204, "the record does not lie where its number says"),
+    ("STATUS_UNKNOWN", 0x8205, "the request was lost; it starts something and is not sent again: look at the drive"),
+    ("STATUS_RESPONSE_LENGTH", 0x8301, "answer shorter than its header"),
     ("STATUS_RESPONSE_ID", 0x8302, "response id does not belong to the request"),
-    ("STATUS_DRIVE_OBJECT", 0x8303, "response comes from another drive object"),
-    ("STATUS_PARAMETER_COUNT", 0x8304, "response has another number of parameters"),
-    ("STATUS_RESPONSE_FORMAT", 0x8305, "a value block has the wrong format, number of values or length"),
+    ("STATUS_DRIVE_OBJECT", 0x8303, "answers come from another drive object"),
+    ("STATUS_PARAMETER_COUNT", 0x8304, "answer has another number of parameters"),
+    ("STATUS_RESPONSE_FORMAT", 0x8305, "a value has another type or number, see errors, or the answer another length"),
     ("STATUS_PARAMETER_ERROR", 0x8401, "the drive refused at least one parameter, see errors"),
     ("STATUS_REFUSED", 0x8402, "the drive refused the whole request, see errors"),
     ("STATUS_NOT_SUPPORTED", 0x8403, "the drive does not support the request"),
 )
 
+_TICKET = {"DONE", "IDLE", "STARTED", "RUNNING", "OCCUPIED", "LOST", "NOT_CALLED", "NO_SLOT", "SLOT_TAKEN"}
+TICKET_WORDS = tuple(row for row in STATUS_WORDS if row[0].removeprefix("STATUS_") in _TICKET)
+"""What a ticket reports of itself."""
+CHANNEL_WORDS = tuple(
+    row for row in STATUS_WORDS if row[0] in {"STATUS_DONE", "STATUS_LOST"} or row not in TICKET_WORDS
+)
+"""What a channel reports."""
+
 DRAIN_MS = 5000
-"""DRAIN_LIMIT of every job block in milliseconds."""
+"""DRAIN_LIMIT of the channel in milliseconds."""
 
 LEASE_MS = 3000
-"""LEASE of every job block in milliseconds."""
+"""LEASE in milliseconds: who gives no sign of life for so long has lost what it holds."""
 
-HEARTBEATS = 30_000
-"""The heartbeat of a drive's owner counts 1, 2, .. up to this number and begins again, one step in every call."""
+SLOTS = 16
+"""Places of a unit."""
+
+GATE_PLACES = 128
+"""Channels of a CPU."""
+
+RECORD_BYTES = 240
+"""Longest record of data set 47 in bytes."""
+
+RECORD_PARAMETERS = 39
+"""Parameters of a telegram: 4 + 39 x 6 bytes of addresses are the longest request."""
+
+RECORD_JOBS = {"s7-300": 4, "s7-400": 8, "s7-1200": 4, "s7-1500": 10}
+"""Record jobs of WRREC and RDREC at once that every CPU of a family has room for (Siemens entry 15364459)."""

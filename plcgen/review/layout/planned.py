@@ -24,9 +24,9 @@ def project_tables(project: Project) -> list[BlockTable]:
 
 def buffer_table(buffer: Buffer[BufferField], role: str, *, v5: bool) -> BlockTable:
     """One buffer; the start values of a request are shown, those of a response are filled in by the partner."""
-    rows = tuple(_row(field, buffer.db.number, v5=v5, start=bool(buffer.data)) for field in buffer.fields)
+    rows = tuple(_row(field, buffer.home.number, v5=v5, start=bool(buffer.data)) for field in buffer.fields)
     data = buffer.image if buffer.data else None
-    return BlockTable("DB", buffer.db.name, buffer.db.number, buffer.size, rows, role, data)
+    return BlockTable(buffer.home.kind, buffer.home.name, buffer.home.number, buffer.size, rows, role, data)
 
 
 def _row(field: BufferField, db: int, *, v5: bool, start: bool) -> LayoutRow:

@@ -91,7 +91,7 @@ class Match:
     @property
     def ref(self) -> BlockRef:
         """The block as the spec names it."""
-        return self.telegram.request.db if self.role == "request" else self.telegram.response.db
+        return self.telegram.request.home if self.role == "request" else self.telegram.response.home
 
     @property
     def name(self) -> str:

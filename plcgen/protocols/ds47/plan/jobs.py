@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from plcgen.diagnostics import Diagnostic, Report
-from plcgen.project.nouns import BlockRef, Buffer
+from plcgen.project.nouns import BlockRef, Buffer, PlannedTrigger
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.triggers import plan_trigger
+from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.kinds import JobKind, kinds
 from plcgen.protocols.ds47.plan import pack
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part, PlannedDrive, Use
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part, PlannedDrive, PlannedUnit, Use
 from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.schema import BufferSettings as BufferSpec
 from plcgen.protocols.ds47.schema import DriveSections, JobEntry
@@ -19,55 +22,125 @@ from plcgen.protocols.ds47.wire.model import ParameterAddress, Request, RequestI
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorten
 
 
-def plan_job(
+def plan_jobs(
     key: str,
     loaded: LoadedSpec,
-    drive: PlannedDrive,
-    owner: int,
-    resolver: UseResolver,
+    drives: tuple[PlannedDrive, ...],
+    slots: Slots,
+    resolvers: Mapping[str, UseResolver],
     numbering: Numbering,
     report: Report,
-) -> DriveJob | None:
-    """Plan one job; None if it has no usable parameter."""
+) -> tuple[DriveJob, ...]:
+    """Plan one job of the spec: an instance for each of its drives; none if it has no usable parameter."""
     job = loaded.sections(DriveSections).jobs[key]
     path = ("jobs", key)
     kind = _kind(job, key, loaded, report)
-    uses = _uses(job, kind, path, loaded, resolver, report) if kind is not None else ()
+    first = drives[0]
+    uses = _uses(job, kind, path, loaded, resolvers[first.key], report) if kind is not None else ()
     if kind is None or not uses:
-        return None
+        return ()
     write = kind.writes
-    packed = _packed(uses, drive, loaded, report, write=write)
+    packed = _packed(uses, first, loaded, report, write=write)
     if packed is None:
-        return None
-    reference = job.reference if job.reference is not None else (owner - 1) % 255 + 1
+        return ()
+    for other in drives[1:]:
+        _same_telegrams(kind, packed, first, other, loaded, path, resolvers[other.key], report)
+    if len(packed) > 1 and job.split == "never":
+        _report_unsplittable(kind, path, uses, first, loaded, report)
+    reference = job.reference if job.reference is not None else 1
     name = pascal_case(key)
     faq = (job.names or loaded.spec.plc.names) == "faq"
-    if len(packed) > 1 and job.split == "never":
-        _report_unsplittable(kind, path, uses, drive, loaded, report)
-    context = _Context(key, drive, reference, numbering, write=write, faq=faq, many=len(packed) > 1)
+    own = _own_blocks(job, len(packed), len(drives), loaded, path, report)
+    context = _Context(key, first, reference, numbering, write=write, faq=faq, many=len(packed) > 1, own=own)
     telegrams = tuple(_telegram(index, parts, job, name, context) for index, parts in enumerate(packed, 1))
-    block, instance, records = _blocks(job, name, path, numbering)
-    return DriveJob(
-        key=key,
-        member=_member(key, job, numbering),
-        kind=kind.key,
-        writes=write,
-        link=drive,
-        owner=owner,
-        uses=uses,
-        telegrams=telegrams,
-        block=block,
-        instance=instance,
-        record_instances=records,
-        trigger=plan_trigger(job.trigger, path, loaded, report),
-        reference=reference,
-        timeout=job.timeout,
-        retry_pause=job.retry_pause,
-        retries=_retries(job),
-        faq_names=faq,
-        comment=job.comment or {},
-        path=path,
+    given = job.block.name
+    block = numbering.block("FB", given or name, (*path, "block"), job.block.number, given=bool(given))
+    if job.trigger is not None and len(drives) > 1:
+        message = f'flags cannot belong to {len(drives)} drives: "{key}" would start on all of them at once'
+        help_ = "leave trigger out: every instance has its execute in DriveJobs"
+        report.add(Diagnostic("PG404", message, loaded.key_span((*path, "trigger")), help=help_))
+    return tuple(
+        DriveJob(
+            key=key if len(drives) == 1 else f"{key}.{drive.key}",
+            member=_member(key if len(drives) == 1 else f"{key}_{drive.key}", job, numbering),
+            kind=kind.key,
+            writes=write,
+            once=write and any(use.parameter.pnu in guards.TRIGGERS for use in uses),
+            shape=key,
+            slot=slots.next(drive.unit),
+            link=drive,
+            uses=uses,
+            telegrams=telegrams,
+            block=block,
+            trigger=plan_trigger(job.trigger, path, loaded, report) if drive is first else PlannedTrigger(),
+            reference=reference,
+            timeout=job.timeout,
+            retry_pause=job.retry_pause,
+            retries=_retries(job),
+            faq_names=faq,
+            comment=job.comment or {},
+            path=path,
+        )
+        for drive in drives
     )
+
+
+class Slots:
+    """Hands out the places of each unit, from 1."""
+
+    def __init__(self) -> None:
+        self._used: dict[str, int] = {}
+
+    def next(self, unit: PlannedUnit) -> int:
+        """The next free place."""
+        self._used[unit.key] = self._used.get(unit.key, 0) + 1
+        return self._used[unit.key]
+
+
+def _same_telegrams(
+    kind: JobKind,
+    packed: list[tuple[Part, ...]],
+    first: PlannedDrive,
+    other: PlannedDrive,
+    loaded: LoadedSpec,
+    path: SpecPath,
+    resolver: UseResolver,
+    report: Report,
+) -> None:
+    """PG222: the parameters of a job are not the same on another of its drives, so that one block cannot serve both."""
+    job = loaded.sections(DriveSections).jobs[str(path[-1])]
+    quiet = Report()
+    uses = _uses(job, kind, path, loaded, resolver.reporting(quiet), quiet)
+    own = _packed(uses, other, loaded, quiet, write=kind.writes) if uses else None
+    header = (1, int(kind.request_id), 0)
+    wanted = [_request_bytes(parts, header, write=kind.writes) for parts in packed]
+    if own is not None and [_request_bytes(parts, header, write=kind.writes) for parts in own] == wanted:
+        formats = [part.use.format.code for parts in packed for part in parts]
+        if formats == [part.use.format.code for parts in own for part in parts]:
+            return
+    why = f"{first.key} is a {first.device.key}, {other.key} a {other.device.key}" if first.device is not other.device else (
+        "their parameters are defined differently"
+    )
+    message = f'"{path[-1]}" cannot be one block for {first.key} and {other.key}: {why}'
+    report.add(Diagnostic("PG222", message, loaded.span((*path, "drive")), help="make a job for each kind of drive"))
+
+
+def _own_blocks(
+    job: JobEntry, telegrams: int, drives: int, loaded: LoadedSpec, path: SpecPath, report: Report
+) -> bool:
+    """Whether the telegrams have data blocks of their own; PG223 where that cannot be."""
+    pinned = [which for which in ("request", "response") if getattr(job, which) != BufferSpec() and getattr(job, which).db]
+    named = [which for which in ("request", "response") if getattr(job, which).name or getattr(job, which).size]
+    if job.buffers != "db" and not pinned and not named:
+        return False
+    if telegrams == 1 and drives == 1:
+        return True
+    why = f"{telegrams} telegrams" if telegrams > 1 else f"{drives} drives"
+    key = "buffers" if job.buffers == "db" else (*pinned, *named)[0]
+    message = f'"{path[-1]}" has {why}: data blocks of its own are for one telegram of one drive'
+    help_ = "leave the data blocks out, or make several jobs of it"
+    report.add(Diagnostic("PG223", message, loaded.key_span((*path, key)), help=help_))
+    return False
 
 
 def _retries(job: JobEntry) -> int:
@@ -76,23 +149,9 @@ def _retries(job: JobEntry) -> int:
 
 
 def _member(key: str, job: JobEntry, numbering: Numbering) -> str:
-    """Name of the job in the control DB; with flags, their tags (``..Execute``) have to fit the limit too."""
+    """Name of the instance in the control DB; with flags, their tags (``..Execute``) have to fit the limit too."""
     limit = V5_LIMIT if numbering.where.v5 else TIA_LIMIT
     return shorten(camel_case(key), limit if job.trigger is None else limit - len("Execute"))
-
-
-def _blocks(
-    job: JobEntry, name: str, path: SpecPath, numbering: Numbering
-) -> tuple[BlockRef, BlockRef, tuple[BlockRef, BlockRef] | None]:
-    """The function block, its instance DB and, for STEP 7 V5, the instance DBs of WRREC and RDREC."""
-    own = job.block.name
-    block = numbering.block("FB", own or name, (*path, "block"), job.block.number, given=bool(own))
-    own = job.instance.name
-    instance = numbering.block("DB", own or f"{name}_DB", (*path, "instance"), job.instance.number, given=bool(own))
-    if not numbering.where.v5:
-        return block, instance, None
-    records = (numbering.block("DB", f"{name}_WrRec", path), numbering.block("DB", f"{name}_RdRec", path))
-    return block, instance, records
 
 
 def _packed(
@@ -178,15 +237,20 @@ class _Context:
         write: bool,
         faq: bool,
         many: bool,
+        own: bool,
     ) -> None:
         self.key, self.drive, self.reference, self.numbering = key, drive, reference, numbering
-        self.write, self.faq, self.many = write, faq, many
+        self.write, self.faq, self.many, self.own = write, faq, many, own
 
     def reference_of(self, index: int) -> int:
         return (self.reference - 1 + index - 1) % 255 + 1
 
-    def type_of(self, block: BlockRef) -> BlockRef:
-        return self.numbering.block("UDT", f"type{_upper(block.name)}", block.path)
+    def buffer(self, given: BufferSpec, which: str, default: str, index: int) -> tuple[BlockRef | None, BlockRef]:
+        """The data block of a telegram, if it has one, and its type."""
+        path = ("jobs", self.key, which)
+        name = self.name(given.name or default, index)
+        db = self.numbering.block("DB", name, path, given.db, given=bool(given.name)) if self.own else None
+        return db, self.numbering.block("UDT", f"type{_upper(db.name if db else name)}", path)
 
     def name(self, base: str, index: int) -> str:
         return f"{base}{index}" if self.many else base
@@ -199,16 +263,16 @@ def _telegram(number: int, parts: tuple[Part, ...], job: JobEntry, name: str, co
     data = _request_bytes(parts, header, write=write)
     pinned = job.response.size
     size = pack.longest_response(parts, write=write) if pinned is None else pinned
-    request_db = _buffer(job.request, "request", f"{name}_Request", number, context)
-    response_db = _buffer(job.response, "response", f"{name}_Response", number, context)
+    asking = context.buffer(job.request, "request", f"{name}_Request", number)
+    answering = context.buffer(job.response, "response", f"{name}_Response", number)
     asked = request_fields(parts, header, where, job.request.members, write=write, faq=faq)
     answered = response_fields(parts, size, where, job.response.members, write=write, faq=faq)
     return DriveTelegram(
         number=number,
         request_id=request_id,
         response_id=request_id,
-        request=Buffer(request_db, context.type_of(request_db), asked, len(data), data),
-        response=Buffer(response_db, context.type_of(response_db), answered, size),
+        request=Buffer(*asking, asked, len(data), data),
+        response=Buffer(*answering, answered, size),
         parts=parts,
         positive_length=pack.positive_length(parts, write=write),
         negative_length=pack.negative_length(parts),
@@ -218,13 +282,6 @@ def _telegram(number: int, parts: tuple[Part, ...], job: JobEntry, name: str, co
 
 def _upper(name: str) -> str:
     return name[:1].upper() + name[1:]
-
-
-def _buffer(given: BufferSpec, which: str, default: str, index: int, context: _Context) -> BlockRef:
-    path = ("jobs", context.key, which)
-    name = context.name(given.name or default, index)
-    number = given.db if index == 1 else None
-    return context.numbering.block("DB", name, path, number, given=bool(given.name))
 
 
 def _request_bytes(parts: tuple[Part, ...], header: tuple[int, int, int], *, write: bool) -> bytes:

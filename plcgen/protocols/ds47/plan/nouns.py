@@ -13,22 +13,50 @@ from plcgen.project.spec import SpecPath
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.protocols.ds47.plan.references import number_of
-from plcgen.protocols.ds47.schema import DriveSections
+from plcgen.protocols.ds47.schema import DriveSections, DriveSettings, JobEntry
 from plcgen.protocols.ds47.wire.formats import Format
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedUnit:
+    """A device with one parameter server: one request at a time, whatever drive object it is for.
+
+    ``number`` is its place in the gate, from 1; ``db`` holds what its channel and jobs share; ``member`` names the
+    channel in the caller; ``wait`` in ms.
+    """
+
+    key: str
+    number: int
+    member: str
+    db: BlockRef
+    device: Device
+    record_index: int
+    wait: int
+    path: SpecPath
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedDrive(Link):
     """A drive as the blocks address it.
 
-    ``id_value`` is the ID of WRREC/RDREC, bit 15 included; ``token`` is shared by all drives at one address.
+    ``id_value`` is the ID of WRREC/RDREC, bit 15 included; where the spec names a system constant, ``id_name`` is its
+    name and ``id_value`` a number that stands for it here.
     """
 
-    device: Device
+    unit: PlannedUnit
     id_value: int
+    id_name: str
     drive_object: int
-    record_index: int
-    token: BlockRef
+
+    @property
+    def device(self) -> Device:
+        """Profile of the unit."""
+        return self.unit.device
+
+    @property
+    def record_index(self) -> int:
+        """Data record of the unit's parameter channel."""
+        return self.unit.record_index
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,20 +160,20 @@ class DriveTelegram(Telegram):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DriveJob(PlannedJob):
-    """A parameter job: one function block, one or more telegrams, all on one drive.
+    """A parameter job on one drive: an instance of a function block that it shares with the same job on other drives.
 
-    ``writes`` says whether it changes parameters; ``record_instances`` are the instance DBs of WRREC and RDREC where a
-    compiler does not make them itself.
+    ``shape`` is the job's key in the spec, ``slot`` its place in the unit, from 1; ``writes`` says whether it changes
+    parameters, ``once`` that its request is never sent again without knowing what became of it.
     """
 
     link: PlannedDrive
     telegrams: tuple[DriveTelegram, ...]
     writes: bool
-    owner: int
+    once: bool
+    shape: str
+    slot: int
     uses: tuple[Use, ...]
     block: BlockRef
-    instance: BlockRef
-    record_instances: tuple[BlockRef, BlockRef] | None
     reference: int
     retry_pause: int
     retries: int
@@ -155,6 +183,11 @@ class DriveJob(PlannedJob):
     def drive(self) -> PlannedDrive:
         """The drive that is asked."""
         return self.link
+
+    @property
+    def pinned(self) -> bool:
+        """Whether its telegrams lie in data blocks of their own."""
+        return self.telegrams[0].request.db is not None
 
     @property
     def inputs(self) -> tuple[Use, ...]:
@@ -167,27 +200,61 @@ class DriveJob(PlannedJob):
         return () if self.writes else self.uses
 
 
+@dataclass(frozen=True, slots=True)
+class Engine:
+    """The blocks that are the same in every project of a target, and the caller."""
+
+    order: BlockRef
+    turn: BlockRef
+    ask: BlockRef
+    unit: BlockRef
+    place: BlockRef
+    gate_type: BlockRef
+    channel: BlockRef
+    ticket: BlockRef
+    gate: BlockRef
+    gate_db: BlockRef
+    calls: BlockRef
+    calls_db: BlockRef
+
+    def blocks(self) -> tuple[BlockRef, ...]:
+        """All of them."""
+        return tuple(getattr(self, name) for name in self.__slots__)
+
+
 @dataclass(frozen=True, eq=False)
 class DrivePlan(Plan):
-    """All drives of a spec and their jobs, the types that they share, and the DB of commands and results."""
+    """All units and drives of a spec and their jobs, the engine that they share, the DB of commands and results."""
 
     jobs: tuple[DriveJob, ...]
     drives: tuple[PlannedDrive, ...]
-    diagnostics_type: BlockRef
-    token_type: BlockRef
+    units: tuple[PlannedUnit, ...]
+    engine: Engine
     control_db: BlockRef
 
     @cached_property
-    def tokens(self) -> tuple[tuple[BlockRef, tuple[PlannedDrive, ...]], ...]:
-        """Each token DB with the drives that share it: all drive objects at one address."""
-        shared: dict[str, list[PlannedDrive]] = {}
-        for drive in self.drives:
-            shared.setdefault(drive.token.name, []).append(drive)
-        return tuple((drives[0].token, tuple(drives)) for drives in shared.values())
+    def shapes(self) -> tuple[DriveJob, ...]:
+        """One job for each function block: the first of those that share it."""
+        first: dict[str, DriveJob] = {}
+        for job in self.jobs:
+            first.setdefault(job.shape, job)
+        return tuple(first.values())
+
+    def slots(self, unit: PlannedUnit) -> int:
+        """Places of a unit that are in use."""
+        return sum(job.drive.unit is unit for job in self.jobs)
+
+    def entry(self, job: DriveJob) -> JobEntry:
+        """What the spec says about a job."""
+        return self.spec.jobs[job.shape]
+
+    def settings(self, drive: PlannedDrive) -> DriveSettings:
+        """What the spec says about a drive."""
+        return next(placed.drive for placed in self.spec.placed() if placed.path == drive.path)
 
     def sign_off(self, job: DriveJob, pnu: int) -> str | None:
         """The reason that a job gives for writing a dangerous parameter; None if it gives none."""
-        spec = self.spec.jobs[job.key]
+        spec = self.entry(job)
         given = spec.allow_safety if pnu in guards.SAFETY else spec.allow
         return next((why for text, why in given.items() if number_of(text) == pnu), None)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from typing import Any
 
 from plcgen.diagnostics import Diagnostic, Report
@@ -32,6 +33,12 @@ class UseResolver:
         self.known = {**device.parameters, **own}
         self.unusable: set[int] = set()
         self.longest_name = V5_LIMIT if loaded.spec.plc.toolchain == "step7-v5" else TIA_LIMIT
+
+    def reporting(self, report: Report) -> UseResolver:
+        """The same resolver with another report."""
+        other = copy(self)
+        other.report = report
+        return other
 
     def check_definition(self, parameter: Parameter, path: SpecPath) -> None:
         """Report a data type that does not exist where the spec defines a parameter, not at every use."""

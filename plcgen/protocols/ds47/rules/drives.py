@@ -35,7 +35,7 @@ def unused_address(plan: DrivePlan) -> Iterator[Diagnostic]:
     classic = plan.target.classic
     useless, used = ("hardware_id", "address") if classic else ("address", "hardware_id")
     for drive in plan.drives:
-        spec = plan.spec.drives[drive.key]
+        spec = plan.settings(drive)
         if getattr(spec, useless) is None or getattr(spec, used) is None:
             continue
         yield Diagnostic(

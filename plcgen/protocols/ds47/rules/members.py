@@ -18,12 +18,11 @@ if TYPE_CHECKING:
 
 _OWN = frozenset(
     {
-        "execute", "busy", "done", "error", "status", "errors", "errorinfos", "diagnostics", "hardwareid",
-        "driveaddress", "own_number", "record_index", "response_size", "max_retries", "timeout", "drain_limit",
-        "retry_pause", "lease", "clock_end", "clock_mask",
+        "execute", "busy", "done", "error", "status", "errors", "errorinfos", "hardwareid", "driveaddress",
+        "driveobject", "slot", "unit", "requestdb", "responsedb",
     }
 )  # fmt: skip
-"""Members and constants of every job block, in lower case."""
+"""Members of every job block, in lower case."""
 
 _PREFIXED = re.compile(r"(?:[Ss]tat|[Tt]emp|[Ii]nst)[A-Z0-9]|(?i:state_|status_)")
 _SHOWN = 8
@@ -46,7 +45,7 @@ def control_members(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 def interface_members(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG406: a value of a job has the name of another value or of a member the block needs itself."""
-    for job in plan.jobs:
+    for job in plan.shapes:
         first: dict[str, Use] = {}
         for use in job.uses:
             span = member_span(plan, use)
@@ -96,7 +95,7 @@ def parameter_names(plan: DrivePlan) -> Iterator[Diagnostic]:
 def _own_names(plan: DrivePlan, drive: PlannedDrive) -> list[tuple[int, str, Span]]:
     """Number, name and place of the name of every parameter that the spec defines and names."""
     found = []
-    for text, definition in plan.spec.drives[drive.key].parameters.items():
+    for text, definition in plan.settings(drive).parameters.items():
         reference = parse_reference(text)
         if reference is not None and reference.pnu is not None and definition.name:
             span = plan.loaded.span((*drive.path, "parameters", text, "name"))
@@ -106,7 +105,7 @@ def _own_names(plan: DrivePlan, drive: PlannedDrive) -> list[tuple[int, str, Spa
 
 def buffer_members(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG406: two members of a buffer DB have the same name."""
-    for job in plan.jobs:
+    for job in plan.shapes:
         reported: set[tuple[str, Span]] = set()
         twice = {name for name, count in _counts(use.member for use in job.uses).items() if count > 1}
         for telegram in job.telegrams:
@@ -140,7 +139,7 @@ def _counts(words: Iterator[str]) -> dict[str, int]:
 
 def _field_span(plan: DrivePlan, job: DriveJob, which: str, first: DriveField, second: DriveField) -> Span:
     """Find the place a person can change: an override, the value's name, else the parameter."""
-    buffer = getattr(plan.spec.jobs[job.key], which)
+    buffer = getattr(plan.entry(job), which)
     for old, new in buffer.members.items():
         if new.lower() == second.name.lower():
             return plan.loaded.span((*job.path, which, "members", old))
@@ -153,8 +152,8 @@ def _field_span(plan: DrivePlan, job: DriveJob, which: str, first: DriveField, s
 
 def overrides(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG408: ``members`` renames something that the buffer DB does not have."""
-    for job in plan.jobs:
-        spec = plan.spec.jobs[job.key]
+    for job in plan.shapes:
+        spec = plan.entry(job)
         for which, buffer in (("request", spec.request), ("response", spec.response)):
             if not buffer.members:
                 continue

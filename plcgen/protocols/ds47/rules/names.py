@@ -18,18 +18,20 @@ if TYPE_CHECKING:
 def names(plan: DrivePlan) -> Iterator[Named]:
     """Keys of drives and jobs, names of parameters, values and members."""
     value, key_of = plan.loaded.span, plan.loaded.key_span
-    for key, drive in plan.spec.drives.items():
-        yield Named("drive key", key, "key", partial(key_of, ("drives", key)))
-        for text, parameter in drive.parameters.items():
+    for key in plan.spec.units:
+        yield Named("unit key", key, "key", partial(key_of, ("units", key)))
+    for placed in plan.spec.placed():
+        yield Named("drive key", placed.key, "key", partial(key_of, placed.path))
+        for text, parameter in placed.drive.parameters.items():
             if parameter.name is not None:
-                place = partial(value, ("drives", key, "parameters", text, "name"))
+                place = partial(value, (*placed.path, "parameters", text, "name"))
                 yield Named("parameter name", parameter.name, "parameter", place)
     for key in plan.spec.jobs:
         yield Named("job key", key, "key", partial(key_of, ("jobs", key)))
-    for job in plan.jobs:
+    for job in plan.shapes:
         for use in job.uses:
             yield Named("member", use.member, "identifier", partial(member_span, plan, use))
-        spec = plan.spec.jobs[job.key]
+        spec = plan.entry(job)
         for which, buffer in (("request", spec.request), ("response", spec.response)):
             for old, new in buffer.members.items():
                 yield Named("member", new, "identifier", partial(value, (*job.path, which, "members", old)))
@@ -39,7 +41,7 @@ def texts(plan: DrivePlan) -> Iterator[tuple[SpecPath, dict[str, str]]]:
     """Comments of drives, jobs and values."""
     for drive in plan.drives:
         yield (*drive.path, "comment"), drive.comment
-    for job in plan.jobs:
+    for job in plan.shapes:
         yield (*job.path, "comment"), job.comment
         for use in job.uses:
             yield (*use.path, "comment"), use.comment
@@ -48,7 +50,7 @@ def texts(plan: DrivePlan) -> Iterator[tuple[SpecPath, dict[str, str]]]:
 def plain(plan: DrivePlan) -> Iterator[tuple[SpecPath, str]]:
     """Titles and units of the parameters that the spec defines."""
     for drive in plan.drives:
-        for text, parameter in plan.spec.drives[drive.key].parameters.items():
+        for text, parameter in plan.settings(drive).parameters.items():
             for key, value in (("title", parameter.title), ("unit", parameter.unit)):
                 yield (*drive.path, "parameters", text, key), value or ""
 
@@ -56,5 +58,5 @@ def plain(plan: DrivePlan) -> Iterator[tuple[SpecPath, str]]:
 def taken(plan: DrivePlan) -> Iterator[tuple[str, str, Span | None]]:
     """Names of the tables."""
     yield "DriveJobTags", "the tag table", None
-    for job in plan.jobs:
+    for job in plan.shapes:
         yield f"Watch_{job.block.name}", f'the watch table of job "{job.key}"', None

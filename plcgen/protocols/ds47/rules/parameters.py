@@ -21,7 +21,7 @@ _OPAQUE = frozenset({"BinaryDate", "TimeOfDay", "TimeDifferenceWithDate"})
 
 def access(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG207: a job writes what can only be read, or reads what can only be written."""
-    for job in plan.jobs:
+    for job in plan.shapes:
         for use in job.uses:
             name = _title(use.parameter)
             span = parameter_span
@@ -43,12 +43,12 @@ def access(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 def _own(plan: DrivePlan, job: DriveJob) -> set[int | None]:
     """Numbers of the parameters that the job's drive defines itself."""
-    return set(map(number_of, plan.spec.drives[job.drive.key].parameters))
+    return set(map(number_of, plan.settings(job.drive).parameters))
 
 
 def repeated(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG213: a job writes the same value of a parameter twice; the last one would win."""
-    for job in plan.jobs:
+    for job in plan.shapes:
         if not job.writes:
             continue
         bynumber_of: dict[int, list[Use]] = {}
@@ -80,8 +80,8 @@ def _last(use: Use) -> int:
 
 def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG219: a write that can do harm is not signed off, or a sign-off names nothing."""
-    for job in plan.jobs:
-        spec = plan.spec.jobs[job.key]
+    for job in plan.shapes:
+        spec = plan.entry(job)
         for use in job.uses if job.writes else ():
             reason, pnu = job.drive.device.danger(use.parameter.pnu), use.parameter.pnu
             if reason and plan.sign_off(job, pnu) is None:
@@ -108,7 +108,7 @@ def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
 def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG220: the CPU has no data type for the value, so the block hands over its bytes."""
     family = plan.target.family.upper()
-    for job in plan.jobs:
+    for job in plan.shapes:
         for use in job.uses:
             if element_type(use.format, plan.target) is not None:
                 continue
@@ -129,7 +129,7 @@ def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:
 def definitions(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG107: a parameter of the spec has limits that no value can keep."""
     for drive in plan.drives:
-        for text, own in plan.spec.drives[drive.key].parameters.items():
+        for text, own in plan.settings(drive).parameters.items():
             if own.min is None or own.max is None or own.min <= own.max:
                 continue
             path = (*drive.path, "parameters", text)

@@ -30,5 +30,5 @@ def member_span(plan: DrivePlan, use: Use) -> Span:
 
 def spelling(plan: DrivePlan, job: DriveJob, use: Use) -> str:
     """Quote the parameter as the spec writes it."""
-    items = kind_called(job.kind).items(getattr(plan.spec.jobs[job.key], job.kind))
+    items = kind_called(job.kind).items(getattr(plan.entry(job), job.kind))
     return items[use.position - 1].parameter if items else ""

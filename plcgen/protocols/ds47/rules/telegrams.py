@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 def response_buffer(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG303: the pinned response buffer is not fit for every answer the drive may give."""
-    for job in plan.jobs:
+    for job in plan.shapes:
         for telegram in job.telegrams:
             size = telegram.pinned
             if size is None or len(job.telegrams) > 1:
                 continue
             span = key_or_value(plan, (*job.path, "response", "size"))
-            block = _label(plan, telegram.response.db)
+            block = _label(plan, telegram.response.home)
             needed, answer = _longest_answer(telegram, write=job.writes)
             limit = job.drive.device.record_limit
             if size < needed:
@@ -76,8 +76,8 @@ def _why(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> tuple[Note,
 
 def request_buffer(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG304: a pinned size does not go with the telegrams of the job."""
-    for job in plan.jobs:
-        spec = plan.spec.jobs[job.key]
+    for job in plan.shapes:
+        spec = plan.entry(job)
         for which, size in (("request", spec.request.size), ("response", spec.response.size)):
             if size is None:
                 continue
@@ -96,7 +96,7 @@ def request_buffer(plan: DrivePlan) -> Iterator[Diagnostic]:
 def _request_size(plan: DrivePlan, telegram: DriveTelegram, size: int, job: DriveJob) -> Iterator[Diagnostic]:
     needed = len(telegram.request.data)
     span = key_or_value(plan, (*job.path, "request", "size"))
-    block = _label(plan, telegram.request.db)
+    block = _label(plan, telegram.request.home)
     if size < needed:
         yield Diagnostic(
             "PG304",
@@ -117,7 +117,7 @@ def _request_size(plan: DrivePlan, telegram: DriveTelegram, size: int, job: Driv
 
 def reference(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG305: the request reference does not fit its byte, or is the reserved 0."""
-    for job in plan.jobs:
+    for job in plan.shapes:
         if not 1 <= job.reference <= 255:
             why = "0 is reserved" if job.reference == 0 else "it is one byte"
             yield Diagnostic(
@@ -130,7 +130,7 @@ def reference(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 def timing(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG306: the job's time is over before its pauses are."""
-    for job in plan.jobs:
+    for job in plan.shapes:
         if job.retries == 0:
             continue
         span = key_or_value(plan, (*job.path, "timeout"))

@@ -2,49 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
-from plcgen.documents.members import fixed
-from plcgen.documents.nouns import Contribution, DataBlock, GuidePart, TypeBlock
+from plcgen.documents.members import plain
+from plcgen.documents.nouns import Contribution, DataBlock, FunctionBlock, GuidePart
 from plcgen.documents.spelling import literal
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.plan.fields import interface_type
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
+from plcgen.protocols.ds47.views.calls import caller
+from plcgen.protocols.ds47.views.engine import programs as engine_programs
+from plcgen.protocols.ds47.views.engine import types
 from plcgen.protocols.ds47.views.program import program
 from plcgen.protocols.ds47.wire.bico import read_bico
 from plcgen.s7.types import ArrayType, Elementary
 
-DIAGNOSTICS: tuple[tuple[str, str, str], ...] = (
-    ("recordStatus", "DWORD", "STATUS of the last WRREC or RDREC that ended"),
-    ("state", "INT", "state of the block, see its STATE constants"),
-    ("telegram", "INT", "telegram of the job, from 1"),
-    ("retries", "INT", "retries of this telegram"),
-    ("requestReference", "BYTE", "request reference of this telegram"),
-    ("responseLength", "INT", "length of the last response in bytes"),
-    ("failedParameter", "INT", "first parameter the drive refused, 0 = none"),
-)
-TOKEN: tuple[tuple[str, str, str], ...] = (
-    ("owner", "INT", "number of the job that uses the drive, 0 = free"),
-    ("heartbeat", "INT", "counts in every call of the owner"),
-    ("requestReference", "INT", "last request reference, 1..255"),
-)
-
-
 def contribution(plan: DrivePlan) -> Contribution:
     """Everything of a plan with jobs."""
-    token = fixed(plan, TOKEN)
+    engine = plan.engine
+    gate = plain(plan, "gate", f'"{engine.gate_type.name}"', "written by the channels and the gate")
     return Contribution(
         family="DS47",
         jobs="drive jobs",
-        types=(TypeBlock(plan.diagnostics_type, fixed(plan, DIAGNOSTICS)), TypeBlock(plan.token_type, token)),
+        types=types(plan),
         data=[
-            DataBlock(
-                block, f"Which job uses {', '.join(drive.key for drive in drives[:3])}", token, (), drives[0].comment
-            )
-            for block, drives in plan.tokens
+            *(_unit(plan, unit) for unit in plan.units),
+            DataBlock(engine.gate_db, "Places for record jobs", (gate,)),
         ],
-        programs=(program(plan, job) for job in plan.jobs),
+        programs=_programs(plan),
         control=plan.control_db,
         control_title="Commands and results of all drive jobs",
         tag_table="DriveJobTags",
@@ -54,9 +41,28 @@ def contribution(plan: DrivePlan) -> Contribution:
     )
 
 
+def _unit(plan: DrivePlan, unit: PlannedUnit) -> DataBlock:
+    drives = [drive for drive in plan.drives if drive.unit is unit]
+    shown = ", ".join(drive.key for drive in drives[:3])
+    member = plain(plan, "unit", f'"{plan.engine.unit.name}"', "shared by the channel and the jobs of the unit")
+    return DataBlock(unit.db, f"Unit {unit.key}: {shown}", (member,), (), drives[0].comment if len(drives) == 1 else {})
+
+
+def _programs(plan: DrivePlan) -> Iterator[FunctionBlock]:
+    """The engine, a block for each job of the spec, and the caller of their instances."""
+    yield from engine_programs(plan)
+    commands = []
+    for shape in plan.shapes:
+        instances = [job for job in plan.jobs if job.shape == shape.shape]
+        made = program(plan, shape, instances)
+        commands += list(zip(instances, made.commands, strict=True))
+        yield made
+    yield caller(plan, commands)
+
+
 def _guide(plan: DrivePlan) -> tuple[list[GuidePart], list[GuidePart]]:
     """Numbers of the buffers; what is written."""
-    numbered = [buffer.db for job in plan.jobs for telegram in job.telegrams for buffer in telegram.buffers]
+    numbered = [buffer.db for job in plan.shapes for telegram in job.telegrams for buffer in telegram.buffers if buffer.db]
     writes = [_write_row(plan, job, use) for job in plan.jobs if job.writes for use in job.uses]
     before: list[GuidePart] = [("ds47/import.md.j2", {"numbered": numbered})]
     return before, [("ds47/import_writes.md.j2", {"writes": writes})] if writes else []
@@ -91,17 +97,25 @@ def _values(plan: DrivePlan, use: Use) -> str:
     return shown + (", .." if len(pieces) > 4 else "")
 
 
+def _numbers(telegram: DriveTelegram) -> dict[str, str]:
+    """Data blocks of a telegram that has its own."""
+    request, response = telegram.request.db, telegram.response.db
+    if request is None or response is None:
+        return {}
+    return {"request_db": f"DB{request.number}", "response_db": f"DB{response.number}"}
+
+
 def _manifest(plan: DrivePlan) -> dict[str, Any]:
     """Jobs with their telegrams."""
     jobs = [
         {
             "job": job.key,
+            "drive": job.drive.key,
             "block": job.block.name,
             "telegrams": [
                 {
                     "request": telegram.request.data.hex(" ").upper(),
-                    "request_db": f"DB{telegram.request.db.number}",
-                    "response_db": f"DB{telegram.response.db.number}",
+                    **_numbers(telegram),
                     "positive_bytes": telegram.positive_length,
                     "longest_bytes": telegram.response.size,
                 }

@@ -1,52 +1,50 @@
-"""View of a job's function block: every name, number and table row the template writes."""
+"""View of a job's function block: every name, number and table row that its template writes."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from plcgen.documents.control import signals
 from plcgen.documents.members import initializer, plain
-from plcgen.documents.nouns import CallerValue, Command, FunctionBlock, LibraryInstance, MemberRow
+from plcgen.documents.nouns import CallerValue, Command, FunctionBlock, MemberRow
 from plcgen.documents.simaticml import RECORD_NOTE
 from plcgen.documents.spelling import clean_title, comment_text, encodable, literal, one_line, type_text
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
 from plcgen.protocols.ds47.plan.types import element_type
+from plcgen.protocols.ds47.views.engine import names
 from plcgen.protocols.ds47.views.rows import buffer_blocks
-from plcgen.protocols.ds47.wire.formats import answers, padded
-from plcgen.protocols.ds47.wire.model import RequestId
-from plcgen.protocols.ds47.words import DRAIN_MS, HEARTBEATS, LEASE_MS, STATES, STATUS_WORDS
+from plcgen.protocols.ds47.words import SLOTS
 from plcgen.s7.types import ArrayType, Elementary
 
 
-def program(plan: DrivePlan, job: DriveJob) -> FunctionBlock:
-    """The function block of a job with its buffers and the command of its caller."""
+def program(plan: DrivePlan, job: DriveJob, instances: Sequence[DriveJob]) -> FunctionBlock:
+    """The function block of a job with its buffers and the commands of its instances."""
     label = title(plan, job)
-    records = job.record_instances
-    names = (("SFB53", "SFB 53"), ("SFB52", "SFB 52"))
     return FunctionBlock(
         block=job.block,
-        instance=job.instance,
+        instance=None,
         title=label,
-        template="ds47/job.scl.j2",
+        template="ds47/engine/job.scl.j2",
         view=_view(plan, job, label),
         note=RECORD_NOTE,
         buffers=buffer_blocks(plan, job, label),
-        commands=(_command(plan, job, label),),
+        commands=tuple(command(plan, one, label) for one in instances),
         telegrams=[
             f"request `{telegram.request.data.hex(' ').upper()}` (LEN {len(telegram.request.data)}), "
             f"good answer {telegram.positive_length} bytes, longest answer {telegram.response.size} bytes"
             for telegram in job.telegrams
         ],
-        data=[LibraryInstance(block, *name) for block, name in zip(records or (), names, strict=False)],
     )
 
 
-def _command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
+def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
+    """An instance as its caller sees it."""
     return Command(
         member=job.member,
         stem=job.member,
-        title=label,
+        title=label if job.key == job.shape else f"{label} ({job.drive.key})",
         flags=dict(job.trigger.items()),
         signals=signals(plan),
         inputs=[_value(plan, use, start=True) for use in job.inputs],
@@ -63,18 +61,11 @@ def _value(plan: DrivePlan, use: Use, *, start: bool) -> CallerValue:
 
 
 def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
-    where = plan.target
-    made = _job(plan, job, label)
     return {
-        "job": made,
-        "telegram": made["telegrams"][0],
-        "record_index_type": "DInt" if where.t15 else "Int",
-        "token": job.drive.token.name,
-        "input_id": "hardwareId" if where.t15 else "driveAddress",
-        "stat_id": "statHardwareId" if where.t15 else "statDriveAddress",
-        "diagnostics_type": plan.diagnostics_type.name,
-        "states": STATES,
-        "statuses": [(n, f"W#16#{v:04X}", text) for n, v, text in STATUS_WORDS if n not in _unused(plan, job)],
+        "job": _job(plan, job, label),
+        "names": names(plan),
+        "slots": SLOTS,
+        "db_type": "DB_Any" if plan.target.t15 else "Block_DB",
     }
 
 
@@ -89,83 +80,47 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     where = plan.target
     parts = [part for telegram in job.telegrams for part in telegram.parts]
     comments = [job.comment[lang] for lang in plan.languages if job.comment.get(lang)]
-    records = job.record_instances
-    copies = _copies(plan, job, response=False), _copies(plan, job, response=True)
     return {
         "block": job.block,
         "write": job.writes,
+        "pinned": job.pinned,
         "many": len(job.telegrams) > 1,
-        "single": len(parts) == 1,
         "aligned": len(parts) == len(job.uses),
-        "refusable": _refusable(job),
-        "gaps": _gaps(job),
-        "mixed": _refusable(job) and any(len(telegram.parts) == 1 for telegram in job.telegrams),
-        "owner": job.owner,
         "title": label,
         "comment_lines": [one_line(text) for text in comments[1:] if encodable(text, where)],
         "labels": [_label(job, use) for use in job.uses],
-        "drive": _drive(job),
-        "timeout_ms": job.timeout,
-        "drain_ms": DRAIN_MS,
-        "pause_ms": job.retry_pause,
-        "lease_ms": LEASE_MS,
-        "heartbeats": HEARTBEATS,
-        "retries": job.retries,
+        "order": _order(plan, job),
         "use_count": len(job.uses),
         "inputs": [_interface(plan, use, start=True) for use in job.inputs],
         "outputs": [_interface(plan, use, start=False) for use in job.outputs],
-        "request_last": max(len(t.request.data) for t in job.telegrams) - 1,
-        "response_last": max(t.response.size for t in job.telegrams) - 1,
-        "positive_id": f"B#16#{RequestId.CHANGE if job.writes else RequestId.READ:02X}",
-        "negative_id": f"B#16#{0x80 | (RequestId.CHANGE if job.writes else RequestId.READ):02X}",
-        "telegrams": _telegrams(plan, job),
-        "blocks": [_block(index, part) for index, part in enumerate(parts, 1)],
-        "input_copies": copies[0],
-        "output_copies": copies[1],
-        "uses_index": len(job.uses) > 1 or any(copy["loop"] for side in copies for copy in side),
-        "write_instance": records[0].name if records else "",
-        "read_instance": records[1].name if records else "",
+        "telegrams": [_telegram(plan, job, telegram) for telegram in job.telegrams],
+        "input_copies": _copies(plan, job, response=False) if job.writes and not job.pinned else [],
+        "own_writes": _own_writes(plan, job) if job.pinned else [],
+        "output_copies": [] if job.writes else _copies(plan, job, response=True),
     }
 
 
-def _refusable(job: DriveJob) -> bool:
-    """Whether one error block may stand for several parameters."""
-    return any(len(telegram.parts) > 1 for telegram in job.telegrams)
-
-
-def _gaps(job: DriveJob) -> bool:
-    """Whether an answer that lacks a block can have the right length.
-
-    With two parameters written it cannot: one error block alone is the refusal of the whole request.
-    """
-    return not job.writes or any(len(telegram.parts) > 2 for telegram in job.telegrams)
-
-
-def _unused(plan: DrivePlan, job: DriveJob) -> set[str]:
-    """Status words a block cannot report."""
-    unused = set() if _refusable(job) else {"STATUS_REFUSED"}
-    return unused | {"STATUS_WRONG_DB"} if plan.target.t15 else unused
+def _order(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
+    """What the block says about its requests besides their bytes: what differs from the start values of the type."""
+    where = plan.target
+    mark = "" if where.v5 else "#"
+    found = [("hardwareId", f"{mark}hardwareId") if where.t15 else ("address", f"{mark}driveAddress")]
+    standard = (("timeout", job.timeout, 10_000, "L#"), ("pause", job.retry_pause, 200, "L#"), ("retries", job.retries, 40, ""))
+    found += [(name, f"{prefix}{value}") for name, value, default, prefix in standard if value != default]
+    if job.once:
+        found.append(("once", "TRUE"))
+    if job.pinned:
+        found.append(("pinned", "TRUE"))
+        for name in ("requestDb", "responseDb"):
+            found.append((name, f"#{name}" if where.t15 else f"WORD_TO_INT(BLOCK_DB_TO_WORD({mark}{name}))"))
+        found.append(("responseSize", str(job.telegrams[0].response.size)))
+    return found
 
 
 def _label(job: DriveJob, use: Use) -> str:
     """Line of the header: which index of ``errors`` belongs to which parameter."""
     text = f"{use.position}: {'writes' if job.writes else 'reads'} {use.label} {use.parameter.title}"
     return one_line(text)
-
-
-def _drive(job: DriveJob) -> dict[str, Any]:
-    drive = job.drive
-    signed = drive.record_index - 0x10000 if drive.record_index > 0x7FFF else drive.record_index
-    return {
-        "key": drive.key,
-        "title": drive.device.title,
-        "drive_object": drive.drive_object,
-        "object_literal": f"B#16#{drive.drive_object:02X}",
-        "id_value": drive.id_value,
-        "id_literal": f"DW#16#{drive.id_value:08X}",
-        "record_index_hex": f"16#{drive.record_index:04X}",
-        "record_index_literal": drive.record_index if drive.record_index <= 0x7FFF else signed,
-    }
 
 
 def _interface(plan: DrivePlan, use: Use, *, start: bool) -> MemberRow:
@@ -184,83 +139,97 @@ def _single_bool(use: Use) -> bool:
     return use.format.name == "Boolean" and use.count == 1
 
 
+def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> dict[str, Any]:
+    first = telegram.parts[0].use.position
+    return {
+        "index": telegram.number,
+        "suffix": _suffix(job, telegram),
+        "request_type": telegram.request.type.name,
+        "response_type": telegram.response.type.name,
+        "request_length": len(telegram.request.data),
+        "bytes": _bytes(telegram.request.data, v5=plan.target.v5),
+        "response_last": telegram.response.size - 1,
+        "positive_last": min(telegram.positive_length, telegram.response.size) - 1,
+        "count": len(telegram.parts),
+        "use_shift": f" + {first - 1}" if first > 1 else "",
+        "blocks": [_block(index, part) for index, part in enumerate(telegram.parts, 1)],
+    }
+
+
+def _suffix(job: DriveJob, telegram: DriveTelegram) -> str:
+    return str(telegram.number) if len(job.telegrams) > 1 else ""
+
+
+def _bytes(data: bytes, *, v5: bool) -> str:
+    """Start value of an array of bytes."""
+    values = ", ".join(f"B#16#{byte:02X}" for byte in data)
+    return values if v5 else f"[{values}]"
+
+
 def _block(index: int, part: Part) -> dict[str, Any]:
-    own, *others = (f"B#16#{code:02X}" for code in answers(part.use.format))
     return {
         "index": index,
         "label": part.use.label if part.whole else f"{part.use.label} from index {part.subindex}",
         "use": part.use.position,
-        "format": own,
-        "others": others,
-        "count": part.count,
-        "size": padded(part.size),
+        "expected": f"DW#16#{part.use.format.code:02X}{part.count:02X}00{part.size:02X}",
     }
-
-
-def _telegrams(plan: DrivePlan, job: DriveJob) -> list[dict[str, Any]]:
-    views = []
-    first = 1
-    for telegram in job.telegrams:
-        views.append(_telegram(plan, telegram, first, many=len(job.telegrams) > 1))
-        first += len(telegram.parts)
-    return views
-
-
-def _telegram(plan: DrivePlan, telegram: DriveTelegram, first: int, *, many: bool) -> dict[str, Any]:
-    request_db, response_db = telegram.request.db, telegram.response.db
-    suffix = str(telegram.number) if many else ""
-    reference = next(f.name for f in telegram.request.fields if f.role == "reference")
-    mirror = next(f.name for f in telegram.response.fields if f.role == "reference")
-    build = [
-        {
-            "target": f'"{request_db.name}".{reference}',
-            "source": "#statReference",
-        }
-    ]
-    store: list[dict[str, str]] = []
-    if plan.target.t15:
-        view = f"#statRequestView{suffix}"
-        build += [_move(f"{view}.{f.name}", f'"{request_db.name}".{f.name}') for f in telegram.request.fields]
-        view = f"#statResponseView{suffix}"
-        store = [_move(f'"{response_db.name}".{f.name}', f"{view}.{f.name}") for f in telegram.response.fields]
-    return {
-        "index": telegram.number,
-        "suffix": suffix,
-        "request_type": telegram.request.type.name,
-        "response_type": telegram.response.type.name,
-        "request_length": len(telegram.request.data),
-        "response_size": telegram.response.size,
-        "request_pointer": f"P#DB{request_db.number}.DBX0.0 BYTE {len(telegram.request.data)}",
-        "response_pointer": f"P#DB{response_db.number}.DBX0.0 BYTE {telegram.response.size}",
-        "reference": f'"{request_db.name}".{reference}',
-        "mirror": f'"{response_db.name}".{mirror}',
-        "count": len(telegram.parts),
-        "count_literal": f"B#16#{len(telegram.parts):02X}",
-        "first_block": first,
-        "last_block": first + len(telegram.parts) - 1,
-        "first_use": telegram.parts[0].use.position,
-        "last_use": telegram.parts[-1].use.position,
-        "build": build,
-        "store": store,
-    }
-
-
-def _move(target: str, source: str) -> dict[str, str]:
-    return {"target": target, "source": source}
 
 
 def _copies(plan: DrivePlan, job: DriveJob, *, response: bool) -> list[dict[str, Any]]:
-    """Moves between the block's interface and the value members of its buffer DBs."""
-    if response == job.writes:
-        return []
+    """Moves between the block's interface and the value members of its buffers."""
     copies = []
     for telegram in job.telegrams:
-        db = telegram.response.db if response else telegram.request.db
+        view = f"stat{'Response' if response else 'Request'}View{_suffix(job, telegram)}"
+        blocks = {id(part): number for number, part in enumerate(telegram.parts, 1)}
         for field in telegram.response.fields if response else telegram.request.fields:
             if field.role != "value" or field.part is None or (not response and field.part.use.constant):
                 continue
-            copies.append(_copy(plan, field, field.part, f'"{db.name}".{field.name}', response=response))
+            copy = _copy(plan, field, field.part, f"{view}.{field.name}", response=response)
+            copies.append({**copy, "telegram": telegram.number, "block": blocks[id(field.part)]})
     return copies
+
+
+_CELLS = {1: ("BYTE", "DBB", "DB"), 2: ("WORD", "DBW", "DW"), 4: ("DWORD", "DBD", "DD")}
+"""Cells of a data block by size: type, and how TIA and STEP 7 V5 call them."""
+
+
+def _own_writes(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
+    """Assignments that put the drive object and the inputs into a request that has its own data block."""
+    mark = "" if plan.target.v5 else "#"
+    found = []
+    for field in job.telegrams[0].request.fields:
+        if field.role == "drive_object":
+            found.append((_cell(plan, "requestDb", field.offset, 1), f"{mark}driveObject"))
+        if field.role != "value" or field.part is None or field.part.use.constant:
+            continue
+        name = f"{mark}{field.part.use.member}"
+        type_, low = field.type, None
+        if isinstance(type_, ArrayType):
+            type_, low = type_.element, type_.bounds[0][0]
+        if not isinstance(type_, Elementary):
+            continue
+        size = type_.bits // 8
+        for number in range(field.size // size):
+            source = name if low is None else f"{name}[{low + number}]"
+            own = interface_type(field.part.use.format, 1, field.part.use.subindex, plan.target)
+            cell = _CELLS[size][0]
+            given = own.name if isinstance(own, Elementary) else type_.name
+            found.append((_cell(plan, "requestDb", field.offset + number * size, size), _as_cell(source, given, cell)))
+    return found
+
+
+def _cell(plan: DrivePlan, block: str, offset: int, size: int) -> str:
+    _, tia, v5 = _CELLS[size]
+    return f"{block}.{v5}[{offset}]" if plan.target.v5 else f"#{block}.%{tia}{offset}"
+
+
+def _as_cell(source: str, type_: str, cell: str) -> str:
+    """A value as the bytes that hold it."""
+    if type_ == cell:
+        return source
+    if type_ == "BOOL":
+        return f"WORD_TO_BYTE(INT_TO_WORD(BOOL_TO_INT({source})))"
+    return f"{type_}_TO_{cell}({source})"
 
 
 def _copy(plan: DrivePlan, field: DriveField, part: Part, member: str, *, response: bool) -> dict[str, Any]:

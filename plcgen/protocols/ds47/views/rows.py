@@ -7,22 +7,25 @@ from functools import partial
 from plcgen.documents.members import assignments, buffer_member, display_format
 from plcgen.documents.nouns import DataBlock, MemberRow, TypeBlock
 from plcgen.documents.spelling import comment_text, literal, one_line
-from plcgen.project.nouns import Buffer
+from plcgen.project.nouns import BlockRef, Buffer
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan
 from plcgen.protocols.ds47.views.texts import field_texts
 from plcgen.s7.types import Elementary
 
 
-def buffer_blocks(plan: DrivePlan, job: DriveJob, title: str) -> list[tuple[TypeBlock, DataBlock]]:
+def buffer_blocks(plan: DrivePlan, job: DriveJob, title: str) -> list[tuple[TypeBlock, DataBlock | None]]:
     """Types and data blocks of a job's telegrams, request and response in turn."""
-    found = []
+    found: list[tuple[TypeBlock, DataBlock | None]] = []
     for telegram in job.telegrams:
         for which, buffer in (("Request", telegram.request), ("Response", telegram.response)):
             members = [_member(plan, buffer, field, response=which == "Response") for field in buffer.fields]
             type_ = TypeBlock(buffer.type, members, job.comment)
-            data = DataBlock(buffer.db, f"{which}: {title}", members, assignments(members), job.comment)
-            found.append((type_, data))
+            found.append((type_, _data(buffer.db, f"{which}: {title}", members, job)))
     return found
+
+
+def _data(db: BlockRef | None, title: str, members: list[MemberRow], job: DriveJob) -> DataBlock | None:
+    return None if db is None else DataBlock(db, title, members, assignments(members), job.comment)
 
 
 def _member(plan: DrivePlan, buffer: Buffer[DriveField], field: DriveField, *, response: bool) -> MemberRow:

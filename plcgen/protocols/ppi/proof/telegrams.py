@@ -38,13 +38,13 @@ def _part(telegrams: tuple[PpiTelegram, ...], telegram: PpiTelegram) -> str:
 
 
 def _telegram(plan: PpiPlan, folder: Folder, master: PlannedMaster, telegram: PpiTelegram, key: str) -> Check:
-    name, subject = f"telegram.{telegram.request.db.name}", key
+    name, subject = f"telegram.{telegram.request.home.name}", key
     shown = telegram.request.data.hex(" ").upper()
     text = f"{shown} ({len(telegram.request.data)} bytes)"
     problem = _first_problem(plan, folder, master, telegram)
     if problem is None:
         return Check(name, subject, text, Outcome.OK, "start values form exactly this telegram")
-    place = folder.place(telegram.request.db.name)
+    place = folder.place(telegram.request.home.name)
     found = Diagnostic("PG604", problem, place, help="run plcgen generate")
     return Check(name, subject, text, Outcome.ERROR, problem, found)
 
@@ -54,9 +54,9 @@ def _first_problem(plan: PpiPlan, folder: Folder, master: PlannedMaster, telegra
     for origin, blocks in (("text source", folder.text), ("SimaticML", folder.xml)):
         if origin == "SimaticML" and plan.target.xml_version is None:
             continue
-        block = blocks.get(telegram.request.db.name.upper())
+        block = blocks.get(telegram.request.home.name.upper())
         if block is None:
-            return f'DB "{telegram.request.db.name}" is missing in the {origin}s'
+            return f'DB "{telegram.request.home.name}" is missing in the {origin}s'
         try:
             data = bytes(image(block, blocks))
             size = layout_block(block, blocks).size

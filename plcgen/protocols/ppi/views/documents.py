@@ -87,8 +87,8 @@ def _manifest(plan: PpiPlan) -> dict[str, Any]:
             "telegrams": [
                 {
                     "request": telegram.request.data.hex(" ").upper(),
-                    "request_db": f"DB{telegram.request.db.number}",
-                    **({"response_db": f"DB{telegram.response.db.number}"} if telegram.response else {}),
+                    "request_db": f"DB{telegram.request.home.number}",
+                    **({"response_db": f"DB{telegram.response.home.number}"} if telegram.response else {}),
                 }
                 for telegram in master.telegrams
             ],

@@ -215,9 +215,9 @@ class _Views:
         return {
             "number": telegram.number,
             "label": f"{job.key} of {telegram.station.key}" if job else f"first frame to {telegram.station.key}",
-            "db": telegram.request.db.name,
+            "db": telegram.request.home.name,
             "type": telegram.request.type.name,
-            "response": telegram.response.db.name if telegram.response else "",
+            "response": telegram.response.home.name if telegram.response else "",
             "walked": walked,
             "first_item": telegram.items[0].number if walked else 0,
             "last_item": telegram.items[-1].number if walked else 0,

@@ -86,7 +86,7 @@ def _source(telegram: PpiTelegram, field: PpiField, placed: Placed) -> str:
     """Expression of a value, or of one element by ``tempIndex``, over one member of a response DB."""
     value = placed.value
     assert telegram.response is not None  # noqa: S101 - a read has one
-    member = f'"{telegram.response.db.name}".{field.name}'
+    member = f'"{telegram.response.home.name}".{field.name}'
     if field.type == value.type and len(field.placed) == 1:
         return f"{member}[#tempIndex]" if value.count > 1 else member
     array = isinstance(field.type, ArrayType)
@@ -112,7 +112,7 @@ def into_table(plan: PpiPlan, job: PpiJob, telegram: PpiTelegram) -> list[dict[s
     for field in telegram.request.fields:
         if field.role != "value":
             continue
-        target = f'"{telegram.request.db.name}".telegram.{field.name}'
+        target = f'"{telegram.request.home.name}".telegram.{field.name}'
         for placed in field.placed:
             value = placed.value
             if value.constant:
