@@ -2,33 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.wire.formats import unpack_values
-from plcgen.protocols.ds47.words import STATES, STATUS_WORDS
+from plcgen.protocols.ds47.words import CHANNEL_STATES, STATUS_WORDS
 from plcgen.trace.model import Contact, Ending, JobResult, JobValue, Signal, Value
-from plcgen.trace.recorder import Watched, plain, signal, watch
+from plcgen.trace.recorder import Derived, Watched, kind_of, plain, signal, watch
 
-STATE_NAMES = {number: name.removeprefix("STATE_") for name, number, _ in STATES}
+_WAITING = 1 + max(number for _, number, _ in CHANNEL_STATES)
+STATE_NAMES = {number: name.removeprefix("STATE_") for name, number, _ in CHANNEL_STATES} | {_WAITING: "WAITING"}
+"""States of a job: those of the channel while it holds the unit, IDLE, and waiting for its turn."""
 STATUS_TEXTS = {number: text for _, number, text in STATUS_WORDS}
-_WAIT = next(number for name, number, _ in STATES if name == "STATE_WAIT")
+_PAUSE = next(number for name, number, _ in CHANNEL_STATES if name == "STATE_PAUSE")
+_TICKETS = 100_000
+"""A grant is the slot times this, plus the number under which the job asks."""
 
-_MEMBERS = (
-    ("state", "diagnostics.state"),
-    ("telegram", "diagnostics.telegram"),
-    ("retries", "diagnostics.retries"),
-    ("reference", "diagnostics.requestReference"),
-    ("busy", "busy"),
-    ("done", "done"),
-    ("error", "error"),
-    ("status", "status"),
-    ("recordStatus", "diagnostics.recordStatus"),
-    ("errors", "errors"),
-    ("errorInfos", "errorInfos"),
-)
-_OWN = frozenset({"execute", *(name for name, _ in _MEMBERS)})
+_MEMBERS = ("busy", "done", "error", "status", "errors", "errorInfos")
+_OF_UNIT = {"retries": "retries", "reference": "request[0]", "recordStatus": "recordStatus"}
+"""What a job shows of its unit while it holds it."""
+_OWN = frozenset({"execute", "state", "telegram", *_MEMBERS, *_OF_UNIT})
 """Names of signals that a value may have too: not all of them are names at the interface of the block."""
 
 
@@ -38,36 +33,96 @@ def execute_path(plan: DrivePlan, job: DriveJob) -> str:
     return str(flag) if flag is not None else f'"{plan.control_db.name}".{job.member}.execute'
 
 
-def job_signals(cpu: Cpu, plan: DrivePlan, job: DriveJob) -> Iterator[tuple[Signal, Watched]]:
+def instance_path(plan: DrivePlan, job: DriveJob) -> str:
+    """Where the instance of a job lies."""
+    return f'"{plan.engine.calls_db.name}".{job.member}'
+
+
+class Units:
+    """The units of a run: which job holds each of them."""
+
+    def __init__(self, cpu: Cpu, plan: DrivePlan) -> None:
+        self._cpu, self._plan = cpu, plan
+        self._grants = {unit.key: watch(cpu, f'"{unit.db.name}".unit.turn.grant')[0] for unit in plan.units}
+        self._channels = {f"{plan.engine.calls_db.name}.{unit.member}".upper(): unit.key for unit in plan.units}
+        self._jobs = {(job.drive.unit.key, job.slot): job.key for job in plan.jobs}
+
+    def slot(self, unit: str) -> int:
+        """The slot that holds a unit, 0 if none does."""
+        grant = self._grants[unit].value()
+        return grant // _TICKETS if isinstance(grant, int) else 0
+
+    def holds(self, job: DriveJob) -> bool:
+        """Whether a job holds its unit."""
+        return self.slot(job.drive.unit.key) == job.slot
+
+    def job_of(self, instance: str) -> str:
+        """Key of the job for which an instance of WRREC or RDREC works; the instance itself if it belongs to none."""
+        unit = self._channels.get(instance.rpartition(".")[0].upper())
+        return instance if unit is None else self._jobs.get((unit, self.slot(unit)), instance)
+
+    def state(self, job: DriveJob) -> int:
+        """State of a job, see STATE_NAMES."""
+        if not self._cpu[f"{instance_path(self._plan, job)}.busy"]:
+            return 0
+        found = self._cpu[f'"{job.drive.unit.db.name}".unit.state'] if self.holds(job) else _WAITING
+        return found if isinstance(found, int) else 0
+
+    def signals(self) -> Iterator[tuple[Signal, Derived]]:
+        """Which job holds which unit."""
+        for unit in self._plan.units:
+            names = {0: "", **{job.slot: job.key for job in self._plan.jobs if job.drive.unit is unit}}
+            path = f'"{unit.db.name}".unit.turn.grant'
+            yield Signal(unit.db.name, "owner", "integer", 16, path=path, names=names), Derived(partial(self.slot, unit.key))
+
+
+def job_signals(
+    cpu: Cpu, plan: DrivePlan, job: DriveJob, units: Units
+) -> Iterator[tuple[Signal, Watched | Derived]]:
     """Signals of a job: start, state, outputs; its values are listed by the text report."""
+    own, unit = instance_path(plan, job), f'"{job.drive.unit.db.name}".unit'
     yield signal(cpu, job.key, "execute", execute_path(plan, job))
-    for name, member in _MEMBERS:
-        names = STATE_NAMES if name == "state" else STATUS_TEXTS if name == "status" else {}
-        yield signal(cpu, job.key, name, f'"{job.instance.name}".{member}', names=names)
+    state = Signal(job.key, "state", "integer", 16, path=f"{unit}.state", names=STATE_NAMES)
+    yield state, Derived(partial(units.state, job))
+    yield signal(cpu, job.key, "telegram", f"{own}.statTicket.ask.telegram")
+    for name, member in _OF_UNIT.items():
+        path = f"{unit}.{member}"
+        kind, bits = kind_of(watch(cpu, path)[1])
+        yield Signal(job.key, name, kind, bits, path=path), Derived(_while_held(cpu, path, units, job))
+    for name in _MEMBERS:
+        names = STATUS_TEXTS if name == "status" else {}
+        yield signal(cpu, job.key, name, f"{own}.{name}", names=names)
     for use in (*job.inputs, *job.outputs):
-        path = f'"{job.instance.name}".{use.member}'
         name = f"{use.member}_value" if use.member in _OWN else use.member
+        path = f"{own}.{use.member}"
         yield signal(cpu, job.key, name, path, unit=use.parameter.unit or "", listed=not job.writes)
 
 
-def token_signals(cpu: Cpu, plan: DrivePlan) -> Iterator[tuple[Signal, Watched]]:
-    """Which job owns which drive; the last request reference."""
-    for token, drives in plan.tokens:
-        owners = {job.owner: job.key for job in plan.jobs if job.drive in drives}
-        yield signal(cpu, token.name, "owner", f'"{token.name}".owner', names={0: "", **owners})
-        yield signal(cpu, token.name, "requestReference", f'"{token.name}".requestReference')
+def _while_held(cpu: Cpu, path: str, units: Units, job: DriveJob) -> Callable[[], Value]:
+    """A member of a unit as long as a job holds it; afterwards what it was then."""
+    last: list[Value] = [0]
+
+    def value() -> Value:
+        if units.holds(job):
+            last[0] = plain(cpu[path])
+        return last[0]
+
+    return value
 
 
 class JobWatch:
     """One job of a run: started in the first scan, followed until done or error."""
 
-    def __init__(self, cpu: Cpu, plan: DrivePlan, planned: DriveJob) -> None:
+    def __init__(self, cpu: Cpu, plan: DrivePlan, planned: DriveJob, units: Units) -> None:
         self.planned = planned
+        self._path = instance_path(plan, planned)
         self.timeout = planned.timeout
         self.ending: Ending = "not started"
         self._execute = execute_path(plan, planned)
         self._cpu = cpu
-        self._members = {name: self._watch(name) for name in ("busy", "done", "error", "diagnostics.state")}
+        self._members: dict[str, Watched | Derived] = {name: self._watch(name) for name in ("busy", "done", "error")}
+        self._members["state"] = Derived(partial(units.state, planned))
+        self._record = _while_held(cpu, f'"{planned.drive.unit.db.name}".unit.recordStatus', units, planned)
         self._now: dict[str, Value] = {name: item.value() for name, item in self._members.items()}
         self._status = 0
         self._record_status = 0
@@ -76,12 +131,12 @@ class JobWatch:
         self._values: tuple[JobValue, ...] = ()
 
     def _watch(self, member: str) -> Watched:
-        found, _ = watch(self._cpu, f'"{self.planned.instance.name}".{member}')
+        found, _ = watch(self._cpu, f"{self._path}.{member}")
         found.changed()
         return found
 
     def _read(self, member: str) -> Value:
-        return plain(self._cpu[f'"{self.planned.instance.name}".{member}'])
+        return plain(self._cpu[f"{self._path}.{member}"])
 
     def _number(self, member: str) -> int:
         value = self._read(member)
@@ -104,7 +159,8 @@ class JobWatch:
         for name, item in self._members.items():
             if item.changed():
                 self._now[name] = item.value()
-                self._retries += name == "diagnostics.state" and self._now[name] == _WAIT
+                self._retries += name == "state" and self._now[name] == _PAUSE
+        self._record()
         if self._now["done"] or self._now["error"]:
             self.ending = "error" if self._now["error"] else "done"
             self._end = scan, self._cpu.clock
@@ -115,18 +171,19 @@ class JobWatch:
     def _keep(self) -> None:
         """Take status and values over as they are now: the next start changes them."""
         self._status = self._number("status")
-        self._record_status = self._number("diagnostics.recordStatus")
+        record = self._record()
+        self._record_status = record if isinstance(record, int) else 0
         errors, infos = self._read("errors"), self._read("errorInfos")
         self._values = tuple(self._value(use, errors, infos) for use in self.planned.uses)
 
     def _value(self, use: Use, errors: Value, infos: Value) -> JobValue:
         word = _element(errors, use.position)
-        number = word & 0xFF if word & 0x8000 else None
+        number = word & 0xFF if word & 0xFF00 == 0x8000 else None
         value: Value | None = None
         if self.planned.writes and use.constant:
             values = [_octets(item) for item in unpack_values(use.format, use.count, use.data)]
             value = plain(values[0] if len(values) == 1 else values)
-        elif self.planned.writes or self.ending == "done":
+        elif self.planned.writes or (self.finished and not word):
             value = self._read(use.member)
         parameter = use.parameter
         return JobValue(

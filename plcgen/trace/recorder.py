@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,12 +22,12 @@ from plcgen.trace.model import Contact, Kind, RecordCall, Signal, Value
 
 
 class RecordingCpu(Cpu):
-    """A CPU that keeps every call of WRREC and RDREC; ``groups`` says which job an instance data block belongs to."""
+    """A CPU that keeps every call of WRREC and RDREC; ``group`` says for which job an instance of them works now."""
 
-    def __init__(self, program: Program, bus: Periphery, family: Family, groups: Mapping[str, str]) -> None:
+    def __init__(self, program: Program, bus: Periphery, family: Family) -> None:
         self.calls: list[RecordCall] = []
         self.contacts: list[Contact] = []
-        self._groups = groups
+        self.group: Callable[[str], str] = str
         self._seen: dict[int, int] = {}
         self._requests: dict[int, bytes] = {}
         self._instances: dict[tuple[str, int], str] = {}
@@ -58,7 +58,7 @@ class RecordingCpu(Cpu):
             return bool(memory[offset + place[0]] & place[1])
 
         instance = self._instance(memory, offset)
-        group = self._groups.get(memory.name.upper(), instance)
+        group = self.group(instance)
         status = int.from_bytes(memory[offset + block.status : offset + block.status + 4])
         finished, busy, error = (bit(flag) for flag in block.flags)
         length = int.from_bytes(memory[offset + block.answer : offset + block.answer + 2])
@@ -68,7 +68,7 @@ class RecordingCpu(Cpu):
 
     def _note_contacts(self, job: RecordJob) -> None:
         """Keep what a drive wrote into its journal when this job ended."""
-        group = self._groups.get(job.memory.name.upper(), self._instance(job.memory, job.offset))
+        group = self.group(self._instance(job.memory, job.offset))
         for drive in (unit for unit in self.bus.drives.values() if isinstance(unit, Drive)):
             seen = self._seen.get(id(drive), 0)
             for found in drive.journal[seen:]:
@@ -127,6 +127,22 @@ class Watched:
             return plain(self.read())
         except ValueError:
             return bytes(self.memory[self.start : self.end]).hex(" ").upper()
+
+
+class Derived:
+    """A value that is worked out from members; it is watched like one."""
+
+    def __init__(self, value: Callable[[], Value]) -> None:
+        self.value = value
+        self._last: Value | None = None
+
+    def changed(self) -> bool:
+        """Whether the value differs from that of the last call."""
+        now = self.value()
+        if now == self._last:
+            return False
+        self._last = now
+        return True
 
 
 def watch(cpu: Cpu, path: str) -> tuple[Watched, DataType]:

@@ -14,10 +14,10 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import usage
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.words import DRAIN_MS
-from plcgen.trace.jobs import JobWatch, job_signals, token_signals
+from plcgen.trace.jobs import JobWatch, Units, job_signals
 from plcgen.trace.model import RecordCall, Signal, Step, Trace, Value
 from plcgen.trace.program import connect, load_program
-from plcgen.trace.recorder import RecordingCpu, Watched, name_drives, signal
+from plcgen.trace.recorder import Derived, RecordingCpu, Watched, name_drives, signal
 from plcgen.trace.settings import TimedValue, parse_assignment, parse_time, plan_faults
 from plcgen.trace.values import assign, full_path
 
@@ -69,8 +69,7 @@ def _simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progres
     program = load_program(folder, plan.target.dialect, settings.own)
     report.extend(program.diagnostics)
     bus = Periphery({address: unit for address, (_, unit) in units.items()})
-    groups = {name.upper(): job.key for job in plan.jobs for name in _instances(job)}
-    cpu = RecordingCpu(program, bus, cast("Family", plan.target.family), groups)
+    cpu = RecordingCpu(program, bus, cast("Family", plan.target.family))
     name_drives(cpu, units.values())
     run = _Run(cpu, plan, jobs, settings, scan_time, assignments)
     run.go(folder, progress)
@@ -93,10 +92,6 @@ def _simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progres
         tuple(watch.result() for watch in run.jobs),
         tuple(report),
     )
-
-
-def _instances(job: DriveJob) -> list[str]:
-    return [job.instance.name, *(record.name for record in job.record_instances or ())]
 
 
 def _chosen(plan: DrivePlan, names: Sequence[str]) -> list[DriveJob]:
@@ -142,7 +137,7 @@ class _Run:
     steps: list[Step] = field(default_factory=list)
     jobs: list[JobWatch] = field(default_factory=list)
     ended: Literal["jobs", "scans", "stop"] = "scans"
-    watched: list[tuple[int, Watched]] = field(default_factory=list)
+    watched: list[tuple[int, Watched | Derived]] = field(default_factory=list)
     positions: dict[str, int] = field(default_factory=dict)
 
     def go(self, folder: Path, progress: Progress | None) -> None:
@@ -190,17 +185,19 @@ class _Run:
                 self.add(*signal(self.cpu, "memory", path, full, listed=True))
 
     def prepare_jobs(self) -> None:
-        """Look up the members of the jobs and tokens. Raises KeyError for one that is not there."""
+        """Look up the members of the jobs and units. Raises KeyError for one that is not there."""
+        units = Units(self.cpu, self.plan)
+        self.cpu.group = units.job_of
         for job in self.planned:
-            for found, watched in job_signals(self.cpu, self.plan, job):
+            for found, watched in job_signals(self.cpu, self.plan, job, units):
                 self.add(found, watched)
             for block in ("WRREC", "RDREC"):
                 self.add_record(job.key, block)
-            self.jobs.append(JobWatch(self.cpu, self.plan, job))
-        for found, watched in token_signals(self.cpu, self.plan):
+            self.jobs.append(JobWatch(self.cpu, self.plan, job, units))
+        for found, watched in units.signals():
             self.add(found, watched)
 
-    def add(self, found: Signal, watched: Watched) -> None:
+    def add(self, found: Signal, watched: Watched | Derived) -> None:
         """Record a member from now on."""
         watched.changed()
         self.watched.append((len(self.signals), watched))

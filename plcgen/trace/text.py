@@ -135,9 +135,9 @@ class _Table:
         number = values[at]
         text = self.trace.signals[at].names.get(number, str(number)) if isinstance(number, int) else ""
         telegram, retries = self._get(values, group, "telegram"), self._get(values, group, "retries")
-        if self.telegrams.get(group, 0) > 1 and text != "IDLE":
+        if self.telegrams.get(group, 0) > 1 and text not in {"IDLE", "WAITING"}:
             text += f" {telegram}/{self.telegrams[group]}"
-        return f"{text} retry {retries}" if text.startswith("WAIT") else text
+        return f"{text} retry {retries}" if text.startswith("PAUSE") else text
 
     def _status(self, values: list[Value], group: str) -> tuple[str, str]:
         status = self._get(values, group, "status")
