@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench import codec, generation, layout_speed, ppi, scl_speed, simaticml_reading, startup
+from bench import codec, generation, layout_speed, ppi, scl_speed, simaticml_reading, startup, work_memory
 
 
 def main() -> None:
@@ -31,6 +31,7 @@ def main() -> None:
     ppi.main()
     simaticml_reading.main()
     layout_speed.main()
+    work_memory.main()
 
 
 if __name__ == "__main__":
