@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from plcgen.review.memory import costs
-from plcgen.review.memory.names import OperandArea, CodeOperand, BlockNames
+from plcgen.review.memory.names import BlockNames, CodeOperand, OperandArea
 from plcgen.s7.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.types import DataType, StringType
 from plcgen.scl import ast

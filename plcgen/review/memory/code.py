@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from plcgen.review.memory import costs
 from plcgen.review.memory.calls import CallCost
-from plcgen.review.memory.names import CodeOperand, BlockNames
+from plcgen.review.memory.names import BlockNames, CodeOperand
 from plcgen.review.memory.values import ValueSize
 from plcgen.scl import ast
 

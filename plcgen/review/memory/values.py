@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from plcgen.review.memory import costs
 from plcgen.review.memory.calls import CallCost
-from plcgen.review.memory.names import OperandArea, CodeOperand, BlockNames
+from plcgen.review.memory.names import BlockNames, CodeOperand, OperandArea
 from plcgen.scl import ast
 
 COMPARISONS = frozenset({"=", "<>", "<", ">", "<=", ">="})
