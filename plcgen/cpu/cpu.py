@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import struct
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from types import FrameType, TracebackType
 from typing import Any, Literal
@@ -21,7 +21,7 @@ from plcgen.cpu.system.clock import SystemClock
 from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.cpu.system.moves import AccessFaultError, MemoryMoves
 from plcgen.cpu.system.point_to_point import PORT_BLOCKS, PortBlock
-from plcgen.cpu.system.record import RecordBlock
+from plcgen.cpu.system.record import PLACES, RecordBlock, RecordJobs, RecordPlaces
 from plcgen.cpu.system.timers import counter, edge, timer
 from plcgen.diagnostics import DiagnosticError
 from plcgen.s7.blocks import Block, BlockKind
@@ -30,9 +30,6 @@ from plcgen.s7.image import Tree
 from plcgen.s7.layout import layout_block
 
 Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
-JOB_LIMITS: Mapping[str, int] = {"s7-300": 4, "s7-400": 8, "s7-1200": 4, "s7-1500": 10}
-"""Record jobs of one kind that a CPU runs at once."""
-
 AREA_SIZE = 65536
 LOOP_LIMIT = 1_000_000
 MAX_MISUSES = 1000
@@ -54,8 +51,9 @@ class Misuse:
 class Cpu:
     """One CPU with a program.
 
-    ``family`` decides how many record jobs run at once (``job_limit`` overrides it); ``loop_limit`` is how many
-    passes all loops of one scan may take together. ``misuses`` collects what went wrong, ``clock`` is in ms.
+    ``family`` decides how many record jobs run at once (``job_limit`` overrides it, a number counts each of WRREC and
+    RDREC); ``loop_limit`` is how many passes all loops of one scan may take together. ``misuses`` collects what went
+    wrong, ``clock`` is in ms.
     """
 
     def __init__(
@@ -64,7 +62,7 @@ class Cpu:
         bus: Periphery | None = None,
         *,
         family: Family | None = None,
-        job_limit: int | None = None,
+        job_limit: int | RecordPlaces | None = None,
         loop_limit: int = LOOP_LIMIT,
     ) -> None:
         if not program.ok:
@@ -73,12 +71,13 @@ class Cpu:
         self.bus = bus if bus is not None else Periphery()
         default: Family = "s7-300" if program.link.classic else "s7-1500"
         self.family: Family = family or default
-        self.job_limit = job_limit if job_limit is not None else JOB_LIMITS[self.family]
         self.misuses: list[Misuse] = []
         self.scans = 0
         self.faulted = False
         self.time = SystemClock()
         self._clock = self.time.cell
+        places = RecordPlaces(each=job_limit) if isinstance(job_limit, int) else job_limit or PLACES[self.family]
+        self.records = RecordJobs(self.bus, self._clock, places, idle_needs_place=self.family == "s7-1500")
         self._passes = [0, loop_limit]
         self.coverage = [0] * len(program.probes)
         self._compiled: dict[str, Compiled] = {}
@@ -146,7 +145,7 @@ class Cpu:
         types: dict[str, Block] = {}
         shape = layout_block(system.block, types).shape
         if system.record:
-            block = RecordBlock(system, shape, self.bus, self._report, self.job_limit)
+            block = RecordBlock(system, shape, self.records, self._report)
             self._records.append(block)
             return block
         if system.kind in PORT_BLOCKS:
@@ -231,6 +230,7 @@ class Cpu:
         self._clock[0] += milliseconds
         if milliseconds:
             self.bus.advance(milliseconds)
+        self.records.advance()
         self._passes[0] = self.preemption.delays = 0
         for block in self._records:
             block.scan = self.scans
@@ -268,8 +268,10 @@ class Cpu:
 
     def drop_records(self) -> None:
         """Forget the record jobs that run, as after a failure of the bus: their blocks are neither busy nor done."""
+        self.records.drop()
         for block in self._records:
-            block.drop()
+            if isinstance(block, PortBlock):
+                block.drop()
 
     # --- access ---------------------------------------------------------------------------------------
 
@@ -300,8 +302,9 @@ class Cpu:
 
     @property
     def jobs(self) -> int:
-        """Record jobs that are running."""
-        return sum(len(block.jobs) for block in self._records)
+        """Record jobs whose end no call has reported yet, and transfers through serial ports."""
+        transfers = sum(len(block.jobs) for block in self._records if isinstance(block, PortBlock))
+        return transfers + len(self.records.jobs)
 
     def uncovered(self) -> list[Probe]:
         """Statements and branches that never ran; empty without coverage."""

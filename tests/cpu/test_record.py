@@ -5,6 +5,7 @@ from cpu.support import load
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.system.bus import Periphery
+from plcgen.cpu.system.record import PLACES, RecordPlaces
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter
@@ -114,12 +115,15 @@ def test_changed_length():
 
 
 def test_request_held():
-    """REQ is TRUE in the first call only."""
-    cpu, _, _ = bench()
-    cpu.call("Test_DB", 10, write=True)
-    cpu.call("Test_DB", 10)
-    assert [misuse.code for misuse in cpu.misuses] == ["PG833"]
-    assert "WRREC" in cpu.misuses[0].message
+    """REQ starts a job only when none runs; held, it starts the next one right behind the end (help, parameter REQ)."""
+    cpu, _, drive = bench()
+    found = []
+    for _ in range(5):
+        cpu.call("Test_DB", 10, write=True)
+        found.append(outputs(cpu)[3])
+    assert found == ["00700100", "00700200", "00000000", "00700100", "00700200"]
+    assert len(drive.journal) == 1
+    assert cpu.misuses == []
 
 
 def test_changed_record():
@@ -192,10 +196,130 @@ def test_job_limit(limit, expected):
 
 
 def test_limits_of_the_families():
-    """Small CPUs run few jobs at once."""
+    """Record jobs at once, entry 15364459: in total on small CPUs, of WRREC and RDREC each on large ones."""
+    figures = {name: (places.total, places.each) for name, places in PLACES.items()}
+    assert figures == {
+        "s7-300": (4, None), "s7-317": (8, None), "s7-400": (None, 8), "s7-1200": (4, None), "s7-1500": (None, 10),
+        "s7-1500-v2": (None, 20),
+    }  # fmt: skip
     program = load(TWO)
-    found = {name: Cpu(program, family=name).job_limit for name in ("s7-300", "s7-400", "s7-1200", "s7-1500")}
-    assert found == {"s7-300": 4, "s7-400": 8, "s7-1200": 4, "s7-1500": 10}
+    assert all(Cpu(program, family=name).records.places is PLACES[name] for name in PLACES if name in FAMILIES)
+
+
+FAMILIES = ("s7-300", "s7-400", "s7-1200", "s7-1500")
+
+
+@pytest.mark.parametrize(
+    ("places", "read"),
+    [(RecordPlaces(total=1), "C080C300"), (RecordPlaces(each=1), "00700100"), (RecordPlaces(total=2), "00700100")],
+)
+def test_places(places, read):
+    """A place in total is taken by either block, one of each kind only by its own."""
+    case = {**CASE, "code": CASE["code"].replace("VALID => #valid", "STATUS => #status, VALID => #valid")}
+    cpu, _, _ = bench(case, limit=places)
+    cpu.call("Test_DB", 10, write=True, read=True)
+    assert f"{cpu['Test_DB.status']:08X}" == read
+
+
+@pytest.mark.parametrize(("reported", "second"), [(True, True), (False, False)])
+def test_when_a_place_is_free_again(reported, second):
+    """Until a call has reported the end (BUSY is 1 till then), or until the job has been processed."""
+    calls = """IF #first THEN
+#a(REQ := TRUE, ID := 271, INDEX := 47, LEN := 10, RECORD := #q);
+END_IF;
+#b(REQ := NOT #first, ID := 271, INDEX := 47, LEN := 10, ERROR => #eb, RECORD := #q);"""
+    case = {**TWO, "in": "first : Bool;", "code": calls}
+    cpu, _, _ = bench(case, limit=RecordPlaces(each=1, until_reported=reported))
+    cpu.call("Test_DB", 10, first=True)
+    for _ in range(3):
+        cpu.scan(10)
+    cpu.call("Test_DB", 10, first=False)
+    assert cpu["Test_DB.eb"] is second
+
+
+@pytest.mark.parametrize(("family", "status"), [("s7-1500", "C080C300"), ("s7-1200", "00700000")])
+def test_no_place_for_a_call_without_request(family, status):
+    """An S7-1500 answers 80C3 to REQ = 0 too while all places are taken (help, note on REQ = 0)."""
+    case = {**CASE, "code": CASE["code"].replace("VALID => #valid", "STATUS => #status, VALID => #valid")}
+    cpu = Cpu(load(case), bench()[1], family=family, job_limit=RecordPlaces(total=1))
+    cpu.call("Test_DB", 10, write=True)
+    assert f"{cpu['Test_DB.status']:08X}" == status
+
+
+def test_a_job_goes_on_without_calls():
+    """The CPU ends a job on its own; the next call, whenever it comes, reports that once."""
+    cpu, _, drive = bench(busy=2)
+    cpu.call("Test_DB", 10, write=True)
+    found = []
+    for _ in range(4):
+        cpu.scan(10)
+        found.append(len(drive.journal))
+    assert found == [0, 1, 1, 1]
+    for expected in [(1, 0, 0, "00000000"), (0, 0, 0, "00700000")]:
+        cpu.call("Test_DB", 10, write=False)
+        assert outputs(cpu) == expected
+
+
+def test_calls_do_not_end_a_job():
+    """Five calls in one scan: the job takes as long as before."""
+    cpu, _, drive = bench(busy=2)
+    cpu.call("Test_DB", 10, write=True)
+    cpu["Test_DB.write"] = False
+    for _ in range(5):
+        cpu.function("Test")(cpu.db("Test_DB"))
+        assert outputs(cpu) == (0, 1, 0, "00700200")
+    assert drive.journal == []
+
+
+def test_a_read_answers_when_it_ends():
+    """What the drive has when the job ends comes into RECORD at the call that reports it, not before."""
+    cpu, _, drive = bench(busy=0)
+    cpu.call("Test_DB", 10, write=True)
+    cpu.call("Test_DB", 10, write=False)
+    cpu.bus.read_busy = 2
+    cpu.call("Test_DB", 10, read=True)
+    cpu.scan(10, 3)
+    assert [exchange.direction for exchange in drive.journal] == ["write", "read"]
+    assert bytes(cpu["Test_DB.a"][:8]) == bytes(8)
+    cpu.call("Test_DB", 10, read=False)
+    assert bytes(cpu["Test_DB.a"][:8]) == ANSWER
+
+
+def test_jobs_in_milliseconds():
+    """25 ms are over in the third scan of 10 ms, or in the first of 30 ms."""
+    for length, scans in ((10, 3), (30, 1)):
+        cpu, bus, drive = bench()
+        bus.write_time = 25
+        cpu.call("Test_DB", 10, write=True)
+        cpu["Test_DB.write"] = False
+        found = 0
+        while not drive.journal:
+            cpu.scan(length)
+            found += 1
+        assert found == scans
+
+
+@pytest.mark.parametrize(
+    ("network", "length", "status"),
+    [("profinet", 40, 0), ("profibus", 40, 20), ("profibus", 15, 15), ("profibus", 20, 0), ("profibus", 8, 0)],
+)
+def test_lengths_of_a_read(network, length, status):
+    """MLEN may be longer than RECORD (20 bytes); on PROFIBUS STATUS[4] is the RECORD's length then.
+
+    It is MLEN if the record (8 bytes) is shorter and RECORD longer than MLEN (help, "Field element STATUS[4]").
+    """
+    code = CASE["code"].replace("VALID => #valid", "STATUS => #readStatus, VALID => #valid")
+    case = {**CASE, "out": CASE["out"] + " readStatus : DWord;", "code": code.replace("MLEN := 20", "MLEN := #mlen")}
+    case["in"] += " mlen : UInt;"
+    cpu, bus, _ = bench(case, busy=0)
+    bus.network, bus.read_busy = network, 2
+    cpu["Test_DB.q"] = list(REQUEST)
+    cpu.call("Test_DB", 10, write=True, mlen=length)
+    cpu.call("Test_DB", 10, write=False, read=True)
+    for _ in range(2):
+        cpu.call("Test_DB", 10, read=False)
+    assert (cpu["Test_DB.valid"], cpu["Test_DB.readStatus"], cpu["Test_DB.count"]) == (True, status, 8)
+    assert cpu.misuses == []
 
 
 def test_restart_drops_jobs():

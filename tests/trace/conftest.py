@@ -55,7 +55,7 @@ BEGIN
 #buffer[6] := B#16#C4;
 #buffer[7] := B#16#7F;
 #step := #step + 1;
-#wr(REQ := #step < 3, ID := DW#16#100, INDEX := 47, LEN := 10, RECORD := #buffer);
+#wr(REQ := #step < 3, ID := DW#16#100, INDEX := 47, LEN := SEL(G := #step = 2, IN0 := 10, IN1 := 9), RECORD := #buffer);
 END_FUNCTION_BLOCK
 DATA_BLOCK "Sender_DB"
 { S7_Optimized_Access := 'FALSE' }
@@ -68,7 +68,7 @@ BEGIN
 "Sender_DB"();
 END_ORGANIZATION_BLOCK
 """
-"""A block that holds REQ one call too long, and the OB that calls it."""
+"""A block that changes LEN in the second call of a job, and the OB that calls it."""
 
 
 @pytest.fixture

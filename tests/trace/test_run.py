@@ -154,7 +154,7 @@ def test_a_drive_file(run: Run, tmp_path: Path) -> None:
 
 
 def test_own_blocks_instead_of_the_example(run: Run, own: Path) -> None:
-    """The user's OB runs, his WRREC is recorded under its instance, and the held REQ is reported at its line."""
+    """The user's OB runs, his WRREC is recorded under its instance, and the changed LEN is reported at its line."""
     trace = run(own=[own], watches=["Sender_DB.step"], scans=4)
     assert trace.main == "MyCycle"
     assert history(trace, "memory.Sender_DB.step") == [(1, 1), (2, 2), (3, 3), (4, 4)]
@@ -162,7 +162,7 @@ def test_own_blocks_instead_of_the_example(run: Run, own: Path) -> None:
     assert history(trace, "Sender_DB.wr.WRREC.DONE") == [(3, True), (4, False)]
     sent = [(s.scan, c.group, c.data) for s in trace.steps for c in s.contacts]
     assert sent == [(3, "Sender_DB.wr", bytes.fromhex("05 01 02 01 10 01 C47F 0000"))]
-    assert [(d.code, d.span.line, d.span.column) for d in trace.diagnostics] == [("PG833", 18, 1)]
+    assert [(d.code, d.span.line, d.span.column) for d in trace.diagnostics] == [("PG830", 18, 1)]
     assert not trace.ok
     assert [job.ending for job in trace.jobs] == ["not started", "not started"]
 

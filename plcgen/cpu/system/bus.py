@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Literal, Protocol
 
 from plcgen.cpu.system.port import Port
 
@@ -31,15 +31,19 @@ _OUTPUT_BIT = 0x8000
 class Periphery:
     """Drives by logical address or hardware identifier.
 
-    ``write_busy`` and ``read_busy`` say how many calls of a job answer BUSY before the last one; a function is
-    asked anew for every job. None keeps a job busy forever. ``ports`` are serial ports by hardware identifier
-    (S7-1200/1500) or address of their module (S7-300/400).
+    ``write_busy`` and ``read_busy`` say how many scans a job takes: as many calls, one a scan, answer BUSY. A function
+    is asked anew for every job. None keeps a job busy forever. ``write_time`` and ``read_time`` say it in ms instead.
+    ``network`` is that of the drives: on PROFIBUS a good RDREC may set STATUS[4]. ``ports`` are serial ports by
+    hardware identifier (S7-1200/1500) or address of their module (S7-300/400).
     """
 
     drives: dict[int, RecordServer] = field(default_factory=dict)
     write_busy: Busy | None = 2
     read_busy: Busy | None = 2
     ports: dict[int, Port] = field(default_factory=dict)
+    write_time: Busy | None = None
+    read_time: Busy | None = None
+    network: Literal["profinet", "profibus"] = "profinet"
 
     def attach(self, address: int, drive: RecordServer) -> None:
         """Put a drive at a logical address or hardware identifier."""
@@ -49,10 +53,13 @@ class Periphery:
         """Return the drive at an address; bit 15 of an output-only module is looked through."""
         return self.drives.get(address) or self.drives.get(address & ~_OUTPUT_BIT & 0xFFFFFFFF)
 
-    def busy_calls(self, kind: str) -> int | None:
-        """Busy calls of the next job."""
+    def duration(self, kind: str) -> tuple[int | None, int | None]:
+        """Scans and milliseconds that the next job takes; milliseconds are None unless they decide."""
+        time = self.write_time if kind == "WRREC" else self.read_time
+        if time is not None:
+            return None, time() if callable(time) else time
         chosen = self.write_busy if kind == "WRREC" else self.read_busy
-        return chosen() if callable(chosen) else chosen
+        return chosen() if callable(chosen) else chosen, None
 
     def advance(self, milliseconds: int) -> None:
         """Let time pass for every drive once."""
