@@ -12,7 +12,7 @@ from plcgen.cpu.memory import Memory, Reference
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.interfaces import SystemFb
-from plcgen.cpu.system.record import RecordBlock
+from plcgen.cpu.system.record import RecordBlock, RecordJob
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.s7.errors import UnfitValueError
 from plcgen.s7.layout import layout_block, locate
@@ -33,6 +33,7 @@ class RecordingCpu(Cpu):
         self._instances: dict[tuple[str, int], str] = {}
         self.drive_keys: dict[int, str] = {}
         super().__init__(program, bus, family=family)
+        self.records.ended = self._note_contacts
 
     def _runner(self, system: SystemFb) -> Callable[..., None]:
         inner = super()._runner(system)
@@ -64,11 +65,10 @@ class RecordingCpu(Cpu):
         self.calls.append(
             RecordCall(group, block.kind, instance, bit(block.req), busy, finished, error, status, length)
         )
-        if finished or error:
-            self._note_contacts(group)
 
-    def _note_contacts(self, group: str) -> None:
-        """Keep what a drive wrote into its journal during this call."""
+    def _note_contacts(self, job: RecordJob) -> None:
+        """Keep what a drive wrote into its journal when this job ended."""
+        group = self._groups.get(job.memory.name.upper(), self._instance(job.memory, job.offset))
         for drive in (unit for unit in self.bus.drives.values() if isinstance(unit, Drive)):
             seen = self._seen.get(id(drive), 0)
             for found in drive.journal[seen:]:

@@ -25,6 +25,10 @@ Key = tuple[int, int]
 """An instance: identity of its memory, first byte."""
 
 
+def _nobody(_job: RecordJob) -> None:
+    """Nobody wants to know when a job ends."""
+
+
 @dataclass(frozen=True, slots=True)
 class RecordPlaces:
     """How many record jobs a CPU runs at once: in ``total``, and of WRREC and RDREC ``each``; None is no limit.
@@ -56,9 +60,12 @@ PLACES: Mapping[str, RecordPlaces] = MappingProxyType(
 class RecordJob:
     """A record job of the CPU: ``scans`` or ``due`` (clock in ms) say when it ends, None for never.
 
-    ``length`` is LEN or MLEN as it was given, ``result`` STATUS and bytes once the drive has answered.
+    ``memory`` and ``offset`` are where its instance lies; ``length`` is LEN or MLEN as it was given, ``result`` STATUS
+    and bytes once the drive has answered.
     """
 
+    memory: Memory
+    offset: int
     write: bool
     address: int
     index: int
@@ -76,7 +83,10 @@ class RecordJob:
 
 
 class RecordJobs:
-    """All record jobs of a CPU. They go on when their block is not called: time ends them, not calls."""
+    """All record jobs of a CPU. They go on when their block is not called: time ends them, not calls.
+
+    ``ended`` is told of every job that the drive has answered.
+    """
 
     def __init__(self, bus: Periphery, clock: list[int], places: RecordPlaces, *, idle_needs_place: bool) -> None:
         self.bus = bus
@@ -85,6 +95,7 @@ class RecordJobs:
         self.idle_needs_place = idle_needs_place
         self.jobs: dict[Key, RecordJob] = {}
         self.orphans: list[RecordJob] = []
+        self.ended: Callable[[RecordJob], None] = _nobody
 
     def free(self, *, write: bool) -> bool:
         """Whether one more job finds a place."""
@@ -125,6 +136,7 @@ class RecordJobs:
             job.result = drive.write_record(job.index, job.snapshot), b""
         else:
             job.result = drive.read_record(job.index, job.room)
+        self.ended(job)
 
     def abandon(self, memory: Memory) -> None:
         """The instances in a memory forget their jobs; these go on in the CPU."""
@@ -178,7 +190,7 @@ class RecordBlock:
         index = int.from_bytes(memory[at : at + self.index_size]) & 0xFFFF
         length = int.from_bytes(memory[offset + self.length : offset + self.length + 2])
         if job is None:
-            job = RecordJob(self.write, address, index, length, record)
+            job = RecordJob(memory, offset, self.write, address, index, length, record)
             status = self.refusal(job)
             if status:
                 self.finish(memory, offset, (False, False, True), status)
