@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import lru_cache, partial
+from typing import Any
 
 from plcgen.documents.nouns import MemberRow, StartAssignment, WatchRow
-from plcgen.documents.spelling import culture, elements, literal, one_line, type_text, type_words
+from plcgen.documents.spelling import clean_title, culture, elements, literal, one_line, type_text, type_words
 from plcgen.project.nouns import BlockRef, BufferField, Frame
 from plcgen.s7.types import ArrayType, DataType, Elementary
 from plcgen.s7.values import SIGNED, UNSIGNED
@@ -18,15 +20,57 @@ _LETTER = {8: "DBB", 16: "DBW", 32: "DBD"}
 
 
 def plain(frame: Frame, name: str, type_: str, text: str, start: str = "") -> MemberRow:
-    """A member whose comment is not translated: the same text stands in every language of the project."""
-    return MemberRow(name, type_, text, start, comments=same_in_all(frame, text))
+    """A member whose comment is in one language only: that of the spec where it says it, else English."""
+    return MemberRow(name, type_, text, start, comments=in_its_language(frame, text))
 
 
-def same_in_all(frame: Frame, text: str) -> tuple[tuple[str, str], ...]:
-    """A comment in every language of the project; none where no document will be made of it."""
+def in_its_language(frame: Frame, text: str) -> tuple[tuple[str, str], ...]:
+    """A comment in the language it is in; none if the project has not that, or where no document will be made of it."""
     if not text or frame.target.xml_version is None:
         return ()
-    return tuple((culture(language), one_line(text)) for language in frame.languages)
+    language = languages_of(frame)(text)
+    return ((language, one_line(text)),) if language else ()
+
+
+@lru_cache(maxsize=8)
+def languages_of(frame: Frame) -> Callable[[str], str]:
+    """What tells the culture of a text of the sources: that of a comment of the spec inside it, else that of English.
+
+    It is empty if the project has no such language.
+    """
+    cultures = dict.fromkeys(map(culture, frame.languages))
+    english = next((name for name in cultures if name.startswith("en-")), "")
+    said = {text: name for text, name in _comments(frame.loaded.spec.model_dump(exclude_none=True)) if name != english}
+    return lru_cache(maxsize=65536)(partial(_language, {t: n for t, n in said.items() if n in cultures}, english))
+
+
+def _language(said: Mapping[str, str], english: str, text: str) -> str:
+    words = text.split() if said else []
+    parts = (" ".join(words[begin:end]) for begin in range(len(words)) for end in range(len(words), begin, -1))
+    return next((said[part] for part in parts if part in said), english)
+
+
+def _comments(tree: Any) -> Iterator[tuple[str, str]]:
+    """Every text under a key ``comment``, as sources and titles have it, with its culture."""
+    pending = [tree]
+    while pending:
+        found = pending.pop()
+        if isinstance(found, dict):
+            comment = found.get("comment")
+            if isinstance(comment, dict):
+                for language, text in comment.items():
+                    line = one_line(str(text))
+                    yield line, culture(language)
+                    yield " ".join(clean_title(line).split()), culture(language)
+            pending += found.values()
+        elif isinstance(found, list | tuple):
+            pending += found
+
+
+def _translated(texts: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """Texts with their cultures; one that only repeats the English one is no translation."""
+    english = next((text for language, text in texts.items() if language.startswith("en")), None)
+    return ((culture(name), text) for name, text in texts.items() if name.startswith("en") or text != english)
 
 
 def fixed(frame: Frame, rows: Iterable[tuple[str, str, str]]) -> list[MemberRow]:
@@ -85,7 +129,7 @@ def buffer_member(
         text=text,
         start=start,
         subs=subs,
-        comments=tuple((culture(language), text) for language, text in texts.items()),
+        comments=tuple(_translated(texts)),
         offset=field.offset,
         size=field.size,
         address=_address(db, type_, field.offset),

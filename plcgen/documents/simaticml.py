@@ -14,6 +14,7 @@ from itertools import count
 from typing import Any
 
 from plcgen.documents.document import Document
+from plcgen.documents.members import languages_of
 from plcgen.documents.nouns import Call, DataBlock, FunctionBlock, LibraryInstance, TagRow, TypeBlock, WatchRow
 from plcgen.documents.spelling import culture, one_line
 from plcgen.project.nouns import Frame
@@ -38,7 +39,8 @@ class SimaticMl:
         version = VERSIONS[frame.target.xml_version or ""]
         self._languages = frame.languages
         self._cultures = tuple(culture(language) for language in frame.languages)
-        self._setting = Setting(version, frame.target.classic, self._cultures)
+        self._language = languages_of(frame)
+        self._setting = Setting(version, frame.target.classic, self._cultures, self._language)
         self._early = VERSION_NOTE if version.early else ""
         self.note = VERSION_NOTE if version.inferred or version.early else ""
         """Why documents of this version are experimental, if they are."""
@@ -76,7 +78,11 @@ class SimaticMl:
         view: dict[str, Any] = {"name": name, "id": next(ids), "tags": []}
         for row in rows:
             tag = {**row._asdict(), "id": next(ids), "text_id": next(ids)}
-            tag["entries"] = [{"id": next(ids), "culture": shown} for shown in self._cultures]
+            own = self._language(row.text)
+            tag["entries"] = [
+                {"id": next(ids), "culture": shown, "text": row.text if shown == own else ""}
+                for shown in self._cultures
+            ]
             view["tags"].append(tag)
         return self._document(name, "simaticml/tags.xml.j2", view, self._early)
 

@@ -92,6 +92,13 @@ CASES = {
     "SHL(IN := #i, N := 8)": f'<Access Scope="Call"><Instruction Name="SHL">{token("(")}'
     f'<Parameter Name="IN">~{token(":=")}~{local("i")}</Parameter>{token(",")}~'
     f'<Parameter Name="N">~{token(":=")}~{number("8")}</Parameter>{token(")")}</Instruction></Access>',
+    'SHL("IN" := 1, "a b" := 2)': f'<Access Scope="Call"><Instruction Name="SHL">{token("(")}'
+    '<Parameter Name="IN"><BooleanAttribute Name="HasQuotes">true</BooleanAttribute>'
+    f'~{token(":=")}~{number("1")}</Parameter>{token(",")}~'
+    f'<Parameter Name="a b">~{token(":=")}~{number("2")}</Parameter>{token(")")}</Instruction></Access>',
+    "#data.#bits": '<Access Scope="LocalVariable"><Symbol><Component Name="data" />'
+    f'{DOT}<Component Name="bits"><BooleanAttribute Name="HasHash">true</BooleanAttribute></Component>'
+    "</Symbol></Access>",
     "TIME_TCK()": f'<Access Scope="Call"><Instruction Name="TIME_TCK">{token("(")}{token(")")}</Instruction></Access>',
     '"Scale"(a := 1)': f'<Access Scope="Call"><CallInfo BlockType="FC"><Instance Scope="GlobalVariable">'
     f'<Component Name="Scale" /></Instance>{token("(")}'

@@ -194,7 +194,8 @@ class CodeReader:
         for part in children:
             if local(part) == "Token" and part.get("Text") == "[":
                 bracket = True
-        out.append(_name(name, quoted=always or _has_quotes(element)))
+        out.append("#" if not first and _has(element, "HasHash") else "")
+        out.append(_name(name, quoted=always or _has(element, "HasQuotes")))
         if bracket:
             self.elements(element)
         elif any(local(part) == "Access" for part in children):
@@ -214,7 +215,7 @@ class CodeReader:
         name = element.get("Name")
         if name is not None and scope not in _CONSTANTS:
             prefix = "#" if scope == "LocalConstant" else ""
-            self.out.append(prefix + _name(name, quoted=scope == "GlobalConstant" or _has_quotes(element)))
+            self.out.append(prefix + _name(name, quoted=scope == "GlobalConstant" or _has(element, "HasQuotes")))
             return
         value = name or ""
         for part in element:
@@ -276,7 +277,7 @@ class CodeReader:
 
     def parameter(self, element: Element) -> None:
         """Write ``name := value`` or ``name => value``."""
-        self.out.append(_name(element.get("Name", "")))
+        self.out.append(_name(element.get("Name", ""), quoted=_has(element, "HasQuotes")))
         if len(element) and not _is_assigned(element):
             self.out.append(" := ")
         self.elements(element)
@@ -296,10 +297,10 @@ def _is_assigned(parameter: Element) -> bool:
     return any(TAGS[part.tag] == "Token" and part.get("Text") in {":=", "=>"} for part in parameter)
 
 
-def _has_quotes(element: Element) -> bool:
-    """Whether a name stands in quotes though it would need none."""
+def _has(element: Element, flag: str) -> bool:
+    """Whether a name stands in quotes though it would need none (HasQuotes), or behind a # (HasHash)."""
     for part in element:
-        if local(part) == "BooleanAttribute" and part.get("Name") == "HasQuotes":
+        if local(part) == "BooleanAttribute" and part.get("Name") == flag:
             return (part.text or "").strip() == "true"
     return False
 

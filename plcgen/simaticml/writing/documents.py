@@ -5,13 +5,13 @@ IDs count up in hexadecimal in document order; the attributes of an object are i
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.simaticml.escape import content
-from plcgen.simaticml.writing.interface import sections
+from plcgen.simaticml.writing.interface import CultureOf, sections
 from plcgen.simaticml.writing.scope import is_system
 from plcgen.simaticml.writing.starts import Starts
 
@@ -33,11 +33,20 @@ _EVENTS = (
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """What a document depends on besides its block: version, CPU family, language of the comments."""
+    """What a document depends on besides its block: version, CPU family, languages.
+
+    ``cultures`` are those of the project; ``language`` tells which of them a text is in, empty if in none of them: then
+    the text is left out (None: all are in the first one).
+    """
 
     version: Version
     classic: bool
     cultures: tuple[str, ...] = ("en-US",)
+    language: CultureOf | None = None
+
+    def culture_of(self, text: str) -> str:
+        """Language of a text of a block; empty if the project has no place for it."""
+        return self.cultures[0] if self.language is None else self.language(text)
 
 
 class _Ids:
@@ -71,8 +80,8 @@ def document(
     members = [m for s in block.sections for m in s.members]
     for assignment in block.assignments:
         starts.assign(assignment.path, assignment.literal, members)
-    namespace, culture = setting.version.interface_namespace, setting.cultures[0]
-    interface = sections(block, kind, namespace, culture, starts, classic=setting.classic)
+    namespace = setting.version.interface_namespace
+    interface = sections(block, kind, namespace, setting.culture_of, starts, classic=setting.classic)
     attributes = _attributes(block, kind, setting, interface)
     ids = _Ids()
     head = ids()
@@ -128,29 +137,28 @@ def event_class(number: int | None) -> str:
 def _texts(block: Block, kind: str, setting: Setting, code: str, ids: _Ids) -> str:
     """ObjectList: Comment, the network, Title."""
     title = block.title
-    parts = [_text("Comment", block.comment, setting.cultures, ids, "      ")]
+    parts = [_text("Comment", block.comment, setting, ids, "      ")]
     if kind in {"SW.Blocks.FB", "SW.Blocks.FC", "SW.Blocks.OB"}:
         unit = ids()
         network = f'<StructuredText xmlns="{setting.version.text_namespace}">\n{code}</StructuredText>' if code else ""
         source = f"<NetworkSource>{network}</NetworkSource>" if network else "<NetworkSource />"
-        inner = _text("Comment", "", setting.cultures, ids, " " * 10) + _text(
-            "Title", "", setting.cultures, ids, " " * 10
-        )
+        inner = _text("Comment", "", setting, ids, " " * 10) + _text("Title", "", setting, ids, " " * 10)
         parts.append(
             f'      <SW.Blocks.CompileUnit ID="{unit}" CompositionName="CompileUnits">\n        <AttributeList>\n'
             f"          {source}\n          <ProgrammingLanguage>SCL</ProgrammingLanguage>\n        </AttributeList>\n"
             f"        <ObjectList>\n{inner}        </ObjectList>\n      </SW.Blocks.CompileUnit>\n"
         )
-    parts.append(_text("Title", title, setting.cultures, ids, "      "))
+    parts.append(_text("Title", title, setting, ids, "      "))
     return f"    <ObjectList>\n{''.join(parts)}    </ObjectList>\n"
 
 
-def _text(name: str, text: str, cultures: Sequence[str], ids: _Ids, pad: str) -> str:
-    """A MultilingualText: ``text`` in the first culture, the others empty."""
+def _text(name: str, text: str, setting: Setting, ids: _Ids, pad: str) -> str:
+    """A MultilingualText: ``text`` in its language, the others empty."""
     head = f'{pad}<MultilingualText ID="{ids()}" CompositionName="{name}">\n{pad}  <ObjectList>\n'
     items = []
-    for position, culture in enumerate(cultures):
-        shown = f"<Text>{content(text)}</Text>" if text and not position else "<Text />"
+    language = setting.culture_of(text) if text else ""
+    for culture in setting.cultures:
+        shown = f"<Text>{content(text)}</Text>" if culture == language else "<Text />"
         items.append(
             f'{pad}    <MultilingualTextItem ID="{ids()}" CompositionName="Items">\n{pad}      <AttributeList>\n'
             f"{pad}        <Culture>{culture}</Culture>\n{pad}        {shown}\n"

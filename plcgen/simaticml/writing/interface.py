@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from types import MappingProxyType
 
@@ -36,6 +36,9 @@ _LEAVES = (Elementary, StringType)
 PAD = "          "
 """Indentation of a Member."""
 
+CultureOf = Callable[[str], str]
+"""Language of a comment; empty if there is no place for it."""
+
 
 def section_names(kind: str, *, classic: bool) -> tuple[SectionKind, ...]:
     """Sections of an object; the OBs of S7-300/400 have no inputs."""
@@ -43,7 +46,7 @@ def section_names(kind: str, *, classic: bool) -> tuple[SectionKind, ...]:
     return found[1:] if classic and kind == "SW.Blocks.OB" else found
 
 
-def sections(block: Block, kind: str, namespace: str, culture: str, starts: Starts, *, classic: bool) -> str:
+def sections(block: Block, kind: str, namespace: str, culture: CultureOf, starts: Starts, *, classic: bool) -> str:
     """The Interface attribute of an object, without the indentation of its first line."""
     lines = [f'<Interface><Sections xmlns="{namespace}">']
     for section in section_names(kind, classic=classic):
@@ -60,7 +63,7 @@ def _empty(name: str) -> str:
     return f'        <Section Name="{name}" />'
 
 
-def _section(block: Block, section: SectionKind, kind: str, culture: str, starts: Starts) -> list[str]:
+def _section(block: Block, section: SectionKind, kind: str, culture: CultureOf, starts: Starts) -> list[str]:
     values = kind != "SW.Types.PlcStruct" or block.kind is BlockKind.UDT
     whole = kind == "SW.Blocks.GlobalDB" and is_retentive(block)
     found = []
@@ -72,7 +75,13 @@ def _section(block: Block, section: SectionKind, kind: str, culture: str, starts
 
 
 def member(
-    declared: Member, culture: str, starts: Starts | None, path: Path = (), pad: str = PAD, *, retain: bool = False
+    declared: Member,
+    culture: CultureOf,
+    starts: Starts | None,
+    path: Path = (),
+    pad: str = PAD,
+    *,
+    retain: bool = False,
 ) -> str:
     """One Member with everything inside, a line each."""
     simple = declared.start is None or declared.start[0] not in "[("
@@ -85,7 +94,7 @@ def member(
             declared.comment,
             declared.at,
             declared.attributes,
-            culture,
+            culture(declared.comment),
             retain=retain,
         )
     return _member(declared, culture, starts, path, pad, retain=retain)
@@ -105,10 +114,10 @@ def _leaf(
 ) -> str:
     """A member without members: the same ones occur in block after block."""
     declared = Member(name, type_, start, comment, at, None, attributes)
-    return _member(declared, culture, Starts(), (), PAD, retain=retain)
+    return _member(declared, lambda _: culture, Starts(), (), PAD, retain=retain)
 
 
-def _member(declared: Member, culture: str, starts: Starts | None, path: Path, pad: str, *, retain: bool) -> str:
+def _member(declared: Member, culture: CultureOf, starts: Starts | None, path: Path, pad: str, *, retain: bool) -> str:
     name = declared.name
     here = (*path, name.upper())
     if starts is not None:
@@ -119,8 +128,8 @@ def _member(declared: Member, culture: str, starts: Starts | None, path: Path, p
     head += ' Remanence="Retain"' if retain else ""
     inner = pad + "  "
     parts = _attribute_list(declared, pairs, inner)
-    if declared.comment:
-        text = f'<MultiLanguageText Lang="{culture}">{content(declared.comment)}</MultiLanguageText>'
+    if declared.comment and (language := culture(declared.comment)):
+        text = f'<MultiLanguageText Lang="{language}">{content(declared.comment)}</MultiLanguageText>'
         parts.append(f"{inner}<Comment>\n{inner}  {text}\n{inner}</Comment>\n")
     element = innermost(declared.type)
     if isinstance(element, StructType):

@@ -28,6 +28,7 @@ from plcgen.scl.lexer import (
 from plcgen.simaticml.addresses import address
 from plcgen.simaticml.escape import attribute, content
 from plcgen.simaticml.writing.elements import (
+    HAS_HASH,
     HAS_QUOTES,
     SLOT,
     UID,
@@ -283,6 +284,10 @@ class _Writer:
     def member(self) -> str:
         """Write what stands behind a dot and return its name."""
         kind, text = self.kinds[self.pos], self.texts[self.pos]
+        if kind == LOCAL:
+            name = unquote(text[1:])
+            self.component(name, quoted=text[1] == '"' and is_plain(name), peripheral=False, hashed=True)
+            return name
         if (kind == INT and text.isdigit()) or (kind in WORDS and text[0] != "%"):
             name = unquote(text)
             self.component(name, quoted=kind == QUOTED and is_plain(name), peripheral=text.endswith('":P'))
@@ -290,18 +295,17 @@ class _Writer:
         self.token()
         return ""
 
-    def component(self, name: str, *, quoted: bool, peripheral: bool) -> None:
+    def component(self, name: str, *, quoted: bool, peripheral: bool, hashed: bool = False) -> None:
         """Write one component with its indices."""
         self.step()
         indexed = self.pos < self.last and self.kinds[self.pos] == "["
         modifier = ' SimpleAccessModifier="Periphery"' if peripheral or self.is_peripheral() else ""
         head = f'<Component Name="{attribute(name)}"{modifier} {UID}'
-        if not indexed and not quoted:
+        flags = HAS_QUOTES * quoted + HAS_HASH * hashed
+        if not indexed and not flags:
             self.out.append(f"{head} />")
         else:
-            self.out.append(f"{head}>")
-            if quoted:
-                self.out.append(HAS_QUOTES)
+            self.out.append(f"{head}>{flags}")
             while self.pos < self.last and self.kinds[self.pos] == "[":
                 self.gap()
                 self.token()
@@ -396,7 +400,9 @@ class _Writer:
         """Write ``name := value``, ``name => value`` or a value alone."""
         pos = self.pos
         if self.kinds[pos] in WORDS and self.kinds[pos + 1] in _ASSIGNS:
-            self.out.append(f'<Parameter Name="{attribute(unquote(self.texts[pos]))}" {UID}>')
+            name = unquote(self.texts[pos])
+            quoted = HAS_QUOTES if self.kinds[pos] == QUOTED and is_plain(name) else ""
+            self.out.append(f'<Parameter Name="{attribute(name)}" {UID}>{quoted}')
             self.step()
             self.until(",", ")")
             self.out.append("</Parameter>")
