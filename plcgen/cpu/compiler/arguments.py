@@ -147,7 +147,8 @@ class Arguments:
         link = self.context.link
         wanted = link.optimized(called)
         known = _OWN_MEMORY.match(code)
-        if not link.mixed or (known and self.memory_optimized(known[1]) == wanted):
+        moving = known is not None and known[1] == "m" and self.context.dynamic
+        if not link.mixed or (known and not moving and self.memory_optimized(known[1]) == wanted):
             return code
         names = self.out.temporary(), self.out.temporary()
         self.out.emit(f"{names[0]}={code};{names[1]}=lend({names[0]},{wanted})")
