@@ -102,7 +102,8 @@ class Cpu:
         for entry in self.program.link.blocks.values():
             content = self.program.images.get(entry.index)
             if content is not None and entry.block.kind is BlockKind.DB:
-                memory = Memory(content, "DB", entry.number or 0, entry.name)
+                optimized = self.program.link.optimized(entry)
+                memory = Memory(content, "DB", entry.number or 0, entry.name, optimized=optimized)
                 self._blocks[entry.index] = memory
                 if entry.number:
                     self._numbers[entry.number] = memory

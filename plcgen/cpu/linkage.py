@@ -64,8 +64,9 @@ class Compiled:
 class Linkage:
     """Names of a program; keys are upper case.
 
-    ``probes`` grows while blocks are compiled for coverage, ``points`` while they are compiled for preemption; the
-    preemptive form of a block counts with the ``counters`` of the plain one.
+    ``mixed``: blocks with standard and with optimised access meet. ``probes`` grows while blocks are compiled for
+    coverage, ``points`` while they are compiled for preemption; the preemptive form of a block counts with the
+    ``counters`` of the plain one.
     """
 
     dialect: Dialect
@@ -74,6 +75,7 @@ class Linkage:
     tags: dict[str, tuple[Address, str]] = field(default_factory=dict)
     aliases: dict[str, str] = field(default_factory=dict)
     instance_regions: set[str] = field(default_factory=set)
+    mixed: bool = False
     coverage: bool = False
     probes: list[Probe] = field(default_factory=list)
     points: list[Probe] = field(default_factory=list)
@@ -101,6 +103,13 @@ class Linkage:
             return found.name.upper() if found.block.kind is BlockKind.FB else ""
         declared = self.types.get(name.upper())
         return "" if declared is not None and declared.kind is BlockKind.UDT else name.upper()
+
+    def optimized(self, block: ProgramBlock) -> bool:
+        """Whether a block has optimised access; an instance data block has that of its FB."""
+        if self.dialect is not Dialect.TIA_1200_1500:
+            return False
+        of = self.blocks.get(self.instance_type(block)) if block.block.kind is BlockKind.DB else None
+        return (of or block).block.optimized is not False
 
     def add_tags(self, tags: Mapping[str, str | tuple[str, str]]) -> list[str]:
         """Take tags over; return the names whose address makes no sense."""

@@ -23,12 +23,18 @@ AREA_DB, AREA_I, AREA_Q, AREA_M, AREA_P, AREA_L = "DB", "I", "Q", "M", "P", "L"
 
 
 class Memory(bytearray):
-    """The bytes of one area: ``area`` is DB, I, Q, M, P or L (local data), ``number`` that of a DB."""
+    """The bytes of one area: ``area`` is DB, I, Q, M, P or L (local data), ``number`` that of a DB.
 
-    __slots__ = ("area", "name", "number")
+    ``optimized``: with optimised access, on an S7-1200/1500.
+    """
 
-    def __init__(self, content: bytes | bytearray | int, area: str, number: int = 0, name: str = "") -> None:
+    __slots__ = ("area", "name", "number", "optimized")
+
+    def __init__(
+        self, content: bytes | bytearray | int, area: str, number: int = 0, name: str = "", *, optimized: bool = False
+    ) -> None:
         super().__init__(content)
+        self.optimized = optimized
         self.area = area
         self.number = number
         self.name = name

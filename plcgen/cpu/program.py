@@ -154,6 +154,7 @@ class Program:
             aliased = link.blocks.get(name)
             if aliased is not None and number.startswith("DB") and number[2:].isdigit():
                 aliased.number = int(number[2:])
+        link.mixed = len({link.optimized(e) for e in link.blocks.values() if e.block.kind is not BlockKind.UDT}) > 1
         for entry in link.blocks.values():
             if entry.block.kind is BlockKind.DB and entry.block.instance_of and link.instance_type(entry):
                 link.instance_regions.add(f"d{entry.index}")

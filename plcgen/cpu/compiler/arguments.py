@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, field
 
 from plcgen.cpu.compiler.access import Access
 from plcgen.cpu.compiler.assignments import Assignments
-from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.references import References
 from plcgen.cpu.compiler.scope import scalar_name
 from plcgen.cpu.compiler.values import MemoryPlace
+from plcgen.cpu.linkage import ProgramBlock
 from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.blocks import SectionKind
@@ -20,14 +22,18 @@ from plcgen.s7.types import Elementary, Member
 from plcgen.scl import ast
 
 _IN, _OUT, _INOUT = SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT
+_OWN_MEMORY = re.compile(r"\((m|t|d[0-9]+),")
+"""A reference to memory whose access setting is known when it is compiled."""
 
 
 @dataclass(slots=True, eq=False)
 class Passed:
-    """What is left to do when the inputs are stored: the outputs that are wanted, and the code of the buffer."""
+    """What is left to do when the inputs are stored: the outputs that are wanted, the code of the buffer, copies."""
 
     outputs: list[tuple[ast.Argument, MemoryPlace]]
     buffer: str = ""
+    lent: list[tuple[str, str]] = field(default_factory=list)
+    """References to structured IN_OUT parameters, and to what was handed over instead."""
 
 
 @dataclass(slots=True, eq=False)
@@ -40,11 +46,17 @@ class Arguments:
     places: Places
     references: References
     assignments: Assignments
+    out: Listing
 
     def pass_arguments(
-        self, node: ast.Call, place: MemoryPlace, allowed: dict[str, SectionKind], system: SystemFb | None = None
+        self,
+        node: ast.Call,
+        place: MemoryPlace,
+        allowed: dict[str, SectionKind],
+        called: SystemFb | ProgramBlock,
     ) -> Passed | None:
         """Store inputs; None if the call makes no sense without those that are missing."""
+        system = called if isinstance(called, SystemFb) else None
         passed = Passed([])
         seen: set[str] = set()
         for argument in node.arguments:
@@ -62,7 +74,8 @@ class Arguments:
             if target is None:
                 continue
             if kind is not _OUT:
-                self.pass_input(argument, target, kind)
+                lender = called if isinstance(called, ProgramBlock) and kind is _INOUT else None
+                self.pass_input(argument, target, kind, lender, passed.lent)
             if kind is _OUT or (kind is _INOUT and scalar_name(target.shape) not in {"POINTER", "ANY", ""}):
                 passed.outputs.append((argument, target))
         missing = [name for name, kind in allowed.items() if kind is _INOUT and name not in seen]
@@ -129,13 +142,51 @@ class Arguments:
             return "(None,0,0)"
         return self.references.reference(argument.value)
 
-    def pass_input(self, argument: ast.Argument, target: MemoryPlace, kind: SectionKind) -> None:
-        """Store one input."""
+    def lend(self, code: str, called: ProgramBlock, lent: list[tuple[str, str]]) -> str:
+        """Reference to hand over for a structured IN_OUT: a copy, if the access settings of both sides differ."""
+        link = self.context.link
+        wanted = link.optimized(called)
+        known = _OWN_MEMORY.match(code)
+        moving = known is not None and known[1] == "m" and self.context.dynamic
+        if not link.mixed or (known and not moving and self.memory_optimized(known[1]) == wanted):
+            return code
+        names = self.out.temporary(), self.out.temporary()
+        self.out.emit(f"{names[0]}={code};{names[1]}=lend({names[0]},{wanted})")
+        lent.append(names)
+        return names[1]
+
+    def memory_optimized(self, memory: str) -> bool:
+        """Whether a generated memory has optimised access: instance or local data of the block, a data block."""
+        link = self.context.link
+        if memory in {"m", "t"}:
+            return link.optimized(self.context.owner)
+        return any(link.optimized(block) for block in link.blocks.values() if f"d{block.index}" == memory)
+
+    def give_back(self, lent: list[tuple[str, str]], node: ast.Call) -> None:
+        """Copy back what was lent as a copy."""
+        for reference, copy in lent:
+            self.context.point("output", node)
+            between = f",lambda:{self.context.point_code('copy', node)}" if self.context.preemptive else ""
+            self.out.emit(f"give_back({reference},{copy}{between})")
+        if lent:
+            self.access.forget()
+
+    def pass_input(
+        self,
+        argument: ast.Argument,
+        target: MemoryPlace,
+        kind: SectionKind,
+        called: ProgramBlock | None,
+        lent: list[tuple[str, str]],
+    ) -> None:
+        """Store one input; a structured IN_OUT of ``called`` may be lent as a copy."""
         type_ = scalar_name(target.shape)
         if type_ in {"POINTER", "ANY"} and not (
             isinstance(argument.value, ast.Name) and type_ == self.kind_of(argument)
         ):
             code = self.references.reference(argument.value)
+            if type_ == "POINTER" and called is not None:
+                code = self.lend(code, called, lent)
             pack = "any10" if type_ == "ANY" else "ptr6"
             self.access.store(target, f"{pack}({code})")
             return

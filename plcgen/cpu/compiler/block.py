@@ -67,7 +67,7 @@ def _frame(context: Context, expressions: Expressions, statements: Statements) -
     operators = Operators(context, access, expressions)
     operands = Operands(context, access, expressions, places, references)
     assignments = Assignments(context, out, access, expressions, places)
-    arguments = Arguments(context, access, expressions, places, references, assignments)
+    arguments = Arguments(context, access, expressions, places, references, assignments, out)
     functions = Functions(context, expressions)
     moves = Moves(context, out, access, expressions, places, references, assignments, functions)
     watchdog = Watchdog(out)
@@ -165,7 +165,8 @@ class _Frame:
         for default, names in groups.items():
             self.out.emit(f"{'='.join(names)}={default}")
         if self.context.scope.temp_shape is not None:
-            self.out.emit(f"t=local({self.context.scope.temp_shape.bits // 8})")
+            optimized = ",True" if self.context.link.mixed and self.context.link.optimized(self.context.owner) else ""
+            self.out.emit(f"t=local({self.context.scope.temp_shape.bits // 8}{optimized})")
 
     def parameter_prologue(self, kind: SectionKind, member: Member, how: str, symbol: Symbol) -> None:
         """Make one parameter of an FC ready."""

@@ -181,10 +181,12 @@ class Calls:
         if found is not None and found.block.kind is BlockKind.FB:
             sections = {m.name.upper(): s.kind for s in found.block.sections for m in s.members if m.at is None}
             allowed = {name: kind for name, kind in sections.items() if kind in {_IN, _OUT, _INOUT}}
-            passed = self.arguments.pass_arguments(node, place, allowed)
+            passed = self.arguments.pass_arguments(node, place, allowed, found)
             self.call_user(node, place, found)
+            if passed is not None:
+                self.arguments.give_back(passed.lent, node)
         elif system is not None:
-            passed = self.arguments.pass_arguments(node, place, dict(system.parameters), system=system)
+            passed = self.arguments.pass_arguments(node, place, dict(system.parameters), system)
             if passed is not None:
                 self.call_system(node, place, system, passed.buffer)
         else:
@@ -242,6 +244,7 @@ class Calls:
         allowed = {name: kind for name, kind in allowed.items() if kind is not SectionKind.RETURN}
         given = self.arguments.named_arguments(node, parameters, allowed)
         codes: list[str] = []
+        lent: list[tuple[str, str]] = []
         after: list[tuple[ast.Argument | None, str]] = []
         result = ""
         for kind, member, how in parameters:
@@ -254,14 +257,17 @@ class Calls:
                 self.context.error("PG822", f"{member.name} is missing", node, f"{found.name} needs every parameter")
                 return unknown()
             if how == "reference":
-                codes.append(self.arguments.structured(argument, kind))
+                code = self.arguments.structured(argument, kind)
+                codes.append(self.arguments.lend(code, found, lent) if kind is _INOUT else code)
             elif how == "pointer":
                 codes.append(self.references.reference(argument.value))
             elif kind is not _OUT:
                 codes.append(coerce(self.context, self.expressions.value(argument.value), type_, argument.value))
             if how == "value" and kind is not _IN:
                 after.append((argument, type_))
-        return self.emit_function(found, codes, after, result)
+        value = self.emit_function(found, codes, after, result)
+        self.arguments.give_back(lent, node)
+        return value
 
     def emit_function(
         self, found: ProgramBlock, codes: list[str], after: list[tuple[ast.Argument | None, str]], result: str

@@ -40,7 +40,7 @@ class MemoryMoves:
     def functions(self) -> dict[str, Callable[..., Any]]:
         """Return what generated code calls."""
         names = "pt local deref any_of any10 ptr6 blkmov fill move_elements fill_elements peek peek_bit poke poke_bit"
-        names += " poke_block opened take put cp there"
+        names += " poke_block opened lend give_back take put cp there"
         return {name: getattr(self, name) for name in names.split()}
 
     # --- references -----------------------------------------------------------------------------------
@@ -50,9 +50,25 @@ class MemoryMoves:
         return self.locate(area, db), byte, size
 
     @staticmethod
-    def local(size: int) -> Memory:
+    def local(size: int, optimized: bool = False) -> Memory:  # noqa: FBT001, FBT002 - called from generated code
         """New local data."""
-        return Memory(size, AREA_L)
+        return Memory(size, AREA_L, optimized=optimized)
+
+    @staticmethod
+    def lend(reference: Reference, optimized: bool) -> Reference:  # noqa: FBT001 - called from generated code
+        """Reference to a structured IN_OUT: a copy in local data if the called block has another access setting.
+
+        Source: help of the TIA Portal, "Parameter transfer with S7-1200/1500"; FAQ 109478253.
+        """
+        memory, offset, size = reference
+        if memory is None or memory.optimized == optimized:
+            return reference
+        return Memory(memory[offset : offset + size], AREA_L, optimized=optimized), 0, size
+
+    def give_back(self, reference: Reference, lent: Reference, between: Between = _nothing) -> None:
+        """Copy a lent copy back behind the call, over whatever was written there meanwhile."""
+        if lent is not reference and reference[0] is not None and lent[0] is not None:
+            self.cp(reference[0], reference[1], lent[0], 0, reference[2], between)
 
     def ptr6(self, reference: Reference) -> bytes:
         """POINTER to a reference."""
