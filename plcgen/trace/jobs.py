@@ -21,7 +21,7 @@ _TICKETS = 100_000
 """A grant is the slot times this, plus the number under which the job asks."""
 
 _MEMBERS = ("busy", "done", "error", "status", "errors", "errorInfos")
-_OF_UNIT = {"retries": "retries", "reference": "request[0]", "recordStatus": "recordStatus"}
+_OF_UNIT = {"retries": "retries", "reference": "telegram[0]", "recordStatus": "recordStatus"}
 """What a job shows of its unit while it holds it."""
 _OWN = frozenset({"execute", "state", "telegram", *_MEMBERS, *_OF_UNIT})
 """Names of signals that a value may have too: not all of them are names at the interface of the block."""

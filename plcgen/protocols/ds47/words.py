@@ -5,6 +5,8 @@ The 16#7000 words follow the custom of Siemens' system blocks; 16#8xxx are this 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 CHANNEL_STATES: tuple[tuple[str, int, str], ...] = (
     ("STATE_IDLE", 0, "no job holds the unit"),
     ("STATE_HOLD", 1, "a job holds the unit: waiting for its next telegram, or until it goes"),
@@ -60,17 +62,24 @@ DRAIN_MS = 5000
 LEASE_MS = 3000
 """LEASE in milliseconds: who gives no sign of life for so long has lost what it holds."""
 
-SLOTS = 16
-"""Places of a unit."""
+class Variant(NamedTuple):
+    """A size of the engine: bytes of a record, parameters of a telegram, places of a unit, channels of a CPU."""
 
-GATE_PLACES = 128
-"""Channels of a CPU."""
+    name: str
+    bytes: int
+    parameters: int
+    slots: int
+    channels: int
 
-RECORD_BYTES = 240
-"""Longest record of data set 47 in bytes."""
 
-RECORD_PARAMETERS = 39
-"""Parameters of a telegram: 4 + 39 x 6 bytes of addresses are the longest request."""
+VARIANTS = (
+    Variant("S", 64, 8, 8, 32),
+    Variant("M", 128, 20, 16, 32),
+    Variant("L", 240, 39, 16, 128),
+    Variant("XL", 240, 39, 64, 512),
+)
+"""The sizes in which the engine is made, the smallest first. 240 bytes are the longest record of data set 47, and
+4 + 39 x 6 the longest list of addresses in it."""
 
 RECORD_JOBS = {"s7-300": 4, "s7-400": 8, "s7-1200": 4, "s7-1500": 10}
 """Record jobs of WRREC and RDREC at once that every CPU of a family has room for (Siemens entry 15364459)."""

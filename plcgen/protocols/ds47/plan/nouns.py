@@ -15,6 +15,7 @@ from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.schema import DriveSections, DriveSettings, JobEntry
 from plcgen.protocols.ds47.wire.formats import Format
+from plcgen.protocols.ds47.words import VARIANTS, Variant
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,6 +240,19 @@ class DrivePlan(Plan):
         for job in self.jobs:
             first.setdefault(job.shape, job)
         return tuple(first.values())
+
+    @cached_property
+    def variant(self) -> Variant:
+        """The smallest engine that has room for every telegram and unit; the largest if none has."""
+        telegrams = [telegram for job in self.shapes for telegram in job.telegrams]
+        needed = (
+            max((max(len(one.request.data), one.response.size) for one in telegrams), default=0),
+            max((len(one.parts) for one in telegrams), default=0),
+            max((self.slots(unit) for unit in self.units), default=0),
+            len(self.units),
+        )
+        fitting = (one for one in VARIANTS if all(need <= room for need, room in zip(needed, one[1:], strict=True)))
+        return next(fitting, VARIANTS[-1])
 
     def slots(self, unit: PlannedUnit) -> int:
         """Places of a unit that are in use."""

@@ -15,11 +15,7 @@ from plcgen.protocols.ds47.words import (
     CHANNEL_STATES,
     CHANNEL_WORDS,
     DRAIN_MS,
-    GATE_PLACES,
     LEASE_MS,
-    RECORD_BYTES,
-    RECORD_PARAMETERS,
-    SLOTS,
     TICKET_WORDS,
 )
 
@@ -30,7 +26,8 @@ Row = tuple[str, str, str] | tuple[str, str, str, str]
 def types(plan: DrivePlan) -> list[TypeBlock]:
     """What the engine's blocks share, in the order in which a compiler wants it."""
     engine, t15 = plan.engine, plan.target.t15
-    last, blocks = RECORD_BYTES - 1, RECORD_PARAMETERS
+    size = plan.variant
+    last, blocks = size.bytes - 1, size.parameters
     number = "DB_Any" if t15 else "INT"
     order: list[Row] = [
         ("hardwareId", "HW_IO", "hardware identifier of the drive") if t15 else ("address", "DWORD", "ID of the drive"),
@@ -57,9 +54,8 @@ def types(plan: DrivePlan) -> list[TypeBlock]:
         ("want", "INT", "number under which the job asks; not positive: it does not"),
     ]
     unit: list[Row] = [
-        ("request", f"0..{last} of BYTE", "telegram of the job that holds the unit"),
-        ("record", f"0..{last} of BYTE", "what the drive answered"),
-        ("response", f"0..{last} of BYTE", "the answer, every value where it lies if all are as expected"),
+        ("telegram", f"0..{last} of BYTE", "request; then the answer, every value where it lies if all are as expected"),
+        *([] if t15 else [("record", f"0..{last} of BYTE", "what the drive answered")]),
         ("errors", f"1..{blocks} of WORD", "per parameter of the telegram, as at the job"),
         ("infos", f"1..{blocks} of WORD", "per parameter of the telegram, as at the job"),
         ("expected", f"1..{blocks} of DWORD", "per parameter that is read: 16#ttnn00bb = type, number of values, bytes"),
@@ -69,15 +65,15 @@ def types(plan: DrivePlan) -> list[TypeBlock]:
         ("failed", "INT", "first parameter of the telegram that failed, 0 = none"),
         ("state", "INT", "state of the channel, see its STATE constants"),
         ("retries", "INT", "retries of this telegram"),
-        ("asks", f'1..{SLOTS} of "{engine.ask.name}"', "written by the job that has the slot"),
-        ("ended", f"1..{SLOTS} of INT", "number that the channel serves no more"),
+        ("asks", f'1..{size.slots} of "{engine.ask.name}"', "written by the job that has the slot"),
+        ("ended", f"1..{size.slots} of INT", "number that the channel serves no more"),
     ]
     place: list[Row] = [
         ("ask", "INT", "number under which the channel asks; 0: it does not"),
         ("beat", "INT", "counts in every call of the channel"),
         ("grant", "INT", "number that has a place; written by the gate"),
     ]
-    gate: list[Row] = [("channels", f'1..{GATE_PLACES} of "{engine.place.name}"', "written by the channel of that number")]
+    gate: list[Row] = [("channels", f'1..{size.channels} of "{engine.place.name}"', "written by the channel of that number")]
     return [
         TypeBlock(engine.order, _members(plan, order), starts=True),
         TypeBlock(engine.turn, _members(plan, turn)),
@@ -120,14 +116,14 @@ def programs(plan: DrivePlan) -> list[FunctionBlock]:
     view = {
         "names": names(plan),
         "v5": plan.target.v5,
-        "slots": SLOTS,
-        "last": RECORD_BYTES - 1,
-        "blocks": RECORD_PARAMETERS,
-        "gate_channels": GATE_PLACES,
+        "slots": plan.variant.slots,
+        "last": plan.variant.bytes - 1,
+        "blocks": plan.variant.parameters,
+        "gate_channels": plan.variant.channels,
         "drain_ms": DRAIN_MS,
         "lease_ms": LEASE_MS,
         "index_type": "DInt" if plan.target.t15 else "Int",
-        "record_address": f"DW#16#{8 * RECORD_BYTES:08X}",
+        "record_address": f"DW#16#{8 * plan.variant.bytes:08X}",
         "versions": versions(plan),
         "states": CHANNEL_STATES,
         "statuses": _words(CHANNEL_WORDS, wrong_db=not plan.target.t15),

@@ -15,7 +15,6 @@ from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, Dr
 from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.views.engine import names
 from plcgen.protocols.ds47.views.rows import buffer_blocks
-from plcgen.protocols.ds47.words import SLOTS
 from plcgen.s7.types import ArrayType, Elementary
 
 
@@ -64,7 +63,7 @@ def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     return {
         "job": _job(plan, job, label),
         "names": names(plan),
-        "slots": SLOTS,
+        "slots": plan.variant.slots,
         "db_type": "DB_Any" if plan.target.t15 else "Block_DB",
     }
 
