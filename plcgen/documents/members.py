@@ -138,7 +138,7 @@ def buffer_member(
 
 
 def _address(db: BlockRef | None, type_: DataType, offset: int) -> str:
-    """Absolute address of a member, ``DB3.DBW6``; wider or array members by their first byte; none inside an instance."""
+    """Absolute address of a member, ``DB3.DBW6``; others by their first byte; none inside an instance."""
     if db is None:
         return ""
     width = type_.bits if isinstance(type_, Elementary) else 8

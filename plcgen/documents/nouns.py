@@ -56,7 +56,7 @@ class StartAssignment(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class TypeBlock:
-    """A user type; ``comment`` by language is that of its document, ``starts`` says that its members have start values."""
+    """A user type; ``comment`` by language is that of its document, ``starts``: its members have start values."""
 
     block: BlockRef
     members: Sequence[MemberRow]

@@ -13,7 +13,8 @@ from plcgen.project.nouns import BlockRef
 class Overview:
     """All blocks of a project by group, in import order.
 
-    ``types``, ``data`` and ``programs`` are names, ``watched`` those of the programs with a watch table; ``tags`` the rows of each tag table that has any; ``symbols`` what an instance DB
+    ``types``, ``data`` and ``programs`` are names, ``watched`` those of the programs with a watch table;
+    ``tags`` the rows of each tag table that has any; ``symbols`` what an instance DB
     is in a symbol table; ``sheets`` the parts of the layout sheet, one a function block.
     """
 

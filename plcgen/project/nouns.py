@@ -57,7 +57,7 @@ F_co = TypeVar("F_co", bound=BufferField, covariant=True)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Buffer(Generic[F_co]):
-    """Where one half of an exchange lies in the PLC, with a member for every byte: a user type, and the data block of it.
+    """Where one half of an exchange lies in the PLC, with a member for every byte: a user type and its data block.
 
     Without a data block of its own it lies in the instance of its job. ``size`` is the length of the buffer in bytes.
     ``data`` is the telegram that the start values form, none for a response; ``lead`` are the bytes in front of it.

@@ -38,7 +38,7 @@ def instance_path(plan: DrivePlan, job: DriveJob) -> str:
     return f'"{plan.engine.calls_db.name}".{job.member}'
 
 
-class Units:
+class UnitWatch:
     """The units of a run: which job holds each of them."""
 
     def __init__(self, cpu: Cpu, plan: DrivePlan) -> None:
@@ -73,12 +73,13 @@ class Units:
         for unit in self._plan.units:
             names = {0: "", **{job.slot: job.key for job in self._plan.jobs if job.drive.unit is unit}}
             path = f'"{unit.db.name}".unit.turn.grant'
-            yield Signal(unit.db.name, "owner", "integer", 16, path=path, names=names), Derived(partial(self.slot, unit.key))
+            yield (
+                Signal(unit.db.name, "owner", "integer", 16, path=path, names=names),
+                Derived(partial(self.slot, unit.key)),
+            )
 
 
-def job_signals(
-    cpu: Cpu, plan: DrivePlan, job: DriveJob, units: Units
-) -> Iterator[tuple[Signal, Watched | Derived]]:
+def job_signals(cpu: Cpu, plan: DrivePlan, job: DriveJob, units: UnitWatch) -> Iterator[tuple[Signal, Watched | Derived]]:
     """Signals of a job: start, state, outputs; its values are listed by the text report."""
     own, unit = instance_path(plan, job), f'"{job.drive.unit.db.name}".unit'
     yield signal(cpu, job.key, "execute", execute_path(plan, job))
@@ -98,7 +99,7 @@ def job_signals(
         yield signal(cpu, job.key, name, path, unit=use.parameter.unit or "", listed=not job.writes)
 
 
-def _while_held(cpu: Cpu, path: str, units: Units, job: DriveJob) -> Callable[[], Value]:
+def _while_held(cpu: Cpu, path: str, units: UnitWatch, job: DriveJob) -> Callable[[], Value]:
     """A member of a unit as long as a job holds it; afterwards what it was then."""
     last: list[Value] = [0]
 
@@ -113,7 +114,7 @@ def _while_held(cpu: Cpu, path: str, units: Units, job: DriveJob) -> Callable[[]
 class JobWatch:
     """One job of a run: started in the first scan, followed until done or error."""
 
-    def __init__(self, cpu: Cpu, plan: DrivePlan, planned: DriveJob, units: Units) -> None:
+    def __init__(self, cpu: Cpu, plan: DrivePlan, planned: DriveJob, units: UnitWatch) -> None:
         self.planned = planned
         self._path = instance_path(plan, planned)
         self.timeout = planned.timeout

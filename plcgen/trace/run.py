@@ -14,7 +14,7 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import usage
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.words import DRAIN_MS
-from plcgen.trace.jobs import JobWatch, Units, job_signals
+from plcgen.trace.jobs import JobWatch, UnitWatch, job_signals
 from plcgen.trace.model import RecordCall, Signal, Step, Trace, Value
 from plcgen.trace.program import connect, load_program
 from plcgen.trace.recorder import Derived, RecordingCpu, Watched, name_drives, signal
@@ -186,7 +186,7 @@ class _Run:
 
     def prepare_jobs(self) -> None:
         """Look up the members of the jobs and units. Raises KeyError for one that is not there."""
-        units = Units(self.cpu, self.plan)
+        units = UnitWatch(self.cpu, self.plan)
         self.cpu.group = units.job_of
         for job in self.planned:
             for found, watched in job_signals(self.cpu, self.plan, job, units):

@@ -202,6 +202,7 @@ def complete(schema: dict[str, Any]) -> None:
     for kind in kinds():
         if kind.short is not None:
             job[kind.key] = {**kind.short(definitions), "description": kind.description}
+    job["drive"] = {"anyOf": [{"type": "string"}, job["drive"]], "description": job["drive"]["description"]}
     job["trigger"] = {
         "anyOf": [{"type": "string"}, {"$ref": "#/$defs/Trigger"}],
         "description": job["trigger"]["description"],

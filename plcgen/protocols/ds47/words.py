@@ -24,13 +24,13 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_IDLE", 0x7000, "no job active"),
     ("STATUS_STARTED", 0x7001, "job started"),
     ("STATUS_RUNNING", 0x7002, "job running, or waiting for its turn"),
-    ("STATUS_TIMEOUT", 0x8101, "not finished within the time-out of the job"),
+    ("STATUS_TIMEOUT", 0x8101, "not finished within the timeout of the job"),
     ("STATUS_DRAIN_TIMEOUT", 0x8102, "a record call still active after DRAIN_LIMIT"),
     ("STATUS_STILL_DRAINING", 0x8103, "refused: a record call of an earlier job is still active"),
     ("STATUS_OCCUPIED", 0x8104, "other jobs kept the unit for longer than the wait limit"),
     ("STATUS_LOST", 0x8105, "not called for LEASE, or channel loaded again: what the drive did is unknown"),
     ("STATUS_NOT_CALLED", 0x8106, "the channel of the unit is not called"),
-    ("STATUS_NO_PLACE", 0x8107, "no place for a record job within the time-out of the job"),
+    ("STATUS_NO_PLACE", 0x8107, "no place for a record job within the timeout of the job"),
     ("STATUS_NO_SLOT", 0x8108, "the unit has no such slot, or its channel was never called"),
     ("STATUS_SLOT_TAKEN", 0x8109, "another instance uses the slot, or the unit was loaded again"),
     ("STATUS_WRITE_ERROR", 0x8201, "WRREC failed for good, see recordStatus of the unit"),
@@ -61,6 +61,7 @@ DRAIN_MS = 5000
 
 LEASE_MS = 3000
 """LEASE in milliseconds: who gives no sign of life for so long has lost what it holds."""
+
 
 class Variant(NamedTuple):
     """A size of the engine: bytes of a record, parameters of a telegram, places of a unit, channels of a CPU."""

@@ -37,8 +37,8 @@ def test_the_seeds_telegrams() -> None:
     }
 
 
-def test_drive_objects_at_one_address_share_a_token() -> None:
-    """One parameter channel carries one request at a time: its jobs are numbered together."""
+def test_drive_objects_at_one_address_are_one_unit() -> None:
+    """One parameter channel carries one request at a time: its jobs have places in one queue."""
     project = planned(
         HEAD
         + """drives:
@@ -51,8 +51,8 @@ jobs:
   c: {drive: z, read: [r21]}
 """
     )
-    assert [(job.drive.token.name, job.owner) for job in project.jobs] == [("XToken", 1), ("XToken", 2), ("ZToken", 1)]
-    assert [token.name for token, _ in project.tokens] == ["XToken", "ZToken"]
+    assert [(job.drive.unit.key, job.slot) for job in project.jobs] == [("x", 1), ("x", 2), ("z", 1)]
+    assert [unit.db.name for unit in project.units] == ["XUnit", "ZUnit"]
 
 
 def test_automatic_numbers_avoid_pinned_ones() -> None:

@@ -118,28 +118,28 @@ def _same_telegrams(
         formats = [part.use.format.code for parts in packed for part in parts]
         if formats == [part.use.format.code for parts in own for part in parts]:
             return
-    why = f"{first.key} is a {first.device.key}, {other.key} a {other.device.key}" if first.device is not other.device else (
-        "their parameters are defined differently"
+    why = (
+        f"{first.key} is a {first.device.key}, {other.key} a {other.device.key}"
+        if first.device is not other.device
+        else ("their parameters are defined differently")
     )
     message = f'"{path[-1]}" cannot be one block for {first.key} and {other.key}: {why}'
     report.add(Diagnostic("PG222", message, loaded.span((*path, "drive")), help="make a job for each kind of drive"))
 
 
-def _own_blocks(
-    job: JobEntry, telegrams: int, drives: int, loaded: LoadedSpec, path: SpecPath, report: Report
-) -> bool:
+def _own_blocks(job: JobEntry, telegrams: int, drives: int, loaded: LoadedSpec, path: SpecPath, report: Report) -> bool:
     """Whether the telegrams have data blocks of their own; PG223 where that cannot be."""
-    pinned = [which for which in ("request", "response") if getattr(job, which) != BufferSpec() and getattr(job, which).db]
-    named = [which for which in ("request", "response") if getattr(job, which).name or getattr(job, which).size]
-    if job.buffers != "db" and not pinned and not named:
-        return False
+    buffers = {"request": job.request, "response": job.response}
+    keys = [which for which, given in buffers.items() if given.db is not None or given.name is not None]
+    keys += ["buffers"] if job.buffers == "db" else []
+    sized = any(given.size is not None for given in buffers.values())
     if telegrams == 1 and drives == 1:
-        return True
-    why = f"{telegrams} telegrams" if telegrams > 1 else f"{drives} drives"
-    key = "buffers" if job.buffers == "db" else (*pinned, *named)[0]
-    message = f'"{path[-1]}" has {why}: data blocks of its own are for one telegram of one drive'
-    help_ = "leave the data blocks out, or make several jobs of it"
-    report.add(Diagnostic("PG223", message, loaded.key_span((*path, key)), help=help_))
+        return bool(keys) or sized
+    if keys:
+        why = f"{telegrams} telegrams" if telegrams > 1 else f"{drives} drives"
+        message = f'"{path[-1]}" has {why}: data blocks of its own are for one telegram of one drive'
+        help_ = "leave the data blocks out, or make several jobs of it"
+        report.add(Diagnostic("PG223", message, loaded.key_span((*path, keys[0])), help=help_))
     return False
 
 

@@ -103,9 +103,7 @@ class _Planner:
         self._by_key[placed.unit] = unit
         return unit
 
-    def _new(
-        self, key: str, device: Device, index: int, settings: UnitSettings, path: tuple[str, ...]
-    ) -> PlannedUnit:
+    def _new(self, key: str, device: Device, index: int, settings: UnitSettings, path: tuple[str, ...]) -> PlannedUnit:
         limit = V5_LIMIT if self.numbering.where.v5 else TIA_LIMIT
         name = pascal_case(key)
         unit = PlannedUnit(

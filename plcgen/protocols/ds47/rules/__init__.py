@@ -10,6 +10,8 @@ RULES = Rules(
         drives.drive_object,
         drives.unused_address,
         drives.shared_address,
+        drives.separate_objects,
+        drives.places,
         parameters.definitions,
         parameters.access,
         parameters.repeated,

@@ -47,6 +47,41 @@ def unused_address(plan: DrivePlan) -> Iterator[Diagnostic]:
         )
 
 
+def separate_objects(plan: DrivePlan) -> Iterator[Diagnostic]:
+    """PG224: drive objects with identifiers of their own, which may belong to one control unit."""
+    if plan.target.classic:
+        return
+    found: dict[str, list[PlannedDrive]] = {}
+    for drive in plan.drives:
+        if drive.device.drive_objects is None and drive.path[0] == "drives":
+            found.setdefault(drive.device.key, []).append(drive)
+    for key, drives in found.items():
+        if len({drive.drive_object for drive in drives}) < 2 or len({drive.unit.key for drive in drives}) < 2:
+            continue
+        names = ", ".join(drive.key for drive in drives[:_SHOWN])
+        inner = ", ".join(f"{drive.key}: {{..}}" for drive in drives[:2])
+        yield Diagnostic(
+            "PG224",
+            f"{names} have several drive objects of {key}: a control unit takes one request at a time",
+            plan.loaded.key_span(drives[1].path),
+            Severity.WARNING,
+            help=f"units: {{cu1: {{device: {key}, drives: {{{inner}}}}}}}, with one drive in a unit that has no other",
+        )
+
+
+def places(plan: DrivePlan) -> Iterator[Diagnostic]:
+    """PG225: the largest engine has no room for so many jobs or units."""
+    room = plan.variant
+    for unit in plan.units:
+        if plan.slots(unit) > room.slots:
+            message = f"{plan.slots(unit)} job instances on {unit.key}: a unit has {room.slots} places"
+            yield Diagnostic("PG225", message, plan.loaded.key_span(unit.path), help="join jobs of the unit")
+    if len(plan.units) > room.channels:
+        unit = plan.units[room.channels]
+        message = f"{len(plan.units)} units: a CPU has {room.channels} places"
+        yield Diagnostic("PG225", message, plan.loaded.key_span(unit.path), help="divide the project")
+
+
 def shared_address(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG221: one drive object has two names."""
     first: dict[tuple[int, int], PlannedDrive] = {}

@@ -12,7 +12,6 @@ from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedUnit
 from plcgen.protocols.ds47.views.engine import names
 from plcgen.protocols.ds47.words import RECORD_JOBS
 
-
 GATE_MEMBER = "driveGate"
 
 
@@ -31,7 +30,9 @@ def caller(plan: DrivePlan, commands: Sequence[tuple[DriveJob, Command]]) -> Fun
     }
     engine = plan.engine
     title = "Calls of all drive jobs"
-    return FunctionBlock(engine.calls, engine.calls_db, title, "ds47/engine/calls.scl.j2", view, RECORD_NOTE, (), (), ())
+    return FunctionBlock(
+        engine.calls, engine.calls_db, title, "ds47/calls.scl.j2", view, RECORD_NOTE, (), (), ()
+    )
 
 
 def _unit(plan: DrivePlan, unit: PlannedUnit) -> dict[str, Any]:
@@ -58,10 +59,15 @@ def _job(plan: DrivePlan, job: DriveJob, command: Command) -> dict[str, Any]:
     own = [identifier, ("driveObject", f"B#16#{drive.drive_object:02X}"), *where]
     if job.pinned:
         telegram = job.telegrams[0]
-        own[2:2] = [("requestDb", f'"{telegram.request.home.name}"'), ("responseDb", f'"{telegram.response.home.name}"')]
+        own[2:2] = [
+            ("requestDb", f'"{telegram.request.home.name}"'),
+            ("responseDb", f'"{telegram.response.home.name}"'),
+        ]
     execute, *results = [signal.name for signal in command.signals]
     inputs = [(name, control.place(plan.control_db, command, name)) for name in (v.member.name for v in command.inputs)]
-    outputs = [(name, control.place(plan.control_db, command, name)) for name in (v.member.name for v in command.outputs)]
+    outputs = [
+        (name, control.place(plan.control_db, command, name)) for name in (v.member.name for v in command.outputs)
+    ]
     return {
         "member": job.member,
         "block": job.block.name,

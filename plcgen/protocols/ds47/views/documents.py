@@ -19,6 +19,7 @@ from plcgen.protocols.ds47.views.program import program
 from plcgen.protocols.ds47.wire.bico import read_bico
 from plcgen.s7.types import ArrayType, Elementary
 
+
 def contribution(plan: DrivePlan) -> Contribution:
     """Everything of a plan with jobs."""
     engine = plan.engine
@@ -62,7 +63,9 @@ def _programs(plan: DrivePlan) -> Iterator[FunctionBlock]:
 
 def _guide(plan: DrivePlan) -> tuple[list[GuidePart], list[GuidePart]]:
     """Numbers of the buffers; what is written."""
-    numbered = [buffer.db for job in plan.shapes for telegram in job.telegrams for buffer in telegram.buffers if buffer.db]
+    numbered = [
+        buffer.db for job in plan.shapes for telegram in job.telegrams for buffer in telegram.buffers if buffer.db
+    ]
     writes = [_write_row(plan, job, use) for job in plan.jobs if job.writes for use in job.uses]
     before: list[GuidePart] = [("ds47/import.md.j2", {"numbered": numbered})]
     return before, [("ds47/import_writes.md.j2", {"writes": writes})] if writes else []

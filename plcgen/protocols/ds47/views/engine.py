@@ -54,11 +54,19 @@ def types(plan: DrivePlan) -> list[TypeBlock]:
         ("want", "INT", "number under which the job asks; not positive: it does not"),
     ]
     unit: list[Row] = [
-        ("telegram", f"0..{last} of BYTE", "request; then the answer, every value where it lies if all are as expected"),
+        (
+            "telegram",
+            f"0..{last} of BYTE",
+            "request; then the answer, every value where it lies if all are as expected",
+        ),
         *([] if t15 else [("record", f"0..{last} of BYTE", "what the drive answered")]),
         ("errors", f"1..{blocks} of WORD", "per parameter of the telegram, as at the job"),
         ("infos", f"1..{blocks} of WORD", "per parameter of the telegram, as at the job"),
-        ("expected", f"1..{blocks} of DWORD", "per parameter that is read: 16#ttnn00bb = type, number of values, bytes"),
+        (
+            "expected",
+            f"1..{blocks} of DWORD",
+            "per parameter that is read: 16#ttnn00bb = type, number of values, bytes",
+        ),
         ("order", f'"{engine.order.name}"', "what goes with the request"),
         ("turn", f'"{engine.turn.name}"', "what the channel says to all jobs"),
         ("recordStatus", "DWORD", "STATUS of the last WRREC or RDREC that ended"),
@@ -73,7 +81,9 @@ def types(plan: DrivePlan) -> list[TypeBlock]:
         ("beat", "INT", "counts in every call of the channel"),
         ("grant", "INT", "number that has a place; written by the gate"),
     ]
-    gate: list[Row] = [("channels", f'1..{size.channels} of "{engine.place.name}"', "written by the channel of that number")]
+    gate: list[Row] = [
+        ("channels", f'1..{size.channels} of "{engine.place.name}"', "written by the channel of that number")
+    ]
     return [
         TypeBlock(engine.order, _members(plan, order), starts=True),
         TypeBlock(engine.turn, _members(plan, turn)),

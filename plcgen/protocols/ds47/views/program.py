@@ -15,7 +15,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, Dr
 from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.views.engine import names
 from plcgen.protocols.ds47.views.rows import buffer_blocks
-from plcgen.s7.types import ArrayType, Elementary
+from plcgen.s7.types import ArrayType, DataType, Elementary
 
 
 def program(plan: DrivePlan, job: DriveJob, instances: Sequence[DriveJob]) -> FunctionBlock:
@@ -25,7 +25,7 @@ def program(plan: DrivePlan, job: DriveJob, instances: Sequence[DriveJob]) -> Fu
         block=job.block,
         instance=None,
         title=label,
-        template="ds47/engine/job.scl.j2",
+        template="ds47/job.scl.j2",
         view=_view(plan, job, label),
         note=RECORD_NOTE,
         buffers=buffer_blocks(plan, job, label),
@@ -104,7 +104,11 @@ def _order(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
     where = plan.target
     mark = "" if where.v5 else "#"
     found = [("hardwareId", f"{mark}hardwareId") if where.t15 else ("address", f"{mark}driveAddress")]
-    standard = (("timeout", job.timeout, 10_000, "L#"), ("pause", job.retry_pause, 200, "L#"), ("retries", job.retries, 40, ""))
+    standard = (
+        ("timeout", job.timeout, 10_000, "L#"),
+        ("pause", job.retry_pause, 200, "L#"),
+        ("retries", job.retries, 40, ""),
+    )
     found += [(name, f"{prefix}{value}") for name, value, default, prefix in standard if value != default]
     if job.once:
         found.append(("once", "TRUE"))
@@ -202,9 +206,10 @@ def _own_writes(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
         if field.role != "value" or field.part is None or field.part.use.constant:
             continue
         name = f"{mark}{field.part.use.member}"
-        type_, low = field.type, None
+        type_: DataType = field.type
+        low: int | None = None
         if isinstance(type_, ArrayType):
-            type_, low = type_.element, type_.bounds[0][0]
+            low, type_ = type_.bounds[0][0], type_.element
         if not isinstance(type_, Elementary):
             continue
         size = type_.bits // 8

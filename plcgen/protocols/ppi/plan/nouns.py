@@ -194,7 +194,7 @@ class PlannedMaster:
         """Every block of the master, in a stable order."""
         found: list[BlockRef] = []
         for telegram in self.telegrams:
-            found += [block for buffer in telegram.buffers for block in (buffer.type, buffer.db)]
+            found += [block for buffer in telegram.buffers for block in (buffer.type, buffer.home)]
         own = (self.block, self.instance, *(self.module_instances or ()), *((self.buffer,) if self.buffer else ()))
         return (*found, *own)
 

@@ -22,12 +22,12 @@ RUN_TIME = frozenset({"function_code", "reference", "fcs"})
 def litter(rig: MasterRig) -> None:
     """Fill every response DB and what the block fills in every table with a pattern."""
     for telegram in rig.master.telegrams:
-        table = rig.cpu.db(telegram.request.db.name)
+        table = rig.cpu.db(telegram.request.home.name)
         for field in telegram.request.fields:
             if field.role in RUN_TIME:
                 table[field.offset : field.offset + field.size] = bytes((LITTER,)) * field.size
         if telegram.response is not None:
-            response = rig.cpu.db(telegram.response.db.name)
+            response = rig.cpu.db(telegram.response.home.name)
             response[:] = bytes((LITTER,)) * len(response)
 
 
@@ -39,15 +39,15 @@ def check_tables(rig: MasterRig, job: PpiJob, *, refused: bool) -> None:
         if mine:
             reply = _exchange(rig, telegram)
             _compare(rig, telegram, reply, refused=refused and telegram.number == last)
-        elif telegram.response is not None and set(rig.cpu.db(telegram.response.db.name)) - {LITTER}:
-            raise ScenarioError(f'"{telegram.response.db.name}" changed although its telegram was not sent')
+        elif telegram.response is not None and set(rig.cpu.db(telegram.response.home.name)) - {LITTER}:
+            raise ScenarioError(f'"{telegram.response.home.name}" changed although its telegram was not sent')
 
 
 def _exchange(rig: MasterRig, telegram: PpiTelegram) -> bytes:
     """The table is the request that was sent; PDU of the reply to it."""
-    table = bytes(rig.cpu.db(telegram.request.db.name)[LEAD : LEAD + len(telegram.request.data)])
+    table = bytes(rig.cpu.db(telegram.request.home.name)[LEAD : LEAD + len(telegram.request.data)])
     if table not in {data for _, data in rig.port.sent}:
-        raise ScenarioError(f'"{telegram.request.db.name}" holds {table.hex(" ").upper()}, which was not sent')
+        raise ScenarioError(f'"{telegram.request.home.name}" holds {table.hex(" ").upper()}, which was not sent')
     frame = examine_frame(table)[0]
     reference = frame.pdu[4:6] if isinstance(frame, VariableFrame) else b""
     for entry in reversed(rig.line.journal):
@@ -55,21 +55,21 @@ def _exchange(rig: MasterRig, telegram: PpiTelegram) -> bytes:
         known = isinstance(answer, VariableFrame) and answer.source == telegram.station.address
         if entry.direction == "<" and known and isinstance(answer, VariableFrame) and answer.pdu[4:6] == reference:
             return answer.pdu
-    raise ScenarioError(f'nothing answered "{telegram.request.db.name}", but the job says so')
+    raise ScenarioError(f'nothing answered "{telegram.request.home.name}", but the job says so')
 
 
 def _compare(rig: MasterRig, telegram: PpiTelegram, pdu: bytes, *, refused: bool) -> None:
     """Every member of the response DB is what the reply says; without values if an item was refused."""
     if telegram.response is None:
         return
-    found = rig.cpu.db(telegram.response.db.name)
+    found = rig.cpu.db(telegram.response.home.name)
     reply = examine_pdu(pdu)[0]  # a return code that nobody knows is one, too
     if isinstance(reply, ReadReply):
         codes = [result.code for result in reply.results]
     elif isinstance(reply, WriteReply):
         codes = list(reply.codes)
     else:
-        raise ScenarioError(f'"{telegram.response.db.name}": the reply has no items')
+        raise ScenarioError(f'"{telegram.response.home.name}": the reply has no items')
     for field in telegram.response.fields:
         size = telegram.items[field.item - 1].item.octets if field.role == "value" else field.size  # without pad
         littered = bytes((LITTER,)) * size
@@ -82,4 +82,4 @@ def _compare(rig: MasterRig, telegram: PpiTelegram, pdu: bytes, *, refused: bool
         octets = bytes(found[field.offset : field.offset + size])
         if octets != wanted:
             shown = f"{octets.hex(' ').upper()} instead of {wanted.hex(' ').upper()}"
-            raise ScenarioError(f'"{telegram.response.db.name}".{field.name} is {shown}')
+            raise ScenarioError(f'"{telegram.response.home.name}".{field.name} is {shown}')

@@ -19,14 +19,14 @@ _LEAD = "telegram"
 def buffer_blocks(plan: PpiPlan, telegram: PpiTelegram, title: str) -> list[tuple[TypeBlock, DataBlock]]:
     """Telegram table and response DB, if the reply has data; ``title`` is that of the telegram's job."""
     table, answer = telegram.request, telegram.response
-    members = [_member(plan, telegram, table.db, field, f"{_LEAD}.") for field in table.fields]
+    members = [_member(plan, telegram, table.home, field, f"{_LEAD}.") for field in table.fields]
     whole = plain(plan, _LEAD, f'"{table.type.name}"', "the telegram behind its length")
     whole = whole._replace(text="", expanded=tuple(members))
-    data = DataBlock(table.db, f"Telegram table: {title}", (whole,), _start_values(members))
+    data = DataBlock(table.home, f"Telegram table: {title}", (whole,), _start_values(members))
     found = [(TypeBlock(table.type, members), data)]
     if answer is not None:
-        members = [_member(plan, telegram, answer.db, field, "") for field in answer.fields]
-        found.append((TypeBlock(answer.type, members), DataBlock(answer.db, f"Response: {title}", members)))
+        members = [_member(plan, telegram, answer.home, field, "") for field in answer.fields]
+        found.append((TypeBlock(answer.type, members), DataBlock(answer.home, f"Response: {title}", members)))
     return found
 
 
