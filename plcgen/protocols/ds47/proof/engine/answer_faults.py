@@ -18,8 +18,6 @@ INFO = 0x1234
 _FIRMWARE = {0x0D: 0x36, 0x36: 0x0D}
 """Codes of a time difference in older and newer firmware."""
 NOT_SUPPORTED = bytes.fromhex("44010021")
-ROOM = 240
-"""Bytes that RDREC takes at most."""
 
 
 def error_matrix(errand: Errand, numbers: Iterable[int] | None = None) -> Iterator[EngineScenario]:
@@ -47,11 +45,12 @@ def _error(errand: Errand, telegram: int, number: int, position: int, words: Lit
 
 @dataclass(frozen=True, slots=True)
 class AnswerForm:
-    """What one answer looks like: positive and negative id, offsets of the value blocks."""
+    """What one answer looks like: positive and negative id, offsets of the value blocks. RDREC takes ``room`` bytes."""
 
     errand: Errand
     number: int
     letter: Letter
+    room: int
 
     @property
     def good(self) -> int:
@@ -81,7 +80,7 @@ class AnswerForm:
 
     def scenario(self, name: str, word: str, edit: Edit, length: int = 0, **more: Any) -> EngineScenario:
         """A scenario with one edited answer; beyond the buffer RDREC itself fails."""
-        status = WORDS["READ_ERROR" if length > ROOM else word]
+        status = WORDS["READ_ERROR" if length > self.room else word]
         return EngineScenario(
             name=f"telegram {self.number}: {name}",
             status=(status,),
@@ -92,14 +91,14 @@ class AnswerForm:
 
     def broken(self, name: str, edit: Edit, length: int = 0, **more: Any) -> EngineScenario:
         """An answer of which nothing can be used."""
-        errors = {} if length > ROOM else self.nothing
+        errors = {} if length > self.room else self.nothing
         return self.scenario(name, "RESPONSE_FORMAT", edit, length, errors=errors, **more)
 
 
-def answer_faults(errand: Errand) -> Iterator[EngineScenario]:
+def answer_faults(errand: Errand, room: int) -> Iterator[EngineScenario]:
     """Everything an answer may be."""
     for number in ends(errand):
-        form = AnswerForm(errand, number, errand.letters[number - 1])
+        form = AnswerForm(errand, number, errand.letters[number - 1], room)
         yield from _header(form)
         yield from _foreign(form)
         yield from _length(form)
@@ -183,7 +182,7 @@ def _length(form: AnswerForm) -> Iterator[EngineScenario]:
         if 0 <= kept < length:
             word = "RESPONSE_LENGTH" if kept < 4 else "RESPONSE_FORMAT"
             yield form.scenario(f"answer cut to {kept} bytes", word, cut(kept), errors=form.nothing)
-    for more in (1, 2, 6, ROOM - length, 240):
+    for more in sorted({1, 2, 6, form.room - length, 240}):
         yield form.broken(f"answer {more} bytes too long", longer(more), length + more)
 
 
@@ -224,7 +223,7 @@ def _at_the_edge(form: AnswerForm) -> Iterator[EngineScenario]:
     if len(form.letter.parts) < 2:
         return
     for tail in (b"\x44\x00", b"\x44\x01", b"\x44\x02"):
-        filler = bytes((0x0A, ROOM - 4 - 2 - 2 - 2 * (len(form.letter.parts) - 2)))
+        filler = bytes((0x0A, form.room - 4 - 2 - 2 - 2 * (len(form.letter.parts) - 2)))
         zeros = b"\x40\x00" * (len(form.letter.parts) - 2)
 
         def edit(answer: bytes, tail: bytes = tail, filler: bytes = filler, zeros: bytes = zeros) -> bytes:

@@ -13,6 +13,7 @@ from plcgen.protocols.ds47.proof.engine.scenario import EngineScenario
 from plcgen.protocols.ds47.proof.engine.times import ChannelTimes
 from plcgen.protocols.ds47.proof.words import BUILD, HOLD, IDLE, TRANSITIONS, WORDS, state_name
 
+CLOCK_END = 2**31
 DIRT = (b"\x40\x00", b"\x44\x02\x00\x11\x00\x07", b"\xa5")
 """What the buffers hold before a request is built: good blocks, error blocks, garbage. None of it may count."""
 
@@ -26,6 +27,7 @@ class EngineConduct:
         self.job.db.set("slot", 1)
         self.draw = random.Random(errand.key)  # noqa: S311 - test values
         self.reference: int | None = None
+        self.restarted = False
         self.state = IDLE
         self.settled = True
         self.clock = 0
@@ -56,7 +58,8 @@ class EngineConduct:
         """Set up drives, bus, buffers and clock."""
         rig, scenario = self.rig, run.scenario
         journal = [e.data[0] for e in rig.drives[0].journal if e.direction == "write"]
-        self.reference = journal[-1] if journal else self.reference
+        self.reference = None if self.restarted else journal[-1] if journal else self.reference
+        self.restarted = bool(scenario.happens)
         self.job.times(scenario.timeout, scenario.pause, scenario.most)
         self.job.draw(self.draw)
         rig.begin(scenario)
@@ -72,7 +75,7 @@ class EngineConduct:
 
     def dirty(self, pattern: bytes) -> None:
         """Fill everything that the next request and its answer will overwrite, and what lies behind."""
-        for name in ("request", "record", "response"):
+        for name in ("telegram", "record") if self.rig.classic else ("telegram",):
             spot, memory = self.rig.units[0].spots[name], self.rig.units[0].memory
             memory[spot.byte : spot.byte + spot.size] = (pattern * spot.size)[: spot.size]
 
@@ -114,7 +117,9 @@ class EngineConduct:
                 run.statistics.transitions.add((self.state, state))
         self.settled = True
         self.state = state
-        self.times.observe(rig.cpu.clock - self.clock)
+        # TIME_TCK begins again at 0 behind 2147483647 ms: the time of that one call is lost
+        wrapped = rig.classic and self.clock // CLOCK_END != rig.cpu.clock // CLOCK_END
+        self.times.observe(0 if wrapped else rig.cpu.clock - self.clock)
         self.clock = rig.cpu.clock
         if rig.cpu.jobs > 1:
             raise ScenarioError("two record calls at once")

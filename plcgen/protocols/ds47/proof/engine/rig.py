@@ -23,7 +23,7 @@ OBJECTS = ((2, 3), (2,), (2,))
 SIGNALS = ("execute", "slot", "telegrams", "busy", "done", "error", "status", "started")
 COUNTS = ("length", "answer", "blocks", "built", "taken", "failed", "recordStatus")
 ARRAYS = ("request", "response", "expected", "errors", "infos")
-ORDER = ("recordIndex", "retries", "timeout", "pause", "once", "pinned", "requestDb", "responseDb", "responseSize")
+ORDER = ("retries", "timeout", "pause", "once", "pinned", "requestDb", "responseDb", "responseSize")
 LITTER = b"\xa5"
 
 
@@ -47,7 +47,6 @@ class JobPlace:
         db, rig = self.db, self.rig
         db.set("telegrams", len(errand.letters))
         db.set(f"order.{self.id_name}", ADDRESSES[self.unit - 1])
-        db.set("order.recordIndex", 47)
         db.set("order.once", errand.once)
         db.set("order.pinned", errand.pinned)
         db.set("order.requestDb", rig.cpu.db("PinnedRequest").number if errand.pinned else 0)
@@ -142,7 +141,7 @@ class EngineRig:
         slots = range(1, self.engine.sizes.slots + 1)
         asks = [f"unit.asks[{n}].{name}" for n in slots for name in ("telegram", "mark", "want")]
         turn = [f"unit.turn.{name}" for name in ("slotCount", "beat", "grant", "served", "status")]
-        rest = ("request", "record", "response", "errors", "infos", "expected", "order", "turn", "recordStatus", "failed")
+        rest = ("telegram", *(("record",) if self.classic else ()), "errors", "infos", "expected", "order", "turn", "recordStatus", "failed")
         names = [*(f"unit.{name}" for name in (*rest, "state", "retries", "asks", "ended")), *turn, *asks]
         return Members(self.cpu, self.program, f"Unit{number}", [*names, *(f"unit.ended[{n}]" for n in slots)], "unit.")
 
@@ -185,6 +184,7 @@ class EngineRig:
             found = locate(layout_of(self.program, name), part)
             first, size = found.byte, (found.size + 7) // 8
         memory[first : first + size] = image[first : first + size]
+        self.cpu.records.abandon(memory)
 
     def bytes_of(self, name: str) -> Memory:
         """A data block."""

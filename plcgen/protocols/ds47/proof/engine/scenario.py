@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from math import ceil
 
 from plcgen.proof.scenario import Scenario
-from plcgen.protocols.ds47.proof.words import DRAIN_MS
+from plcgen.protocols.ds47.proof.words import DRAIN_MS, STEP_MS
 from plcgen.protocols.ds47.sim.faults import Fault
 
 Edit = Callable[[bytes], bytes]
@@ -63,4 +63,5 @@ class EngineScenario(Scenario):
     @property
     def latest(self) -> int:
         """After how many ms at the latest a job that has its unit at once must have ended."""
-        return self.timeout + DRAIN_MS + 12 * (50 if self.jitter else self.scan)
+        limits = self.timeout + DRAIN_MS
+        return limits * max(1, ceil(self.scan / STEP_MS)) + 12 * (50 if self.jitter else self.scan)

@@ -80,7 +80,7 @@ class Engine:
             type_ = locate(layout, f"unit.{member}").type
             return type_.bounds[0][1] if isinstance(type_, ArrayType) else 0
 
-        return Sizes(last("record"), last("errors"), last("asks"))
+        return Sizes(last("telegram"), last("errors"), last("asks"))
 
     @cached_property
     def hash(self) -> str:
