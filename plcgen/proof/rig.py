@@ -24,7 +24,11 @@ _GARBAGE = {"0": "0xA0", "0.0": "1e30", "False": "True"}
 
 def load_program(project: Project, folder: Path) -> Program:
     """Compile the folder's sources with coverage; local data holds garbage at the start of a call, as in a CPU."""
-    program = load_folder(folder, project.target.dialect, coverage=True)
+    return with_garbage(load_folder(folder, project.target.dialect, coverage=True))
+
+
+def with_garbage(program: Program) -> Program:
+    """Fill the local data with garbage at the start of every call. Raises DiagnosticError if the program has errors."""
     if not program.ok:
         raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
     for compiled in program.compiled:
@@ -129,8 +133,8 @@ def layout_of(program: Program, name: str) -> Layout:
 class Source:
     """The source of a block: its file, and which probes of coverage lie in it, with a few others between them."""
 
-    def __init__(self, program: Program, block: BlockRef) -> None:
-        entry = program.link.find(block.name)
+    def __init__(self, program: Program, block: BlockRef | str) -> None:
+        entry = program.link.find(block if isinstance(block, str) else block.name)
         self.file = entry.result.tokens.file if entry is not None else ""
         own = [i for i, probe in enumerate(program.probes) if probe.file == self.file]
         self.probes = slice(own[0], own[-1] + 1) if own else slice(0)

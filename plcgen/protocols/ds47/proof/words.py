@@ -1,36 +1,50 @@
-"""Status words, states and times of a job block, stated by hand after docs/generated-code.md: nothing is imported from
-the generator, so that a wrong word there shows here.
+"""Status words, states and times of the engine and the jobs, stated by hand after docs/generated-code.md: nothing is
+imported from the generator, so that a wrong word there shows here.
 """
 
 from __future__ import annotations
 
-STATES = ("IDLE", "ACQUIRE", "BUILD", "WRITE", "READ", "CHECK", "WAIT", "DRAIN")
-"""The states of the block: their numbers count from 0."""
-IDLE, ACQUIRE, BUILD, WRITE, READ, CHECK, WAIT, DRAIN = range(8)
+STATES = ("IDLE", "HOLD", "BUILD", "GATE", "WRITE", "READ", "CHECK", "PAUSE", "DRAIN")
+"""The states of a channel: their numbers count from 0."""
+IDLE, HOLD, BUILD, GATE, WRITE, READ, CHECK, PAUSE, DRAIN = range(9)
 
 
 def state_name(state: int) -> str:
     """Name of a state; a number that is none as it is."""
-    return STATES[state] if state < len(STATES) else str(state)
+    return STATES[state] if 0 <= state < len(STATES) else str(state)
 
+
+TRANSITIONS = frozenset(
+    {
+        (IDLE, HOLD), (HOLD, IDLE), (HOLD, BUILD), (HOLD, DRAIN), (BUILD, GATE), (BUILD, DRAIN), (GATE, WRITE),
+        (GATE, READ), (GATE, DRAIN), (WRITE, READ), (WRITE, PAUSE), (WRITE, DRAIN), (READ, CHECK), (READ, PAUSE),
+        (READ, DRAIN), (CHECK, PAUSE), (CHECK, DRAIN), (PAUSE, BUILD), (PAUSE, GATE), (PAUSE, DRAIN), (DRAIN, HOLD),
+    }
+)  # fmt: skip
+"""From one call of a channel to the next."""
 
 MEANINGS = {
     0x0000: ("DONE", "job done, no error"),
     0x7000: ("IDLE", "no job active"),
     0x7001: ("STARTED", "job started"),
     0x7002: ("RUNNING", "job running"),
-    0x8101: ("TIMEOUT", "not finished within TIMEOUT"),
+    0x8101: ("TIMEOUT", "not finished within its time-out"),
     0x8102: ("DRAIN_TIMEOUT", "a record call still active after DRAIN_LIMIT"),
-    0x8103: ("STILL_DRAINING", "start refused: a record call of an earlier job is still active"),
-    0x8104: ("DRIVE_OCCUPIED", "another job kept the drive for the whole TIMEOUT"),
-    0x8105: ("DRIVE_LOST", "another job took the drive over: this block was not called for LEASE"),
-    0x8201: ("WRITE_ERROR", "WRREC failed for good, see diagnostics.recordStatus"),
-    0x8202: ("READ_ERROR", "RDREC failed for good, see diagnostics.recordStatus"),
-    0x8203: ("RETRIES", "still not successful after MAX_RETRIES"),
-    0x8204: ("WRONG_DB", "a buffer DB has another number than the block expects"),
+    0x8103: ("STILL_DRAINING", "refused: a record call of an earlier job is still active"),
+    0x8104: ("OCCUPIED", "waited for the unit for waitLimit"),
+    0x8105: ("LOST", "not called for LEASE, or channel or unit loaded again: what the drive did is not known"),
+    0x8106: ("NOT_CALLED", "the channel gives no sign of life"),
+    0x8107: ("NO_PLACE", "no place for a record job within the time-out"),
+    0x8108: ("NO_SLOT", "the unit has no such slot"),
+    0x8109: ("SLOT_TAKEN", "another job uses the slot"),
+    0x8201: ("WRITE_ERROR", "WRREC failed for good, see recordStatus"),
+    0x8202: ("READ_ERROR", "RDREC failed for good, see recordStatus"),
+    0x8203: ("RETRIES", "still not successful after all retries"),
+    0x8204: ("WRONG_DB", "the number at unitDb is not that of the unit's data block"),
+    0x8205: ("UNKNOWN", "the request got lost; a trigger is not sent again"),
     0x8301: ("RESPONSE_LENGTH", "response shorter than its header"),
     0x8302: ("RESPONSE_ID", "response id does not belong to the request"),
-    0x8303: ("DRIVE_OBJECT", "response comes from another drive object"),
+    0x8303: ("DRIVE_OBJECT", "responses come from another drive object"),
     0x8304: ("PARAMETER_COUNT", "response has another number of parameters"),
     0x8305: ("RESPONSE_FORMAT", "a value block has the wrong format, number of values or length"),
     0x8401: ("PARAMETER_ERROR", "the drive refused at least one parameter, see errors"),
@@ -42,10 +56,16 @@ WORDS = {name: word for word, (name, _) in MEANINGS.items()}
 
 DONE = WORDS["DONE"]
 DRAIN_MS = 5000
-"""DRAIN_LIMIT: that long a record call may stay active behind the end of a job."""
+"""DRAIN_LIMIT: that long a record call may stay active behind the end of a telegram."""
 LEASE_MS = 3000
-"""LEASE: a job whose heartbeat stands still that long has lost the drive."""
-HEARTBEATS = 30_000
-"""The heartbeat counts 1, 2, .. up to this number and begins again."""
-FOREIGN = 99
-"""Owner number of the job of somebody else."""
+"""LEASE: a job or a channel without a sign of life for that long has lost its unit or place."""
+STEP_MS = 1000
+"""STEP_LIMIT: the longest time between two calls that counts."""
+CALLS_LIMIT = 1000
+"""Calls of a job without a call of its channel."""
+COUNTERS = 30_000
+"""Numbers of orders, signs of life and requests for places count 1, 2, .. up to this number and begin again."""
+GRANT = 100_000
+"""The grant is the slot times this, plus the number of the order."""
+NO_ANSWER = 0xFFFF
+"""errors[i] of a parameter that has no answer."""

@@ -1,0 +1,108 @@
+"""The engine as it lies in a folder: its blocks and types, its sizes, and the hash over its tokens."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from plcgen.cpu.program import Program
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.input.files import read_bounded
+from plcgen.proof.rig import layout_of, with_garbage
+from plcgen.protocols.ds47.proof.engine.stimulus import Sizes, stimulus
+from plcgen.s7.layout import locate
+from plcgen.s7.types import ArrayType
+from plcgen.scl.dialect import Dialect
+from plcgen.scl.lexer import KEYWORDS, tokenize
+from plcgen.sources.text import MAX_BYTES, decode
+
+NAMES: Mapping[str, str] = {
+    "channel": "DriveChannel", "ticket": "DriveTicket", "gate": "DriveGate", "unit": "typeDriveUnit",
+    "order": "typeDriveOrder", "turn": "typeDriveTurn", "ask": "typeDriveAsk", "gate_data": "typeDriveGate",
+    "place": "typeDrivePlace",
+}  # fmt: skip
+"""Blocks and types of the engine, by their roles."""
+BLOCKS = ("channel", "ticket", "gate")
+SHORT = 12
+"""Hexadecimal digits of a hash that a report shows."""
+_DECLARED = re.compile(r'^\s*(?:FUNCTION_BLOCK|TYPE)\s+"?([^"\s:]+)"?', re.MULTILINE | re.IGNORECASE)
+_TITLE = re.compile(r"^\s*TITLE\s*=.*$", re.MULTILINE)
+_LIBRARY_VERSION = re.compile(r"(LibVersion\s*:=\s*)'[0-9.]*'")
+
+
+@dataclass(frozen=True)
+class Engine:
+    """The engine of one target: file names and texts; ``names`` are those of its blocks and types by their roles."""
+
+    dialect: Dialect
+    sources: tuple[tuple[str, str], ...]
+    names: Mapping[str, str] = field(default_factory=lambda: dict(NAMES))
+
+    @classmethod
+    def of(cls, files: Iterable[Path], dialect: Dialect, names: Mapping[str, str] = NAMES) -> Engine:
+        """Pick the engine out of the sources of a project. Raises DiagnosticError if something of it is missing."""
+        wanted = {name.upper() for name in names.values()}
+        found: list[tuple[str, str]] = []
+        missing = set(wanted)
+        for file in files:
+            text = decode(read_bounded(file, MAX_BYTES), str(file))
+            if isinstance(text, Diagnostic):
+                raise DiagnosticError([text])
+            declared = {name.upper() for name in _DECLARED.findall(text)} & wanted
+            if declared:
+                missing -= declared
+                found.append((str(file), text))
+        if missing:
+            absent = ", ".join(sorted(name for name in names.values() if name.upper() in missing))
+            raise DiagnosticError([Diagnostic("PG825", f"the drive engine is not complete: {absent} missing", Span(""))])
+        return cls(dialect, tuple(sorted(found)), dict(names))
+
+    @cached_property
+    def program(self) -> Program:
+        """The engine with the stimulus around it, compiled. Raises DiagnosticError."""
+        text = stimulus(self.dialect, self.names, self.sizes)
+        return with_garbage(Program.load([*self.sources, ("stimulus.scl", text)], self.dialect, coverage=True))
+
+    @cached_property
+    def sizes(self) -> Sizes:
+        """Sizes of the unit's arrays. Raises DiagnosticError."""
+        head = f'DATA_BLOCK "Sizes"\n{{}}STRUCT\n unit : "{self.names["unit"]}";\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+        program = Program.load([*self.sources, ("sizes.db", head.replace("{}", ""))], self.dialect)
+        if not program.ok:
+            raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
+        layout = layout_of(program, "Sizes")
+
+        def last(member: str) -> int:
+            type_ = locate(layout, f"unit.{member}").type
+            return type_.bounds[0][1] if isinstance(type_, ArrayType) else 0
+
+        return Sizes(last("telegram"), last("errors"), last("asks"))
+
+    @cached_property
+    def hash(self) -> str:
+        """SHA-256 over target and tokens. Comments, titles, versions of library blocks, names and case do not count."""
+        digest = hashlib.sha256(self.dialect.value.encode())
+        for unit in sorted(" ".join(unit) for _, text in self.sources for unit in self._units(text)):
+            digest.update(b"\n" + unit.encode())
+        return digest.hexdigest()
+
+    def _units(self, text: str) -> Iterator[list[str]]:
+        """The tokens of every block or type of the engine in a source."""
+        roles = {name.upper(): f"<{role}>" for role, name in self.names.items()}
+        tokens = tokenize(_LIBRARY_VERSION.sub(r"\1''", _TITLE.sub("", text)), "")
+        unit: list[str] = []
+        for kind, spelled in zip(tokens.kinds, tokens.texts, strict=True):
+            plain = spelled.strip('"').upper()
+            unit.append(roles.get(plain, kind if kind in KEYWORDS else spelled))
+            if kind in {"END_FUNCTION_BLOCK", "END_TYPE"}:
+                if any(word in roles.values() for word in unit[:2]):
+                    yield unit
+                unit = []
+
+    def __reduce__(self) -> tuple[type[Engine], tuple[Dialect, tuple[tuple[str, str], ...], Mapping[str, str]]]:
+        """A program cannot be pickled: a worker compiles it again."""
+        return Engine, (self.dialect, self.sources, self.names)

@@ -1,0 +1,68 @@
+"""The program around the engine: ``stimulus.scl`` in the spelling of a target, with the sizes of the engine put in."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from plcgen.scl.classic import Spelling, respell
+from plcgen.scl.dialect import Dialect
+
+GATE, FIRST_CHANNEL, FIRST_JOB = 1, 2, 5
+"""Numbers of what the organization blocks call: the gate, channels of three units, five jobs."""
+UNIT_OF_JOB = (1, 1, 1, 2, 3)
+INSTANCES = {
+    "Gate": "gate", "Channel1": "channel", "Channel2": "channel", "Channel3": "channel",
+    "Job1": "job", "Job2": "job", "Job3": "job", "Job4": "job", "Job5": "job",
+}  # fmt: skip
+LEVELS = {"OB1": 0, "OB35": 10, "OB82": 20}
+"""Organization blocks, and where their list of calls begins."""
+_CALL = re.compile(r"\{call:(\w+):(\w+)\}")
+_UNIT = re.compile(r"\{unitDb:(\d)\}")
+
+
+@dataclass(frozen=True, slots=True)
+class Sizes:
+    """Sizes of the engine: last byte of a record, parameters of a telegram, slots of a unit."""
+
+    last: int
+    blocks: int
+    slots: int
+
+
+def stimulus(dialect: Dialect, names: Mapping[str, str], sizes: Sizes) -> str:
+    """The text of the program; ``names`` are those of the engine's blocks and types by their roles."""
+    v5, classic = dialect is Dialect.STEP7_V5, dialect is not Dialect.TIA_1200_1500
+    blocks = {**names, "job": "ProofJob"}
+    text = Path(__file__).with_name("stimulus.scl").read_text(encoding="ascii")
+    calls = {"instances": "\n".join(_instance(name, blocks[role], v5=v5) for name, role in INSTANCES.items())}
+    calls["obs"] = "\n".join(_organization(name, first, v5=v5) for name, first in LEVELS.items())
+    text = _CALL.sub(
+        lambda found: f'"{blocks[found[1]]}"."{found[2]}"' if v5 else f'"{found[2]}"', text.replace("{obs}", "")
+    )
+    text = _UNIT.sub(lambda found: f', unitDb := "Unit{found[1]}"' if classic else "", text)
+    instances = calls["instances"]
+    for name, value in {**names, "last": sizes.last, "blocks": sizes.blocks, "slots": sizes.slots}.items():
+        text = text.replace(f"{{{name}}}", str(value))
+    spelling = Spelling.STEP7_V5 if v5 else Spelling.NO_REGIONS if classic else Spelling.TIA
+    before, _, behind = text.partition("{instances}")
+    return respell(before, spelling) + instances + respell(behind, spelling) + calls["obs"]
+
+
+def _instance(name: str, block: str, *, v5: bool) -> str:
+    if v5:
+        return f'DATA_BLOCK "{name}" "{block}"\nBEGIN\nEND_DATA_BLOCK\n'
+    head = "{ S7_Optimized_Access := 'FALSE' }\nVERSION : 0.1"
+    return f'DATA_BLOCK "{name}"\n{head}\n"{block}"\nBEGIN\nEND_DATA_BLOCK\n'
+
+
+def _organization(name: str, first: int, *, v5: bool) -> str:
+    if v5:
+        temp = "VAR_TEMP\n  info : ARRAY[0..19] OF BYTE;\nEND_VAR\n"
+        return f'ORGANIZATION_BLOCK {name}\n{temp}BEGIN\n"ProofCalls"(first := {first});\nEND_ORGANIZATION_BLOCK\n'
+    return (
+        f"ORGANIZATION_BLOCK \"{name}\"\n{{ S7_Optimized_Access := 'FALSE' }}\nVERSION : 0.1\nBEGIN\n"
+        f'"ProofCalls"(first := {first});\nEND_ORGANIZATION_BLOCK\n'
+    )
