@@ -79,7 +79,9 @@ class UnitWatch:
             )
 
 
-def job_signals(cpu: Cpu, plan: DrivePlan, job: DriveJob, units: UnitWatch) -> Iterator[tuple[Signal, Watched | Derived]]:
+def job_signals(
+    cpu: Cpu, plan: DrivePlan, job: DriveJob, units: UnitWatch
+) -> Iterator[tuple[Signal, Watched | Derived]]:
     """Signals of a job: start, state, outputs; its values are listed by the text report."""
     own, unit = instance_path(plan, job), f'"{job.drive.unit.db.name}".unit'
     yield signal(cpu, job.key, "execute", execute_path(plan, job))

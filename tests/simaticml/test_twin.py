@@ -116,7 +116,7 @@ def test_what_each_version_gets(toolchain: str, tmp_path: Path) -> None:
     if toolchain in {"tia-v13sp1", "tia-v14"}:
         assert not (tmp_path / "out/xml").exists()
         return
-    assert {"Main", "ReadAll", "ReadAll_DB", "WriteAll", "typeDriveToken"} <= found
+    assert {"Main", "ReadAll", "DriveCalls_DB", "WriteAll", "typeDriveUnit"} <= found
     version = {"tia-v14sp1": "V14 SP1", "tia-v15.1": "V15.1"}.get(toolchain, toolchain[4:].upper())
     namespaces = {
         "V14 SP1": ("v2", "v1"), "V15": ("v3", "v2"), "V15.1": ("v3", "v2"), "V16": ("v4", "v3"), "V20": ("v5", "v4"),
@@ -131,7 +131,7 @@ def test_what_each_version_gets(toolchain: str, tmp_path: Path) -> None:
     assert "WRREC" in notes["xml/ReadAll.xml"]
     assert "watch tables" in notes["xml/Watch_ReadAll.xml"]
     assert bool(notes["xml/Main.xml"]) == (toolchain != "tia-v16")
-    assert bool(notes["xml/typeDriveToken.xml"]) == (toolchain in {"tia-v14sp1", "tia-v15", "tia-v15.1"})
+    assert bool(notes["xml/typeDriveUnit.xml"]) == (toolchain in {"tia-v14sp1", "tia-v15", "tia-v15.1"})
 
 
 def test_import_script_names_every_document_once_in_order(generated: dict[str, Path]) -> None:
@@ -142,7 +142,15 @@ def test_import_script_names_every_document_once_in_order(generated: dict[str, P
     assert sorted(names) == sorted(path.name for path in folder.glob("*.xml"))
     order = [
         names.index(n)
-        for n in ("typeSetRamps_Request.xml", "SetRamps_Request.xml", "SetRamps.xml", "SetRamps_DB.xml", "Main.xml")
+        for n in (
+            "typeDriveUnit.xml",
+            "PumpUnit.xml",
+            "DriveChannel.xml",
+            "SetRamps.xml",
+            "DriveCalls.xml",
+            "DriveCalls_DB.xml",
+            "Main.xml",
+        )
     ]
     assert order == sorted(order)
     assert not (generated["s7-300_6ra80_dp_tia"] / "xml/import.ps1").exists()

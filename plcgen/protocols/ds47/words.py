@@ -24,7 +24,7 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_IDLE", 0x7000, "no job active"),
     ("STATUS_STARTED", 0x7001, "job started"),
     ("STATUS_RUNNING", 0x7002, "job running, or waiting for its turn"),
-    ("STATUS_TIMEOUT", 0x8101, "not finished within the timeout of the job"),
+    ("STATUS_TIMEOUT", 0x8101, "not finished within TIMEOUT, the timeout of the job"),
     ("STATUS_DRAIN_TIMEOUT", 0x8102, "a record call still active after DRAIN_LIMIT"),
     ("STATUS_STILL_DRAINING", 0x8103, "refused: a record call of an earlier job is still active"),
     ("STATUS_OCCUPIED", 0x8104, "other jobs kept the unit for longer than the wait limit"),

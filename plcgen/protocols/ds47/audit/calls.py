@@ -16,6 +16,7 @@ from plcgen.protocols.ds47.audit.model import ConstantArgument, FoundCall, Recor
 from plcgen.s7.address import AddressError, parse_address, parse_pointer
 from plcgen.s7.blocks import Block
 from plcgen.s7.layout import layout_members, split_path
+from plcgen.s7.types import Elementary
 from plcgen.scl import ast
 from plcgen.scl.constants import evaluate, integer
 from plcgen.scl.lexer import NAME
@@ -72,10 +73,12 @@ def _at_block(call: FoundCall, place: Span) -> FoundCall:
 
 
 def _local_size(node: ast.Expression, source: SourceBlock, types: Mapping[str, Block]) -> int | None:
-    """Bytes of a variable of the block; None if it is none, or of unknown size."""
+    """Bytes of a variable of the block; None if it is none, of unknown size, or a pointer to something else."""
     if not isinstance(node, ast.Name):
         return None
     members = [m for s in source.block.sections for m in s.members if m.name.upper() == node.name.upper()]
+    if any(isinstance(m.type, Elementary) and m.type.name in {"ANY", "POINTER"} for m in members):
+        return None
     try:
         return layout_members(members, types).size or None if members else None
     except DiagnosticError:

@@ -30,9 +30,7 @@ def caller(plan: DrivePlan, commands: Sequence[tuple[DriveJob, Command]]) -> Fun
     }
     engine = plan.engine
     title = "Calls of all drive jobs"
-    return FunctionBlock(
-        engine.calls, engine.calls_db, title, "ds47/calls.scl.j2", view, RECORD_NOTE, (), (), ()
-    )
+    return FunctionBlock(engine.calls, engine.calls_db, title, "ds47/calls.scl.j2", view, RECORD_NOTE, (), (), ())
 
 
 def _unit(plan: DrivePlan, unit: PlannedUnit) -> dict[str, Any]:

@@ -132,7 +132,6 @@ def programs(plan: DrivePlan) -> list[FunctionBlock]:
         "gate_channels": plan.variant.channels,
         "drain_ms": DRAIN_MS,
         "lease_ms": LEASE_MS,
-        "index_type": "DInt" if plan.target.t15 else "Int",
         "record_address": f"DW#16#{8 * plan.variant.bytes:08X}",
         "versions": versions(plan),
         "states": CHANNEL_STATES,

@@ -64,7 +64,6 @@ def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "job": _job(plan, job, label),
         "names": names(plan),
         "slots": plan.variant.slots,
-        "db_type": "DB_Any" if plan.target.t15 else "Block_DB",
     }
 
 

@@ -130,7 +130,7 @@ class EngineConduct:
         grant = unit.get("turn.grant")
         if (grant != 0) != (state >= HOLD):
             raise ScenarioError(f"grant is {grant} in state {state_name(state)}")
-        if run.seen[1] and BUILD <= state:
+        if run.seen[1] and state >= BUILD:
             raise ScenarioError(f"done in state {state_name(state)}")
 
     # --- the end --------------------------------------------------------------------------------------
