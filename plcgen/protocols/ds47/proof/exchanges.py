@@ -1,7 +1,7 @@
 """Telegrams on the wire: the start values go to the simulated drive, the answer comes back through the members.
 
-What is sent is what the start values on disk define, those of the request DB or of the bytes in the job's block; nothing
-of the generator is used. A job on several drives has one block: its first instance stands for all.
+What is sent is what the start values on disk define, of the request DB or of the bytes in the job's block; nothing of
+the generator is used. A job on several drives has one block: its first instance stands for all.
 """
 
 from __future__ import annotations

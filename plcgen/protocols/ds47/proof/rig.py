@@ -49,7 +49,7 @@ class JobRig:
     def unit_of(self, name: str) -> Members:
         """What job and channel share."""
         self.order_id = "order.hardwareId" if self.plan.target.t15 else "order.address"
-        names = ["state", "request", "expected", self.order_id, *(f"order.{name}" for name in ORDER)]
+        names = ["state", "telegram", "expected", self.order_id, *(f"order.{name}" for name in ORDER)]
         names += [f"asks[{slot}].telegram" for slot in range(1, SLOTS + 1)]
         return Members(self.cpu, self.program, name, [f"unit.{name}" for name in names], "unit.")
 
@@ -111,6 +111,11 @@ class JobRig:
         return self.db.words(name, len(self.job.uses))
 
     @property
+    def longest(self) -> int:
+        """Bytes of the longest record that the engine takes."""
+        return self.unit.spots["telegram"].size
+
+    @property
     def telegram(self) -> int:
         """The telegram that the job has handed over last; 0 without one."""
         slot = self.db.get("slot")
@@ -144,4 +149,4 @@ class JobRig:
     def handed_over(self, length: int) -> bytes:
         """The request that the channel is going to send."""
         own = self.job.telegrams[0].request.db
-        return self.unit.bytes("request", length) if own is None else bytes(self.cpu.db(own.name)[:length])
+        return self.unit.bytes("telegram", length) if own is None else bytes(self.cpu.db(own.name)[:length])

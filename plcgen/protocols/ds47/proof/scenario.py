@@ -25,7 +25,7 @@ class DriveScenario(Scenario):
 
     ``telegram`` is the one that ends the job, 0 the last; ``answered`` says that it had an answer. ``errors`` are those
     stated by hand: (error, info) by number of the telegram and place in it, all others of an answered telegram are 0.
-    ``checked`` False: the result is all that counts. ``again`` is how many requests were sent again, None is any number.
+    ``checked`` False: only the result counts. ``again`` is how many requests were sent again, None is any number.
     """
 
     faults: tuple[Fault, ...] = ()

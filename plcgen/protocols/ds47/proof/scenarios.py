@@ -15,7 +15,6 @@ STATE_CONFLICT = 0xDE80B500
 FATAL_WRITE, FATAL_READ = 0xDF80B000, 0xDE80B000
 FEW = 4
 """So many parameters of a telegram are tried one by one; of more the first, the middle and the last."""
-LIMIT = 240
 CALLS_MS = 250
 """Time that a try takes at most besides its pause."""
 WRONG_SLOTS = (0, -1, 3, 4, 16, 17, 32767)
@@ -39,12 +38,12 @@ def polls(job: DriveJob) -> int:
     return next((n for n in (2, 1) if n <= job.retries and (n + 1) * each * 3 < job.timeout), 0)
 
 
-def matrix(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
-    """All of it; ``scans`` is how long a good run takes."""
+def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
+    """All of it; ``scans`` is how long a good run takes, ``longest`` how many bytes a record may have."""
     yield from _values()
     yield from _refusals(job)
     if not job.writes:
-        yield from _blocks(job)
+        yield from _blocks(job, longest)
     yield from _record_calls(job)
     yield from _signals(job, scans)
 
@@ -102,7 +101,7 @@ def _reported(error: int, words: int, place: int) -> tuple[int, int]:
     return 0x8000 | error, 0x100 + place if words == 2 else 0
 
 
-def _blocks(job: DriveJob) -> Iterator[DriveScenario]:
+def _blocks(job: DriveJob, longest: int) -> Iterator[DriveScenario]:
     """Values of another type or number come, in an answer that is right otherwise: the others are delivered."""
     for telegram in ends(job):
         number = telegram.number
@@ -110,7 +109,7 @@ def _blocks(job: DriveJob) -> Iterator[DriveScenario]:
             part = telegram.parts[place - 1]
             for code, count in _wrong_blocks(part):
                 size = count * formats.by_code(code).size
-                if telegram.positive_length - padded(part.size) + padded(size) > LIMIT:
+                if telegram.positive_length - padded(part.size) + padded(size) > longest:
                     continue
                 yield DriveScenario(
                     name=f"{count} values of type {code:02X}h come for parameter {place} of telegram {number}",

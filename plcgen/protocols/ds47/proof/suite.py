@@ -129,7 +129,8 @@ class DriveSuite:
 
     def matrix(self, runner: Runner[DriveScenario], scans: int, level: Level) -> Iterator[DriveScenario]:
         """What is the job's own."""
-        return matrix(rig_of(runner).job, scans)
+        rig = rig_of(runner)
+        return matrix(rig.job, scans, rig.longest)
 
     def behind(
         self, program: Program, runner: Runner[DriveScenario]
