@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from plcgen.cpu.program import Program
+from plcgen.cpu.program import Program, Source
 from plcgen.diagnostics import DiagnosticError, Severity
 from plcgen.s7.blocks import BlockKind
 from plcgen.scl.dialect import Dialect
@@ -15,10 +16,20 @@ from plcgen.sources.generated import generated_documents, generated_sources
 Tags = dict[str, str | tuple[str, str]]
 
 
-def load_folder(folder: Path | str, dialect: Dialect, *, coverage: bool = False) -> Program:
-    """Load the generated sources of a folder; symbols come from ``*.sdf``, tags and numbers from ``xml/*.xml``."""
+def load_folder(
+    folder: Path | str,
+    dialect: Dialect,
+    *,
+    coverage: bool = False,
+    constants: Mapping[str, int] | None = None,
+    more: Iterable[Source] = (),
+) -> Program:
+    """Load the generated sources of a folder; symbols come from ``*.sdf``, tags and numbers from ``xml/*.xml``.
+
+    ``constants`` are system constants by their names, ``more`` are sources that do not lie in the folder.
+    """
     folder = Path(folder)
-    sources = generated_sources(folder)
+    sources: list[Source] = [*generated_sources(folder), *more]
     tags: Tags = {}
     numbers: dict[str, int] = {}
     for table in sorted(folder.glob("*.sdf")):
@@ -35,7 +46,7 @@ def load_folder(folder: Path | str, dialect: Dialect, *, coverage: bool = False)
         for block in read_simaticml(document, classic=classic)[0]:
             if block.kind is BlockKind.DB and block.number is not None:
                 numbers[block.name] = block.number
-    return Program.load(sources, dialect, tags=tags, numbers=numbers, coverage=coverage)
+    return Program.load(sources, dialect, tags=tags, numbers=numbers, constants=constants, coverage=coverage)
 
 
 def read_tag_file(path: Path | str) -> Tags:

@@ -64,15 +64,16 @@ class Compiled:
 class Linkage:
     """Names of a program; keys are upper case.
 
-    ``mixed``: blocks with standard and with optimised access meet. ``probes`` grows while blocks are compiled for
-    coverage, ``points`` while they are compiled for preemption; the preemptive form of a block counts with the
-    ``counters`` of the plain one.
+    ``constants`` are system constants of the project, hardware identifiers by name. ``mixed``: blocks with standard and
+    with optimised access meet. ``probes`` grows while blocks are compiled for coverage, ``points`` while they are
+    compiled for preemption; the preemptive form of a block counts with the ``counters`` of the plain one.
     """
 
     dialect: Dialect
     blocks: dict[str, ProgramBlock] = field(default_factory=dict)
     types: dict[str, Block] = field(default_factory=dict)
     tags: dict[str, tuple[Address, str]] = field(default_factory=dict)
+    constants: dict[str, int] = field(default_factory=dict)
     aliases: dict[str, str] = field(default_factory=dict)
     instance_regions: set[str] = field(default_factory=set)
     mixed: bool = False

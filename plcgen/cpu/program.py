@@ -65,15 +65,17 @@ class Program:
         *,
         tags: Mapping[str, str | tuple[str, str]] | None = None,
         numbers: Mapping[str, int] | None = None,
+        constants: Mapping[str, int] | None = None,
         coverage: bool = False,
     ) -> Program:
         """Read, check and compile sources in any order.
 
         ``tags`` maps names to addresses (``M50.0``, or with a type ``("MW22", "INT")``), or block symbols to
-        numbers (``DB 471``); ``numbers`` maps names of data blocks to their numbers. ``coverage`` counts
-        statements and branches.
+        numbers (``DB 471``); ``numbers`` maps names of data blocks to their numbers, ``constants`` names
+        of system constants to theirs. ``coverage`` counts statements and branches.
         """
         program = cls(Linkage(dialect, coverage=coverage))
+        program.link.constants = {name.upper(): number for name, number in (constants or {}).items()}
         for source in sources:
             program.read(source)
         for name in program.link.add_tags(tags or {}):

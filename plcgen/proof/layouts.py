@@ -34,17 +34,19 @@ class Row:
 
 def check_layout(frame: Frame, folder: Folder, laid: LaidOut) -> Check:
     """The check of one buffer, of the group ``layout``."""
-    db, fields = laid.buffer.db, laid.buffer.fields
+    home, fields = laid.buffer.home, laid.buffer.fields
     size = fields[-1].offset + fields[-1].size
-    name, subject = f"layout.{db.name}", f'DB{db.number} "{db.name}"'
+    number = home.number if home.kind == "DB" else ""
+    name, subject = f"layout.{home.name}", f'{home.kind}{number} "{home.name}"'
     figures = " ".join(f"{f.name}@{f.offset}{width_mark(f.type)}" for f in fields if laid.shown(f))
     planned = [Row(f.name, f.offset, f.size, f.type) for f in fields]
-    problem = compare(frame, folder, ((db, laid.prefix), (laid.buffer.type, "")), planned, size)
+    places = dict.fromkeys(((home, laid.prefix), (laid.buffer.type, "")))
+    problem = compare(frame, folder, tuple(places), planned, size)
     text = f"{size} B  {laid.note}{figures}"
     if problem is None and size < laid.room:
         message = f"response buffer {laid.room - size} bytes too small"
         help_ = f"an answer needs {laid.room} bytes"
-        problem = Diagnostic("PG605", message, folder.place(db.name), help=help_)
+        problem = Diagnostic("PG605", message, folder.place(home.name), help=help_)
     if problem is not None:
         return Check(name, subject, text, Outcome.ERROR, problem.message, problem)
     return Check(name, subject, text, Outcome.OK, agreement(frame))

@@ -23,8 +23,12 @@ _GARBAGE = {"0": "0xA0", "0.0": "1e30", "False": "True"}
 
 
 def load_program(project: Project, folder: Path) -> Program:
-    """Compile the folder's sources with coverage; local data holds garbage at the start of a call, as in a CPU."""
-    return with_garbage(load_folder(folder, project.target.dialect, coverage=True))
+    """Compile the folder's sources, with those of the proofs, with coverage and with garbage in local data."""
+    proofs = [plan.protocol.proof(plan) for plan in project.plans]
+    constants = {name: number for proof in proofs for name, number in proof.constants().items()}
+    more = [source for proof in proofs for source in proof.stimulus()]
+    dialect = project.target.dialect
+    return with_garbage(load_folder(folder, dialect, coverage=True, constants=constants, more=more))
 
 
 def with_garbage(program: Program) -> Program:

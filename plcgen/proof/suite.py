@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, Protocol, TypeVar
@@ -133,6 +133,12 @@ class Suite(Protocol[S]):
 
 class Proof(Protocol):
     """What a protocol contributes to the verification of one plan."""
+
+    def constants(self) -> Mapping[str, int]:
+        """System constants that the generated code names, with numbers that stand for theirs."""
+
+    def stimulus(self) -> Sequence[tuple[str, str]]:
+        """Sources that are executed with the generated ones: file name and text."""
 
     def layouts(self) -> Iterator[LaidOut]:
         """Every buffer."""

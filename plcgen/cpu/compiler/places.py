@@ -12,13 +12,13 @@ from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.opened import WIDTHS as _AREA_WIDTHS
 from plcgen.cpu.compiler.opened import OpenedBlocks
 from plcgen.cpu.compiler.scope import bare_shape, scalar_name
-from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Symbol, Val
+from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Symbol, Val, constant
 from plcgen.cpu.linkage import ProgramBlock
 from plcgen.cpu.system.interfaces import system_fbs
 from plcgen.cpu.type_rules import INTEGERS, REALS, WIDTHS, canonical
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.address import Address, AddressError, parse_address
-from plcgen.s7.blocks import BlockKind
+from plcgen.s7.blocks import BlockKind, SectionKind
 from plcgen.s7.shapes import Shape
 from plcgen.s7.types import ELEMENTARY, ArrayType, NamedType, StringType
 from plcgen.scl import ast
@@ -69,7 +69,8 @@ class Places:
     def symbol(self, node: ast.Name) -> Symbol | None:
         """Local symbol of a name, if it has one."""
         if node.scope == "quoted":
-            return None
+            number = self.context.link.constants.get(node.name.upper())
+            return None if number is None else Symbol(node.name, SectionKind.CONSTANT, constant=constant(number))
         return self.context.scope.symbols.get(node.name.upper())
 
     def undeclared(self, node: ast.Name) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from plcgen.cpu.type_rules import SIGNED_WIDTHS, WIDTHS
+from plcgen.cpu.type_rules import INT_CONST, SIGNED_WIDTHS, WIDTHS
 from plcgen.s7.blocks import SectionKind
 from plcgen.s7.shapes import Shape
 
@@ -78,6 +78,11 @@ class Symbol:
 def unknown() -> Val:
     """Value of something that has been reported."""
     return Val("0", UNKNOWN)
+
+
+def constant(number: int) -> Val:
+    """Value of a whole number without a type."""
+    return Val(repr(number), INT_CONST, number)
 
 
 def wrapped(code: str, type_: str) -> str:

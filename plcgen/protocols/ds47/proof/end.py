@@ -1,141 +1,116 @@
-"""What must hold at the end of a run: result, values, telegrams on the wire, errors and diagnostics."""
+"""What must hold at the end of a run: values, errors of every parameter, telegrams on the wire."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from plcgen.proof.scenario import ScenarioError
-from plcgen.protocols.ds47.plan.nouns import DriveTelegram
+from plcgen.protocols.ds47.plan.nouns import DriveJob
+from plcgen.protocols.ds47.proof.contents import held
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.words import DONE, WORDS
+from plcgen.protocols.ds47.proof.words import DONE, NO_ANSWER
 
-CHECKED = frozenset(
-    WORDS[name]
-    for name in (
-        "RESPONSE_LENGTH",
-        "RESPONSE_ID",
-        "DRIVE_OBJECT",
-        "PARAMETER_COUNT",
-        "RESPONSE_FORMAT",
-        "PARAMETER_ERROR",
-        "REFUSED",
-        "NOT_SUPPORTED",
-    )
-)
-"""Results that come from looking at an answer."""
+Result = tuple[int, int]
+"""Error and info of a parameter."""
 
 
-def following(reference: int) -> int:
-    """The request reference after this one: 1 to 255, never 0."""
-    return reference + 1 if 0 <= reference < 255 else 1
+def check_end(
+    rig: JobRig,
+    scenario: DriveScenario,
+    requests: Sequence[bytes],
+    before: list[list[bytes]],
+    wanted: list[list[bytes]],
+    status: int,
+) -> None:
+    """All of it. Raises ScenarioError."""
+    check_wire(rig, scenario, requests, status)
+    if not scenario.checked:
+        return
+    results = telegram_results(rig.job, scenario)
+    check_errors(rig, use_results(rig.job, results))
+    if wanted:
+        check_values(rig, results, before, wanted)
+    if status == DONE and rig.job.writes:
+        for use in rig.job.uses:
+            found, given = held(rig.drive, rig.drive_object, use), rig.values.given[use.position]
+            if found != given:
+                raise ScenarioError(f"the drive has {found.hex(' ')} for {use.label}, the input was {given.hex(' ')}")
 
 
-class End:
-    """The checks of a finished run; ``reference`` is the last one before it, None if it is not known."""
+def telegram_results(job: DriveJob, scenario: DriveScenario) -> list[list[Result]]:
+    """What the parameters of each telegram must report."""
+    last = scenario.telegram or len(job.telegrams)
+    found = []
+    for telegram in job.telegrams:
+        good = telegram.number < last or (telegram.number == last and scenario.answered)
+        default = (0, 0) if good else (NO_ANSWER, 0)
+        places = range(1, len(telegram.parts) + 1)
+        found.append([scenario.errors.get((telegram.number, place), default) for place in places])
+    return found
 
-    def __init__(self, rig: JobRig, scenario: DriveScenario, reference: int | None) -> None:
-        self.rig, self.scenario, self.reference = rig, scenario, reference
 
-    def check(self, status: int) -> None:
-        """Values, wire, errors, diagnostics."""
-        if status == DONE:
-            self.check_values()
-        elif status in CHECKED:
-            telegram = self.rig.job.telegrams[self.rig.db.get("telegram") - 1]
-            self.check_response(telegram, self.rig.drive.journal[-1].data)
-        self.check_wire(status)
-        self.check_diagnostics(status)
+def use_results(job: DriveJob, results: list[list[Result]]) -> list[Result]:
+    """Of a parameter in several telegrams the first error counts; behind the end of the job nothing more is known."""
+    found: dict[int, Result] = {}
+    ended = False
+    for telegram, errors in zip(job.telegrams, results, strict=True):
+        for part, result in zip(telegram.parts, errors, strict=True):
+            before = found.get(part.use.position)
+            if before is None or (before[0] == 0 and not ended):
+                found[part.use.position] = result
+        ended = ended or any(error for error, _ in errors)
+    return [found[use.position] for use in job.uses]
 
-    def check_values(self) -> None:
-        """Outputs and response DBs hold what the drive has; the drive holds what was written."""
-        rig = self.rig
-        for use in rig.job.outputs:
-            expected = rig.expected(use)
-            found = rig.db.bytes(use.member, len(expected))
-            if found != expected:
-                raise ScenarioError(f"{use.member} is {found.hex(' ')}, the drive has {expected.hex(' ')}")
-        for telegram, answer in zip(rig.job.telegrams, self.answers(), strict=False):
-            self.check_response(telegram, answer)
 
-    def check_response(self, telegram: DriveTelegram, answer: bytes) -> None:
-        """The response DB holds an answer, good or bad: every member that the answer reaches the end of."""
-        memory = self.rig.cpu.db(telegram.response.db.name)
-        fields = [f.name for f in telegram.response.fields if self.differs(f.offset, f.size, memory, answer)]
-        if fields:
-            raise ScenarioError(f'"{telegram.response.db.name}" differs from the answer in {", ".join(fields)}')
+def check_errors(rig: JobRig, wanted: list[Result]) -> None:
+    """``errors`` and ``errorInfos`` of every parameter."""
+    pairs = zip(rig.words("errors"), rig.words("errorInfos"), strict=True)
+    for position, (found, right) in enumerate(zip(pairs, wanted, strict=True), 1):
+        if found != right:
+            shown = f"16#{found[0]:04X}, {found[1]}"
+            raise ScenarioError(
+                f"errors[{position}], errorInfos[{position}] are {shown} instead of 16#{right[0]:04X}, {right[1]}"
+            )
 
-    @staticmethod
-    def differs(offset: int, size: int, memory: bytearray, answer: bytes) -> bool:
-        """Whether a member of the response DB holds something else than the answer."""
-        return offset + size <= len(answer) and bytes(memory[offset : offset + size]) != answer[offset : offset + size]
 
-    def answers(self) -> list[bytes]:
-        """The answers that belong to the telegrams: those with the reference of the request before them."""
-        chosen: list[bytes] = []
-        reference = -1
-        for exchange in self.rig.drive.journal:
-            if exchange.direction == "write":
-                reference = exchange.data[0]
-            elif exchange.data and exchange.data[0] == reference:
-                chosen.append(exchange.data)
-        return chosen[-len(self.rig.job.telegrams) :]
-
-    def check_wire(self, status: int) -> None:
-        """Every request is a planned telegram of this run, whole and exact, with a new reference."""
-        rig, scenario = self.rig, self.scenario
-        planned = rig.requests()
-        at, before, failed = 0, self.reference or 0, False
-        writes = reads = 0
-        for exchange in rig.drive.journal:
-            if exchange.direction == "read":
-                reads += 1
-                continue
-            writes += 1
-            data = exchange.data
-            if exchange.index != rig.job.drive.record_index & 0xFFFF:
-                raise ScenarioError(f"data record 16#{exchange.index:04X} was written")
-            if self.reference is None:
-                at = next((i for i, request in enumerate(planned) if request[1:] == data[1:]), at)
-            elif at + 1 < len(planned) and data[1:] != planned[at][1:]:
-                at += 1
-            if not data or data[1:] != planned[at][1:]:
-                raise ScenarioError(f"sent {data.hex(' ').upper()} instead of {planned[at].hex(' ').upper()}")
-            repeated = failed and data[0] == before
-            if not data[0] or (self.reference is not None and not repeated and data[0] != following(before)):
-                raise ScenarioError(f"request reference {data[0]} follows {before}")
-            before, failed = data[0], exchange.status != 0
-        total = len(planned)
-        if status == DONE and at != total - 1:
-            raise ScenarioError(f"{at + 1} of {total} telegrams were sent")
-        if scenario.calls is not None:
-            extra_writes, extra_reads = scenario.calls
-            count = scenario.telegram or total
-            if (writes, reads) != (count + extra_writes, count + extra_reads):
-                wanted = f"{count + extra_writes} WRREC and {count + extra_reads} RDREC"
-                raise ScenarioError(f"{writes} WRREC and {reads} RDREC reached the drive instead of {wanted}")
-
-    def check_diagnostics(self, status: int) -> None:
-        """Errors per parameter and the details for the maintenance engineer."""
-        rig, scenario, journal = self.rig, self.scenario, self.rig.drive.journal
-        words, infos = rig.words("errors"), rig.words("errorInfos")
-        for position in range(1, len(rig.job.uses) + 1):
-            word, info = scenario.errors.get(position, (0, 0))
-            if (words[position - 1], infos[position - 1]) != (word, info):
-                found = f"16#{words[position - 1]:04X}, 16#{infos[position - 1]:04X}"
+def check_values(
+    rig: JobRig, results: list[list[Result]], before: list[list[bytes]], wanted: list[list[bytes]]
+) -> None:
+    """What came without an error is delivered, everything else is as it was."""
+    found = rig.delivered()
+    for telegram, errors in zip(rig.job.telegrams, results, strict=True):
+        for place, (part, (error, _)) in enumerate(zip(telegram.parts, errors, strict=True)):
+            at = telegram.number - 1
+            right = (before if error else wanted)[at][place]
+            if found[at][place] != right:
+                what = "as before: it did not come" if error else "the value of the drive"
                 raise ScenarioError(
-                    f"errors[{position}], errorInfos[{position}] are {found}, not 16#{word:04X}, {info}"
+                    f"{part.use.member} is {found[at][place].hex(' ')} instead of {right.hex(' ')}, {what}"
                 )
-        expected = {"failedParameter": min(scenario.errors, default=0)}
-        if journal:
-            expected["recordStatus"] = journal[-1].status
-            if status not in {WORDS["DRIVE_LOST"], WORDS["WRONG_DB"]}:
-                expected["requestReference"] = [e.data[0] for e in journal if e.direction == "write"][-1]
-        received = [e.data for e in journal if e.direction == "read" and not e.status]
-        expected["responseLength"] = len(received[-1]) if received else 0
-        if scenario.retries is not None:
-            expected["retries"] = scenario.retries
-        if scenario.telegram is not None:
-            expected["telegram"] = scenario.telegram or len(rig.job.telegrams)
-        restarted = {"cold", "warm", "reset", "lost"} & set(scenario.happens.values())
-        for name, value in expected.items():
-            if rig.db.get(name) != value and not (restarted and name != "failedParameter"):
-                raise ScenarioError(f"diagnostics.{name} is {rig.db.get(name)} instead of {value} (16#{status:04X})")
+
+
+def check_wire(rig: JobRig, scenario: DriveScenario, requests: Sequence[bytes], status: int) -> None:
+    """Every request is a telegram of this run, whole and exact, in order; with a reference."""
+    at, again = -1, 0
+    for exchange in rig.drive.journal:
+        if exchange.direction == "read":
+            continue
+        data = exchange.data
+        if exchange.index != rig.job.drive.record_index & 0xFFFF:
+            raise ScenarioError(f"data record 16#{exchange.index:04X} was written")
+        if at + 1 < len(requests) and data[1:] == requests[at + 1][1:]:
+            at += 1
+        elif at >= 0 and data[1:] == requests[at][1:]:
+            again += 1
+        elif scenario.again is None and data[1:] == requests[0][1:]:
+            at = 0
+        else:
+            wanted = requests[min(at + 1, len(requests) - 1)]
+            raise ScenarioError(f"sent {data.hex(' ').upper()} instead of {wanted.hex(' ').upper()}")
+        if not data[0]:
+            raise ScenarioError("a request has the reference 0")
+    if status == DONE and at != len(requests) - 1:
+        raise ScenarioError(f"{at + 1} of {len(requests)} telegrams were sent")
+    if scenario.again is not None and again != scenario.again:
+        raise ScenarioError(f"{again} requests were sent again instead of {scenario.again}")

@@ -1,6 +1,7 @@
-"""Telegrams on the wire: the DB image goes to the simulated drive, the answer comes back through the members.
+"""Telegrams on the wire: the start values go to the simulated drive, the answer comes back through the members.
 
-What is sent is the image of the request DB as its start values on disk define it; nothing of the generator is used.
+What is sent is what the start values on disk define, of the request DB or of the bytes in the job's block; nothing of
+the generator is used. A job on several drives has one block: its first instance stands for all.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from plcgen.s7.blocks import Block
 from plcgen.s7.image import image, read_member
 from plcgen.s7.layout import layout_block, locate
 from plcgen.s7.literals import LiteralError
+from plcgen.s7.shapes import TypeTable
 
 ATTEMPTS = 40
 RETRY_PAUSE = 200
@@ -37,25 +39,27 @@ class _FindingError(Exception):
 
 def check_telegrams(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
     """Checks of the group ``telegrams``: start values of each request DB against the spec and DS47."""
-    for job in plan.jobs:
+    for job in plan.shapes:
         for telegram in job.telegrams:
             shown = telegram.request.data.hex(" ").upper()
             text = f"{_short(shown)}  LEN {len(telegram.request.data)}"
 
             def run(job: DriveJob = job, telegram: DriveTelegram = telegram) -> str:
-                data = request_image(plan, folder, telegram)
+                data = request_image(plan, folder, job, telegram)
                 _check_request(job, telegram, data)
                 return "start values form exactly this telegram"
 
-            yield _guard(f"telegram.{telegram.request.db.name}", _name(job, telegram), text, folder, telegram, run)
+            yield _guard(
+                f"telegram.{telegram.request.home.name}", _name(job, telegram), text, folder, job, telegram, run
+            )
 
 
 def check_drive(
     plan: DrivePlan, folder: Folder, own: Drive | None, progress: Callable[[str, int, int], None] | None
 ) -> Iterator[Check]:
     """Checks of the group ``drive``: a good exchange and every negative answer."""
-    total = len(plan.jobs)
-    for number, job in enumerate(plan.jobs):
+    total = len(plan.shapes)
+    for number, job in enumerate(plan.shapes):
         if progress is not None:
             progress("exchange", number, total)
         for telegram in job.telegrams:
@@ -65,7 +69,7 @@ def check_drive(
                 _exchange(plan, folder, job, telegram, build_drive(plan, job.drive, distinct=True))
                 return _exchange(plan, folder, job, telegram, own or build_drive(plan, job.drive))
 
-            yield _guard(f"drive.{telegram.request.db.name}", f"answer {name}", "", folder, telegram, good)
+            yield _guard(f"drive.{telegram.request.home.name}", f"answer {name}", "", folder, job, telegram, good)
             count = len(errors.known_numbers()) * len(telegram.parts) * 2
             text = f"{len(errors.known_numbers())} error numbers x {len(telegram.parts)} positions x 1 and 2 words"
 
@@ -73,10 +77,12 @@ def check_drive(
                 longest = _negative(plan, folder, job, telegram)
                 return f"{count} negative answers fit, longest {longest} of {telegram.response.size} B"
 
-            yield _guard(f"negative.{telegram.response.db.name}", f"errors {name}", text, folder, telegram, bad)
+            yield _guard(f"negative.{telegram.response.home.name}", f"errors {name}", text, folder, job, telegram, bad)
 
 
-def _guard(id_: str, subject: str, text: str, folder: Folder, telegram: DriveTelegram, run: Callable[[], str]) -> Check:
+def _guard(
+    id_: str, subject: str, text: str, folder: Folder, job: DriveJob, telegram: DriveTelegram, run: Callable[[], str]
+) -> Check:
     """Run one check; a finding becomes its outcome."""
     try:
         return Check(id_, subject, text, Outcome.OK, run())
@@ -88,12 +94,12 @@ def _guard(id_: str, subject: str, text: str, folder: Folder, telegram: DriveTel
         code, message = "PG604", str(problem)
     except TelegramError as problem:
         code, message = "PG604", str(problem)
-    found = Diagnostic(code, message, folder.place(telegram.request.db.name))
+    found = Diagnostic(code, message, folder.place((telegram.request.db or job.block).name))
     return Check(id_, subject, text, Outcome.ERROR, message, found)
 
 
 def _name(job: DriveJob, telegram: DriveTelegram) -> str:
-    return job.key if len(job.telegrams) == 1 else f"{job.key} {telegram.number}/{len(job.telegrams)}"
+    return job.shape if len(job.telegrams) == 1 else f"{job.shape} {telegram.number}/{len(job.telegrams)}"
 
 
 def _short(text: str) -> str:
@@ -103,21 +109,37 @@ def _short(text: str) -> str:
 def _block(folder: Folder, blocks: dict[str, Block], name: str) -> Block:
     block = blocks.get(name.upper())
     if block is None:
-        raise _FindingError("PG608", f'DB "{name}" is missing in {folder.path.name}')
+        raise _FindingError("PG608", f'"{name}" is missing in {folder.path.name}')
     return block
 
 
-def request_image(plan: DrivePlan, folder: Folder, telegram: DriveTelegram) -> bytes:
-    """Bytes of the request DB at start, from the text source; the SimaticML must give the same ones."""
-    name = telegram.request.db.name
-    data = bytes(image(_block(folder, folder.text, name), folder.text))
+def request_image(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTelegram) -> bytes:
+    """Bytes of a request at start, from the text source; the SimaticML must give the same ones."""
+    data = _start_values(folder, folder.text, job, telegram)
     if plan.target.xml_version:
-        twin = bytes(image(_block(folder, folder.xml, name), folder.xml))
+        twin = _start_values(folder, folder.xml, job, telegram)
         if twin != data:
             raise _FindingError(
                 "PG604", f"text source and SimaticML differ: {data.hex(' ').upper()} and {twin.hex(' ').upper()}"
             )
     return data
+
+
+def _start_values(folder: Folder, blocks: TypeTable, job: DriveJob, telegram: DriveTelegram) -> bytes:
+    """Those of the request DB, or of the array of bytes in the instance of the job."""
+    if telegram.request.db is not None:
+        return bytes(image(_block(folder, blocks, telegram.request.db.name), blocks))
+    block = _block(folder, blocks, job.block.name)
+    try:
+        entry = locate(layout_block(block, blocks), f"statRequest{suffix(job, telegram)}")
+    except KeyError as problem:
+        raise _FindingError("PG604", str(problem.args[0])) from None
+    return bytes(image(block, blocks)[entry.byte : entry.byte + entry.size // 8])
+
+
+def suffix(job: DriveJob, telegram: DriveTelegram) -> str:
+    """What follows the names of the buffers in a block with several telegrams."""
+    return str(telegram.number) if len(job.telegrams) > 1 else ""
 
 
 def _check_request(job: DriveJob, telegram: DriveTelegram, data: bytes) -> None:
@@ -128,7 +150,8 @@ def _check_request(job: DriveJob, telegram: DriveTelegram, data: bytes) -> None:
             min(len(data), len(telegram.request.data)),
         )
         raise _FindingError(
-            "PG604", f"byte {at} differs: DB {data.hex(' ').upper()}, telegram {telegram.request.data.hex(' ').upper()}"
+            "PG604",
+            f"byte {at} differs: start {data.hex(' ').upper()}, telegram {telegram.request.data.hex(' ').upper()}",
         )
     request = decode_request(data)
     if request.request_id != (RequestId.CHANGE if job.writes else RequestId.READ) or request.reference == 0:
@@ -156,7 +179,7 @@ def _check_part(request: Request, position: int, part: Part, job: DriveJob) -> N
 
 def _exchange(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTelegram, drive: Drive) -> str:
     """Send the image, fetch the answer, read it back through the declared members."""
-    answer = _talk(job, request_image(plan, folder, telegram), drive)
+    answer = _talk(job, request_image(plan, folder, job, telegram), drive)
     if answer[1] & 0x80:
         raise _FindingError("PG606", f"the drive answered {_refusals(telegram, answer)}")
     if len(answer) != telegram.positive_length:
@@ -207,9 +230,9 @@ def _talk(job: DriveJob, request: bytes, drive: Drive) -> bytes:
 
 
 def _store(folder: Folder, telegram: DriveTelegram, answer: bytes) -> bytearray:
-    """The response DB after RDREC."""
-    block = _block(folder, folder.text, telegram.response.db.name)
-    memory = image(block, folder.text)
+    """The response after RDREC."""
+    block = _block(folder, folder.text, telegram.response.home.name)
+    memory = bytearray(layout_block(block, folder.text).size)
     if len(answer) > len(memory):
         short = len(answer) - len(memory)
         raise _FindingError("PG605", f"response buffer {short} bytes too small: the answer has {len(answer)}")
@@ -226,7 +249,7 @@ def _read_back(
     memory: bytearray,
     drive: Drive,
 ) -> str:
-    block = _block(folder, folder.text, telegram.response.db.name)
+    block = _block(folder, folder.text, telegram.response.home.name)
     layout = layout_block(block, folder.text)
     entry = locate(layout, field.name)
     parameter = drive.objects[job.drive.drive_object].parameters[part.use.parameter.pnu]
@@ -240,7 +263,8 @@ def _read_back(
         )
     value = read_member(memory, layout, field.name)
     unit = f" {part.use.parameter.unit}" if part.use.parameter.unit else ""
-    address = f" at DB{telegram.response.db.number}.DBD{entry.byte}" if entry.size == 32 else ""
+    db = telegram.response.db
+    address = f" at DB{db.number}.DBD{entry.byte}" if db is not None and entry.size == 32 else ""
     return f"{part.use.label} = {value_text(value)}{unit}{address}"
 
 
@@ -255,8 +279,8 @@ def _negative(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTel
     """Every error number at every position with one and two words; the longest answer in bytes."""
     longest = 0
     drive = build_drive(plan, job.drive)
-    request = request_image(plan, folder, telegram)
-    size = len(image(_block(folder, folder.text, telegram.response.db.name), folder.text))
+    request = request_image(plan, folder, job, telegram)
+    size = layout_block(_block(folder, folder.text, telegram.response.home.name), folder.text).size
     cases = [
         (number, position, words)
         for number in errors.known_numbers()
@@ -270,7 +294,7 @@ def _negative(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTel
         longest = max(longest, len(answer))
         if len(answer) > size:
             raise _FindingError(
-                "PG605", f"response buffer {len(answer) - size} bytes too small: DB has {size}, an answer {len(answer)}"
+                "PG605", f"response buffer {len(answer) - size} bytes too small: it has {size}, an answer {len(answer)}"
             )
         if not answer[1] & 0x80:
             raise _FindingError("PG606", f"error {number:02X}h at parameter {position} was not answered")

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.proof.rig import JobRig, held
-from plcgen.protocols.ds47.proof.words import DONE, MEANINGS
+from plcgen.protocols.ds47.proof.contents import held
+from plcgen.protocols.ds47.proof.rig import JobRig
+from plcgen.protocols.ds47.proof.words import DONE, DRAIN_MS, MEANINGS
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.wire import errors
 
@@ -18,14 +20,14 @@ SCAN = 10
 
 
 def own_checks(plan: DrivePlan, program: Program, make: Callable[[], Drive]) -> Iterator[Check]:
-    """Run every job on a CPU of its own against a new drive of the file."""
-    for job in plan.jobs:
-        name, subject = f"own.{job.key}", f"your drive {job.key}"
+    """Run every job against a new drive of the file."""
+    cpu = Cpu(program)
+    for number, job in enumerate(plan.shapes, 1):
+        name, subject = f"own.{job.shape}", f"your drive {job.shape}"
         try:
-            rig = JobRig(plan, program, job)
-            scans = _run(rig, make())
+            scans = _run(JobRig(plan, program, job, number, cpu), make())
         except (ScenarioError, KeyError) as problem:
-            found = Diagnostic("PG620", f"{job.key}: {problem}", plan.loaded.key_span(job.path))
+            found = Diagnostic("PG620", f"{job.shape}: {problem}", plan.loaded.key_span(job.path))
             yield Check(name, subject, "", Outcome.ERROR, str(problem), found)
         else:
             yield Check(name, subject, f"{scans} scans", Outcome.OK, "ok, values agree")
@@ -33,14 +35,15 @@ def own_checks(plan: DrivePlan, program: Program, make: Callable[[], Drive]) -> 
 
 def _run(rig: JobRig, drive: Drive) -> int:
     """Scans until the job is done. Raises ScenarioError if it ends otherwise or values differ."""
-    job, name = rig.job, rig.job.instance.name
+    job = rig.job
+    rig.put_inputs()
     rig.bus.attach(job.drive.id_value, drive)
     rig.db.set("execute", 1)
-    latest = rig.limits.timeout + rig.limits.drain + 100
+    latest = job.timeout + DRAIN_MS + 100
     scans = 0
     while scans * SCAN < latest:
         scans += 1
-        rig.cpu.call(name, SCAN)
+        rig.cpu.call(rig.db.block, SCAN)
         if rig.cpu.misuses:
             raise ScenarioError(str(rig.cpu.misuses[0]))
         if not rig.db.flag("busy"):
@@ -63,6 +66,6 @@ def _refused(rig: JobRig) -> str:
     found = [
         f"{use.label}: error {word & 0xFF:02X}h, {errors.error_text(word & 0xFF).meaning}"
         for use, word in zip(rig.job.uses, rig.words("errors"), strict=True)
-        if word
+        if word >> 8 == 0x80
     ]
     return f" ({'; '.join(found)})" if found else ""

@@ -1,226 +1,152 @@
-"""The bench a generated job block runs on: the files on disk in a soft CPU, a scripted drive, places in memory."""
+"""What a job block runs on: the files on disk in a soft CPU, a scripted drive, places in memory."""
 
 from __future__ import annotations
 
-import random
 from collections.abc import Sequence
-from dataclasses import replace
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery
 from plcgen.proof.rig import Members, Source
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, Use
-from plcgen.protocols.ds47.proof.scenario import DriveScenario, TimeLimits
-from plcgen.protocols.ds47.proof.words import DRAIN_MS, LEASE_MS
-from plcgen.protocols.ds47.sim.bench import build_drive
-from plcgen.protocols.ds47.sim.drive import Drive, RecordExchange
-from plcgen.protocols.ds47.wire.formats import FormatKind, Value, pack_values, unpack_values
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Part
+from plcgen.protocols.ds47.proof.contents import ValueSet, held, piece, value_set
+from plcgen.protocols.ds47.proof.partner import ScriptedDrive
+from plcgen.protocols.ds47.proof.scenario import Contents
+from plcgen.protocols.ds47.proof.stimulus import SLOTS, UNITS, shape_fb
+from plcgen.protocols.ds47.proof.words import BUILD
+from plcgen.protocols.ds47.sim.bench import build_unit
 
+SIGNALS = ("execute", "busy", "done", "error", "status", "errors", "errorInfos", "driveObject", "slot")
+ORDER = ("length", "retries", "timeout", "pause", "once", "pinned", "requestDb", "responseDb", "responseSize")
 VALUE_SETS = 3
-SIGNALS = ("execute", "busy", "done", "error", "status", "errors", "errorInfos", "statRequest", "statResponse")
-DETAILS = (
-    "recordStatus", "state", "telegram", "retries", "requestReference", "responseLength", "failedParameter",
-)  # fmt: skip
-
-
-class ScriptedDrive(Drive):
-    """A drive that follows the script of a scenario; ``reads`` and ``writes`` count the calls of this run."""
-
-    def __init__(self, plain: Drive) -> None:
-        super().__init__(plain.behaviour, plain.objects.values())
-        self.own = plain.behaviour
-        self.begin(DriveScenario(name="idle"))
-
-    def begin(self, scenario: DriveScenario) -> None:
-        """Start a run: forget the script before, keep the state of the channel."""
-        self.scenario = scenario
-        self.journal.clear()
-        self.reads = self.writes = 0
-        self.faults = [replace(fault) for fault in scenario.faults]
-        form = self.own.answer_format
-        if scenario.generic is not None:
-            form = "size" if scenario.generic else "exact"
-        if (self.behaviour.answer_format, self.behaviour.processing) != (form, scenario.processing):
-            self.behaviour = replace(self.own, answer_format=form, processing=scenario.processing)
-            self._server.behaviour = self.behaviour
-
-    def write_record(self, index: int, data: bytes) -> int:
-        """Take a request, unless the script has a STATUS for this call."""
-        self.writes += 1
-        script = self.scenario.writes
-        status = script.get(self.writes) or script.get(0, 0)
-        if status:
-            self.journal.append(RecordExchange(self.time, "write", index, status, bytes(data)))
-            return status
-        status = super().write_record(index, data)
-        if not status and self.scenario.silent:
-            self._request = self._response = None
-        return status
-
-    def read_record(self, index: int, max_length: int) -> tuple[int, bytes]:
-        """Hand out an answer, unless the script has something else for this call."""
-        self.reads += 1
-        act = self.scenario.reads.get(self.reads) or self.scenario.reads.get(0)
-        if isinstance(act, int):
-            self.journal.append(RecordExchange(self.time, "read", index, act, b""))
-            return act, b""
-        if self.reads in self.scenario.stale:
-            sent = next(exchange.data for exchange in reversed(self.journal) if exchange.direction == "write")
-            old = bytes((sent[0] - 1 or 255,)) + bytes((self._response or b"\0\0\0\0")[1:])
-            self.journal.append(RecordExchange(self.time, "read", index, 0, old))
-            return 0, old
-        if act is not None and self._response is not None:
-            self._response = act(self._response)
-        return super().read_record(index, max_length)
+SLOT = 1
+"""Slot of the job in the proof's unit."""
 
 
 class JobRig:
-    """One job of a program on a CPU of its own."""
+    """One job of a program, called by the proof's own caller. ``number`` is that of its block in the plan, from 1."""
 
-    def __init__(self, plan: DrivePlan, program: Program, job: DriveJob) -> None:
+    def __init__(self, plan: DrivePlan, program: Program, job: DriveJob, number: int, cpu: Cpu | None = None) -> None:
         self.plan, self.program, self.job = plan, program, job
-        self.drive = ScriptedDrive(build_drive(plan, job.drive))
-        self.bus = Periphery()
-        self.bus.attach(job.drive.id_value, self.drive)
-        self.cpu = Cpu(program, self.bus)
+        self.drive_object, self.id_value = job.drive.drive_object, job.drive.id_value
+        self.drive = ScriptedDrive(build_unit(job.drive.device, {self.drive_object: job.uses}))
+        self.cpu = Cpu(program) if cpu is None else cpu
+        self.bus: Periphery = self.cpu.bus
+        self.bus.drives.clear()
+        self.bus.attach(self.id_value, self.drive)
         self.cpu.restart("cold")
-        self.limits = TimeLimits(job.timeout, job.retry_pause, job.retries, DRAIN_MS, LEASE_MS, int(plan.target.t15))
-        values = (use.member for use in (*job.inputs, *job.outputs))
-        paths = (*SIGNALS, *(f"diagnostics.{name}" for name in DETAILS), *values)
-        self.db = Members(self.cpu, program, job.instance.name, paths, "diagnostics.")
-        self.token = Members(self.cpu, program, job.drive.token.name, ("owner", "heartbeat", "requestReference"))
-        first, last = self.db.spots["status"], self.db.spots["errors"]
-        self.values_range = slice(first.byte + first.size, last.byte)
+        self.cpu.misuses.clear()
+        self.cpu.coverage[:] = bytes(len(self.cpu.coverage))
+        self.id_name = "hardwareId" if plan.target.t15 else "driveAddress"
+        values = [use.member for use in (*job.inputs, *job.outputs)]
+        paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values)]
+        self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
+        self.unit = self.unit_of(UNITS[0])
         self.source = Source(program, job.block)
-        self.sets = [_value_set(self.drive, job, number) for number in range(VALUE_SETS)]
-        self.sets.append(_factory_set(self.drive, job))
         self.set_number = 0
+        self.values = self.value_set("factory")
+
+    def unit_of(self, name: str) -> Members:
+        """What job and channel share."""
+        self.order_id = "order.hardwareId" if self.plan.target.t15 else "order.address"
+        names = ["state", "telegram", "expected", self.order_id, *(f"order.{name}" for name in ORDER)]
+        names += [f"asks[{slot}].telegram" for slot in range(1, SLOTS + 1)]
+        return Members(self.cpu, self.program, name, [f"unit.{name}" for name in names], "unit.")
 
     @staticmethod
     def pin(name: str) -> str:
         """There is one job in the block."""
         return name
 
-    def litter(self, pattern: bytes) -> None:
-        """Fill everything that the next request and its answer will overwrite."""
-        telegrams, spots = self.job.telegrams, self.db.spots
-        buffers = [
-            (self.db.memory, spots["statRequest"].byte, max(len(t.request.data) for t in telegrams)),
-            (self.db.memory, spots["statResponse"].byte, max(t.response.size for t in telegrams)),
-        ]
-        if self.plan.target.classic:
-            response = telegrams[self.db.get("telegram") - 1].response
-            buffers.append((self.cpu.db(response.db.name), 0, response.size))
-        for memory, first, size in buffers:
-            memory[first : first + size] = (pattern * size)[:size]
+    # --- values ---------------------------------------------------------------------------------------
+
+    def value_set(self, kind: Contents) -> ValueSet:
+        """Values of a kind."""
+        return value_set(self.job, self.drive, self.drive_object, kind, f"{self.job.shape} {self.set_number}")
+
+    def next_values(self, kind: Contents) -> None:
+        """Give drive and inputs values."""
+        self.set_number = (self.set_number + 1) % VALUE_SETS
+        self.values = self.value_set(kind)
+        self.values.put(self.drive, self.drive_object)
+        self.put_inputs()
+
+    def put_inputs(self, slot: int | None = None) -> None:
+        """Supply the inputs."""
+        self.db.set("slot", SLOT if slot is None else slot)
+        self.db.set("driveObject", self.drive_object)
+        self.db.set(self.id_name, self.id_value)
+        for member, data in self.values.inputs(self.job):
+            self.db.put(member, data)
+
+    def meddle(self) -> None:
+        """Change all inputs but the slot."""
+        self.db.set("driveObject", self.drive_object ^ 0xFF)
+        self.db.set(self.id_name, self.id_value ^ 0xFF)
+        for member, data in self.values.inputs(self.job):
+            self.db.put(member, bytes(byte ^ 0xFF for byte in data))
+
+    def requests(self) -> list[bytes]:
+        """The telegrams this run must send, reference 0."""
+        return self.values.requests(self.job, self.drive_object)
+
+    def wanted(self) -> list[list[bytes]]:
+        """Wire bytes that the parts of each telegram must deliver."""
+        known = {use.position: held(self.drive, self.drive_object, use) for use in self.job.outputs}
+        return (
+            [[piece(part, known[part.use.position]) for part in t.parts] for t in self.job.telegrams] if known else []
+        )
+
+    def delivered(self) -> list[list[bytes]]:
+        """Wire bytes of the outputs, by telegrams and parts."""
+        return [[self.output(part) for part in t.parts] for t in self.job.telegrams] if self.job.outputs else []
+
+    def output(self, part: Part) -> bytes:
+        """Wire bytes of a part of an output."""
+        use = part.use
+        return piece(part, self.db.bytes(use.member, use.count * use.format.size))
 
     def words(self, name: str) -> list[int]:
         """Array of words of the instance, for every use of the job."""
         return self.db.words(name, len(self.job.uses))
 
-    def outputs(self) -> bytes:
-        """All value outputs."""
-        return bytes(self.db.memory[self.values_range])
+    @property
+    def longest(self) -> int:
+        """Bytes of the longest record that the engine takes."""
+        return self.unit.spots["telegram"].size
 
-    # --- values ---------------------------------------------------------------------------------------
+    @property
+    def telegram(self) -> int:
+        """The telegram that the job has handed over last; 0 without one."""
+        slot = self.db.get("slot")
+        return self.unit.get(f"asks[{slot}].telegram") if 0 < slot <= SLOTS else 0
 
-    def next_values(self, *, factory: bool = False) -> None:
-        """Give drive and inputs other values than in the run before, or those of the factory and the spec."""
-        self.set_number = VALUE_SETS if factory else (self.set_number + 1) % VALUE_SETS
-        parameters = self.drive.objects[self.job.drive.drive_object].parameters
-        for pnu, content in self.sets[self.set_number][0].items():
-            parameters[pnu].values = list(content)
-        self.put_inputs()
+    # --- what the job hands over ----------------------------------------------------------------------
 
-    def put_inputs(self) -> None:
-        """Supply the inputs, as a main program does in every scan."""
-        for member, data in self.sets[self.set_number][1]:
-            self.db.put(member, data)
+    @property
+    def building(self) -> bool:
+        """Whether the channel has just taken a telegram over."""
+        return self.unit.get("state") == BUILD
 
-    def requests(self) -> list[bytes]:
-        """The telegrams this run must send, reference 0."""
-        return self.sets[self.set_number][2]
+    def order(self) -> dict[str, int]:
+        """What goes with the request."""
+        found = {name: int.from_bytes(self.unit.bytes(f"order.{name}")) for name in ORDER}
+        return found | {"id": self.unit.get(self.order_id)}
 
-    def expected(self, use: Use) -> bytes:
-        """Wire bytes of a value the drive holds."""
-        return held(self.drive, self.job.drive.drive_object, use)
+    def wanted_order(self, telegram: int, requests: Sequence[bytes]) -> dict[str, int]:
+        """What the spec wants to go with the request."""
+        job = self.job
+        found = {"length": len(requests[telegram - 1]), "retries": job.retries, "timeout": job.timeout}
+        found |= {"pause": job.retry_pause, "once": int(job.once), "pinned": int(job.pinned), "id": self.id_value}
+        found |= {"requestDb": 0, "responseDb": 0, "responseSize": 0}
+        own = job.telegrams[0]
+        if own.request.db is not None and own.response.db is not None:
+            found["requestDb"] = self.cpu.db(own.request.db.name).number
+            found["responseDb"] = self.cpu.db(own.response.db.name).number
+            found["responseSize"] = own.response.size
+        return found
 
-
-def held(drive: Drive, drive_object: int, use: Use) -> bytes:
-    """Wire bytes of the values of a use in a drive. Raises KeyError."""
-    values = drive.objects[drive_object].parameters[use.parameter.pnu].values
-    return pack_values(use.format, [values[0]] if use.format.is_string else values[use.subindex :][: use.count])
-
-
-ValueSet = tuple[dict[int, list[Value]], list[tuple[str, bytes]], list[bytes]]
-
-
-def _value_set(drive: Drive, job: DriveJob, number: int) -> ValueSet:
-    """Contents of the drive's parameters, the block's inputs, and the telegrams that result from them."""
-    draw = random.Random(f"{job.key} {number}")  # noqa: S311 - test values
-    parameters = drive.objects[job.drive.drive_object].parameters
-    by_pnu = {use.parameter.pnu: use for use in job.uses}
-    contents = {pnu: _sample(use, len(parameters[pnu].values), draw) for pnu, use in by_pnu.items()}
-    data = {
-        use.position: pack_values(use.format, _sample(use, 1 if use.format.is_string else use.count, draw))
-        for use in job.inputs
-    }
-    return contents, *_sent(job, data)
-
-
-def _factory_set(drive: Drive, job: DriveJob) -> ValueSet:
-    """Contents as the drive has them at first, inputs as the spec has them."""
-    parameters = drive.objects[job.drive.drive_object].parameters
-    contents = {use.parameter.pnu: list(parameters[use.parameter.pnu].values) for use in job.uses}
-    return contents, *_sent(job, {})
-
-
-def _sent(job: DriveJob, given: dict[int, bytes]) -> tuple[list[tuple[str, bytes]], list[bytes]]:
-    """Inputs and telegrams; what is not given is what the spec has."""
-    data = {use.position: given.get(use.position, use.data) for use in job.uses}
-    inputs = [(use.member, data[use.position]) for use in job.inputs]
-    return inputs, [_request(telegram, data) for telegram in job.telegrams]
-
-
-def _request(telegram: DriveTelegram, data: dict[int, bytes]) -> bytes:
-    """The planned telegram with the values of the inputs."""
-    image = bytearray(telegram.request.data)
-    image[0] = 0
-    at = 4 + 6 * len(telegram.parts)
-    for part in telegram.parts:
-        size = part.size
-        if len(image) > 4 + 6 * len(telegram.parts):
-            start = part.start * part.use.format.size
-            image[at + 2 : at + 2 + size] = data[part.use.position][start : start + size]
-            at += 2 + size + size % 2
-    return bytes(image)
-
-
-def _sample(use: Use, count: int, draw: random.Random) -> list[Value]:
-    """Values within the limits of a parameter; the whole range of the type if it has none."""
-    fmt, definition = use.format, use.parameter
-    if fmt.is_string:
-        size = use.count
-        low, high = (65, 90) if fmt.kind is FormatKind.TEXT else (0, 255)
-        return list(unpack_values(fmt, size, bytes(draw.randint(low, high) for _ in range(size))))
-    if fmt.kind is FormatKind.BOOLEAN:
-        flags: Sequence[Value] = [bool(draw.getrandbits(1)) for _ in range(count)]
-        return list(flags)
-    if fmt.kind is FormatKind.FLOAT:
-        low_f = definition.minimum if definition.minimum is not None else -1e6
-        high_f = definition.maximum if definition.maximum is not None else 1e6
-        packed = b"".join(pack_values(fmt, [draw.uniform(low_f, high_f)]) for _ in range(count))
-        return list(unpack_values(fmt, count, packed))
-    if fmt.kind in {FormatKind.SIGNED, FormatKind.UNSIGNED} and (
-        definition.minimum is not None or definition.maximum is not None
-    ):
-        span = 1 << fmt.size * 8 - (1 if fmt.kind is FormatKind.SIGNED else 0)
-        least = (
-            int(definition.minimum)
-            if definition.minimum is not None
-            else (-span if fmt.kind is FormatKind.SIGNED else 0)
-        )
-        most = int(definition.maximum) if definition.maximum is not None else span - 1
-        return [draw.randint(least, most) for _ in range(count)]
-    return list(unpack_values(fmt, count, draw.randbytes(fmt.size * count)))
+    def handed_over(self, length: int) -> bytes:
+        """The request that the channel is going to send."""
+        own = self.job.telegrams[0].request.db
+        return self.unit.bytes("telegram", length) if own is None else bytes(self.cpu.db(own.name)[:length])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
+from plcgen.protocols.ds47.device import Device
 from plcgen.protocols.ds47.device import Parameter as CatalogueParameter
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
@@ -17,25 +18,33 @@ from plcgen.protocols.ds47.wire.formats import Format, FormatKind, Value, unpack
 def build_drive(plan: DrivePlan, drive: PlannedDrive, faults: Iterable[Fault] = (), *, distinct: bool = False) -> Drive:
     """A drive with the profile's behaviour. ``distinct`` gives every value another content."""
     uses = [use for job in plan.jobs if job.drive is drive for use in job.uses]
-    by_pnu: dict[int, list[Use]] = {}
-    for use in uses:
-        by_pnu.setdefault(use.parameter.pnu, []).append(use)
-    parameters = {
-        pnu: _parameter(group, seed, distinct=distinct) for seed, (pnu, group) in enumerate(by_pnu.items(), 1)
-    }
-    device = drive.device
+    return build_unit(drive.device, {drive.drive_object: uses}, faults, distinct=distinct)
+
+
+def build_unit(
+    device: Device, uses: Mapping[int, Iterable[Use]], faults: Iterable[Fault] = (), *, distinct: bool = False
+) -> Drive:
+    """A unit with the parameters that are used of each of its drive objects."""
+    objects = [DriveObject(number, _parameters(used, distinct=distinct)) for number, used in uses.items()]
     behaviour = Behaviour(
         error_words=device.error_words,
         answer_format=device.answer_format,
         record_indexes=tuple(device.record_index.values()),
-        local_object=drive.drive_object,
+        local_object=objects[0].number if len(objects) == 1 else None,
         max_parameters=device.max_parameters,
         max_elements=device.max_elements,
         record_limit=device.record_limit,
         strict_length=device.strict_length,
         error_table=device.error_table,
     )
-    return Drive(behaviour, [DriveObject(drive.drive_object, parameters)], faults)
+    return Drive(behaviour, objects, faults)
+
+
+def _parameters(uses: Iterable[Use], *, distinct: bool) -> dict[int, SimulatedParameter]:
+    by_pnu: dict[int, list[Use]] = {}
+    for use in uses:
+        by_pnu.setdefault(use.parameter.pnu, []).append(use)
+    return {pnu: _parameter(group, seed, distinct=distinct) for seed, (pnu, group) in enumerate(by_pnu.items(), 1)}
 
 
 def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParameter:

@@ -46,6 +46,14 @@ class PpiProof:
     def __init__(self, plan: PpiPlan) -> None:
         self.plan = plan
 
+    def constants(self) -> dict[str, int]:
+        """None."""
+        return {}
+
+    def stimulus(self) -> tuple[tuple[str, str], ...]:
+        """None: the block is called as it lies in the folder."""
+        return ()
+
     def layouts(self) -> Iterator[LaidOut]:
         """Table and response DB of every telegram."""
         for master in self.plan.masters:

@@ -1,0 +1,132 @@
+"""Values of a job: what drives hold, what inputs are given, and the telegrams that follow from them."""
+
+from __future__ import annotations
+
+import random
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part, Use
+from plcgen.protocols.ds47.proof.scenario import Contents
+from plcgen.protocols.ds47.sim.drive import Drive
+from plcgen.protocols.ds47.wire.formats import Format, FormatKind, Value, integer_range, pack_values, unpack_values
+
+_NUMERIC = {FormatKind.SIGNED, FormatKind.UNSIGNED}
+
+
+@dataclass(frozen=True, slots=True)
+class ValueSet:
+    """``held``: the values of the drive's parameters by number; ``given``: wire bytes of every use by position."""
+
+    held: Mapping[int, Sequence[Value]]
+    given: Mapping[int, bytes]
+
+    def inputs(self, job: DriveJob) -> list[tuple[str, bytes]]:
+        """Members of the block and their wire bytes."""
+        return [(use.member, self.given[use.position]) for use in job.inputs]
+
+    def requests(self, job: DriveJob, drive_object: int) -> list[bytes]:
+        """The telegrams a job must send, with reference 0."""
+        return [request(telegram, drive_object, self.given, write=job.writes) for telegram in job.telegrams]
+
+    def put(self, drive: Drive, drive_object: int) -> None:
+        """Give the drive its values."""
+        for pnu, values in self.held.items():
+            drive.objects[drive_object].parameters[pnu].values = list(values)
+
+
+def value_set(job: DriveJob, drive: Drive, drive_object: int, kind: Contents, seed: str) -> ValueSet:
+    """Values of one kind; ``seed`` tells the random ones apart."""
+    draw = random.Random(seed)  # noqa: S311 - test values
+    parameters = drive.objects[drive_object].parameters
+    uses = {use.parameter.pnu: use for use in job.uses}
+    if kind == "factory":
+        held = {pnu: list(parameters[pnu].defaults) for pnu in uses}
+        return ValueSet(held, {use.position: use.data for use in job.uses})
+    held = {pnu: sample(use, len(parameters[pnu].values), draw, kind) for pnu, use in uses.items()}
+    inputs = {use.position for use in job.inputs}
+    given = {
+        use.position: pack_values(use.format, sample(use, 1 if use.format.is_string else use.count, draw, kind))
+        if use.position in inputs
+        else use.data
+        for use in job.uses
+    }
+    return ValueSet(held, given)
+
+
+def request(telegram: DriveTelegram, drive_object: int, given: Mapping[int, bytes], *, write: bool) -> bytes:
+    """A request byte by byte, as data set 47 has it: header, addresses, and in a change the values."""
+    parts = telegram.parts
+    data = bytearray((0, 2 if write else 1, drive_object, len(parts)))
+    for part in parts:
+        data += bytes((0x10, part.elements)) + part.use.parameter.pnu.to_bytes(2) + part.subindex.to_bytes(2)
+    for part in parts if write else ():
+        values = piece(part, given[part.use.position])
+        data += bytes((part.use.format.code, part.count)) + values + bytes(len(values) % 2)
+    return bytes(data)
+
+
+def piece(part: Part, data: bytes) -> bytes:
+    """The wire bytes of a part of a use."""
+    size = part.use.format.size
+    return data[part.start * size : (part.start + part.count) * size]
+
+
+def held(drive: Drive, drive_object: int, use: Use) -> bytes:
+    """Wire bytes of the values of a use in a drive. Raises KeyError."""
+    values = drive.objects[drive_object].parameters[use.parameter.pnu].values
+    return pack_values(use.format, [values[0]] if use.format.is_string else values[use.subindex :][: use.count])
+
+
+def sample(use: Use, count: int, draw: random.Random, kind: Contents) -> list[Value]:
+    """Values within the limits of a parameter, or the whole range of the type if it has none."""
+    fmt, definition = use.format, use.parameter
+    if kind in {"low", "high"}:
+        return _ends(use, count, high=kind == "high")
+    if fmt.is_string:
+        least, most = (65, 90) if fmt.kind is FormatKind.TEXT else (0, 255)
+        return list(unpack_values(fmt, use.count, bytes(draw.randint(least, most) for _ in range(use.count))))
+    if fmt.kind is FormatKind.BOOLEAN:
+        return [bool(draw.getrandbits(1)) for _ in range(count)]
+    if fmt.kind is FormatKind.FLOAT:
+        low, high = _limits(use, -1e6, 1e6)
+        packed = b"".join(pack_values(fmt, [draw.uniform(low, high)]) for _ in range(count))
+        return list(unpack_values(fmt, count, packed))
+    if fmt.kind in _NUMERIC and (definition.minimum is not None or definition.maximum is not None):
+        least, most = integer_range(fmt) or (0, 0)
+        low, high = _limits(use, least, most)
+        return [draw.randint(int(low), int(high)) for _ in range(count)]
+    return list(unpack_values(fmt, count, draw.randbytes(fmt.size * count)))
+
+
+def _limits(use: Use, low: float, high: float) -> tuple[float, float]:
+    minimum, maximum = use.parameter.minimum, use.parameter.maximum
+    return (low if minimum is None else minimum), (high if maximum is None else maximum)
+
+
+def _ends(use: Use, count: int, *, high: bool) -> list[Value]:
+    """The ends of the range of a parameter; for what has none, bytes 00h or FFh, or the largest number."""
+    fmt = use.format
+    if fmt.is_string:
+        return list(unpack_values(fmt, use.count, (b"\xff" if high else b"\0") * use.count))
+    if fmt.kind is FormatKind.BOOLEAN:
+        return [high] * count
+    if fmt.kind is FormatKind.FLOAT:
+        most = 3.4028234663852886e38 if fmt.size == 4 else 1.7976931348623157e308
+        return [_inside(fmt, _limits(use, -most, most)[high], high=high)] * count
+    ends = integer_range(fmt)
+    if ends is not None:
+        return [int(_limits(use, *ends)[high])] * count
+    return list(unpack_values(fmt, count, (b"\xff" if high else b"\0") * (fmt.size * count)))
+
+
+def _inside(fmt: Format, limit: float, *, high: bool) -> Value:
+    """The number of a format next to a limit, on the right side of it."""
+    layout = ">f" if fmt.size == 4 else ">d"
+    data = struct.pack(layout, limit)
+    found = float(struct.unpack(layout, data)[0])
+    if found > limit if high else found < limit:
+        step = 1 if (found < 0) == high else -1
+        found = float(struct.unpack(layout, (int.from_bytes(data) + step).to_bytes(fmt.size))[0])
+    return found

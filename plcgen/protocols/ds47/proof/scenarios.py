@@ -1,0 +1,236 @@
+"""Scenarios of a job block: what is its own, of its telegrams, values and signals. The rest is the engine's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
+from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
+from plcgen.protocols.ds47.proof.words import WORDS
+from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
+from plcgen.protocols.ds47.wire import formats
+from plcgen.protocols.ds47.wire.formats import Format, padded
+
+STATE_CONFLICT = 0xDE80B500
+FATAL_WRITE, FATAL_READ = 0xDF80B000, 0xDE80B000
+FEW = 4
+"""So many parameters of a telegram are tried one by one; of more the first, the middle and the last."""
+CALLS_MS = 250
+"""Time that a try takes at most besides its pause."""
+WRONG_SLOTS = (0, -1, 3, 4, 16, 17, 32767)
+"""Slots that the proof's unit does not have; 3 is the last it has."""
+
+
+def positions(telegram: DriveTelegram) -> list[int]:
+    """Places of a telegram that are tried."""
+    count = len(telegram.parts)
+    return list(range(1, count + 1)) if count <= FEW else [1, (count + 1) // 2, count]
+
+
+def ends(job: DriveJob) -> list[DriveTelegram]:
+    """The first and the last telegram."""
+    return list(dict.fromkeys((job.telegrams[0], job.telegrams[-1])))
+
+
+def polls(job: DriveJob) -> int:
+    """State conflicts in a row that a job bears without sending its request again: two if there is time."""
+    each = job.retry_pause + CALLS_MS // 2
+    return next((n for n in (2, 1) if n <= job.retries and (n + 1) * each * 3 < job.timeout), 0)
+
+
+def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
+    """All of it; ``scans`` is how long a good run takes, ``longest`` how many bytes a record may have."""
+    yield from _values()
+    yield from _refusals(job)
+    if not job.writes:
+        yield from _blocks(job, longest)
+    yield from _record_calls(job)
+    yield from _signals(job, scans)
+
+
+def _values() -> Iterator[DriveScenario]:
+    yield DriveScenario(name="values at the lower limits", values="low")
+    yield DriveScenario(name="values at the upper limits", values="high")
+    for generic in (False, True):
+        name = "values in formats 41h to 43h where one fits" if generic else "values in their own formats"
+        yield DriveScenario(name=name, generic=generic)
+
+
+def _refusals(job: DriveJob) -> Iterator[DriveScenario]:
+    """The drive refuses parameters: one, all, the whole telegram."""
+    for telegram in ends(job):
+        number, count = telegram.number, len(telegram.parts)
+        for words in (1, 2):
+            for place in positions(telegram):
+                error = 0x11 if words == 1 else 0x02
+                yield DriveScenario(
+                    name=f"error {error:02X}h with {words} words at parameter {place} of telegram {number}",
+                    faults=(_fault(job, number, place, error, words),),
+                    status=(WORDS["PARAMETER_ERROR"],),
+                    telegram=number,
+                    errors={(number, place): _reported(error, words, place)},
+                )
+            every = range(1, count + 1)
+            yield DriveScenario(
+                name=f"errors with {words} words at all parameters of telegram {number}",
+                faults=tuple(_fault(job, number, place, place % 100, words) for place in every),
+                status=(WORDS["PARAMETER_ERROR"],),
+                telegram=number,
+                errors={(number, place): _reported(place % 100, words, place) for place in every},
+            )
+            yield DriveScenario(
+                name=f"telegram {number} is refused with {words} words",
+                faults=(_fault(job, number, 0, 0x19, words),),
+                status=(WORDS["REFUSED" if count > 1 else "PARAMETER_ERROR"],),
+                telegram=number,
+                errors={(number, place): _reported(0x19, words, 0) for place in every},
+            )
+
+
+def _fault(job: DriveJob, telegram: int, place: int, error: int, words: int) -> Fault:
+    """The parameter is refused in the n-th request: each telegram has one."""
+    count = len(job.telegrams[telegram - 1].parts)
+    before = sum(place <= len(other.parts) for other in job.telegrams[: telegram - 1])
+    assert place <= count  # noqa: S101 - a fault that never strikes would prove nothing
+    return Fault(
+        FaultKind.ERROR, after=before, number=error, position=place, words=2 if words == 2 else 1, info=0x100 + place
+    )
+
+
+def _reported(error: int, words: int, place: int) -> tuple[int, int]:
+    return 0x8000 | error, 0x100 + place if words == 2 else 0
+
+
+def _blocks(job: DriveJob, longest: int) -> Iterator[DriveScenario]:
+    """Values of another type or number come, in an answer that is right otherwise: the others are delivered."""
+    for telegram in ends(job):
+        number = telegram.number
+        for place in positions(telegram):
+            part = telegram.parts[place - 1]
+            for code, count in _wrong_blocks(part):
+                size = count * formats.by_code(code).size
+                if telegram.positive_length - padded(part.size) + padded(size) > longest:
+                    continue
+                yield DriveScenario(
+                    name=f"{count} values of type {code:02X}h come for parameter {place} of telegram {number}",
+                    reads={number: _exchanged(telegram, place, code, count, size)},
+                    generic=False,
+                    status=(WORDS["RESPONSE_FORMAT"],),
+                    telegram=number,
+                    errors={(number, place): (0x8100 | code, count)},
+                )
+            for code in _generic(part.use.format):
+                edit = _exchanged(telegram, place, code, part.count, None)
+                name = f"parameter {place} of telegram {number} comes as {code:02X}h"
+                yield DriveScenario(name=name, reads={number: edit}, generic=False)
+
+
+def _wrong_blocks(part: Part) -> list[tuple[int, int]]:
+    """Types and numbers of values that were not asked for: of the same and of another size, one more, one less."""
+    own: Format = part.use.format
+    accepted = {*formats.answers(own), *_generic(own)}
+    same = [f.code for f in formats.FORMATS if f.writable and f.size == own.size and f.code not in accepted]
+    other = [f.code for f in formats.FORMATS if f.writable and f.size != own.size]
+    found = [
+        (code, part.count) for code in (*same[:1], *same[-1:], *other[:1], 0x41, 0x42, 0x43) if code not in accepted
+    ]
+    found += [(own.code, count) for count in (part.count - 1, part.count + 1) if 0 < count <= 0xFF]
+    return list(dict.fromkeys((*found, (formats.ZERO, 0))))
+
+
+def _generic(own: Format) -> list[int]:
+    """41h, 42h or 43h, which tells no more than the size."""
+    found = formats.generic_of(own.size)
+    return [found.code] if found is not None else []
+
+
+def _exchanged(telegram: DriveTelegram, place: int, code: int, count: int, size: int | None) -> Edit:
+    """Another block at a place of a good answer; ``size`` None keeps the values."""
+    at = 4 + sum(2 + padded(part.size) for part in telegram.parts[: place - 1])
+    old = padded(telegram.parts[place - 1].size)
+
+    def edit(answer: bytes) -> bytes:
+        values = answer[at + 2 : at + 2 + old] if size is None else (b"\x5a" * size).ljust(padded(size), b"\0")
+        return answer[:at] + bytes((code, count)) + values + answer[at + 2 + old :]
+
+    return edit
+
+
+def _record_calls(job: DriveJob) -> Iterator[DriveScenario]:
+    """What ends a telegram without an answer, or late."""
+    for telegram in ends(job):
+        number = telegram.number
+        nothing = {"telegram": number, "answered": False, "again": None}
+        yield DriveScenario(
+            name=f"WRREC of telegram {number} fails",
+            writes={number: FATAL_WRITE}, status=(WORDS["WRITE_ERROR"],), **nothing,  # type: ignore[arg-type]
+        )  # fmt: skip
+        yield DriveScenario(
+            name=f"RDREC of telegram {number} fails",
+            reads={number: FATAL_READ}, status=(WORDS["READ_ERROR"],), **nothing,  # type: ignore[arg-type]
+        )  # fmt: skip
+    yield DriveScenario(
+        name="the drive never has an answer",
+        reads={0: STATE_CONFLICT},
+        status=silence(job),
+        telegram=1,
+        answered=False,
+        again=None,
+        scan=50,
+        took=(0, job.timeout + 2 * CALLS_MS),
+    )
+
+
+def silence(job: DriveJob) -> tuple[int, ...]:
+    """How a job may end whose drive never has an answer: what its times allow; where calls decide, either."""
+    short, long = job.retries * job.retry_pause, job.retries * (job.retry_pause + CALLS_MS)
+    if job.once:
+        found = ["RETRIES"] if short <= job.timeout / 3 + job.retry_pause else []
+        found += ["UNKNOWN"] if long + CALLS_MS >= job.timeout / 3 else []
+        found += ["TIMEOUT", "NO_PLACE"] if (job.retry_pause + CALLS_MS) * 2 >= job.timeout / 3 else []
+    else:
+        found = ["RETRIES"] if short <= job.timeout else []
+        found += ["TIMEOUT", "NO_PLACE"] if long + CALLS_MS >= job.timeout else []
+    return tuple(WORDS[name] for name in found)
+
+
+def _signals(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
+    """Execute, inputs, the slot, restarts."""
+    yield DriveScenario(name="all inputs change behind the edge", meddle=True, busy=(3, 3))
+    points = range(2, scans + 1)
+    if len(points) > 2 * FEW:
+        step = len(points) // (2 * FEW) + 1
+        points = range(2, scans + 1, step)
+    for at in points:
+        yield DriveScenario(name=f"execute falls before scan {at}", happens={at: "drop"}, follow=False)
+    for at in points[:-1]:
+        happens = {at: "drop", at + 1: "rise"}
+        yield DriveScenario(name=f"execute falls before scan {at} and rises", happens=happens, follow=False)
+    for slot in WRONG_SLOTS:
+        last = slot == 3
+        yield DriveScenario(
+            name=f"slot {slot}",
+            slot=slot,
+            status=(WORDS["DONE" if last else "NO_SLOT"],),
+            checked=last,
+        )
+    every = max(1, scans // FEW)
+    for at in range(2, scans, every):
+        for kind in ("cold", "warm"):
+            words = ("DONE", "UNKNOWN") if job.once and kind == "warm" else ("DONE",)
+            yield DriveScenario(
+                name=f"{kind} restart before scan {at}",
+                happens={at: kind},
+                status=tuple(WORDS[word] for word in words),
+                checked=False,
+                again=None,
+            )
+        words = ("DONE", "UNKNOWN") if job.once else ("DONE",)
+        if polls(job):
+            yield DriveScenario(
+                name=f"the drive is switched off and on before scan {at}",
+                happens={at: "off"},
+                status=tuple(WORDS[word] for word in (*words, *(("RETRIES", "TIMEOUT") if job.retries < 60 else ()))),
+                checked=False,
+                again=None,
+            )
