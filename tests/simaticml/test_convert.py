@@ -51,7 +51,7 @@ def test_a_generated_folder_both_ways(version: str, tmp_path: Path) -> None:
     """Text to documents of every version and back: the same text; the documents keep the rules of exports."""
     sources = [EXAMPLE / name for name in ("udt", "db", "scl")]
     there = plcgen.convert(*sources, to="xml", out=tmp_path / "xml", version=version)
-    assert (there.diagnostics, len(there.written)) == ((), 23)
+    assert (there.diagnostics, len(there.written)) == ((), 24)
     for name in there.written:
         assert check_invariants(tmp_path / "xml" / name) == []
     back = plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl")
@@ -65,7 +65,7 @@ def test_a_generated_folder_both_ways(version: str, tmp_path: Path) -> None:
 def test_islands_of_converted_documents_are_valid(version: str, tmp_path: Path) -> None:
     """By Siemens' schemas, where they are at hand."""
     plcgen.convert(*put(tmp_path, a_scl=FB, b_db=INSTANCE), EXAMPLE, to="xml", out=tmp_path / "xml", version=version)
-    assert len(list((tmp_path / "xml").glob("*.xml"))) == 25
+    assert len(list((tmp_path / "xml").glob("*.xml"))) == 26
     assert [m for path in (tmp_path / "xml").glob("*.xml") for m in validate_islands(path, version)] == []
 
 

@@ -37,13 +37,13 @@ def ends(trace: Trace) -> dict[str, tuple[str, int, int]]:
 
 
 def test_objects_of_one_unit_take_turns(project: tuple[Path, Path]) -> None:
-    """Those at one address share a token: one after the other. The third one runs at once."""
+    """Those at one address are one unit: one after the other. The third one runs at once."""
     trace = api.simulate(*project)
     assert ends(trace) == {
-        "read_x": ("done", 11, 0),
-        "read_y": ("done", 21, 0),
-        "read_z": ("done", 11, 0),
-        "set_z": ("done", 21, 0),
+        "read_x": ("done", 13, 0),
+        "read_y": ("done", 26, 0),
+        "read_z": ("done", 13, 0),
+        "set_z": ("done", 26, 0),
     }
     objects = [c.data[2] for step in trace.steps for c in step.contacts if c.group == "read_y"]
     assert objects == [4, 4]
@@ -75,7 +75,7 @@ def test_values_and_errors_by_parameter(project: tuple[Path, Path]) -> None:
         ("P1120", 5.0, None, 0),
         ("P1121", 8.0, 2, 3),
     ]
-    assert ends(trace) == {"set_z": ("error", 11, 0)}
+    assert ends(trace) == {"set_z": ("error", 13, 0)}
 
 
 def test_a_value_that_is_called_state(tmp_path: Path) -> None:

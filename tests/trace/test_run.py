@@ -25,62 +25,65 @@ def history(trace: Trace, signal: str) -> list[tuple[int, object]]:
 
 @pytest.mark.parametrize("target", ["faq", "v5", "t3", "t15"])
 def test_the_read_job_goes_through_its_states(run: Run, target: str) -> None:
-    """Claim, confirm, build; WRREC busy for two calls, RDREC too; check, drain, idle: 11 scans on every target."""
+    """Ask, get the unit, build, get a place; WRREC busy for two calls, RDREC too; check, drain, idle: 13 scans."""
     trace = run(target, jobs=["read_ramp_up"])
-    states = [(1, 1), (2, 2), (3, 3), (6, 4), (9, 5), (10, 7), (11, 0)]
+    states = [(1, 9), (2, 1), (3, 2), (4, 3), (5, 4), (8, 5), (11, 6), (12, 8), (13, 0)]
     assert history(trace, "read_ramp_up.state") == states
-    assert history(trace, "read_ramp_up.WRREC.REQ") == [(4, True), (5, False)]
-    assert history(trace, "read_ramp_up.WRREC.BUSY") == [(4, True), (6, False)]
-    assert history(trace, "read_ramp_up.WRREC.DONE") == [(6, True), (7, False)]
-    assert history(trace, "read_ramp_up.WRREC.STATUS") == [(4, 0x00700100), (5, 0x00700200), (6, 0)]
-    assert history(trace, "read_ramp_up.RDREC.VALID") == [(9, True), (10, False)]
-    assert history(trace, "read_ramp_up.RDREC.LEN") == [(9, 10)]
-    assert history(trace, "read_ramp_up.status") == [(1, 0x7001), (2, 0x7002), (11, 0)]
-    assert history(trace, "DcmToken.owner") == [(1, 1), (11, 0)]
-    assert (trace.ended, trace.scans, trace.time, trace.ok) == ("jobs", 11, 110, True)
+    assert history(trace, "read_ramp_up.WRREC.REQ") == [(6, True), (7, False)]
+    assert history(trace, "read_ramp_up.WRREC.BUSY") == [(6, True), (8, False)]
+    assert history(trace, "read_ramp_up.WRREC.DONE") == [(8, True), (9, False)]
+    assert history(trace, "read_ramp_up.WRREC.STATUS") == [(6, 0x00700100), (7, 0x00700200), (8, 0)]
+    assert history(trace, "read_ramp_up.RDREC.VALID") == [(11, True), (12, False)]
+    assert history(trace, "read_ramp_up.RDREC.LEN") == [(11, 10)]
+    assert history(trace, "read_ramp_up.status") == [(1, 0x7001), (2, 0x7002), (13, 0)]
+    assert history(trace, "DcmUnit.owner") == [(2, 1)]
+    assert (trace.ended, trace.scans, trace.time, trace.ok) == ("jobs", 13, 130, True)
     assert "read_ramp_up.WRREC.LEN" not in [signal.id for signal in trace.signals]
 
 
 @pytest.mark.parametrize("target", ["v5", "t3", "t15"])
 def test_telegrams_and_value(run: Run, target: str) -> None:
-    """The drive gets the FAQ's telegram with the first reference, the block gets the drive's 10.0 seconds."""
+    """The drive gets the FAQ's telegram, the block gets the drive's 10.0 seconds."""
     trace = run(target, jobs=["read_ramp_up"])
     contacts = [(step.scan, c.direction, c.status, c.data) for step in trace.steps for c in step.contacts]
-    assert contacts == [(6, "write", 0, REQUEST), (9, "read", 0, ANSWER)]
-    assert history(trace, "read_ramp_up.rampUpTime1") == [(11, 10.0)]
+    sent, got = (contacts[0][3][0], contacts[1][3][0])  # the reference begins anywhere after a start
+    request, answer = bytes((sent,)) + REQUEST[1:], bytes((sent,)) + ANSWER[1:]
+    assert contacts == [(8, "write", 0, request), (11, "read", 0, answer)]
+    assert 1 <= sent == got <= 255
+    assert history(trace, "read_ramp_up.rampUpTime1") == [(13, 10.0)]
     (job,) = trace.jobs
-    assert (job.ending, job.status, job.scan, job.time, job.telegrams, job.retries) == ("done", 0, 11, 110, 1, 0)
+    assert (job.ending, job.status, job.scan, job.time, job.telegrams, job.retries) == ("done", 0, 13, 130, 1, 0)
     (value,) = job.values
     assert (value.label, value.value, value.unit, value.error) == ("P50303", 10.0, "s", None)
 
 
 def test_two_jobs_take_turns(run: Run) -> None:
-    """The second job gets the drive in the scan in which the first one lets go, and ends ten scans later."""
+    """The channel sees in scan 14 that the first job has gone, and gives the unit to the second one in scan 15."""
     trace = run()
-    assert history(trace, "DcmToken.owner") == [(1, 1), (11, 2), (21, 0)]
+    assert history(trace, "DcmUnit.owner") == [(2, 1), (14, 0), (15, 2)]
     assert [(job.key, job.ending, job.scan) for job in trace.jobs] == [
-        ("read_ramp_up", "done", 11),
-        ("write_ramp_down", "done", 21),
+        ("read_ramp_up", "done", 13),
+        ("write_ramp_down", "done", 26),
     ]
     written = next(c for step in trace.steps for c in step.contacts if c.group == "write_ramp_down")
     assert written.data == bytes.fromhex("02 02 02 01 10 01 C480 0000 08 01 42C80000")  # P50304 := 100.0
 
 
 def test_b5_twice_is_two_retries(run: Run) -> None:
-    """RDREC fails in scans 9 and 32: a pause of 200 ms and three scans lie between; the third try succeeds."""
+    """RDREC fails in scans 11 and 35: 200 ms, a scan for the place and three for RDREC lie between; the third succeeds."""
     trace = run(jobs=["read_ramp_up"], faults=["busy:times=2"])
-    assert history(trace, "read_ramp_up.RDREC.ERROR") == [(9, True), (10, False), (32, True), (33, False)]
+    assert history(trace, "read_ramp_up.RDREC.ERROR") == [(11, True), (12, False), (35, True), (36, False)]
     assert [(s.scan, c.status) for s in trace.steps for c in s.contacts if c.direction == "read"] == [
-        (9, 0xDE80B500),
-        (32, 0xDE80B500),
-        (55, 0),
+        (11, 0xDE80B500),
+        (35, 0xDE80B500),
+        (59, 0),
     ]
     (job,) = trace.jobs
-    assert (job.ending, job.retries, job.telegrams, job.scan) == ("done", 2, 1, 57)
+    assert (job.ending, job.retries, job.telegrams, job.scan) == ("done", 2, 1, 61)
 
 
 def test_a_refused_write_is_no_telegram(run: Run) -> None:
-    """WRREC ends in error in scan 6; the telegram that the drive took is the only one that counts."""
+    """WRREC ends in error in scan 8; the telegram that the drive took is the only one that counts."""
     (job,) = run(jobs=["read_ramp_up"], faults=["busy:call=write"]).jobs
     assert (job.ending, job.retries, job.telegrams) == ("done", 1, 1)
 
@@ -104,16 +107,28 @@ def test_a_refused_parameter(run: Run) -> None:
     assert history(trace, "read_ramp_up.rampUpTime1") == []
 
 
-def test_a_silent_drive(run: Run) -> None:
-    """Retries run out, with long scans the time-out of 10 s does.
+def test_a_lost_request_is_sent_again(run: Run) -> None:
+    """B5 for a third of the timeout of 10 s: the request is lost, and a new one does.
 
-    First RDREC ends at 90 ms (start, claim, confirmation, request, 3 calls of WRREC, 3 of RDREC, 10 ms each), 40
-    retries of 200 + 3 x 10 ms, one call to report: 9,300 ms. With 50 ms, 40 x 350 ms are too long: 50 + 10,000 ms.
+    WRREC is done at 80 ms. RDREC ends in B5 at 110 ms and then every 240 ms (a pause of 200 ms, one call for the place,
+    three of RDREC); at 110 + 14 x 240 = 3,470 ms more than 3,333 ms have passed. A pause of 200 ms, then a request takes
+    its 10 calls from BUILD to the end: 3,770 ms, with 15 retries.
     """
     (job,) = run(jobs=["read_ramp_up"], faults=["silence"]).jobs
-    assert (job.ending, job.status, job.time) == ("error", 0x8203, 9_300)
-    (job,) = run(jobs=["read_ramp_up"], faults=["silence"], scan_time="50ms").jobs
-    assert (job.status, job.time) == (0x8101, 10_050)
+    assert (job.ending, job.time, job.telegrams, job.retries) == ("done", 3_770, 2, 15)
+
+
+def test_a_silent_drive(run: Run) -> None:
+    """Retries run out; with long scans the timeout of 10 s does.
+
+    Two requests are lost, with 15 retries of 240 ms each and 5 calls to write the next one: 40 retries end within 10 s.
+    With 50 ms a retry takes 400 ms. The job gets the unit in the second call; the one behind the timeout reports it.
+    """
+    (job,) = run(jobs=["read_ramp_up"], faults=["silence:times=forever"]).jobs
+    assert (job.ending, job.status, job.telegrams) == ("error", 0x8203, 3)
+    assert 9_500 < job.time < 10_000
+    (job,) = run(jobs=["read_ramp_up"], faults=["silence:times=forever"], scan_time="50ms").jobs
+    assert (job.status, job.time) == (0x8101, 10_150)
 
 
 def test_a_limited_run_is_no_failure(run: Run) -> None:
@@ -127,7 +142,7 @@ def test_execute_dropped_in_mid_job(run: Run) -> None:
     """A job goes on when execute falls and shows done for one call."""
     trace = run(jobs=["read_ramp_up"], sets=["M50.0=FALSE@5", "M60.0=TRUE@14"])
     assert history(trace, "read_ramp_up.execute") == [(1, True), (5, False)]
-    assert history(trace, "read_ramp_up.done") == [(11, True), (12, False)]
+    assert history(trace, "read_ramp_up.done") == [(13, True), (14, False)]
     assert history(trace, "memory.M60.0") == [(14, True)]
     assert trace.jobs[0].ending == "done"
 
@@ -173,7 +188,7 @@ def test_own_blocks_beside_the_example(run: Run, own: Path) -> None:
     own.write_text(text[: text.index("ORGANIZATION_BLOCK")], "utf-8")
     trace = run(own=[own])
     assert (trace.main, trace.ok) == ("Main", True)
-    assert [job.scan for job in trace.jobs] == [11, 21]
+    assert [job.scan for job in trace.jobs] == [13, 26]
 
 
 def test_a_fault_of_the_program_stops_the_cpu(run: Run, own: Path) -> None:
@@ -244,4 +259,4 @@ def test_a_folder_of_another_spec() -> None:
     other = ROOT / "specs" / "s7-1200_s120_recipe.yaml"
     found = api.simulate(other, ROOT / "examples" / "s7-1500_g120_pn" / "expected").diagnostics
     assert [d.code for d in found] == ["PG608"]
-    assert "writeRecipe" in found[0].message
+    assert "Cu1Unit" in found[0].message

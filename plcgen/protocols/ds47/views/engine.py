@@ -28,7 +28,7 @@ def types(plan: DrivePlan) -> list[TypeBlock]:
     engine, t15 = plan.engine, plan.target.t15
     size = plan.variant
     last, blocks = size.bytes - 1, size.parameters
-    number = "DB_Any" if t15 else "INT"
+    number = "DB_ANY" if t15 else "INT"
     order: list[Row] = [
         ("hardwareId", "HW_IO", "hardware identifier of the drive") if t15 else ("address", "DWORD", "ID of the drive"),
         ("length", "INT", "bytes of the request"),
