@@ -11,6 +11,8 @@ from plcgen.cpu.program import Program
 from plcgen.input.text import read_text
 from plcgen.project.nouns import BufferField
 from plcgen.proof.checks import Check, CheckGroup, Outcome
+from plcgen.proof.conditions import Premise
+from plcgen.proof.coverage import NO_OTHER
 from plcgen.proof.folder import Folder
 from plcgen.proof.rig import value_text
 from plcgen.proof.runner import Runner
@@ -27,6 +29,8 @@ from plcgen.protocols.ds47.proof.scenarios import STATE_CONFLICT, matrix, polls
 from plcgen.protocols.ds47.sim.drive import Drive
 
 SHOWN_VALUES = 3
+TELEGRAM = ("statTicket.ask.telegram", "tempSeen.telegram")
+"""Where a job block looks which telegram it is."""
 
 
 class DriveProof:
@@ -97,9 +101,11 @@ class DriveSuite:
         return [self.block(job) for job in self.jobs]
 
     def block(self, job: DriveJob) -> CodeBlock:
-        """The block of a job."""
+        """The block of a job. Its telegrams count from 1."""
         span = self.plan.loaded.key_span(job.path)
-        return CodeBlock(job.key, job.key, job.block.name, (job,), lambda: span)
+        numbers = frozenset(range(1, len(job.telegrams) + 1))
+        premises = [Premise(NO_OTHER, variable=name, values=numbers, given="") for name in TELEGRAM]
+        return CodeBlock(job.key, job.key, job.block.name, (job,), lambda: span, tuple(premises))
 
     def runner(self, program: Program, job: DriveJob, statistics: Statistics | None = None) -> Runner[DriveScenario]:
         """The job against its simulated drive. One CPU serves all jobs: the program may be large."""
