@@ -23,9 +23,11 @@ from plcgen.protocols.ds47.proof import stimulus
 from plcgen.protocols.ds47.proof.conduct import JobConduct
 from plcgen.protocols.ds47.proof.exchanges import check_drive, check_telegrams
 from plcgen.protocols.ds47.proof.own_drive import own_checks
+from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.scenarios import STATE_CONFLICT, matrix, polls
+from plcgen.protocols.ds47.proof.together import procedures
 from plcgen.protocols.ds47.sim.drive import Drive
 
 SHOWN_VALUES = 3
@@ -150,7 +152,14 @@ class DriveSuite:
 
     def procedures(self, program: Program) -> Iterator[Procedure]:
         """What the jobs do to each other."""
-        return iter(())
+        made: list[Plant] = []
+
+        def plant() -> Plant:
+            if not made:
+                made.append(Plant(self.plan, program))
+            return made[0].fresh()
+
+        return procedures(self.plan, program, plant)
 
     def together(self, procedures: int) -> Check:
         """All jobs on all drives."""

@@ -155,7 +155,9 @@ def _foreign(form: AnswerForm) -> Iterator[EngineScenario]:
     last, once = form.number == len(form.errand.letters), form.errand.once
     negative = form.negative(lambda blocks: blocks.__setitem__(0, bytes.fromhex("44020011 0007")))
     cases: list[tuple[str, Edit]] = [(f"drive object {value}", put(2, value)) for value in (3, 2 ^ 0x80, 255, 0)]
-    cases += [(f"reference off by {step}", lambda a, s=step: bytes(((a[0] + s) % 256,)) + a[1:]) for step in (1, 128, 255)]  # type: ignore[misc]
+    cases += [
+        (f"reference off by {step}", lambda a, s=step: bytes(((a[0] + s) % 256,)) + a[1:]) for step in (1, 128, 255)
+    ]  # type: ignore[misc]
     cases += [("reference 0", put(0, 0))]
     cases += [(f"negative, {name}", lambda a, e=edit: e(negative(a))) for name, edit in list(cases)]  # type: ignore[misc]
     for name, edit in cases:
@@ -289,7 +291,10 @@ def _failed(form: AnswerForm, sizes: list[int]) -> Iterator[EngineScenario]:
     for name, chosen in (
         ("all parameters fail", range(len(parts))),
         ("first and last fail", {0, len(parts) - 1}),
-        *((f"all but parameter {n + 1} fail", set(range(len(parts))) - {n}) for n in range(len(parts) if len(parts) > 2 else 0)),
+        *(
+            (f"all but parameter {n + 1} fail", set(range(len(parts))) - {n})
+            for n in range(len(parts) if len(parts) > 2 else 0)
+        ),
     ):
 
         def change(blocks: list[bytes], chosen: Iterable[int] = chosen) -> None:
@@ -355,7 +360,9 @@ def _formats(form: AnswerForm) -> Iterator[EngineScenario]:
             same = sizes.get(wrong) == part.format.size
             name = f"block {index} in format {wrong:02X}h"
             if same:
-                errors = {p: (0, 0) for p in range(1, len(form.letter.parts) + 1)} | {index: (0x8100 | wrong, part.count)}
+                errors = {p: (0, 0) for p in range(1, len(form.letter.parts) + 1)} | {
+                    index: (0x8100 | wrong, part.count)
+                }
                 yield form.scenario(name, "RESPONSE_FORMAT", put(at, wrong), errors=errors, follow=False)
             elif wrong not in sizes:
                 yield form.broken(name, put(at, wrong), follow=False)

@@ -58,7 +58,9 @@ class Ending:
         built = [self.job.db.get(f"letters[{n}].built") for n in range(1, len(self.errand.letters) + 1)]
         taken = [self.job.db.get(f"letters[{n}].taken") for n in range(1, len(self.errand.letters) + 1)]
         last = sum(built)
-        if built != [1] * last + [0] * (len(built) - last) or taken not in ([1] * n + [0] * (len(built) - n) for n in (last - 1, last)):
+        if built != [1] * last + [0] * (len(built) - last) or taken not in (
+            [1] * n + [0] * (len(built) - n) for n in (last - 1, last)
+        ):
             raise ScenarioError(f"telegrams were built {built} and taken {taken} times")
         return last
 

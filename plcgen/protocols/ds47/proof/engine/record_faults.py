@@ -128,7 +128,9 @@ def _status_always(errand: Errand) -> Iterator[EngineScenario]:
         )
         for times in (RETRIES + 1, 3 * RETRIES):
             few: dict[str, Any] = {key: dict.fromkeys(range(1, times + 1), v[0]) for key, v in script.items()}
-            yield EngineScenario(name=f"{name} ends {times} times so", calls=(times, 0) if name[0] == "W" else (0, times), **few)
+            yield EngineScenario(
+                name=f"{name} ends {times} times so", calls=(times, 0) if name[0] == "W" else (0, times), **few
+            )
     for times in (1, 3, RETRIES):
         count = times if len(errand.letters) == 1 else 0
         yield EngineScenario(
@@ -186,7 +188,9 @@ def _busy(errand: Errand) -> Iterator[EngineScenario]:
 
 def _late(errand: Errand) -> Iterator[EngineScenario]:
     for late in (25, 350, 1500):
-        yield EngineScenario(name=f"answer after {late} ms", processing=late, retries=None, calls=None, again=0, follow=False)
+        yield EngineScenario(
+            name=f"answer after {late} ms", processing=late, retries=None, calls=None, again=0, follow=False
+        )
     # a third of the time-out without an answer is 3000 ms: then the request counts as lost
     status = (WORDS["UNKNOWN"],) if errand.once else (WORDS["RETRIES"],)
     yield EngineScenario(
@@ -296,7 +300,9 @@ def cpu_faults(errand: Errand, scans: int) -> Iterator[EngineScenario]:
         )  # fmt: skip
     for order in itertools.permutations(CALLS):
         yield EngineScenario(name=f"called in the order {order}", order=order)
-        yield EngineScenario(name=f"retry in the order {order}", order=order, reads={1: STATE_CONFLICT}, calls=(0, 1), retries=None)
+        yield EngineScenario(
+            name=f"retry in the order {order}", order=order, reads={1: STATE_CONFLICT}, calls=(0, 1), retries=None
+        )
     yield from _clock()
 
 

@@ -91,7 +91,11 @@ class JobPlace:
         """Whether the drive has what the job writes."""
         parameters = self.rig.drives[self.unit - 1].objects[self.drive_object].parameters
         letters = self.errand.letters if self.errand is not None else ()
-        pairs = ((p.pnu, v) for letter, vs in zip(letters, self.values, strict=True) for p, v in zip(letter.parts, vs, strict=True))
+        pairs = (
+            (p.pnu, v)
+            for letter, vs in zip(letters, self.values, strict=True)
+            for p, v in zip(letter.parts, vs, strict=True)
+        )
         return all(held(parameters[pnu]) == value for pnu, value in pairs)
 
     def has_read(self) -> bool:
@@ -141,7 +145,17 @@ class EngineRig:
         slots = range(1, self.engine.sizes.slots + 1)
         asks = [f"unit.asks[{n}].{name}" for n in slots for name in ("telegram", "mark", "want")]
         turn = [f"unit.turn.{name}" for name in ("slotCount", "beat", "grant", "served", "status")]
-        rest = ("telegram", *(("record",) if self.classic else ()), "errors", "infos", "expected", "order", "turn", "recordStatus", "failed")
+        rest = (
+            "telegram",
+            *(("record",) if self.classic else ()),
+            "errors",
+            "infos",
+            "expected",
+            "order",
+            "turn",
+            "recordStatus",
+            "failed",
+        )
         names = [*(f"unit.{name}" for name in (*rest, "state", "retries", "asks", "ended")), *turn, *asks]
         return Members(self.cpu, self.program, f"Unit{number}", [*names, *(f"unit.ended[{n}]" for n in slots)], "unit.")
 

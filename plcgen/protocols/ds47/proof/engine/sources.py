@@ -58,7 +58,9 @@ class Engine:
                 found.append((str(file), text))
         if missing:
             absent = ", ".join(sorted(name for name in names.values() if name.upper() in missing))
-            raise DiagnosticError([Diagnostic("PG825", f"the drive engine is not complete: {absent} missing", Span(""))])
+            raise DiagnosticError(
+                [Diagnostic("PG825", f"the drive engine is not complete: {absent} missing", Span(""))]
+            )
         return cls(dialect, tuple(sorted(found)), dict(names))
 
     @cached_property
