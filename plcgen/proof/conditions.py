@@ -23,7 +23,7 @@ class Premise:
     """Something that holds for this project for a reason that does not stand in the block.
 
     Either nothing assigns the constant ``never``, or ``variable`` has one of ``values`` whenever it is looked at, both
-    while the variable ``given`` has one of the values ``among``. Or the names ``follow``, which otherwise may be
+    while the variable ``given`` has one of the values ``among``; without ``given`` always. Or the names ``follow``, which otherwise may be
     anything, are what the block makes of them.
     """
 
@@ -98,6 +98,9 @@ class Names:
             return ANYTHING if constant is None else frozenset({constant})
         if isinstance(node, ast.Name | ast.Index):
             return self.held_or(node, env)
+        if isinstance(node, ast.Member):
+            path = _path(node)
+            return next((p.values for p in self.held if p.variable.upper() == path and self.applies(p, env)), ANYTHING)
         if isinstance(node, ast.Unary) and node.operator == "-":
             return calculated("-", FALSE, self.value(node.operand, env))
         if isinstance(node, ast.Binary) and node.operator in {"+", "-", "*"}:
@@ -125,6 +128,8 @@ class Names:
     @staticmethod
     def applies(premise: Premise, env: Env) -> bool:
         """Whether the variable that a premise is about the states of can only have those."""
+        if not premise.given:
+            return True
         values = env.get(premise.given.upper(), ANYTHING)
         return isinstance(values, frozenset) and values <= premise.among
 
@@ -174,3 +179,11 @@ class Names:
         if name not in self.locals or isinstance(node, ast.Index) or values == env.get(name, ANYTHING):
             return env
         return {**env, name: values}
+
+
+def _path(node: ast.Expression) -> str:
+    """A member of a structure or of an instance as it is written, in upper case; empty for anything else."""
+    if isinstance(node, ast.Member):
+        base = _path(node.base)
+        return f"{base}.{node.name.upper()}" if base else ""
+    return node.name.upper() if isinstance(node, ast.Name) and node.scope != "quoted" else ""

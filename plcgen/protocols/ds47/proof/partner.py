@@ -28,7 +28,7 @@ class ScriptedDrive(Drive):
 
     def switch_off(self) -> None:
         """Off and on again: the request and its answer are lost, the values are not."""
-        self._request = self._response = None
+        self._request = self._response = self._previous = None
 
     def write_record(self, index: int, data: bytes) -> int:
         """Take a request, unless the script has a STATUS for this call."""

@@ -58,6 +58,8 @@ def _values() -> Iterator[DriveScenario]:
 
 def _refusals(job: DriveJob) -> Iterator[DriveScenario]:
     """The drive refuses parameters: one, all, the whole telegram."""
+    for telegram in job.telegrams[1:-1]:
+        yield _all_refused(job, telegram, 2)
     for telegram in ends(job):
         number, count = telegram.number, len(telegram.parts)
         for words in (1, 2):
@@ -71,13 +73,7 @@ def _refusals(job: DriveJob) -> Iterator[DriveScenario]:
                     errors={(number, place): _reported(error, words, place)},
                 )
             every = range(1, count + 1)
-            yield DriveScenario(
-                name=f"errors with {words} words at all parameters of telegram {number}",
-                faults=tuple(_fault(job, number, place, place % 100, words) for place in every),
-                status=(WORDS["PARAMETER_ERROR"],),
-                telegram=number,
-                errors={(number, place): _reported(place % 100, words, place) for place in every},
-            )
+            yield _all_refused(job, telegram, words)
             yield DriveScenario(
                 name=f"telegram {number} is refused with {words} words",
                 faults=(_fault(job, number, 0, 0x19, words),),
@@ -85,6 +81,17 @@ def _refusals(job: DriveJob) -> Iterator[DriveScenario]:
                 telegram=number,
                 errors={(number, place): _reported(0x19, words, 0) for place in every},
             )
+
+
+def _all_refused(job: DriveJob, telegram: DriveTelegram, words: int) -> DriveScenario:
+    number, every = telegram.number, range(1, len(telegram.parts) + 1)
+    return DriveScenario(
+        name=f"errors with {words} words at all parameters of telegram {number}",
+        faults=tuple(_fault(job, number, place, place % 100, words) for place in every),
+        status=(WORDS["PARAMETER_ERROR"],),
+        telegram=number,
+        errors={(number, place): _reported(place % 100, words, place) for place in every},
+    )
 
 
 def _fault(job: DriveJob, telegram: int, place: int, error: int, words: int) -> Fault:

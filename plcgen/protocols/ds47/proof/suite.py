@@ -11,6 +11,8 @@ from plcgen.cpu.program import Program
 from plcgen.input.text import read_text
 from plcgen.project.nouns import BufferField
 from plcgen.proof.checks import Check, CheckGroup, Outcome
+from plcgen.proof.conditions import Premise
+from plcgen.proof.coverage import NO_OTHER
 from plcgen.proof.folder import Folder
 from plcgen.proof.rig import value_text
 from plcgen.proof.runner import Runner
@@ -21,12 +23,16 @@ from plcgen.protocols.ds47.proof import stimulus
 from plcgen.protocols.ds47.proof.conduct import JobConduct
 from plcgen.protocols.ds47.proof.exchanges import check_drive, check_telegrams
 from plcgen.protocols.ds47.proof.own_drive import own_checks
+from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.scenarios import STATE_CONFLICT, matrix, polls
+from plcgen.protocols.ds47.proof.together import procedures
 from plcgen.protocols.ds47.sim.drive import Drive
 
 SHOWN_VALUES = 3
+TELEGRAM = ("statTicket.ask.telegram", "tempSeen.telegram")
+"""Where a job block looks which telegram it is."""
 
 
 class DriveProof:
@@ -97,9 +103,11 @@ class DriveSuite:
         return [self.block(job) for job in self.jobs]
 
     def block(self, job: DriveJob) -> CodeBlock:
-        """The block of a job."""
+        """The block of a job. Its telegrams count from 1."""
         span = self.plan.loaded.key_span(job.path)
-        return CodeBlock(job.key, job.key, job.block.name, (job,), lambda: span)
+        numbers = frozenset(range(1, len(job.telegrams) + 1))
+        premises = [Premise(NO_OTHER, variable=name, values=numbers, given="") for name in TELEGRAM]
+        return CodeBlock(job.key, job.key, job.block.name, (job,), lambda: span, tuple(premises))
 
     def runner(self, program: Program, job: DriveJob, statistics: Statistics | None = None) -> Runner[DriveScenario]:
         """The job against its simulated drive. One CPU serves all jobs: the program may be large."""
@@ -144,7 +152,14 @@ class DriveSuite:
 
     def procedures(self, program: Program) -> Iterator[Procedure]:
         """What the jobs do to each other."""
-        return iter(())
+        made: list[Plant] = []
+
+        def plant() -> Plant:
+            if not made:
+                made.append(Plant(self.plan, program))
+            return made[0].fresh()
+
+        return procedures(self.plan, program, plant)
 
     def together(self, procedures: int) -> Check:
         """All jobs on all drives."""

@@ -59,8 +59,8 @@ class AnswerForm:
 
     @property
     def nothing(self) -> dict[int, tuple[int, int]]:
-        """Errors and infos if nothing of the answer can be used."""
-        return dict.fromkeys(range(1, len(self.letter.parts) + 1), (NO_ANSWER, 0))
+        """errors and infos if nothing of the answer can be used."""
+        return {position: (NO_ANSWER, 0) for position in range(1, len(self.letter.parts) + 1)}
 
     def content(self, answer: bytes) -> list[bytes]:
         """The blocks as a partly negative answer carries them."""
@@ -336,7 +336,7 @@ def _refused(form: AnswerForm) -> Iterator[EngineScenario]:
             block = bytes((0x44, words, 0, number)) + (INFO.to_bytes(2) if words == 2 else b"")
             edit: Edit = lambda a, block=block: bytes((a[0], 0x80 | form.good, *a[2:4])) + block  # type: ignore[misc] # noqa: E731
             name = f"one error block {number:02X}h for the whole request, {words} error words"
-            errors = dict.fromkeys(range(1, count + 1), (32768 | number, INFO if words == 2 else 0))
+            errors = {p: (0x8000 | number, INFO if words == 2 else 0) for p in range(1, count + 1)}
             yield form.scenario(name, "PARAMETER_ERROR" if count == 1 else "REFUSED", edit, errors=errors)
     for more in (1, 2):
         block = bytes.fromhex("44020011 0007") + bytes(more)
@@ -360,7 +360,7 @@ def _formats(form: AnswerForm) -> Iterator[EngineScenario]:
             same = sizes.get(wrong) == part.format.size
             name = f"block {index} in format {wrong:02X}h"
             if same:
-                errors = dict.fromkeys(range(1, len(form.letter.parts) + 1), (0, 0)) | {
+                errors = {p: (0, 0) for p in range(1, len(form.letter.parts) + 1)} | {
                     index: (0x8100 | wrong, part.count)
                 }
                 yield form.scenario(name, "RESPONSE_FORMAT", put(at, wrong), errors=errors, follow=False)
@@ -379,7 +379,7 @@ def _another(form: AnswerForm, index: int) -> Iterator[EngineScenario]:
     at, size = form.letter.blocks[index - 1]
     part = form.letter.parts[index - 1]
     count = len(form.letter.parts)
-    good = dict.fromkeys(range(1, count + 1), (0, 0))
+    good = {p: (0, 0) for p in range(1, count + 1)}
     for code, number, length in (
         (0x41, part.size, part.size), (0x43, 2, 8), (0x06, 1, 2), (0x37, 1, 8), (0x0B, 1, 7), (0x0C, 2, 12), (0x40, 0, 0),
         (0x01, 1, 1), (0x08, 0, 0), (0x08, 3, 12),

@@ -1,0 +1,214 @@
+"""The whole program: OB1 with all jobs, a simulated unit behind every channel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from plcgen.cpu.cpu import Cpu
+from plcgen.cpu.program import Program
+from plcgen.cpu.system.bus import Periphery
+from plcgen.cpu.system.record import PLACES
+from plcgen.proof.rig import Members
+from plcgen.proof.scenario import IDLE, RUNNING, STARTED, ScenarioError
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedUnit, Use
+from plcgen.protocols.ds47.proof.contents import ValueSet, piece, value_set
+from plcgen.protocols.ds47.proof.partner import ScriptedDrive
+from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.words import DONE
+from plcgen.protocols.ds47.sim.bench import build_unit
+from plcgen.protocols.ds47.wire.formats import padded
+
+SIGNALS = ("execute", "busy", "done", "error", "status")
+SCAN = 10
+TELEGRAM_SCANS = 40
+"""Scans that a telegram takes at most when its unit is free."""
+
+
+class Plant:
+    """All units and the CPU with its OB1. ``fresh`` begins again."""
+
+    def __init__(self, plan: DrivePlan, program: Program) -> None:
+        self.plan, self.program = plan, program
+        self.cpu = Cpu(program, Periphery(), family=plan.target.family)
+        self.units = {unit.key: self._build(unit) for unit in plan.units}
+        members = [f"{job.member}.{name}" for job in plan.jobs for name in self._signals(job)]
+        self.control = Members(self.cpu, program, plan.control_db.name, members)
+        self.calls = plan.engine.calls_db.name
+        self.values: dict[str, ValueSet] = {}
+        self.round = self.scans = 0
+        main = program.main()
+        line = main.result.tokens.position(main.unit.start)[0] if main is not None else 1
+        self.place = (main.result.tokens.file if main is not None else "", line)
+
+    @staticmethod
+    def _signals(job: DriveJob) -> Iterable[str]:
+        """Members of the job's structure: what has no flag, and values."""
+        yield from (name for name in SIGNALS if getattr(job.trigger, name) is None)
+        yield from (use.member for use in (*job.inputs, *job.outputs))
+
+    def _build(self, unit: PlannedUnit) -> ScriptedDrive:
+        uses: dict[int, list[Use]] = {drive.drive_object: [] for drive in self.plan.drives if drive.unit is unit}
+        for job in self.plan.jobs:
+            if job.drive.unit is unit:
+                uses[job.drive.drive_object] += job.uses
+        return ScriptedDrive(build_unit(unit.device, uses))
+
+    def fresh(self) -> Plant:
+        """Everything as after a download, all drives there."""
+        cpu, bus = self.cpu, self.cpu.bus
+        cpu.records.places = PLACES[cpu.family]
+        bus.write_busy = bus.read_busy = 1
+        cpu.restart("cold")
+        cpu.misuses.clear()
+        cpu.coverage[:] = bytes(len(cpu.coverage))
+        self.scans = 0
+        self.connect()
+        for drive in self.units.values():
+            drive.switch_off()
+        return self
+
+    def connect(self) -> None:
+        """Every unit at the addresses of its drives."""
+        for drive in self.plan.drives:
+            self.cpu.bus.attach(drive.id_value, self.units[drive.unit.key])
+
+    # --- one scan -------------------------------------------------------------------------------------
+
+    def step(self, count: int = 1, milliseconds: int = SCAN) -> None:
+        """Scans of OB1."""
+        for _ in range(count):
+            self.scans += 1
+            self.cpu.scan(milliseconds)
+            if self.cpu.misuses or self.cpu.faulted:
+                raise ScenarioError("misuse")
+
+    def path(self, job: DriveJob, signal: str) -> str:
+        """Where OB1 takes or leaves a signal of a job."""
+        address = getattr(job.trigger, signal, None)
+        return f'"{self.plan.control_db.name}".{job.member}.{signal}' if address is None else str(address)
+
+    def get(self, job: DriveJob, signal: str) -> int:
+        """Value of a signal."""
+        if getattr(job.trigger, signal) is not None:
+            value = self.cpu[self.path(job, signal)]
+            return value if isinstance(value, int) else -1
+        name = f"{job.member}.{signal}"
+        return self.control.flag(name) if signal != "status" else self.control.get(name)
+
+    def execute(self, job: DriveJob, *, value: bool = True) -> None:
+        """Set the command of a job."""
+        if job.trigger.execute is not None:
+            self.cpu[str(job.trigger.execute)] = value
+        else:
+            self.control.set(f"{job.member}.execute", value)
+
+    def result(self, job: DriveJob) -> tuple[bool, int]:
+        """Whether a job has ended, and its status word."""
+        busy, done, error = (self.get(job, name) for name in ("busy", "done", "error"))
+        status = self.get(job, "status")
+        if busy + done + error > 1 or bool(busy) != (status in {STARTED, RUNNING}) or bool(done) != (status == DONE):
+            raise ScenarioError(f"{job.key}: busy {busy}, done {done}, error {error} with status 16#{status:04X}")
+        return bool(done or error), status
+
+    # --- rounds of all jobs ---------------------------------------------------------------------------
+
+    def begin(self, scenario: DriveScenario | None = None) -> None:
+        """Other values for every drive and every input."""
+        self.round += 1
+        for drive in self.units.values():
+            drive.begin(scenario or DriveScenario(name="OB1"))
+        for job in self.plan.jobs:
+            unit, number = self.units[job.drive.unit.key], job.drive.drive_object
+            values = self.values[job.key] = value_set(job, unit, number, "next", f"{job.key} {self.round}")
+            values.put(unit, number)
+            for member, data in values.inputs(job):
+                self.control.put(f"{job.member}.{member}", data)
+
+    @property
+    def patience(self) -> int:
+        """Scans in which all jobs end if every one is started once: units wait for places, jobs for their unit."""
+        busiest = max(sum(len(job.telegrams) for job in self.plan.jobs if job.drive.unit is u) for u in self.plan.units)
+        places = self.cpu.records.places.total or self.cpu.records.places.each or 1
+        return TELEGRAM_SCANS * (busiest + 2) * -(-len(self.plan.units) // places)
+
+    def start(self) -> None:
+        """Start every job."""
+        for job in self.plan.jobs:
+            self.execute(job)
+
+    def until(self, wanted: Callable[[DriveJob, int], bool], scans: int) -> None:
+        """Run until every job has ended in a way that is wanted."""
+        waiting = list(self.plan.jobs)
+        for _ in range(scans):
+            self.step()
+            left = []
+            for job in waiting:
+                ended, status = self.result(job)
+                if ended and not wanted(job, status):
+                    raise ScenarioError(f"{job.key} ends with 16#{status:04X}")
+                if not ended:
+                    left.append(job)
+            waiting = left
+            if not waiting:
+                return
+        raise ScenarioError(f"{waiting[0].key} has not ended after {scans} scans")
+
+    def fall(self) -> None:
+        """The commands fall: all jobs are idle."""
+        for job in self.plan.jobs:
+            self.execute(job, value=False)
+        self.step()
+        for job in self.plan.jobs:
+            if self.result(job) != (False, IDLE):
+                raise ScenarioError(f"{job.key} is not idle after its command has fallen")
+
+    def all_done(self) -> None:
+        """Every job once: all of them end well, with the right telegrams and values."""
+        self.begin()
+        self.start()
+        self.until(lambda _, status: status == DONE, self.patience)
+        self.check()
+        self.fall()
+
+    # --- what must hold -------------------------------------------------------------------------------
+
+    def exchanges(self, unit: PlannedUnit) -> list[tuple[bytes, bytes]]:
+        """Requests of a unit and their answers, in order: never two at once."""
+        found: list[tuple[bytes, bytes]] = []
+        request = None
+        for exchange in self.units[unit.key].journal:
+            if exchange.index != unit.record_index & 0xFFFF:
+                raise ScenarioError(f"data record 16#{exchange.index:04X} of {unit.key} is used")
+            if exchange.direction == "write" and not exchange.status:
+                request = exchange.data
+            elif exchange.direction == "read" and not exchange.status:
+                if request is None:
+                    raise ScenarioError(f"{unit.key} is asked for an answer without a request")
+                found.append((request, exchange.data))
+                request = None
+        return found
+
+    def check(self) -> None:
+        """Every job has sent its telegrams, and passes on what came."""
+        for unit in self.plan.units:
+            exchanges = self.exchanges(unit)
+            for job in self.plan.jobs:
+                if job.drive.unit is unit:
+                    self.check_job(job, exchanges)
+
+    def check_job(self, job: DriveJob, exchanges: list[tuple[bytes, bytes]]) -> None:
+        """Telegrams, and values of the outputs from the answers."""
+        requests = self.values[job.key].requests(job, job.drive.drive_object)
+        for telegram, request in zip(job.telegrams, requests, strict=True):
+            answer = next((answer for sent, answer in exchanges if sent[1:] == request[1:]), None)
+            if answer is None:
+                raise ScenarioError(f"{job.key} does not send {request.hex(' ').upper()} (reference aside)")
+            at = 4
+            for part in telegram.parts if not job.writes else ():
+                name = f"{job.member}.{part.use.member}"
+                found = piece(part, self.control.bytes(name, part.use.count * part.use.format.size))
+                came = answer[at + 2 : at + 2 + part.size]
+                if found != came:
+                    where = f"{self.plan.control_db.name}.{name}"
+                    raise ScenarioError(f"{where} is {found.hex(' ')}, {came.hex(' ')} came")
+                at += 2 + padded(part.size)

@@ -1,0 +1,282 @@
+"""What all instances do together, through OB1."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from plcgen.cpu.program import Program
+from plcgen.cpu.system.record import PLACES, RecordPlaces
+from plcgen.proof.rig import Members, layout_of
+from plcgen.proof.scenario import ScenarioError
+from plcgen.proof.suite import Procedure
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedUnit
+from plcgen.protocols.ds47.proof.plant import Plant
+from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.words import DONE, WORDS
+from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
+from plcgen.s7.blocks import BlockKind
+from plcgen.s7.layout import locate
+
+ROUNDS = 3
+"""So often every job must have ended when all are started again and again."""
+POINTS = (1, 2, 4, 7, 11, 16)
+"""Scans behind the start at which something happens to all jobs."""
+AWAY_MS = 10_000
+LOADED = frozenset({DONE, *(WORDS[name] for name in ("LOST", "SLOT_TAKEN", "STILL_DRAINING", "UNKNOWN"))})
+"""How a job may end while something of the engine is loaded again."""
+GONE = frozenset({DONE, *(WORDS[name] for name in ("WRITE_ERROR", "READ_ERROR"))})
+"""How a job may end whose drive goes away."""
+
+
+def procedures(plan: DrivePlan, program: Program, plant: Callable[[], Plant]) -> Iterator[Procedure]:
+    """What the jobs do to each other; ``plant`` gives the one plant, everything in it fresh."""
+
+    def procedure(name: str, run: Callable[[Plant], None]) -> Procedure:
+        return Procedure(name, plant, run)
+
+    yield procedure("what the caller passes", _arguments)
+    yield procedure("every job through OB1", _one_by_one)
+    yield procedure("all jobs again and again", _again_and_again)
+    yield procedure("all jobs while other programs take half of the record jobs of the CPU", _crowded)
+    for scans in POINTS:
+        for kind in ("cold", "warm"):
+            yield procedure(f"{kind} restart {scans} scans behind the start of all jobs", _restart(kind, scans))
+        yield procedure(f"all drives go away {scans} scans behind the start and come back", _away(scans))
+        yield procedure(f"all drives are switched off and on {scans} scans behind the start", _off(scans))
+        yield procedure(f"OB1 is not called for 10 s, {scans} scans behind the start", _not_called(scans))
+        calls, gate = plan.engine.calls_db.name, plan.engine.gate_db.name
+        units = [unit.db.name for unit in plan.units]
+        for what, names in ((calls, [calls]), ("units", units), (gate, [gate]), ("everything", [calls, gate, *units])):
+            name = f"{what} loaded again {scans} scans behind the start of all jobs"
+            yield procedure(name, _loaded(names, scans))
+
+
+def may_be_unknown(job: DriveJob, status: int) -> bool:
+    """Well, or a trigger of which nobody knows whether the drive took it."""
+    return status == DONE or (job.once and status == WORDS["UNKNOWN"])
+
+
+# --- arguments --------------------------------------------------------------------------------------------
+
+
+def _arguments(plant: Plant) -> None:
+    """Behind one call every instance has the inputs that the spec wants."""
+    plan = plant.plan
+    plant.step()
+    _access(plan, plant.program)
+    slots: dict[str, set[int]] = {}
+    for unit in plan.units:
+        index = unit.record_index
+        wanted = {"slots": plan.slots(unit), "gateNumber": unit.number, "waitLimit": unit.wait, "recordIndex": index}
+        if plan.target.classic:
+            wanted["recordIndex"] = (index & 0x7FFF) - (index & 0x8000)
+            wanted["unitDb"] = plant.cpu.db(unit.db.name).number
+        _passed(plant, unit.member, wanted, unit.key)
+        slots[unit.key] = set()
+    numbers = [unit.number for unit in plan.units]
+    if sorted(numbers) != list(range(1, len(numbers) + 1)):
+        raise ScenarioError(f"the channels have the numbers {numbers}")
+    for job in plan.jobs:
+        drive = job.drive
+        own = {"hardwareId" if plan.target.t15 else "driveAddress": drive.id_value}
+        _passed(plant, job.member, {**own, "driveObject": drive.drive_object, "slot": job.slot}, job.key)
+        if job.slot in slots[drive.unit.key] or not 1 <= job.slot <= plan.slots(drive.unit):
+            raise ScenarioError(f"slot {job.slot} of {drive.unit.key} is not for {job.key} alone")
+        slots[drive.unit.key].add(job.slot)
+        for name, buffer in (("requestDb", job.telegrams[0].request), ("responseDb", job.telegrams[0].response)):
+            if buffer.db is not None:
+                _passed(plant, job.member, {name: plant.cpu.db(buffer.db.name).number}, job.key)
+    _gate(plant)
+
+
+def _passed(plant: Plant, member: str, wanted: dict[str, int], key: str) -> None:
+    """Inputs of an instance in the caller."""
+    try:
+        found = Members(plant.cpu, plant.program, plant.calls, [f"{member}.{name}" for name in wanted])
+    except KeyError as problem:
+        raise ScenarioError(f"{key}: {problem.args[0]}") from None
+    for name, right in wanted.items():
+        signed = name in {"waitLimit", "recordIndex"} and right < 0
+        value = found.get(f"{member}.{name}", signed=signed)
+        if value != right:
+            raise ScenarioError(f"{name} of {key} is {value} instead of {right}")
+
+
+def _gate(plant: Plant) -> None:
+    """The gate has a place for every channel, and gives no more places than the CPU has record jobs."""
+    layout = layout_of(plant.program, plant.calls)
+    channel = locate(layout, plant.plan.units[0].member)
+    gate = next(e for e in layout.entries if e.depth == 0 and e.path != plant.plan.units[0].member)
+    assert channel.byte > gate.byte  # noqa: S101 - the gate is called first
+    found = Members(plant.cpu, plant.program, plant.calls, [f"{gate.path}.places", f"{gate.path}.channels"])
+    places, channels = found.get(f"{gate.path}.places"), found.get(f"{gate.path}.channels")
+    limit = PLACES[plant.cpu.family]
+    most = limit.total or limit.each or 0
+    if channels != len(plant.plan.units) or not 1 <= places <= most:
+        raise ScenarioError(
+            f"the gate has {channels} channels and {places} places, not {len(plant.plan.units)}, {most}"
+        )
+
+
+def _access(plan: DrivePlan, program: Program) -> None:
+    """All blocks that share data have one kind of access: else an IN_OUT is a copy."""
+    if not plan.target.t15:
+        return
+    names = {ref.name.upper() for ref in plan.blocks}
+    for name, entry in program.link.blocks.items():
+        if name in names and entry.block.kind in {BlockKind.FB, BlockKind.DB} and entry.block.optimized is not False:
+            raise ScenarioError(f'"{entry.name}" has optimized access: an IN_OUT to it would be a copy')
+
+
+# --- all jobs ---------------------------------------------------------------------------------------------
+
+
+def _one_by_one(plant: Plant) -> None:
+    """Commands, inputs and results of every job travel through OB1, with good answers and with errors."""
+    plant.all_done()
+    fault = Fault(FaultKind.ERROR, times=None, number=0x11, position=1, words=1)
+    plant.begin(DriveScenario(name="OB1", faults=(fault,)))
+    plant.start()
+    plant.until(lambda _, status: status == WORDS["PARAMETER_ERROR"], plant.patience)
+    plant.fall()
+
+
+def _again_and_again(plant: Plant) -> None:
+    """Every job is started again as soon as it has ended: each gets its turn, one request at a time."""
+    jobs = plant.plan.jobs
+    ended = dict.fromkeys((job.key for job in jobs), 0)
+    plant.begin()
+    plant.start()
+    for _ in range(plant.patience * (ROUNDS + 1)):
+        plant.step()
+        for job in jobs:
+            over, status = plant.result(job)
+            if over and status != DONE:
+                raise ScenarioError(f"{job.key} ends with 16#{status:04X}")
+            ended[job.key] += over
+            plant.execute(job, value=not over)
+        if min(ended.values()) >= ROUNDS:
+            break
+    else:
+        last = min(ended, key=ended.__getitem__)
+        raise ScenarioError(f"{last} has ended {ended[last]} times only")
+    for unit in plant.plan.units:
+        plant.exchanges(unit)
+        _fair(unit, [ended[job.key] for job in jobs if job.drive.unit is unit])
+
+
+def _fair(unit: PlannedUnit, counts: list[int]) -> None:
+    if counts and max(counts) - min(counts) > 1 and len(counts) > 1:
+        raise ScenarioError(f"the jobs of {unit.key} have ended {counts} times: they do not take turns")
+
+
+def _crowded(plant: Plant) -> None:
+    """Refused record calls (80C3) are repeated and use up no retries."""
+    limit = PLACES[plant.cpu.family]
+    half = max(1, (limit.total or limit.each or 2) // 2)
+    plant.cpu.records.places = RecordPlaces(total=half)
+    plant.begin()
+    plant.start()
+    few = len(plant.plan.units) <= 2 * half
+    late = frozenset() if few else frozenset(WORDS[name] for name in ("TIMEOUT", "NO_PLACE", "OCCUPIED"))
+    longest = max(job.timeout for job in plant.plan.jobs) // 10
+    plant.until(lambda _, status: status == DONE or status in late, plant.patience * 8 + (0 if few else 8 * longest))
+    plant.fall()
+    plant.fresh().all_done()
+
+
+def _then_all_is_well(plant: Plant) -> None:
+    """Whatever happened: behind it every job works."""
+    for job in plant.plan.jobs:
+        plant.execute(job, value=False)
+    for _ in range(plant.patience * 4):
+        plant.step()
+        if not any(plant.get(job, "busy") for job in plant.plan.jobs):
+            break
+    plant.fall()
+    plant.all_done()
+
+
+def _restart(kind: str, scans: int) -> Callable[[Plant], None]:
+    def run(plant: Plant) -> None:
+        plant.begin()
+        plant.start()
+        plant.step(scans)
+        plant.cpu.restart("cold" if kind == "cold" else "warm")
+        _then_all_is_well(plant)
+
+    return run
+
+
+def _away(scans: int) -> Callable[[Plant], None]:
+    def run(plant: Plant) -> None:
+        plant.begin()
+        plant.start()
+        plant.step(scans)
+        plant.cpu.bus.drives.clear()
+        for drive in plant.units.values():
+            drive.switch_off()
+        plant.until(lambda _, status: status in GONE, plant.patience * 4)
+        plant.connect()
+        _then_all_is_well(plant)
+
+    return run
+
+
+def _off(scans: int) -> Callable[[Plant], None]:
+    """The requests are lost: built and sent again."""
+
+    def run(plant: Plant) -> None:
+        plant.begin()
+        plant.start()
+        plant.step(scans)
+        for drive in plant.units.values():
+            drive.switch_off()
+        longest = max(job.timeout for job in plant.plan.jobs) // 10
+        late = frozenset(WORDS[name] for name in ("RETRIES", "TIMEOUT"))
+        few = {job.key for job in plant.plan.jobs if job.retries * (job.retry_pause + 10) <= job.timeout // 3 + 1000}
+        plant.until(
+            lambda job, status: may_be_unknown(job, status) or (job.key in few and status in late),
+            plant.patience + longest,
+        )
+        _then_all_is_well(plant)
+
+    return run
+
+
+def _not_called(scans: int) -> Callable[[Plant], None]:
+    """Time passes, record jobs end, and nobody looks."""
+
+    def run(plant: Plant) -> None:
+        plant.begin()
+        plant.start()
+        plant.step(scans)
+        plant.cpu.clock += AWAY_MS
+        plant.cpu.bus.advance(AWAY_MS)
+        for _ in range(ROUNDS):
+            plant.cpu.records.advance()
+        plant.until(may_be_unknown, plant.patience)
+        plant.check()
+        _then_all_is_well(plant)
+
+    return run
+
+
+def _loaded(names: list[str], scans: int) -> Callable[[Plant], None]:
+    """Data blocks have their start values again; record jobs go on in the CPU."""
+
+    def run(plant: Plant) -> None:
+        plant.begin()
+        plant.start()
+        plant.step(scans)
+        for name in names:
+            entry, memory = plant.program.link.find(name), plant.cpu.db(name)
+            if entry is None:
+                raise ScenarioError(f'"{name}" is missing')
+            plant.cpu.records.abandon(memory)
+            memory[:] = plant.program.images[entry.index]
+        longest = max(job.timeout for job in plant.plan.jobs) // 10
+        plant.until(lambda _, status: status in LOADED, plant.patience * 2 + longest)
+        _then_all_is_well(plant)
+
+    return run
