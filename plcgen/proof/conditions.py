@@ -23,8 +23,8 @@ class Premise:
     """Something that holds for this project for a reason that does not stand in the block.
 
     Either nothing assigns the constant ``never``, or ``variable`` has one of ``values`` whenever it is looked at, both
-    while the variable ``given`` has one of the values ``among``; without ``given`` always. Or the names ``follow``, which otherwise may be
-    anything, are what the block makes of them.
+    while the variable ``given`` has one of the values ``among``, and always without ``given``. Or the names ``follow``,
+    which otherwise may be anything, are what the block makes of them.
     """
 
     reason: str

@@ -35,6 +35,8 @@ class Plant:
         self.control = Members(self.cpu, program, plan.control_db.name, members)
         self.calls = plan.engine.calls_db.name
         self.values: dict[str, ValueSet] = {}
+        self.forgiven: frozenset[str] = frozenset()
+        """Misuses that are not the program's doing."""
         self.round = self.scans = 0
         main = program.main()
         line = main.result.tokens.position(main.unit.start)[0] if main is not None else 1
@@ -61,7 +63,8 @@ class Plant:
         cpu.restart("cold")
         cpu.misuses.clear()
         cpu.coverage[:] = bytes(len(cpu.coverage))
-        self.scans = 0
+        self.scans, self.forgiven = 0, frozenset()
+        bus.drives.clear()
         self.connect()
         for drive in self.units.values():
             drive.switch_off()
@@ -79,6 +82,8 @@ class Plant:
         for _ in range(count):
             self.scans += 1
             self.cpu.scan(milliseconds)
+            if self.forgiven:
+                self.cpu.misuses[:] = [misuse for misuse in self.cpu.misuses if misuse.code not in self.forgiven]
             if self.cpu.misuses or self.cpu.faulted:
                 raise ScenarioError("misuse")
 
@@ -109,6 +114,13 @@ class Plant:
         if busy + done + error > 1 or bool(busy) != (status in {STARTED, RUNNING}) or bool(done) != (status == DONE):
             raise ScenarioError(f"{job.key}: busy {busy}, done {done}, error {error} with status 16#{status:04X}")
         return bool(done or error), status
+
+    def ended_well(self, job: DriveJob) -> bool:
+        """Whether a job is done. Raises ScenarioError if it ended otherwise."""
+        ended, status = self.result(job)
+        if ended and status != DONE:
+            raise ScenarioError(f"{job.key} ends with 16#{status:04X}")
+        return ended
 
     # --- rounds of all jobs ---------------------------------------------------------------------------
 

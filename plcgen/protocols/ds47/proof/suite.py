@@ -99,8 +99,10 @@ class DriveSuite:
         self._cpu: Cpu | None = None
 
     def blocks(self) -> list[CodeBlock]:
-        """One block per kind of job."""
-        return [self.block(job) for job in self.jobs]
+        """One block per kind of job, and the caller."""
+        calls = self.plan.engine.calls.name
+        span = self.plan.loaded.key_span(("plc",))
+        return [*(self.block(job) for job in self.jobs), CodeBlock(calls, calls, calls, (), lambda: span)]
 
     def block(self, job: DriveJob) -> CodeBlock:
         """The block of a job. Its telegrams count from 1."""
@@ -159,7 +161,7 @@ class DriveSuite:
                 made.append(Plant(self.plan, program))
             return made[0].fresh()
 
-        return procedures(self.plan, program, plant)
+        return procedures(self.plan, plant)
 
     def together(self, procedures: int) -> Check:
         """All jobs on all drives."""

@@ -1,0 +1,124 @@
+"""More instances of a job block, made by hand: on the same unit for another drive object, and on another unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+from plcgen.cpu.cpu import Cpu
+from plcgen.cpu.program import Program
+from plcgen.proof.rig import Members
+from plcgen.proof.scenario import ScenarioError
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
+from plcgen.protocols.ds47.proof.contents import ValueSet, held, value_set
+from plcgen.protocols.ds47.proof.partner import ScriptedDrive
+from plcgen.protocols.ds47.proof.stimulus import own_dbs, pair_fb
+from plcgen.protocols.ds47.proof.words import DONE
+from plcgen.protocols.ds47.sim.behaviour import LOCAL_INDEX
+from plcgen.protocols.ds47.sim.bench import build_unit
+
+SIGNALS = ("execute", "busy", "done", "error", "status", "driveObject", "slot")
+FIRST_ID = 0x3F00
+"""Hardware identifiers or addresses of the drives; each instance has its own."""
+
+
+@dataclass(slots=True)
+class Instance:
+    """One of the instances; ``begins`` is the scan in which it is started."""
+
+    key: str
+    slot: int
+    id_value: int
+    drive: ScriptedDrive
+    drive_object: int
+    db: Members
+    values: ValueSet
+    begins: int = 0
+
+
+class Trio:
+    """Three instances of one block: two for two drive objects of one unit, the third for another unit."""
+
+    def __init__(self, plan: DrivePlan, program: Program, cpu: Cpu, job: DriveJob, number: int) -> None:
+        self.plan, self.program, self.cpu, self.job, self.number = plan, program, cpu, job, number
+        self.block = f"{pair_fb(number)}_DB"
+        device, first = job.drive.device, job.drive.drive_object
+        one_object = job.drive.record_index & 0xFFFF == LOCAL_INDEX
+        second = first if one_object else first + 1 if first < 0xFF else first - 1
+        near = ScriptedDrive(build_unit(device, dict.fromkeys((first, second), job.uses)))
+        far = ScriptedDrive(build_unit(device, {first: job.uses}))
+        self.all = [
+            self._instance("job", 1, FIRST_ID, near, first),
+            self._instance("near", 2, FIRST_ID + 1, near, second),
+        ]
+        if not job.pinned:  # each one would need data blocks of its own
+            self.all.append(self._instance("far", 1, FIRST_ID + 2, far, first))
+
+    def _instance(self, key: str, slot: int, id_value: int, drive: ScriptedDrive, drive_object: int) -> Instance:
+        self.cpu.bus.attach(id_value, drive)
+        id_name = "hardwareId" if self.plan.target.t15 else "driveAddress"
+        members = [use.member for use in (*self.job.inputs, *self.job.outputs)]
+        paths = [f"{key}.{name}" for name in (*SIGNALS, id_name, *members)]
+        db = Members(self.cpu, self.program, self.block, paths, f"{key}.")
+        values = value_set(self.job, drive, drive_object, "next", f"{self.job.shape} {key}")
+        if key != "near" or self.job.drive.record_index & 0xFFFF != LOCAL_INDEX:
+            values.put(drive, drive_object)
+        db.set("slot", slot)
+        db.set("driveObject", drive_object)
+        db.set(id_name, id_value)
+        for member, data in values.inputs(self.job):
+            db.put(member, data)
+        if key == "near" and self.job.pinned:
+            data = self.job.telegrams[0].request.data
+            self.cpu.db(own_dbs(self.number)[0])[: len(data)] = data
+        return Instance(key, slot, id_value, drive, drive_object, db, values)
+
+    @property
+    def patience(self) -> int:
+        """Scans in which all have ended."""
+        return 100 + 60 * len(self.job.telegrams)
+
+    def begin(self, scan: int) -> None:
+        """Start what begins in this scan."""
+        for instance in self.all:
+            if instance.begins == scan:
+                instance.db.set("execute", 1)
+
+    @property
+    def over(self) -> bool:
+        """Whether all have ended."""
+        return all(one.db.flag("done") or one.db.flag("error") for one in self.all)
+
+    def run(self, near: int, far: int) -> None:
+        """Start the second and third so many scans behind the first, until all have ended."""
+        for instance, begins in zip(self.all, (0, near, far), strict=False):
+            instance.begins = begins
+        for scan in range(self.patience + near + far):
+            self.begin(scan)
+            self.cpu.call(self.block, 10)
+            if self.cpu.misuses or self.cpu.faulted:
+                raise ScenarioError("misuse")
+            if self.over and scan >= max(near, far):
+                break
+        self.check()
+
+    def check(self) -> None:
+        """Each has the values of its own drive object, each drive object those of its own instance."""
+        for one in self.all:
+            status = one.db.get("status")
+            if not one.db.flag("done") or status != DONE:
+                raise ScenarioError(f"instance {one.key} ends with 16#{status:04X}")
+            for use in self.job.uses:
+                there = held(one.drive, one.drive_object, use)
+                here = one.values.given[use.position] if self.job.writes else one.db.bytes(use.member, len(there))
+                if here != there and not (self.job.writes and self._shared(one)):
+                    raise ScenarioError(
+                        f"{use.label} is {here.hex(' ')} at instance {one.key}, {there.hex(' ')} in its drive"
+                    )
+            order = [exchange.direction for exchange in one.drive.journal if not exchange.status]
+            if any(before == after for before, after in pairwise(order)):
+                raise ScenarioError("two requests at once on one unit")
+
+    def _shared(self, one: Instance) -> bool:
+        """Whether another instance writes into the same drive object."""
+        return sum(x.drive is one.drive and x.drive_object == one.drive_object for x in self.all) > 1
