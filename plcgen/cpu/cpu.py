@@ -15,6 +15,7 @@ from plcgen.cpu.linkage import Compiled, Probe, ProgramBlock
 from plcgen.cpu.memory import Memory, codec_functions
 from plcgen.cpu.preemption import Passage, Plan, Preemption
 from plcgen.cpu.program import Program
+from plcgen.cpu.retention import restart_block
 from plcgen.cpu.symbols import Symbols
 from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.clock import SystemClock
@@ -82,12 +83,12 @@ class Cpu:
         self.coverage = [0] * len(program.probes)
         self._compiled: dict[str, Compiled] = {}
         self.areas = {area: Memory(AREA_SIZE, area) for area in "IQMP"}
-        self._blocks: dict[int, Memory] = {}
+        self.blocks: dict[int, Memory] = {}
         self._numbers: dict[int, Memory] = {}
         self._moves = MemoryMoves(self._locate, self._report)
         self._records: list[RecordBlock | PortBlock] = []
         self._make_memory()
-        self.symbols = Symbols(program.link, self._blocks, self.areas)
+        self.symbols = Symbols(program.link, self.blocks, self.areas)
         self._eno = [True]
         self.preemption = Preemption(program.link.points, self._start, self._eno)
         self._names = self._namespace()
@@ -104,11 +105,11 @@ class Cpu:
             if content is not None and entry.block.kind is BlockKind.DB:
                 optimized = self.program.link.optimized(entry)
                 memory = Memory(content, "DB", entry.number or 0, entry.name, optimized=optimized)
-                self._blocks[entry.index] = memory
+                self.blocks[entry.index] = memory
                 if entry.number:
                     self._numbers[entry.number] = memory
         free = 60000
-        for memory in self._blocks.values():
+        for memory in self.blocks.values():
             if not memory.number:
                 memory.number = free
                 self._numbers[free] = memory
@@ -120,7 +121,7 @@ class Cpu:
             names[name.__name__] = name
         names |= codec_functions() | arithmetic.functions() | self._moves.functions()
         names |= self.areas
-        names |= {f"d{index}": memory for index, memory in self._blocks.items()}
+        names |= {f"d{index}": memory for index, memory in self.blocks.items()}
         names |= {
             "T": self._clock,
             "rd_sys_t": self.time.read_dtl,
@@ -164,11 +165,13 @@ class Cpu:
 
     @property
     def clock(self) -> int:
-        """Milliseconds since the CPU was switched on."""
+        """Milliseconds since the CPU was switched on. Set back, it is TIME_TCK too, as after a restart."""
         return self._clock[0]
 
     @clock.setter
     def clock(self, milliseconds: int) -> None:
+        if milliseconds < self._clock[0]:
+            self._clock[1] = 0
         self._clock[0] = milliseconds
 
     def scan(self, milliseconds: int = 10, count: int = 1) -> None:
@@ -224,7 +227,7 @@ class Cpu:
         block = self.program.link.find(self.program.link.instance_type(entry) or "?")
         if block is None:
             raise UnknownPathError(f"{name} is no instance of a block of the program")
-        return block, (self._blocks[entry.index],)
+        return block, (self.blocks[entry.index],)
 
     def _next(self, milliseconds: int) -> None:
         self.scans += 1
@@ -249,23 +252,37 @@ class Cpu:
         except RecursionError as fault:
             self._keep("PG826", "the calls are nested too deeply", fault.__traceback__)
 
-    def restart(self, kind: Literal["cold", "warm"] = "warm") -> None:
-        """Start again: record jobs are dropped, the start-up OB runs once.
+    def restart(self, kind: Literal["cold", "warm"] = "warm", *, keep_ticks: bool = False) -> None:
+        """Start again: record jobs are dropped, TIME_TCK begins at 0, the start-up OB runs once.
 
-        A cold restart resets every data block to its start values, a warm one only those that are NON_RETAIN;
-        inputs, outputs and flags are cleared.
+        A cold restart resets every data block to its start values, a warm one only what is not retentive: in STEP 7 V5
+        all values stay. Inputs, outputs and flags are cleared. ``keep_ticks`` lets TIME_TCK go on, as only the restart
+        of an S7-400 does that is neither cold nor warm.
         """
+        if self._started and not keep_ticks:
+            self.time.restart()
         self._started = True
         for entry in self.program.link.blocks.values():
-            memory = self._blocks.get(entry.index)
-            if memory is not None and (kind == "cold" or entry.block.non_retain):
+            memory = self.blocks.get(entry.index)
+            if memory is not None and kind == "cold":
                 memory[:] = self.program.images[entry.index]
+            elif memory is not None:
+                restart_block(memory, self.program.images[entry.index], entry, self.program.link)
         for memory in self.areas.values():
             memory[:] = bytes(AREA_SIZE)
         self.drop_records()
         if self._start_up is not None:
             self._passes[0] = 0
             self._run(self._start_up, ())
+
+    def download(self, *names: str) -> None:
+        """Load data blocks again, all at once: start values; record jobs of instances in them go on without them."""
+        blocks = [self.db(name) for name in names]
+        entries = [self.program.link.find(name) for name in names]
+        for memory, entry in zip(blocks, entries, strict=True):
+            if entry is not None:
+                memory[:] = self.program.images[entry.index]
+                self.records.abandon(memory)
 
     def drop_records(self) -> None:
         """Forget the record jobs that run, as after a failure of the bus: their blocks are neither busy nor done."""
@@ -297,9 +314,9 @@ class Cpu:
         if isinstance(which, int):
             return self._numbers[which]
         entry = self.program.link.find(which)
-        if entry is None or entry.index not in self._blocks:
+        if entry is None or entry.index not in self.blocks:
             raise UnknownPathError(f"there is no data block {which}")
-        return self._blocks[entry.index]
+        return self.blocks[entry.index]
 
     @property
     def jobs(self) -> int:
