@@ -7,10 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import CodeType
 
+from plcgen.cpu.type_rules import IecCheck, Rules
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import Shape
+from plcgen.s7.types import NamedType
 from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult
@@ -33,6 +35,11 @@ class ProgramBlock:
     def name(self) -> str:
         """Name as declared."""
         return self.block.name
+
+    @property
+    def skipped(self) -> bool:
+        """Whether it has code that was not read, as that of a statement list."""
+        return self.unit.code[0] < 0 and self.block.kind in {BlockKind.FB, BlockKind.FC, BlockKind.OB}
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +74,10 @@ class Linkage:
     ``mixed``: blocks with standard and with optimised access meet. ``probes`` grows while blocks are compiled for
     coverage, ``points`` while they are compiled for preemption; the preemptive form of a block counts with the
     ``counters`` of the plain one.
+
+    ``opaque`` are the types that nobody declares: they are reported once, and nothing is said about what they hold.
+    ``unknown`` are the names that were reported as unknown, with the code; ``guessed_bounds`` says that an array has a
+    bound whose value stands elsewhere: then one of a single element may have more.
     """
 
     dialect: Dialect
@@ -80,11 +91,23 @@ class Linkage:
     probes: list[Probe] = field(default_factory=list)
     points: list[Probe] = field(default_factory=list)
     counters: dict[tuple[Probe, bool], int] = field(default_factory=dict)
+    iec_check: IecCheck = IecCheck.AS_STATED
+    opaque: set[str] = field(default_factory=set)
+    unknown: set[tuple[str, str]] = field(default_factory=set)
+    guessed_bounds: bool = False
 
     @property
     def classic(self) -> bool:
         """Whether the target is an S7-300/400."""
         return self.dialect is not Dialect.TIA_1200_1500
+
+    def rules(self) -> Rules:
+        """What the blocks of the program may mix."""
+        return Rules.of(self.dialect, self.iec_check)
+
+    def is_opaque(self, shape: Shape) -> bool:
+        """Whether nobody knows what a variable of this shape holds."""
+        return isinstance(shape.type, NamedType) and shape.type.name.upper() in self.opaque
 
     def find(self, name: str) -> ProgramBlock | None:
         """Return a block by its name or by its number, such as DB3."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.scope import scalar_name
-from plcgen.cpu.compiler.values import MemoryPlace, Val
+from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Val
 from plcgen.cpu.memory import CODECS
 from plcgen.s7.types import StringType
 
@@ -76,6 +76,8 @@ class Access:
     def load(self, place: MemoryPlace) -> Val:
         """Value of a scalar place; a structure stays a place."""
         type_ = scalar_name(place.shape)
+        if self.context.link.is_opaque(place.shape):
+            return Val("0", UNKNOWN, place=place)
         if place.local:
             return Val(place.local, type_, place=place)
         if not type_ or type_ == "VARIANT":

@@ -49,7 +49,7 @@ def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False, 
     except (RecursionError, SyntaxError, MemoryError, OverflowError):
         source, out.map = "", []
         span = owner.block.span or Span(file)
-        context.diagnostics.append(Diagnostic("PG827", f"{owner.name} is nested too deeply for the soft CPU", span))
+        context.diagnostics.append(Diagnostic("PG802", f"{owner.name} is nested too deeply", span))
     finally:
         # the parts hold each other: their memory is free now, not when the garbage collector comes
         expressions.parts.clear()
@@ -64,7 +64,7 @@ def _frame(context: Context, expressions: Expressions, statements: Statements) -
     access = Access(context, out)
     places = Places(context, out, access, expressions, OpenedBlocks(context, expressions))
     references = References(context, out, access, expressions, places)
-    operators = Operators(context, access, expressions)
+    operators = Operators(context, access, expressions, places)
     operands = Operands(context, access, expressions, places, references)
     assignments = Assignments(context, out, access, expressions, places)
     arguments = Arguments(context, access, expressions, places, references, assignments, out)

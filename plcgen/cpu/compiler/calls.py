@@ -21,6 +21,7 @@ from plcgen.cpu.linkage import ProgramBlock
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.blocks import BlockKind, SectionKind
+from plcgen.s7.system import system_block
 from plcgen.s7.types import Elementary, NamedType, StringType
 from plcgen.scl import ast
 from plcgen.scl.instructions import INSTRUCTIONS
@@ -60,7 +61,7 @@ class Calls:
         if isinstance(target, ast.Address) or (isinstance(target, ast.Member) and self.is_data(target)):
             place = self.places.place(node)
             return self.access.load(place) if place is not None else unknown()
-        if isinstance(target, ast.Name) and self.places.symbol(target) is None:
+        if isinstance(target, ast.Name) and not self.is_instance(target):
             found = self.context.link.find(target.name)
             if found is not None and found.block.kind is BlockKind.FC:
                 return self.call_function(node, found)
@@ -73,6 +74,12 @@ class Calls:
                 return unknown()
         self.context.error("PG821", f"{self.context.text(target)} has no value", node, "only functions have one")
         return unknown()
+
+    def is_instance(self, target: ast.Name) -> bool:
+        """Whether a name is an instance; another variable may be called like the function that is meant."""
+        symbol = self.places.symbol(target)
+        shape = symbol.place.shape if symbol is not None and symbol.place is not None else None
+        return symbol is not None and (shape is None or target.scope == "local" or isinstance(shape.type, NamedType))
 
     def is_data(self, target: ast.Member) -> bool:
         """Whether a path such as ``%DB1.DW`` begins with a data block instead of an FB."""
@@ -115,7 +122,9 @@ class Calls:
                 self.call_instance(node, place, target.name.upper())
             return
         place = self.places.place(target)
-        if place is not None:
+        if place is None or self.context.link.is_opaque(place.shape):
+            self.arguments.look_at(node)
+        else:
             type_ = place.shape.type.name if isinstance(place.shape.type, NamedType) else ""
             if isinstance(target, ast.Name) and place.mem.startswith("d"):
                 found = self.context.link.find(target.name)
@@ -145,8 +154,10 @@ class Calls:
         upper = target.name.upper()
         if target.scope == "bare" and (upper in INSTRUCTIONS or (upper[:3] == "SFC" and upper[3:].isdecimal())):
             self.context.error("PG827", f"the soft CPU does not execute {target.name}", node)
-            return
-        self.context.error("PG825", f"there is no block {target.name}", node, self.near_block(target.name))
+        else:
+            near = self.near_block(target.name)
+            self.context.unknown("PG825", f"there is no block {target.name}", target.name, node, near)
+        self.arguments.look_at(node)
 
     def discard(self, value: Val) -> None:
         """Evaluate an expression for what it does."""
@@ -165,7 +176,9 @@ class Calls:
         found = self.context.link.find(target.name)
         if found is None or found.shape is None or found.block.kind is not BlockKind.DB:
             near = self.near_block(target.name)
-            self.context.error("PG825", f"there is no instance data block {target.name}", node, near)
+            message = f"there is no instance data block {target.name}"
+            self.context.unknown("PG825", message, target.name, node, near)
+            self.arguments.look_at(node)
             return
         own = self.context.link.instance_type(found)
         systems = system_fbs(classic=self.context.classic)
@@ -190,7 +203,12 @@ class Calls:
             if passed is not None:
                 self.call_system(node, place, system, passed.buffer)
         else:
-            self.context.error("PG825", f"{self.context.text(node.target)} is no instance of a block", node)
+            known = system_block(type_, classic=self.context.classic) if type_ else None
+            if known is not None and known.kind is BlockKind.FB:
+                self.context.error("PG827", f"the soft CPU does not execute {type_}", node)
+            else:
+                self.context.error("PG825", f"{self.context.text(node.target)} is no instance of a block", node)
+            self.arguments.look_at(node)
             return
         if passed is not None and passed.outputs:
             self.context.point("output", node)

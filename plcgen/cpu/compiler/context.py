@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from plcgen.cpu.compiler.scope import Scope
 from plcgen.cpu.linkage import Linkage, Probe, ProgramBlock
+from plcgen.cpu.type_rules import Rules
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.scl import ast
 
@@ -74,6 +75,7 @@ class Context:
     """One block on its way to Python: ``dynamic`` adds a base offset ``o`` to every access to the instance.
 
     ``preemptive`` adds points at which another OB may run (``Z``), and nothing is known from one access to the next.
+    ``run_tags`` are the places of the variables that the loops around count with.
     ``calls`` are the blocks it calls by upper-case name, ``moving`` says that it has multi-instances; ``leave`` is the
     code that ends the block, ``uses_eno`` says that it needs one of its own.
     """
@@ -87,14 +89,17 @@ class Context:
     classic: bool = field(init=False)
     direct: bool = False
     """Whether nothing was read since the last point."""
+    rules: Rules = field(init=False)
     diagnostics: list[Diagnostic] = field(default_factory=list)
     calls: dict[str, Span] = field(default_factory=dict)
     moving: bool = False
     leave: str = "return"
     uses_eno: bool = False
+    run_tags: list[tuple[str, int, str, str]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.classic = self.link.classic
+        self.rules = self.link.rules()
 
     def move_to(self, node: ast.Node) -> None:
         """What is generated from here on comes from the line of a node."""
@@ -110,6 +115,13 @@ class Context:
         """Report a problem at a node."""
         if len(self.diagnostics) < MAX_DIAGNOSTICS:
             self.diagnostics.append(Diagnostic(code, message, self.span(node), severity, help=text))
+
+    def unknown(self, code: str, message: str, name: str, node: ast.Node, text: str = "") -> None:
+        """Report a name that nobody knows, at the first of its uses in the program."""
+        key = code, name.upper()
+        if key not in self.link.unknown:
+            self.link.unknown.add(key)
+            self.error(code, message, node, text)
 
     def text(self, node: ast.Node) -> str:
         """Source text of a node on one line."""
