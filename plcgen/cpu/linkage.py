@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import CodeType
 
-from plcgen.cpu.type_rules import IecCheck, Rules
+from plcgen.cpu.type_rules import IecCheck, TypeRules
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.blocks import Block, BlockKind
@@ -101,9 +101,9 @@ class Linkage:
         """Whether the target is an S7-300/400."""
         return self.dialect is not Dialect.TIA_1200_1500
 
-    def rules(self) -> Rules:
+    def rules(self) -> TypeRules:
         """What the blocks of the program may mix."""
-        return Rules.of(self.dialect, self.iec_check)
+        return TypeRules.of(self.dialect, self.iec_check)
 
     def is_opaque(self, shape: Shape) -> bool:
         """Whether nobody knows what a variable of this shape holds."""

@@ -99,7 +99,7 @@ _PATTERNS = frozenset({*INTEGERS, *BITS})
 
 
 @dataclass(frozen=True, slots=True)
-class Rules:
+class TypeRules:
     """What a block may mix: the target that compiles it, and whether its IEC check is on.
 
     The IEC check is a property of a block of the TIA Portal; STEP 7 V5 has none, there ``checked`` means nothing.
@@ -114,7 +114,7 @@ class Rules:
         return self.dialect is not Dialect.TIA_1200_1500
 
     @classmethod
-    def of(cls, dialect: Dialect, check: IecCheck = IecCheck.AS_STATED, *, stated: bool | None = None) -> Rules:
+    def of(cls, dialect: Dialect, check: IecCheck = IecCheck.AS_STATED, *, stated: bool | None = None) -> TypeRules:
         """Rules of one block; where nothing is said, the check is on for S7-1200/1500 and off for S7-300/400.
 
         Source of the default: help of the TIA Portal, "Overview of data type conversion" of both families.
@@ -125,7 +125,7 @@ class Rules:
 
 
 @cache
-def widening(rules: Rules) -> dict[str, frozenset[str]]:
+def widening(rules: TypeRules) -> dict[str, frozenset[str]]:
     """Return the implicit conversions under some rules, by source type."""
     if rules.dialect is Dialect.STEP7_V5:
         return _joined(_CLASSIC, _ALWAYS_IN_SCL)
@@ -162,19 +162,20 @@ def _joined(*tables: Mapping[str, str | set[str]]) -> dict[str, frozenset[str]]:
     return {source: frozenset(targets - {source}) for source, targets in found.items()}
 
 
-def widens(source: str, target: str, rules: Rules) -> bool:
+def widens(source: str, target: str, rules: TypeRules) -> bool:
     """Whether a value of ``source`` may stand where ``target`` is wanted."""
     return source == target or target in widening(rules).get(source, ())
 
 
-def remedy(source: str, target: str, text: str, rules: Rules) -> str:
+def remedy(source: str, target: str, text: str, rules: TypeRules) -> str:
     """Help about a refused conversion; with a word when only the IEC check of the block forbids it."""
-    if not rules.dialect.is_tia or not rules.checked or not widens(source, target, Rules(rules.dialect, checked=False)):
+    unchecked = TypeRules(rules.dialect, checked=False)
+    if not rules.dialect.is_tia or not rules.checked or not widens(source, target, unchecked):
         return text
     return f"{text}; without IEC check the TIA Portal converts on its own (--iec-check off)"
 
 
-def common_type(left: str, right: str, rules: Rules) -> str | None:
+def common_type(left: str, right: str, rules: TypeRules) -> str | None:
     """Type in which two operands meet; None if they have none."""
     if left == right:
         return left
@@ -226,7 +227,7 @@ def whole_number(type_: str, *, classic: bool) -> str:
     return next(name for name, bits in UNSIGNED.items() if bits == BITS[type_])
 
 
-def common_bits(left: str, right: str, rules: Rules) -> str | None:
+def common_bits(left: str, right: str, rules: TypeRules) -> str | None:
     """Type in which AND, OR and XOR join two operands; without IEC check integers count as bit strings."""
     common = common_type(left, right, rules)
     if rules.checked or rules.dialect is Dialect.STEP7_V5 or common in BITS or common in {"BOOL", None}:

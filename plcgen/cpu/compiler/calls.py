@@ -152,7 +152,8 @@ class Calls:
     def missing_block(self, node: ast.Call, target: ast.Name) -> None:
         """PG825, or PG827 for a function of the language that the soft CPU does not have."""
         upper = target.name.upper()
-        if target.scope == "bare" and (upper in INSTRUCTIONS or (upper[:3] == "SFC" and upper[3:].isdecimal())):
+        known = upper in INSTRUCTIONS or upper.rpartition("_")[0] in INSTRUCTIONS  # also NORM_X_REAL, SCALE_X_INT
+        if target.scope == "bare" and (known or (upper[:3] == "SFC" and upper[3:].isdecimal())):
             self.context.error("PG827", f"the soft CPU does not execute {target.name}", node)
         else:
             near = self.near_block(target.name)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from plcgen.cpu.compiler.scope import Scope
 from plcgen.cpu.linkage import Linkage, Probe, ProgramBlock
-from plcgen.cpu.type_rules import Rules
+from plcgen.cpu.type_rules import TypeRules
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.scl import ast
 
@@ -89,7 +89,7 @@ class Context:
     classic: bool = field(init=False)
     direct: bool = False
     """Whether nothing was read since the last point."""
-    rules: Rules = field(init=False)
+    rules: TypeRules = field(init=False)
     diagnostics: list[Diagnostic] = field(default_factory=list)
     calls: dict[str, Span] = field(default_factory=dict)
     moving: bool = False

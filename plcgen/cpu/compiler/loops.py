@@ -68,7 +68,7 @@ class Labels:
         for statement in _flat(statements):
             if isinstance(statement, ast.Label):
                 if statement.name.upper() in self.numbers:
-                    message = f"the label {statement.name} stands at two places"
+                    message = f"the label {statement.name} is there twice"
                     self.context.error("PG805", message, statement, "rename one of them")
                 self.numbers[statement.name.upper()] = len(parts)
                 parts.append([])
