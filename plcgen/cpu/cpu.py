@@ -53,8 +53,8 @@ class Cpu:
     """One CPU with a program.
 
     ``family`` decides how many record jobs run at once (``job_limit`` overrides it, a number counts each of WRREC and
-    RDREC); ``loop_limit`` is how many passes all loops of one scan may take together. ``misuses`` collects what went
-    wrong, ``clock`` is in ms.
+    RDREC); ``loop_limit`` is how many passes of loops and calls of blocks one scan may take. ``misuses`` collects what
+    went wrong, ``clock`` is in ms.
     """
 
     def __init__(
@@ -78,7 +78,8 @@ class Cpu:
         self.time = SystemClock()
         self._clock = self.time.cell
         places = RecordPlaces(each=job_limit) if isinstance(job_limit, int) else job_limit or PLACES[self.family]
-        self.records = RecordJobs(self.bus, self._clock, places, idle_needs_place=self.family == "s7-1500")
+        self._eno = [True]
+        self.records = RecordJobs(self.bus, self._clock, self._eno, places, idle_needs_place=self.family == "s7-1500")
         self._passes = [0, loop_limit]
         self.coverage = [0] * len(program.probes)
         self._compiled: dict[str, Compiled] = {}
@@ -89,7 +90,6 @@ class Cpu:
         self._records: list[RecordBlock | PortBlock] = []
         self._make_memory()
         self.symbols = Symbols(program.link, self.blocks, self.areas)
-        self._eno = [True]
         self.preemption = Preemption(program.link.points, self._start, self._eno)
         self._names = self._namespace()
         self._load(program.compiled)
@@ -125,6 +125,7 @@ class Cpu:
         names |= {
             "T": self._clock,
             "rd_sys_t": self.time.read_dtl,
+            "ob_info": self.time.start_information,
             "W": self._passes,
             "E": self._eno,
             "H": self.coverage,
@@ -231,11 +232,11 @@ class Cpu:
 
     def _next(self, milliseconds: int) -> None:
         self.scans += 1
-        self._clock[0] += milliseconds
+        self.time.pass_time(milliseconds)
         if milliseconds:
             self.bus.advance(milliseconds)
         self.records.advance()
-        self._passes[0] = self.preemption.delays = 0
+        self._passes[0] = self.preemption.delays = self._moves.moved = 0
         for block in self._records:
             block.scan = self.scans
 
@@ -259,8 +260,7 @@ class Cpu:
         all values stay. Inputs, outputs and flags are cleared. ``keep_ticks`` lets TIME_TCK go on, as only the restart
         of an S7-400 does that is neither cold nor warm.
         """
-        if self._started and not keep_ticks:
-            self.time.restart()
+        self.time.restart(cold=kind == "cold", keep_ticks=keep_ticks or not self._started)
         self._started = True
         for entry in self.program.link.blocks.values():
             memory = self.blocks.get(entry.index)
@@ -272,7 +272,7 @@ class Cpu:
             memory[:] = bytes(AREA_SIZE)
         self.drop_records()
         if self._start_up is not None:
-            self._passes[0] = 0
+            self._passes[0] = self._moves.moved = 0
             self._run(self._start_up, ())
 
     def download(self, *names: str) -> None:
@@ -363,7 +363,7 @@ class Cpu:
             self.misuses.append(misuse)
 
     def _late(self) -> None:
-        raise AccessFaultError("PG835", f"the loops of one scan took more than {self._passes[1]} passes")
+        raise AccessFaultError("PG835", f"one scan took more than {self._passes[1]} passes of loops and calls")
 
     def _status_read(self, memory: Memory, offset: int) -> None:
         for block in self._records:

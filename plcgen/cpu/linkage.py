@@ -18,6 +18,8 @@ from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult
 
 _NUMBERED = re.compile(r"(?:DB|FB|FC|OB|SFB|SFC|UDT)[0-9]{1,5}", re.ASCII)
+ENO = re.compile(r"\b(?:ENO|OK)\b", re.IGNORECASE)
+"""A word for the enable output of a block."""
 
 
 @dataclass(slots=True)
@@ -71,9 +73,9 @@ class Compiled:
 class Linkage:
     """Names of a program; keys are upper case.
 
-    ``mixed``: blocks with standard and with optimised access meet. ``probes`` grows while blocks are compiled for
-    coverage, ``points`` while they are compiled for preemption; the preemptive form of a block counts with the
-    ``counters`` of the plain one.
+    ``mixed``: blocks with standard and with optimised access meet. ``eno``: some block speaks of ENO or OK. ``probes``
+    grows while blocks are compiled for coverage, ``points`` while they are compiled for preemption; the preemptive form
+    of a block counts with the ``counters`` of the plain one.
 
     ``opaque`` are the types that nobody declares: they are reported once, and nothing is said about what they hold.
     ``unknown`` are the names that were reported as unknown, with the code; ``guessed_bounds`` says that an array has a
@@ -87,6 +89,7 @@ class Linkage:
     aliases: dict[str, str] = field(default_factory=dict)
     instance_regions: set[str] = field(default_factory=set)
     mixed: bool = False
+    eno: bool = False
     coverage: bool = False
     probes: list[Probe] = field(default_factory=list)
     points: list[Probe] = field(default_factory=list)
@@ -113,6 +116,13 @@ class Linkage:
         """Return a block by its name or by its number, such as DB3."""
         upper = name.upper().lstrip("%")
         return self.blocks.get(upper) or self.blocks.get(self.aliases.get(upper, ""))
+
+    def ob_number(self, block: ProgramBlock) -> int:
+        """Number of an organization block, from its name, its symbol, or what Main and Startup are; else 0."""
+        name = block.name.upper()
+        known = [alias for alias, found in self.aliases.items() if found == name and alias.startswith("OB")]
+        text = next(iter(known), {"MAIN": "OB1", "STARTUP": "OB100"}.get(name, name))
+        return block.number or (int(text[2:]) if text.startswith("OB") and text[2:].isdecimal() else 0)
 
     def data_block(self, number: int) -> ProgramBlock | None:
         """Return the data block with a number."""

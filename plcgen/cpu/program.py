@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from plcgen.cpu.compiler.block import compile_block
-from plcgen.cpu.linkage import Compiled, Linkage, Probe, ProgramBlock
+from plcgen.cpu.linkage import ENO, Compiled, Linkage, Probe, ProgramBlock
 from plcgen.cpu.start_values import with_constants
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.cpu.type_rules import IecCheck
@@ -158,6 +158,7 @@ class Program:
             aliased = link.blocks.get(name)
             if aliased is not None and number.startswith("DB") and number[2:].isdigit():
                 aliased.number = int(number[2:])
+        link.eno = any(ENO.search(entry.result.tokens.source) for entry in link.blocks.values())
         link.mixed = len({link.optimized(e) for e in link.blocks.values() if e.block.kind is not BlockKind.UDT}) > 1
         for entry in link.blocks.values():
             if entry.block.kind is BlockKind.DB and entry.block.instance_of and link.instance_type(entry):

@@ -126,6 +126,7 @@ class Arguments:
     def enable(self, argument: ast.Argument, upper: str, passed: Passed) -> None:
         """EN and ENO of a call."""
         if upper == "ENO":
+            self.out.emit("E[0]=True")
             passed.outputs.append((argument, MemoryPlace(Shape(Elementary("BOOL", 1), 1, 1, 1, 1), local="E[0]")))
         else:
             self.context.error("PG827", "the soft CPU does not execute EN of a call", argument, "use IF")
@@ -142,6 +143,7 @@ class Arguments:
         for argument in node.arguments:
             upper = (argument.name or "").upper()
             if upper in {"EN", "ENO"} and upper not in allowed:
+                given[upper] = argument
                 continue
             v5_output = (
                 allowed.get(upper) is _OUT and argument.operator == ":=" and not self.context.link.dialect.is_tia

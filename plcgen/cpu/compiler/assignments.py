@@ -52,7 +52,7 @@ class Assignments:
         """Place left of ``:=``; PG823 if it must not be written. Computed offsets are evaluated first."""
         if isinstance(node, ast.Name) and node.name.upper() in {"ENO", "OK"} and self.places.undeclared(node):
             self.context.uses_eno = True
-            return MemoryPlace(_BOOL, local="E[0]")
+            return MemoryPlace(_BOOL, local=self.context.enable(node.name))
         place = self.places.place(node)
         if place is None:
             return None
@@ -124,7 +124,7 @@ class Assignments:
         size = place.shape.bits // 8
         target, origin = self.access.address(place), self.access.address(source)
         between = f",lambda:{self.context.point_code('copy', node)}" if self.context.preemptive else ""
-        self.out.emit(f"cp({place.mem},{target},{source.mem},{origin},{size}{between})")
+        self.out.emit(f"copy({place.mem},{target},{source.mem},{origin},{size}{between})")
         self.access.touched(place.region if place.fixed else None, place.off, place.shape.bits)
 
     def is_open(self, *places: MemoryPlace) -> bool:

@@ -15,7 +15,7 @@ from plcgen.cpu.compiler.loops import Watchdog
 from plcgen.cpu.compiler.moves import Moves, is_move
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.references import References
-from plcgen.cpu.compiler.scope import function_parameters
+from plcgen.cpu.compiler.scope import bare_shape, function_parameters
 from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Val, unknown
 from plcgen.cpu.linkage import ProgramBlock
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
@@ -218,6 +218,7 @@ class Calls:
 
     def call_user(self, node: ast.Call, place: MemoryPlace, found: ProgramBlock) -> None:
         """Emit the call of an FB of the program."""
+        self.context.calling += 1
         self.context.calls.setdefault(found.name.upper(), self.context.span(node))
         self.watchdog.hand_over()
         if place.mem != "m" and place.fixed and place.off == 0:
@@ -227,6 +228,7 @@ class Calls:
             function = self.context.function(found.index, moving=True)
             self.out.emit(f"{function}({place.mem},{self.access.address(place)})")
         self.watchdog.take_back()
+        self.context.called()
         self.access.forget()
 
     def call_system(self, node: ast.Call, place: MemoryPlace, system: SystemFb, buffer: str) -> None:
@@ -244,6 +246,7 @@ class Calls:
             self.context.error("PG822", f"{system.buffer} is missing", node, "name the buffer in every call")
             return
         self.out.emit(f"{name}({place.mem},{self.access.address(place)},{buffer})")
+        self.context.called()
         self.access.forget()
 
     def timer_guard(self, place: MemoryPlace, system: SystemFb) -> str:
@@ -285,6 +288,9 @@ class Calls:
             if how == "value" and kind is not _IN:
                 after.append((argument, type_))
         value = self.emit_function(found, codes, after, result)
+        enabled = given.get("ENO")
+        if enabled is not None and "ENO" not in allowed:
+            self.arguments.take_output(enabled, MemoryPlace(bare_shape("BOOL"), local="E[0]"))
         self.arguments.give_back(lent, node)
         return value
 
@@ -292,11 +298,13 @@ class Calls:
         self, found: ProgramBlock, codes: list[str], after: list[tuple[ast.Argument | None, str]], result: str
     ) -> Val:
         """Emit the call and take the outputs."""
+        self.context.calling += 1
         call = f"{self.context.function(found.index)}({','.join(codes)})"
         self.watchdog.hand_over()
         name = self.out.temporary()
         self.out.emit(f"{name}={call}")
         self.watchdog.take_back()
+        self.context.called()
         self.access.forget()
         if after:
             for position, (argument, type_) in enumerate(after):

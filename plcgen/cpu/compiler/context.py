@@ -76,8 +76,8 @@ class Context:
 
     ``preemptive`` adds points at which another OB may run (``Z``), and nothing is known from one access to the next.
     ``run_tags`` are the places of the variables that the loops around count with.
-    ``calls`` are the blocks it calls by upper-case name, ``moving`` says that it has multi-instances; ``leave`` is the
-    code that ends the block, ``uses_eno`` says that it needs one of its own.
+    ``calls`` are the blocks it calls by upper-case name, ``calling`` how many calls it has; ``moving`` says that it has
+    multi-instances; ``leave`` is the code that ends the block, ``uses_eno`` says that it needs an ENO of its own.
     """
 
     owner: ProgramBlock
@@ -93,6 +93,7 @@ class Context:
     diagnostics: list[Diagnostic] = field(default_factory=list)
     calls: dict[str, Span] = field(default_factory=dict)
     moving: bool = False
+    calling: int = 0
     leave: str = "return"
     uses_eno: bool = False
     run_tags: list[tuple[str, int, str, str]] = field(default_factory=list)
@@ -139,6 +140,20 @@ class Context:
             self.link.probes.append(probe)
             self.link.counters[probe, self.dynamic] = number
         self.out.emit(f"H[{number}]+=1")
+
+    @property
+    def keeps_ok(self) -> bool:
+        """Whether ENO is that of the block called last and OK that of the block itself, as in STEP 7 V5."""
+        return self.uses_eno and not self.link.dialect.is_tia
+
+    def enable(self, word: str) -> str:
+        """Generated place of ENO or OK."""
+        return "ok" if self.keeps_ok and word.upper() == "OK" else "eno[0]"
+
+    def called(self) -> None:
+        """Behind a call: its ENO, in STEP 7 V5 (S7-SCL V5.3 manual, ENO)."""
+        if self.keeps_ok:
+            self.out.emit("eno[0]=E[0]")
 
     def function(self, index: int, *, moving: bool = False) -> str:
         """Python name of a block: ``b``, in preemptive programs ``p``; with ``o`` behind it for multi-instances."""

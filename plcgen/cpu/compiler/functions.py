@@ -196,7 +196,7 @@ class Functions:
         result = self.common_call(node, "limit", values)
         if result.type != UNKNOWN:
             self.context.uses_eno = True
-            result.code = f"limit(E,{result.code.partition('(')[2]}"
+            result.code = f"limit({'eno' if self.context.uses_eno else 'E'},{result.code.partition('(')[2]}"
         return result
 
     def common_call(self, node: ast.Call, function: str, values: list[tuple[Val, ast.Expression]]) -> Val:

@@ -1,4 +1,4 @@
-"""Loops and jumps, under a watchdog that counts the passes."""
+"""Loops and jumps, under a watchdog that counts passes and calls."""
 
 from __future__ import annotations
 
@@ -75,12 +75,11 @@ class Labels:
             else:
                 parts[-1].append(statement)
         self.context.move_to(statements[0])
-        self.out.emit("pc=g=0;k=W[0]")
+        self.out.emit("pc=g=0")
         self.out.emit("while True:")
         self.out.indent += " "
-        self.out.emit("k+=1")
-        self.out.emit("if k>W[1]:late()")
-        self.out.emit("W[0]=k")
+        self.out.emit("W[0]+=1")
+        self.out.emit("if W[0]>W[1]:late()")
         for number, part in enumerate(parts):
             self.access.forget()
             self.out.emit(f"if pc<={number}:")

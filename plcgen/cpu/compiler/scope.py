@@ -61,8 +61,11 @@ def is_scalar(type_: DataType) -> bool:
 class Scope:
     """The symbols of one block, and which memory they need: ``temp_size`` bytes of local data."""
 
-    def __init__(self, block: Block, shape: Shape | None, types: Mapping[str, Block], *, untyped: bool) -> None:
+    def __init__(
+        self, block: Block, shape: Shape | None, types: Mapping[str, Block], *, untyped: bool, classic: bool = False
+    ) -> None:
         self.block = block
+        self.classic = classic
         self.types = types
         self.untyped = untyped
         self.symbols: dict[str, Symbol] = {}
@@ -173,14 +176,15 @@ class Scope:
             self._views(kind)
 
     def _temps(self) -> None:
-        """Local data: Python locals, or memory where something needs the bytes."""
+        """Local data: Python locals, or memory where something needs the bytes, as the start information of an OB."""
         temps = list(self.block.section(SectionKind.TEMP))
         if self.block.kind is not BlockKind.FB:
             temps += self.block.section(SectionKind.STATIC)
         viewed = _viewed(temps)
         in_memory = []
+        informed = self.classic and self.block.kind is BlockKind.OB
         for member in temps:
-            if member.at is None and is_scalar(member.type) and member.name.upper() not in viewed:
+            if not informed and member.at is None and is_scalar(member.type) and member.name.upper() not in viewed:
                 local = f"v{len(self.locals)}"
                 self.locals.append((local, _name(member.type)))
                 place = MemoryPlace(bare_shape(_name(member.type)), local=local, section=SectionKind.TEMP)
