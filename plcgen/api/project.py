@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plcgen.project.nouns import Project
+    from plcgen.project.target import Target
     from plcgen.proof.checks import Verification
     from plcgen.review.memory.fit import ProgramSize
     from plcgen.trace.model import Trace
@@ -50,7 +51,7 @@ class GenerateResult:
     removed: tuple[str, ...]
     diff: str
     diagnostics: tuple[Diagnostic, ...]
-    project: Project | None = None
+    target: Target | None = None
 
     @property
     def ok(self) -> bool:
@@ -64,9 +65,9 @@ class GenerateResult:
         from plcgen.sources.blocks import read_sources
         from plcgen.sources.generated import generated_sources
 
-        if self.project is None or not self.folder.is_dir():
+        target = self.target
+        if target is None or not self.folder.is_dir():
             return None
-        target = self.project.target
         paths = generated_sources(self.folder)
         if not paths or sum(path.stat().st_size for path in paths) > MAX_SIZED:
             return None
@@ -199,7 +200,14 @@ def generate(
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
     return GenerateResult(
-        checked.spec, target, tuple(written), tuple(unchanged), tuple(removed), diff, tuple(report), checked.project
+        checked.spec,
+        target,
+        tuple(written),
+        tuple(unchanged),
+        tuple(removed),
+        diff,
+        tuple(report),
+        checked.project.target,
     )
 
 

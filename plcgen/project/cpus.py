@@ -36,7 +36,7 @@ class CpuFact:
 
 
 @dataclass(frozen=True, slots=True)
-class RecordJobs:
+class RecordJobLimit:
     """How many jobs of WRREC and RDREC run at once: ``jobs`` of both ``together``, else of each.
 
     ``per`` is what the limit belongs to. With the firmware ``since`` and later it is ``newer``.
@@ -52,7 +52,7 @@ class RecordJobs:
 
 
 @dataclass(frozen=True, slots=True)
-class Cpu:
+class CpuType:
     """A CPU type. ``work`` is work memory for code and data in bytes; S7-400 and S7-1500 have one for each instead.
 
     ``blocks`` is how many blocks there can be, ``counts`` how many of a kind (FB, DB), ``numbers`` which numbers they
@@ -71,7 +71,7 @@ class Cpu:
     numbers: Mapping[str, CpuFact]
     block_size: CpuFact | None
     db_size: CpuFact | None
-    record_jobs: RecordJobs
+    record_jobs: RecordJobLimit
 
 
 def cpu_names(family: str | None = None) -> tuple[str, ...]:
@@ -79,12 +79,12 @@ def cpu_names(family: str | None = None) -> tuple[str, ...]:
     return tuple(name for name, known in _table().items() if family in {None, known.family})
 
 
-def find_cpu(name: str) -> Cpu | None:
+def find_cpu(name: str) -> CpuType | None:
     """The CPU type of this name in any common spelling (``CPU 315-2 DP``); None if the table has none."""
     return _spellings().get(_plain(name))
 
 
-def cpu(name: str) -> Cpu:
+def cpu(name: str) -> CpuType:
     """The CPU type of this name. Raises KeyError if the table has none."""
     found = find_cpu(name)
     if found is None:
@@ -97,19 +97,19 @@ def _plain(name: str) -> str:
 
 
 @functools.cache
-def _spellings() -> dict[str, Cpu]:
+def _spellings() -> dict[str, CpuType]:
     return {_plain(name): known for name, known in _table().items()}
 
 
 @functools.cache
-def _table() -> dict[str, Cpu]:
+def _table() -> dict[str, CpuType]:
     path = specs_dir() / "cpus" / "s7.yaml"
     data = load_yaml(read_text(path), path.as_posix()).data()
     groups, sources = data["groups"], data["sources"]
     return {name: _cpu(name, groups[row["group"]] | row, sources) for name, row in data["cpus"].items()}
 
 
-def _cpu(name: str, row: dict[str, Any], sources: dict[str, str]) -> Cpu:
+def _cpu(name: str, row: dict[str, Any], sources: dict[str, str]) -> CpuType:
     def fact(key: str, unit: int = KILO) -> CpuFact | None:
         if key not in row:
             return None
@@ -122,7 +122,7 @@ def _cpu(name: str, row: dict[str, Any], sources: dict[str, str]) -> Cpu:
 
     counts = {"FB": fact("fbs", 1), "DB": fact("dbs", 1)}
     jobs, _, jobs_source = row["record_jobs"]
-    return Cpu(
+    return CpuType(
         name=name,
         family=row["group"],
         order_number=row.get("order_number", ""),
@@ -135,7 +135,7 @@ def _cpu(name: str, row: dict[str, Any], sources: dict[str, str]) -> Cpu:
         numbers={"FB": numbers("fb_numbers"), "DB": numbers("db_numbers")},
         block_size=fact("block_kb"),
         db_size=fact("db_kb"),
-        record_jobs=RecordJobs(
+        record_jobs=RecordJobLimit(
             jobs["jobs"], jobs["together"], jobs["per"], jobs.get("newer"), jobs.get("since", ""), sources[jobs_source]
         ),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.project.cpus import Cpu, cpu_names, find_cpu
+from plcgen.project.cpus import CpuType, cpu_names, find_cpu
 from plcgen.project.loading import used_protocols
 from plcgen.project.nouns import Project
 from plcgen.project.numbering import Numbering
@@ -27,7 +27,7 @@ def resolve(loaded: LoadedSpec, report: Report) -> Project:
     return Project(loaded, plc.name, where, plc.languages, plans)
 
 
-def _cpu(loaded: LoadedSpec, report: Report) -> Cpu | None:
+def _cpu(loaded: LoadedSpec, report: Report) -> CpuType | None:
     """The CPU type that a spec names; None after a diagnostic if it makes no sense."""
     plc = loaded.spec.plc
     if plc.cpu is None:

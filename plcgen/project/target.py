@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cache
 
-from plcgen.project.cpus import Cpu
+from plcgen.project.cpus import CpuType
 from plcgen.scl.dialect import Dialect
 
 
@@ -24,7 +24,7 @@ class Target:
     xml_version: str | None
     max_numbers: dict[str, int]
     flag_bytes: int
-    cpu: Cpu | None = None
+    cpu: CpuType | None = None
 
     @property
     def v5(self) -> bool:
@@ -57,7 +57,7 @@ _NUMBERS = {
 _FLAGS = {"s7-300": 8192, "s7-400": 16384, "s7-1200": 8192, "s7-1500": 16384}
 
 
-def target(family: str, toolchain: str, cpu: Cpu | None = None) -> Target:
+def target(family: str, toolchain: str, cpu: CpuType | None = None) -> Target:
     """Describe a target; the combination has been checked by :func:`combination_problem`."""
     return _target(family, toolchain) if cpu is None else replace(_target(family, toolchain), cpu=cpu)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
-from plcgen.project.cpus import Cpu, CpuFact
+from plcgen.project.cpus import CpuFact, CpuType
 from plcgen.review.memory.estimate import Estimate
 
 KILO = 1024
@@ -21,7 +21,7 @@ class ProgramSize:
     """
 
     estimate: Estimate
-    cpu: Cpu | None = None
+    cpu: CpuType | None = None
     idle_statements: int | None = None
 
     @property
