@@ -158,7 +158,8 @@ class Program:
             aliased = link.blocks.get(name)
             if aliased is not None and number.startswith("DB") and number[2:].isdigit():
                 aliased.number = int(number[2:])
-        link.eno = any(ENO.search(entry.result.tokens.source) for entry in link.blocks.values())
+        texts = {id(entry.result): entry.result.tokens.source for entry in link.blocks.values()}
+        link.eno = any(ENO.search(text) for text in texts.values())
         link.mixed = len({link.optimized(e) for e in link.blocks.values() if e.block.kind is not BlockKind.UDT}) > 1
         for entry in link.blocks.values():
             if entry.block.kind is BlockKind.DB and entry.block.instance_of and link.instance_type(entry):

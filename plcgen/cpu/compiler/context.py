@@ -88,7 +88,7 @@ class Context:
     preemptive: bool = False
     classic: bool = field(init=False)
     direct: bool = False
-    """Whether nothing was read since the last point."""
+    """Whether nothing shared was read or written since the last point."""
     rules: TypeRules = field(init=False)
     diagnostics: list[Diagnostic] = field(default_factory=list)
     calls: dict[str, Span] = field(default_factory=dict)
