@@ -95,6 +95,9 @@ class CodeReader:
     def access(self, element: Element) -> None:
         """Write one operand or call."""
         scope = element.get("Scope", "")
+        if scope not in _SCOPES:
+            self.report(f"the Scope {scope[:40] or '(none)'} is unknown", element)
+            return
         children = list(element)
         if len(children) == 1 and self.simple(children[0], scope):
             return
@@ -160,6 +163,8 @@ class CodeReader:
         dotted = True
         peripheral = False
         local_variable = scope not in _GLOBAL
+        if self.numbered(element):
+            return
         for part in element:
             name = local(part)
             if name == "Component":
@@ -184,6 +189,17 @@ class CodeReader:
             out.append(":P")
         if first:
             self.report("a Symbol without Component", element)
+
+    def numbered(self, element: Element) -> bool:
+        """Write an operand in a data block that is known by its name here: by its number, ``%DB2.DBW4``."""
+        parts = [part for part in element if local(part) == "Address"]
+        if len(parts) != 2 or len(element) != 3 or parts[1].get("BlockNumber") is not None:
+            return False
+        number = parts[0].get("BlockNumber")
+        if number is None or parts[0].get("Area") != "DB":
+            return False
+        self.address(parts[1], number)
+        return True
 
     def component(self, element: Element, *, first: bool, always: bool) -> None:
         """Write one name with quotes where it has or needs them, its indices and its slice."""
@@ -228,9 +244,9 @@ class CodeReader:
             return
         self.out.append(value)
 
-    def address(self, element: Element) -> None:
-        """Write an absolute operand."""
-        area, bits, block = element.get("Area", ""), element.get("BitOffset", ""), element.get("BlockNumber")
+    def address(self, element: Element, block: str | None = None) -> None:
+        """Write an absolute operand; ``block`` is the number of its data block where that stands beside it."""
+        area, bits, block = element.get("Area", ""), element.get("BitOffset", ""), element.get("BlockNumber", block)
         if area not in _AREAS or not _NUMBER.fullmatch(bits) or (block is not None and not _NUMBER.fullmatch(block)):
             self.report(f"an address in {area or '(no area)'} cannot be written in SCL", element)
             return
@@ -286,6 +302,21 @@ class CodeReader:
 _IGNORED = frozenset({"TemplateValue", "AbsoluteOffset", "Instance", "ConstantType"})
 _CALL_HEAD = frozenset({"Instance", "TemplateValue", "IntegerAttribute", "DateAttribute", "BooleanAttribute"})
 _AREAS = frozenset({"Input", "Output", "Memory", "PeripheryInput", "PeripheryOutput", "DB", "Timer", "Counter"})
+_SCOPES = frozenset(
+    {"LocalVariable", "GlobalVariable", "LocalConstant", "GlobalConstant", "LiteralConstant", "TypedConstant", "Call"}
+    | {
+        "AddressConstant",
+        "AlarmConstant",
+        "NamedValueConstant",
+        "Address",
+        "Label",
+        "PredefinedVariable",
+        "Instruction",
+    }
+    | {"Statusword", "Expression", "Unnamed", "CallWithType", "UserType", "SystemType", "Reference", "Undef"}
+)
+"""Values of Scope in the schema of Siemens."""
+
 _CONTENT = frozenset(
     {"Symbol", "Constant", "CallInfo", "Instruction", "Address", "Label", "PredefinedVariable", "DataType"}
     | {"Expression", "Reference", "Indirect", "Statusword"}
