@@ -150,7 +150,7 @@ def _resolve(
         return
     from plcgen.simaticml.reading.documents import read_simaticml
 
-    constants = _constants(files)
+    constants = project_constants(files)
     for file in again:
         blocks, problems = read_simaticml(file.path, classic=classic, constants=constants)
         own = {id(block): place for place, (block, where) in enumerate(read) if where is file}
@@ -159,20 +159,18 @@ def _resolve(
         diagnostics[:] = [d for d in diagnostics if d.span.file != str(file.path)] + problems
 
 
-def _constants(files: Iterable[SourceFile]) -> dict[str, int]:
-    """Whole numbers among the user constants of tag tables, by upper-case name."""
+def project_constants(files: Iterable[SourceFile]) -> dict[str, int | None]:
+    """User constants of the tag tables among files or beside them by upper-case name; None if it is no whole number."""
     from plcgen.simaticml.reading.documents import read_tag_table
     from plcgen.simaticml.reading.interface import whole_number
 
     named = [file.path for file in files if file.is_xml]
     beside = {path for file in files if file.is_xml and not file.listed for path in file.path.parent.glob("*.xml")}
-    found: dict[str, int] = {}
+    found: dict[str, int | None] = {}
     for path in [*named, *sorted(beside - set(named))][:MAX_FILES]:
         for table in read_tag_table(path)[0]:
             for constant in table.constants:
-                number = whole_number(constant.value)
-                if number is not None:
-                    found.setdefault(constant.name.upper(), number)
+                found.setdefault(constant.name.upper(), whole_number(constant.value))
     return found
 
 

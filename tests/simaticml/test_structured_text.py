@@ -110,8 +110,6 @@ CASES = {
     f"{token('(')}{token(')')}</CallInfo></Access>",
     '"Drive1"()': '<Access Scope="Call"><CallInfo Name="Motor" BlockType="FB"><Instance Scope="GlobalVariable">'
     f'<Component Name="Drive1" /></Instance>{token("(")}{token(")")}</CallInfo></Access>',
-    '"Pump_DB"()': '<Access Scope="Call"><CallInfo Name="Pump" BlockType="FB"><Instance Scope="GlobalVariable">'
-    f'<Component Name="Pump_DB" /></Instance>{token("(")}{token(")")}</CallInfo></Access>',
     "#timer(IN := #start)": f'{local("timer")}<Access Scope="Call"><Instruction>{token("(")}'
     f'<Parameter Name="IN">~{token(":=")}~{local("start")}</Parameter>{token(")")}</Instruction></Access>',
     "#timer.TON(IN := #start)": f'{local("timer")}{DOT}<Access Scope="Call"><Instruction Name="TON">{token("(")}'

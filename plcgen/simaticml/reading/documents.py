@@ -64,7 +64,7 @@ def read_simaticml(
     file: str | None = None,
     *,
     classic: bool = False,
-    constants: Mapping[str, int] | None = None,
+    constants: Mapping[str, int | None] | None = None,
 ) -> tuple[list[Block], list[Diagnostic]]:
     """Blocks and types of one document and everything wrong with it; ``file`` is the name for messages.
 
@@ -82,7 +82,7 @@ def read_simaticml(
 
 
 def _blocks(
-    root: Element, name: str, diagnostics: list[Diagnostic], constants: Mapping[str, int], *, classic: bool
+    root: Element, name: str, diagnostics: list[Diagnostic], constants: Mapping[str, int | None], *, classic: bool
 ) -> list[Block]:
     blocks = []
     whole = text(child(child(root, "DocumentInfo"), "ExportSetting")).strip() == _WHOLE

@@ -67,7 +67,7 @@ class InterfaceReader:
     file: str
     diagnostics: list[Diagnostic]
     assignments: list[Assignment] = field(default_factory=list)
-    constants: Mapping[str, int] = field(default_factory=dict)
+    constants: Mapping[str, int | None] = field(default_factory=dict)
     whole: bool = False
     inline: dict[str, Block] = field(default_factory=dict)
     types: dict[str, DataType] = field(default_factory=dict)

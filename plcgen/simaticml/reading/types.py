@@ -57,7 +57,7 @@ def parse_datatype(spelling: str) -> DataType | None:
     return elementary(name) or NamedType(name)
 
 
-def with_values(spelling: str, constants: Mapping[str, int]) -> tuple[str, str]:
+def with_values(spelling: str, constants: Mapping[str, int | None]) -> tuple[str, str]:
     """The spelling with numbers for the constants in its brackets, and the first constant that is not known.
 
     ``constants`` are by upper-case name, those of the block itself with ``#``. One without value leaves an array
