@@ -210,8 +210,7 @@ class CodeReader:
         for part in children:
             if local(part) == "Token" and part.get("Text") == "[":
                 bracket = True
-        out.append("#" if not first and _has(element, "HasHash") else "")
-        out.append(_name(name, quoted=always or _has(element, "HasQuotes")))
+        out.append(_name(name, quoted=always or _has_quotes(element)))
         if bracket:
             self.elements(element)
         elif any(local(part) == "Access" for part in children):
@@ -231,7 +230,7 @@ class CodeReader:
         name = element.get("Name")
         if name is not None and scope not in _CONSTANTS:
             prefix = "#" if scope == "LocalConstant" else ""
-            self.out.append(prefix + _name(name, quoted=scope == "GlobalConstant" or _has(element, "HasQuotes")))
+            self.out.append(prefix + _name(name, quoted=scope == "GlobalConstant" or _has_quotes(element)))
             return
         value = name or ""
         for part in element:
@@ -293,7 +292,7 @@ class CodeReader:
 
     def parameter(self, element: Element) -> None:
         """Write ``name := value`` or ``name => value``."""
-        self.out.append(_name(element.get("Name", ""), quoted=_has(element, "HasQuotes")))
+        self.out.append(_name(element.get("Name", ""), quoted=_has_quotes(element)))
         if len(element) and not _is_assigned(element):
             self.out.append(" := ")
         self.elements(element)
@@ -328,10 +327,10 @@ def _is_assigned(parameter: Element) -> bool:
     return any(TAGS[part.tag] == "Token" and part.get("Text") in {":=", "=>"} for part in parameter)
 
 
-def _has(element: Element, flag: str) -> bool:
-    """Whether a name stands in quotes though it would need none (HasQuotes), or behind a # (HasHash)."""
+def _has_quotes(element: Element) -> bool:
+    """Whether a name stands in quotes though it would need none."""
     for part in element:
-        if local(part) == "BooleanAttribute" and part.get("Name") == flag:
+        if local(part) == "BooleanAttribute" and part.get("Name") == "HasQuotes":
             return (part.text or "").strip() == "true"
     return False
 

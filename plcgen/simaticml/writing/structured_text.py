@@ -28,7 +28,6 @@ from plcgen.scl.lexer import (
 from plcgen.simaticml.addresses import address
 from plcgen.simaticml.escape import attribute, content
 from plcgen.simaticml.writing.elements import (
-    HAS_HASH,
     HAS_QUOTES,
     SLOT,
     UID,
@@ -202,7 +201,12 @@ class _Writer:
         stop = line_end if line_end >= 0 else len(self.source)
         line = self.source[self.end : stop].partition("//")[0]
         code = self.pos < self.last and self.kinds[self.pos] in KEYWORDS
-        if self.pos < self.last and self.starts[self.pos] < stop and not code and ";" not in line:
+        if (
+            self.pos < self.last
+            and self.starts[self.pos] < stop
+            and not code
+            and not (";" in line and line.strip(" \t\r;"))
+        ):
             self.title(self.end + len(line))
 
     # --- operands ---------------------------------------------------------------------------------------
@@ -298,10 +302,6 @@ class _Writer:
     def member(self) -> str:
         """Write what stands behind a dot and return its name."""
         kind, text = self.kinds[self.pos], self.texts[self.pos]
-        if kind == LOCAL:
-            name = unquote(text[1:])
-            self.component(name, quoted=text[1] == '"' and is_plain(name), peripheral=False, hashed=True)
-            return name
         if (kind == INT and text.isdigit()) or (kind in WORDS and text[0] != "%"):
             name = unquote(text)
             self.component(name, quoted=kind == QUOTED and is_plain(name), peripheral=text.endswith('":P'))
@@ -309,17 +309,17 @@ class _Writer:
         self.token()
         return ""
 
-    def component(self, name: str, *, quoted: bool, peripheral: bool, hashed: bool = False) -> None:
+    def component(self, name: str, *, quoted: bool, peripheral: bool) -> None:
         """Write one component with its indices."""
         self.step()
         indexed = self.pos < self.last and self.kinds[self.pos] == "["
         modifier = ' SimpleAccessModifier="Periphery"' if peripheral or self.is_peripheral() else ""
         head = f'<Component Name="{attribute(name)}"{modifier} {UID}'
-        flags = HAS_QUOTES * quoted + HAS_HASH * hashed
-        if not indexed and not flags:
+        flag = HAS_QUOTES if quoted else ""
+        if not indexed and not flag:
             self.out.append(f"{head} />")
         else:
-            self.out.append(f"{head}>{flags}")
+            self.out.append(f"{head}>{flag}")
             while self.pos < self.last and self.kinds[self.pos] == "[":
                 self.gap()
                 self.token()
@@ -426,5 +426,5 @@ class _Writer:
 
 
 def is_plain(name: str) -> bool:
-    """Whether a name needs no quotes."""
-    return _PLAIN.fullmatch(name) is not None and name.upper() not in KEYWORDS
+    """Whether a name needs no quotes; VAR is a keyword of declarations only."""
+    return _PLAIN.fullmatch(name) is not None and (name.upper() not in KEYWORDS or name.upper() == "VAR")
