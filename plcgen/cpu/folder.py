@@ -15,7 +15,7 @@ from plcgen.sources.generated import generated_documents, generated_sources
 Tags = dict[str, str | tuple[str, str]]
 
 
-def load_folder(folder: Path | str, dialect: Dialect, *, coverage: bool = False) -> Program:
+def load_folder(folder: Path | str, dialect: Dialect, *, coverage: bool = False, litter: bool = False) -> Program:
     """Load the generated sources of a folder; symbols come from ``*.sdf``, tags and numbers from ``xml/*.xml``."""
     folder = Path(folder)
     sources = generated_sources(folder)
@@ -35,7 +35,7 @@ def load_folder(folder: Path | str, dialect: Dialect, *, coverage: bool = False)
         for block in read_simaticml(document, classic=classic)[0]:
             if block.kind is BlockKind.DB and block.number is not None:
                 numbers[block.name] = block.number
-    return Program.load(sources, dialect, tags=tags, numbers=numbers, coverage=coverage)
+    return Program.load(sources, dialect, tags=tags, numbers=numbers, coverage=coverage, litter=litter)
 
 
 def read_tag_file(path: Path | str) -> Tags:

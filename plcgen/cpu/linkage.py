@@ -73,9 +73,9 @@ class Compiled:
 class Linkage:
     """Names of a program; keys are upper case.
 
-    ``mixed``: blocks with standard and with optimised access meet. ``eno``: some block speaks of ENO or OK. ``probes``
-    grows while blocks are compiled for coverage, ``points`` while they are compiled for preemption; the preemptive form
-    of a block counts with the ``counters`` of the plain one.
+    ``mixed``: blocks with standard and with optimised access meet. ``eno``: some block speaks of ENO or OK. ``litter``:
+    local data holds garbage at the start of a call. ``probes`` grows while blocks are compiled for coverage, ``points``
+    while they are compiled for preemption; the preemptive form counts with the ``counters`` of the plain one.
 
     ``opaque`` are the types that nobody declares: they are reported once, and nothing is said about what they hold.
     ``unknown`` are the names that were reported as unknown, with the code; ``guessed_bounds`` says that an array has a
@@ -91,6 +91,7 @@ class Linkage:
     mixed: bool = False
     eno: bool = False
     coverage: bool = False
+    litter: bool = False
     probes: list[Probe] = field(default_factory=list)
     points: list[Probe] = field(default_factory=list)
     counters: dict[tuple[Probe, bool], int] = field(default_factory=dict)

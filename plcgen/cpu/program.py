@@ -71,6 +71,7 @@ class Program:
         tags: Mapping[str, str | tuple[str, str]] | None = None,
         numbers: Mapping[str, int] | None = None,
         coverage: bool = False,
+        litter: bool = False,
         iec_check: IecCheck = IecCheck.AS_STATED,
         encoding: str | None = None,
     ) -> Program:
@@ -78,9 +79,10 @@ class Program:
 
         ``tags`` maps names to addresses (``M50.0``, or with a type ``("MW22", "INT")``), or block symbols to
         numbers (``DB 471``); ``numbers`` maps names of data blocks to their numbers. ``coverage`` counts
-        statements and branches. ``encoding`` names the code page of ANSI files.
+        statements and branches; with ``litter`` local data holds garbage at the start of a call. ``encoding`` names the
+        code page of ANSI files.
         """
-        program = cls(Linkage(dialect, coverage=coverage, iec_check=iec_check))
+        program = cls(Linkage(dialect, coverage=coverage, litter=litter, iec_check=iec_check))
         for source in sources:
             program.read(source, encoding)
         for name in program.link.add_tags(tags or {}):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,20 +17,12 @@ from plcgen.s7.image import Tree
 from plcgen.s7.layout import Layout, locate
 from plcgen.s7.types import Elementary
 
-_LOCALS = re.compile(r"^( )((?:v\d+=)+)(0|0\.0|False)$", re.MULTILINE)
-_GARBAGE = {"0": "0xA0", "0.0": "1e30", "False": "True"}
-
 
 def load_program(project: Project, folder: Path) -> Program:
     """Compile the folder's sources with coverage; local data holds garbage at the start of a call, as in a CPU."""
-    program = load_folder(folder, project.target.dialect, coverage=True)
+    program = load_folder(folder, project.target.dialect, coverage=True, litter=True)
     if not program.ok:
         raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
-    for compiled in program.compiled:
-        head, probe, body = compiled.source.partition("\n H[")
-        dirty = _LOCALS.sub(lambda found: found[1] + found[2] + _GARBAGE[found[3]], head) + probe + body
-        if compiled.code is not None and dirty != compiled.source:
-            compiled.code = compile(dirty, f"<{compiled.file}>", "exec", dont_inherit=True, optimize=1)
     return program
 
 

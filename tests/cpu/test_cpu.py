@@ -233,3 +233,19 @@ def test_enable_output_of_a_record_block():
     code += "#t(IN := TRUE, PT := T#1s, ENO => #b);"
     found = run({"vars": "w : WRREC; q : Array[0..1] of Byte; a : Bool := TRUE; b : Bool; t : TON_TIME;", "code": code})
     assert (found["Test_DB.a"], found["Test_DB.b"]) == (False, True)
+
+
+@pytest.mark.parametrize("interrupt", [None, {}])
+def test_litter_in_local_data(interrupt):
+    """Temporaries that nobody wrote hold something on request, in both forms of a block; otherwise zero."""
+    case = {
+        "temp": "w : Word; r : Real; f : Bool; s : Struct a : Word; b : Word; END_STRUCT;",
+        "vars": "a : Word; b : Real; c : Bool; d : Word;",
+        "code": "#a := #w; #b := #r; #c := #f; #s.a := 1; #d := #s.b;",
+    }
+    names = ("a", "b", "c", "d")
+    dirty, clean = Cpu(load(case, litter=True)), Cpu(load(case))
+    dirty.run("Test_DB", interrupt=interrupt)
+    clean.run("Test_DB", interrupt=interrupt)
+    assert all(dirty[f"Test_DB.{name}"] for name in names)
+    assert not any(clean[f"Test_DB.{name}"] for name in names)
