@@ -46,5 +46,6 @@ def test_the_wheel_holds_what_it_needs_and_nothing_else(unpacked: Path) -> None:
     """Type marker, licence, templates, specs; no tests, no examples."""
     files = {p.relative_to(unpacked).as_posix() for p in unpacked.rglob("*") if p.is_file()}
     assert {"plcgen/py.typed", "plcgen/_templates/ds47/job.scl.j2", "plcgen/_specs/devices/sinamics-dcm.yaml"} <= files
+    assert "plcgen/_specs/cpus/s7.yaml" in files
     assert any(name.endswith("LICENSE") for name in files)
     assert not any(name.startswith(("tests/", "examples/", "bench/")) for name in files)

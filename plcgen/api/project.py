@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -13,8 +13,14 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plcgen.project.nouns import Project
+    from plcgen.project.target import Target
     from plcgen.proof.checks import Verification
+    from plcgen.review.memory.fit import ProgramSize
     from plcgen.trace.model import Trace
+
+MAX_SIZED = 16 * 1024 * 1024
+"""Larger sources are not estimated: it would take longer than making them."""
+SOURCE_SUFFIXES = (".scl", ".udt", ".db")
 
 Progress = Callable[[str, int, int], None]
 """Called as ``progress(what, done, total)`` during long work."""
@@ -45,11 +51,29 @@ class GenerateResult:
     removed: tuple[str, ...]
     diff: str
     diagnostics: tuple[Diagnostic, ...]
+    target: Target | None = None
 
     @property
     def ok(self) -> bool:
         """Whether no diagnostic is an error."""
         return not any(d.severity.label == "error" for d in self.diagnostics)
+
+    def size(self) -> ProgramSize | None:
+        """What the files in the folder take of the PLC; None if there are none, or more than 16 MB of sources."""
+        from plcgen.review.memory.estimate import estimate
+        from plcgen.review.memory.fit import ProgramSize
+        from plcgen.sources.blocks import read_sources
+        from plcgen.sources.generated import generated_sources
+
+        target = self.target
+        if target is None or not self.folder.is_dir():
+            return None
+        paths = generated_sources(self.folder)
+        if not paths or sum(path.stat().st_size for path in paths) > MAX_SIZED:
+            return None
+        symbols = [path for path in (self.folder / "symbols.sdf",) if path.is_file()]
+        sources = read_sources([*paths, *symbols], classic=target.classic)
+        return ProgramSize(estimate(sources, target.dialect), target.cpu)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,12 +100,51 @@ class EncodeResult:
 
 
 def check(spec: Path | str) -> CheckResult:
-    """Read, validate and plan a spec and apply every rule to it."""
+    """Read, validate and plan a spec and apply every rule to it.
+
+    If it names a CPU, its blocks are made, though not written: what does not fit the CPU is a warning.
+    """
+    found = _planned(spec)
+    project = found.project
+    if (
+        project is None
+        or project.target.cpu is None
+        or not found.ok
+        or any(d.code == "PG411" for d in found.diagnostics)
+    ):
+        return found
+    report = Report([*found.diagnostics, *_misfits(project)])
+    return replace(found, diagnostics=tuple(report))
+
+
+def _planned(spec: Path | str) -> CheckResult:
     from plcgen.project.opening import open_spec
 
     path = Path(spec)
     opened = open_spec(path)
     return CheckResult(path, opened.project, opened.diagnostics)
+
+
+def _misfits(project: Project) -> tuple[Diagnostic, ...]:
+    """What of the project's blocks does not fit its CPU, by an estimate of their texts."""
+    from plcgen.documents.engine import emit
+    from plcgen.documents.environment import render_all
+    from plcgen.review.memory.estimate import estimate
+    from plcgen.review.memory.fit import ProgramSize
+    from plcgen.sources.blocks import read_texts
+    from plcgen.sources.text import decode
+
+    texts: list[tuple[str, str]] = []
+    length = 0
+    documents = (replace(document, twins=None) for document in emit(project) if document.path.endswith(SOURCE_SUFFIXES))
+    for file in render_all(documents):
+        length += len(file.data)
+        text = decode(file.data, file.path)
+        if length > MAX_SIZED or not isinstance(text, str):
+            return ()
+        texts.append((file.path, text))
+    size = ProgramSize(estimate(read_texts(texts), project.target.dialect), project.target.cpu)
+    return tuple(size.misfits(project.loaded.span(("plc", "cpu"))))
 
 
 def default_folder(spec: Path) -> Path:
@@ -136,7 +199,16 @@ def generate(
                 report.add(Diagnostic("PG505", note, Span(str(target)), Severity.NOTE))
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
-    return GenerateResult(checked.spec, target, tuple(written), tuple(unchanged), tuple(removed), diff, tuple(report))
+    return GenerateResult(
+        checked.spec,
+        target,
+        tuple(written),
+        tuple(unchanged),
+        tuple(removed),
+        diff,
+        tuple(report),
+        checked.project.target,
+    )
 
 
 def verify(
@@ -190,7 +262,7 @@ def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
     """Return the requests of all jobs of a spec, or of one job, with their start values."""
     from plcgen.diagnostics.suggest import did_you_mean
 
-    checked = check(spec)
+    checked = _planned(spec)
     if checked.project is None or not checked.ok:
         return EncodeResult((), checked.diagnostics)
     jobs = [planned for planned in checked.project.jobs if job in {None, planned.key}]

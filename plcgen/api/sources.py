@@ -103,24 +103,31 @@ def convert(
     culture: str = "en-US",
     encoding: str | None = None,
     force: bool = False,
+    keep_going: bool = False,
 ) -> ConvertResult:
     """Write the blocks of sources (files or folders) as SCL text or as SimaticML, one file per block.
 
     ``version`` is the TIA Portal version of the documents (``V14 SP1``, ``V15`` .. ``V21``), ``culture`` the language
-    of their comments, ``encoding`` the code page of ANSI sources. Nothing is written if something is wrong, or if a
-    file exists and ``force`` is not given.
+    of their comments, ``encoding`` the code page of ANSI sources. Nothing is written if something is wrong, unless
+    ``keep_going`` says to leave that out, or if a file exists and ``force`` is not given.
     """
     from plcgen.documents.convert import convert as run
     from plcgen.documents.writing import add_files
 
     found = run(
-        [Path(path) for path in paths], to, version=version, classic=classic, culture=culture, encoding=encoding
+        [Path(path) for path in paths],
+        to,
+        version=version,
+        classic=classic,
+        culture=culture,
+        encoding=encoding,
+        keep_going=keep_going,
     )
     report = Report()
     report.extend(found.diagnostics)
     written: tuple[str, ...] = ()
     unchanged: tuple[str, ...] = ()
-    if found.ok:
+    if found.files:
         try:
             done = add_files(found.files, Path(out), force=force)
             written, unchanged = done.written, done.unchanged

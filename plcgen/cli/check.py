@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from plcgen.output.registry import OutputFormat
 
 TARGETS = ("v5", "tia-300", "tia-1500")
+IEC_CHECKS = ("on", "off", "as-stated")
 Subject = tuple[str, Sequence["Diagnostic"]]
 
 
@@ -39,6 +40,14 @@ Subject = tuple[str, Sequence["Diagnostic"]]
 @click.option(
     "--tags", type=PATH, multiple=True, metavar="FILE", help="With --program: symbols as SDF, CSV or tag table XML."
 )
+@click.option(
+    "--iec-check",
+    type=click.Choice(IEC_CHECKS),
+    metavar="WHEN",
+    help="With --program: IEC check of the blocks, on, off or as-stated: that of the tool, on for tia-1500, off for "
+    "tia-300.  [default: as-stated]",
+)
+@click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")
 @format_option("findings")
 @output_option
 def command(
@@ -47,6 +56,8 @@ def command(
     target: str | None,
     program: bool,
     tags: tuple[Path, ...],
+    iec_check: str | None,
+    encoding: str | None,
     format_: OutputFormat,
     output: Path | None,
 ) -> int:
@@ -63,15 +74,16 @@ def command(
     specs, sources = _sorted(paths)
     if program and not sources:
         raise click.UsageError("--program needs PLC sources (.scl .udt .db)")
-    if tags and not program:
-        raise click.UsageError("--tags belongs to --program")
+    for option, given in (("--tags", tags), ("--iec-check", iec_check)):
+        if given and not program:
+            raise click.UsageError(f"{option} belongs to --program")
     subjects: list[Subject] = _specs(specs)
     blocks = 0
     if program and target is not None:
-        found_sources, blocks = _program(sources, target, tags)
+        found_sources, blocks = _program(sources, target, tags, iec_check, encoding)
         subjects += found_sources
     elif sources:
-        found_sources, blocks = _files(sources, target, out)
+        found_sources, blocks = _files(sources, target, encoding, out)
         subjects += found_sources
     found = Findings("check", subjects, {"specs": [subject for subject, _ in subjects]})
     if format_.name != "text" or found.diagnostics or output is not None:
@@ -111,7 +123,7 @@ def _specs(specs: list[Path]) -> list[Subject]:
     return [(result.spec.as_posix(), result.diagnostics) for result in map(api.check, specs)]
 
 
-def _files(sources: list[Path], target: str | None, out: Console) -> tuple[list[Subject], int]:
+def _files(sources: list[Path], target: str | None, encoding: str | None, out: Console) -> tuple[list[Subject], int]:
     """Every source on its own, blocks that are declared twice, and the number of blocks in all of them."""
     from plcgen.cpu.sources import check_source, repeated_blocks
     from plcgen.scl.dialect import BY_NAME
@@ -119,7 +131,7 @@ def _files(sources: list[Path], target: str | None, out: Console) -> tuple[list[
     checks = []
     with out.progress() as progress:
         for number, path in enumerate(sources, 1):
-            checks.append(check_source(path, BY_NAME[target] if target else None))
+            checks.append(check_source(path, BY_NAME[target] if target else None, encoding=encoding))
             if progress is not None:
                 progress(path.name, number, len(sources))
     again: dict[Path, list[Diagnostic]] = {}
@@ -131,16 +143,20 @@ def _files(sources: list[Path], target: str | None, out: Console) -> tuple[list[
     return subjects, sum(c.blocks for c in checks)
 
 
-def _program(sources: list[Path], target: str, tags: tuple[Path, ...]) -> tuple[list[Subject], int]:
+def _program(
+    sources: list[Path], target: str, tags: tuple[Path, ...], iec_check: str | None, encoding: str | None
+) -> tuple[list[Subject], int]:
     """All sources together; what has no place belongs to the first one."""
     from plcgen.cpu.folder import Tags, read_tag_file
     from plcgen.cpu.sources import check_program
+    from plcgen.cpu.type_rules import IecCheck
     from plcgen.scl.dialect import BY_NAME
 
     known: Tags = {}
     for path in tags:
         known |= read_tag_file(path)
-    result = check_program(sources, BY_NAME[target], known)
+    check = IecCheck(iec_check or IecCheck.AS_STATED)
+    result = check_program(sources, BY_NAME[target], known, iec_check=check, encoding=encoding)
     by_file: dict[str, list[Diagnostic]] = {str(path): [] for path in sources}
     for diagnostic in result.diagnostics:
         by_file.setdefault(diagnostic.span.file or str(sources[0]), []).append(diagnostic)

@@ -38,6 +38,7 @@ VERSIONS = ("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21")
 @click.option("--classic", is_flag=True, help="The blocks are for S7-300/400.")
 @click.option("--culture", default="en-US", show_default=True, metavar="TAG", help="Language of comments in documents.")
 @click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")
+@click.option("--keep-going", is_flag=True, help="Leave out what cannot be read or converted, and do the rest.")
 @click.option("--force", is_flag=True, help="Overwrite files that exist.")
 @format_option("findings")
 def command(*, paths: tuple[Path, ...], folder: Path, culture: str, format_: OutputFormat, **options: Any) -> int:
@@ -45,7 +46,8 @@ def command(*, paths: tuple[Path, ...], folder: Path, culture: str, format_: Out
 
     One file per block, named after it; comments and layout of the code are kept. Name the sources of all types
     and function blocks together: an instance DB needs its function block. Networks in LAD, FBD or STL have no
-    SCL: their blocks are left out with a message. All files are written or none.
+    SCL: their blocks are left out with a message. All files are written or none; with --keep-going those that can
+    be, and the exit code is 1 if something was left out.
     """
     from plcgen import api
 
@@ -73,7 +75,7 @@ def _is_culture(text: str) -> bool:
 
 
 def _summary(result: ConvertResult) -> str:
-    if not result.ok:
+    if not result.ok and not result.written and not result.unchanged:
         return "nothing was written"
     count = len(result.written)
     text = f"{result.folder}: {count} file{'' if count == 1 else 's'} written"

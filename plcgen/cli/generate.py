@@ -81,6 +81,9 @@ def _show(out: Console, result: GenerateResult, *, looking: bool) -> None:
         parts += [f"{len(result.unchanged)} unchanged"] if result.unchanged else []
         parts += [f"{len(result.removed)} removed"] if result.removed else []
         out.say(f"{result.folder}: {', '.join(parts) or 'nothing to do'}")
+        size = None if out.quiet else result.size()
+        if size is not None:
+            out.say(size.text())
 
 
 def _stale(result: GenerateResult, stale: list[Diagnostic]) -> None:
@@ -97,6 +100,7 @@ def _machine(out: Console, result: GenerateResult, format_: OutputFormat) -> Non
     from plcgen.display.results import Findings
 
     spec = result.spec.as_posix()
+    size = result.size() if result.ok else None
     more = {
         "specs": [spec],
         "folder": result.folder.as_posix(),
@@ -104,5 +108,6 @@ def _machine(out: Console, result: GenerateResult, format_: OutputFormat) -> Non
         "unchanged": list(result.unchanged),
         "removed": list(result.removed),
         "diff": result.diff,
+        "size": None if size is None else size.data(),
     }
     out.show(format_, "findings", Findings("generate", [(spec, result.diagnostics)], more))

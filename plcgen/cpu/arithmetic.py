@@ -93,8 +93,11 @@ def ror(value: int, count: int, bits: int) -> int:
     return rol(value, bits - count % bits, bits)
 
 
-def limit(low: Any, value: Any, high: Any) -> Any:
-    """LIMIT(MN, IN, MX)."""
+def limit(enable: list[bool], low: Any, value: Any, high: Any) -> Any:
+    """LIMIT(MN, IN, MX); limits that contradict each other leave IN as it is and reset ENO."""
+    if low > high:
+        enable[0] = False
+        return value
     return low if value < low else min(value, high)
 
 
@@ -205,7 +208,7 @@ def functions() -> dict[str, Callable[..., Any]]:
         "acos": math.acos, "atan": math.atan, "frac": lambda x: math.modf(x)[0],
     }  # fmt: skip
     texts: dict[str, Callable[..., Any]] = {
-        "len": len, "concat": lambda a, b: a + b, "left": _left, "right": _right, "mid": _mid,
+        "len": len, "concat": lambda *parts: "".join(parts), "left": _left, "right": _right, "mid": _mid,
         "find": lambda a, b: a.find(b) + 1, "delete": _delete, "insert": _insert, "replace": _replace,
     }  # fmt: skip
     found: dict[str, Callable[..., Any]] = {f"m_{name}": _real(function) for name, function in reals.items()}

@@ -15,6 +15,7 @@ from plcgen.cpu.linkage import Compiled, Probe, ProgramBlock
 from plcgen.cpu.memory import Memory, codec_functions
 from plcgen.cpu.preemption import Passage, Plan, Preemption
 from plcgen.cpu.program import Program
+from plcgen.cpu.retention import restart_block
 from plcgen.cpu.symbols import Symbols
 from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.clock import SystemClock
@@ -52,8 +53,8 @@ class Cpu:
     """One CPU with a program.
 
     ``family`` decides how many record jobs run at once (``job_limit`` overrides it, a number counts each of WRREC and
-    RDREC); ``loop_limit`` is how many passes all loops of one scan may take together. ``misuses`` collects what went
-    wrong, ``clock`` is in ms.
+    RDREC); ``loop_limit`` is how many passes of loops and calls of blocks one scan may take. ``misuses`` collects what
+    went wrong, ``clock`` is in ms.
     """
 
     def __init__(
@@ -77,18 +78,18 @@ class Cpu:
         self.time = SystemClock()
         self._clock = self.time.cell
         places = RecordPlaces(each=job_limit) if isinstance(job_limit, int) else job_limit or PLACES[self.family]
-        self.records = RecordJobs(self.bus, self._clock, places, idle_needs_place=self.family == "s7-1500")
+        self._eno = [True]
+        self.records = RecordJobs(self.bus, self._clock, self._eno, places, idle_needs_place=self.family == "s7-1500")
         self._passes = [0, loop_limit]
         self.coverage = [0] * len(program.probes)
         self._compiled: dict[str, Compiled] = {}
         self.areas = {area: Memory(AREA_SIZE, area) for area in "IQMP"}
-        self._blocks: dict[int, Memory] = {}
+        self.blocks: dict[int, Memory] = {}
         self._numbers: dict[int, Memory] = {}
         self._moves = MemoryMoves(self._locate, self._report)
         self._records: list[RecordBlock | PortBlock] = []
         self._make_memory()
-        self.symbols = Symbols(program.link, self._blocks, self.areas)
-        self._eno = [True]
+        self.symbols = Symbols(program.link, self.blocks, self.areas)
         self.preemption = Preemption(program.link.points, self._start, self._eno)
         self._names = self._namespace()
         self._load(program.compiled)
@@ -104,11 +105,11 @@ class Cpu:
             if content is not None and entry.block.kind is BlockKind.DB:
                 optimized = self.program.link.optimized(entry)
                 memory = Memory(content, "DB", entry.number or 0, entry.name, optimized=optimized)
-                self._blocks[entry.index] = memory
+                self.blocks[entry.index] = memory
                 if entry.number:
                     self._numbers[entry.number] = memory
         free = 60000
-        for memory in self._blocks.values():
+        for memory in self.blocks.values():
             if not memory.number:
                 memory.number = free
                 self._numbers[free] = memory
@@ -120,10 +121,11 @@ class Cpu:
             names[name.__name__] = name
         names |= codec_functions() | arithmetic.functions() | self._moves.functions()
         names |= self.areas
-        names |= {f"d{index}": memory for index, memory in self._blocks.items()}
+        names |= {f"d{index}": memory for index, memory in self.blocks.items()}
         names |= {
             "T": self._clock,
             "rd_sys_t": self.time.read_dtl,
+            "ob_info": self.time.start_information,
             "W": self._passes,
             "E": self._eno,
             "H": self.coverage,
@@ -164,11 +166,13 @@ class Cpu:
 
     @property
     def clock(self) -> int:
-        """Milliseconds since the CPU was switched on."""
+        """Milliseconds since the CPU was switched on. Set back, it is TIME_TCK too, as after a restart."""
         return self._clock[0]
 
     @clock.setter
     def clock(self, milliseconds: int) -> None:
+        if milliseconds < self._clock[0]:
+            self._clock[1] = 0
         self._clock[0] = milliseconds
 
     def scan(self, milliseconds: int = 10, count: int = 1) -> None:
@@ -224,15 +228,15 @@ class Cpu:
         block = self.program.link.find(self.program.link.instance_type(entry) or "?")
         if block is None:
             raise UnknownPathError(f"{name} is no instance of a block of the program")
-        return block, (self._blocks[entry.index],)
+        return block, (self.blocks[entry.index],)
 
     def _next(self, milliseconds: int) -> None:
         self.scans += 1
-        self._clock[0] += milliseconds
+        self.time.pass_time(milliseconds)
         if milliseconds:
             self.bus.advance(milliseconds)
         self.records.advance()
-        self._passes[0] = self.preemption.delays = 0
+        self._passes[0] = self.preemption.delays = self._moves.moved = 0
         for block in self._records:
             block.scan = self.scans
 
@@ -249,23 +253,36 @@ class Cpu:
         except RecursionError as fault:
             self._keep("PG826", "the calls are nested too deeply", fault.__traceback__)
 
-    def restart(self, kind: Literal["cold", "warm"] = "warm") -> None:
-        """Start again: record jobs are dropped, the start-up OB runs once.
+    def restart(self, kind: Literal["cold", "warm"] = "warm", *, keep_ticks: bool = False) -> None:
+        """Start again: record jobs are dropped, TIME_TCK begins at 0, the start-up OB runs once.
 
-        A cold restart resets every data block to its start values, a warm one only those that are NON_RETAIN;
-        inputs, outputs and flags are cleared.
+        A cold restart resets every data block to its start values, a warm one only what is not retentive: in STEP 7 V5
+        all values stay. Inputs, outputs and flags are cleared. ``keep_ticks`` lets TIME_TCK go on, as only the restart
+        of an S7-400 does that is neither cold nor warm.
         """
+        self.time.restart(cold=kind == "cold", keep_ticks=keep_ticks or not self._started)
         self._started = True
         for entry in self.program.link.blocks.values():
-            memory = self._blocks.get(entry.index)
-            if memory is not None and (kind == "cold" or entry.block.non_retain):
+            memory = self.blocks.get(entry.index)
+            if memory is not None and kind == "cold":
                 memory[:] = self.program.images[entry.index]
+            elif memory is not None:
+                restart_block(memory, self.program.images[entry.index], entry, self.program.link)
         for memory in self.areas.values():
             memory[:] = bytes(AREA_SIZE)
         self.drop_records()
         if self._start_up is not None:
-            self._passes[0] = 0
+            self._passes[0] = self._moves.moved = 0
             self._run(self._start_up, ())
+
+    def download(self, *names: str) -> None:
+        """Load data blocks again, all at once: start values; record jobs of instances in them go on without them."""
+        blocks = [self.db(name) for name in names]
+        entries = [self.program.link.find(name) for name in names]
+        for memory, entry in zip(blocks, entries, strict=True):
+            if entry is not None:
+                memory[:] = self.program.images[entry.index]
+                self.records.abandon(memory)
 
     def drop_records(self) -> None:
         """Forget the record jobs that run, as after a failure of the bus: their blocks are neither busy nor done."""
@@ -297,9 +314,9 @@ class Cpu:
         if isinstance(which, int):
             return self._numbers[which]
         entry = self.program.link.find(which)
-        if entry is None or entry.index not in self._blocks:
+        if entry is None or entry.index not in self.blocks:
             raise UnknownPathError(f"there is no data block {which}")
-        return self._blocks[entry.index]
+        return self.blocks[entry.index]
 
     @property
     def jobs(self) -> int:
@@ -346,7 +363,7 @@ class Cpu:
             self.misuses.append(misuse)
 
     def _late(self) -> None:
-        raise AccessFaultError("PG835", f"the loops of one scan took more than {self._passes[1]} passes")
+        raise AccessFaultError("PG835", f"one scan took more than {self._passes[1]} passes of loops and calls")
 
     def _status_read(self, memory: Memory, offset: int) -> None:
         for block in self._records:

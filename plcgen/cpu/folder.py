@@ -21,6 +21,7 @@ def load_folder(
     dialect: Dialect,
     *,
     coverage: bool = False,
+    litter: bool = False,
     constants: Mapping[str, int] | None = None,
     more: Iterable[Source] = (),
 ) -> Program:
@@ -46,7 +47,9 @@ def load_folder(
         for block in read_simaticml(document, classic=classic)[0]:
             if block.kind is BlockKind.DB and block.number is not None:
                 numbers[block.name] = block.number
-    return Program.load(sources, dialect, tags=tags, numbers=numbers, constants=constants, coverage=coverage)
+    return Program.load(
+        sources, dialect, tags=tags, numbers=numbers, constants=constants, coverage=coverage, litter=litter
+    )
 
 
 def read_tag_file(path: Path | str) -> Tags:

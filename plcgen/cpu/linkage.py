@@ -7,15 +7,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import CodeType
 
+from plcgen.cpu.type_rules import IecCheck, TypeRules
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import Shape
+from plcgen.s7.types import NamedType
 from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult
 
 _NUMBERED = re.compile(r"(?:DB|FB|FC|OB|SFB|SFC|UDT)[0-9]{1,5}", re.ASCII)
+ENO = re.compile(r"\b(?:ENO|OK)\b", re.IGNORECASE)
+"""A word for the enable output of a block."""
 
 
 @dataclass(slots=True)
@@ -33,6 +37,11 @@ class ProgramBlock:
     def name(self) -> str:
         """Name as declared."""
         return self.block.name
+
+    @property
+    def skipped(self) -> bool:
+        """Whether it has code that was not read, as that of a statement list."""
+        return self.unit.code[0] < 0 and self.block.kind in {BlockKind.FB, BlockKind.FC, BlockKind.OB}
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,9 +73,14 @@ class Compiled:
 class Linkage:
     """Names of a program; keys are upper case.
 
-    ``constants`` are system constants of the project, hardware identifiers by name. ``mixed``: blocks with standard and
-    with optimised access meet. ``probes`` grows while blocks are compiled for coverage, ``points`` while they are
-    compiled for preemption; the preemptive form of a block counts with the ``counters`` of the plain one.
+    ``constants`` are system constants of the project, hardware identifiers by name.
+    ``mixed``: blocks with standard and with optimised access meet. ``eno``: some block speaks of ENO or OK. ``litter``:
+    local data holds garbage at the start of a call. ``probes`` grows while blocks are compiled for coverage, ``points``
+    while they are compiled for preemption; the preemptive form counts with the ``counters`` of the plain one.
+
+    ``opaque`` are the types that nobody declares: they are reported once, and nothing is said about what they hold.
+    ``unknown`` are the names that were reported as unknown, with the code; ``guessed_bounds`` says that an array has a
+    bound whose value stands elsewhere: then one of a single element may have more.
     """
 
     dialect: Dialect
@@ -77,20 +91,41 @@ class Linkage:
     aliases: dict[str, str] = field(default_factory=dict)
     instance_regions: set[str] = field(default_factory=set)
     mixed: bool = False
+    eno: bool = False
     coverage: bool = False
+    litter: bool = False
     probes: list[Probe] = field(default_factory=list)
     points: list[Probe] = field(default_factory=list)
     counters: dict[tuple[Probe, bool], int] = field(default_factory=dict)
+    iec_check: IecCheck = IecCheck.AS_STATED
+    opaque: set[str] = field(default_factory=set)
+    unknown: set[tuple[str, str]] = field(default_factory=set)
+    guessed_bounds: bool = False
 
     @property
     def classic(self) -> bool:
         """Whether the target is an S7-300/400."""
         return self.dialect is not Dialect.TIA_1200_1500
 
+    def rules(self) -> TypeRules:
+        """What the blocks of the program may mix."""
+        return TypeRules.of(self.dialect, self.iec_check)
+
+    def is_opaque(self, shape: Shape) -> bool:
+        """Whether nobody knows what a variable of this shape holds."""
+        return isinstance(shape.type, NamedType) and shape.type.name.upper() in self.opaque
+
     def find(self, name: str) -> ProgramBlock | None:
         """Return a block by its name or by its number, such as DB3."""
         upper = name.upper().lstrip("%")
         return self.blocks.get(upper) or self.blocks.get(self.aliases.get(upper, ""))
+
+    def ob_number(self, block: ProgramBlock) -> int:
+        """Number of an organization block, from its name, its symbol, or what Main and Startup are; else 0."""
+        name = block.name.upper()
+        known = [alias for alias, found in self.aliases.items() if found == name and alias.startswith("OB")]
+        text = next(iter(known), {"MAIN": "OB1", "STARTUP": "OB100"}.get(name, name))
+        return block.number or (int(text[2:]) if text.startswith("OB") and text[2:].isdecimal() else 0)
 
     def data_block(self, number: int) -> ProgramBlock | None:
         """Return the data block with a number."""

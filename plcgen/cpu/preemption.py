@@ -3,7 +3,8 @@
 A block that runs with a plan is compiled a second time, with points: before every statement and condition, before every
 further read of a variable that others can write, between the evaluation of a value and its store, between the inputs of
 a system block and its execution, between the end of a call and its outputs, and in the middle of every copy of a
-structure. A CPU may be interrupted between any two instructions; nothing shared is read or written between two points.
+structure. A CPU may be interrupted between any two instructions. Here at most one variable that others can write is
+read or written between two points; statics of the own instance and local data count as private when they are read.
 """
 
 from __future__ import annotations

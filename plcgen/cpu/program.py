@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from plcgen.cpu.compiler.block import compile_block
-from plcgen.cpu.linkage import Compiled, Linkage, Probe, ProgramBlock
+from plcgen.cpu.linkage import ENO, Compiled, Linkage, Probe, ProgramBlock
+from plcgen.cpu.start_values import with_constants
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.input.files import read_bounded
+from plcgen.cpu.type_rules import IecCheck
+from plcgen.cpu.unknown_types import add_unknown_types
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block
 from plcgen.s7.shapes import TypeTable
+from plcgen.s7.types import NamedType
 from plcgen.scl.declarations import blocks as declared_blocks
 from plcgen.scl.declarations import recursive_types
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import parse
-from plcgen.sources.text import MAX_BYTES, decode
+from plcgen.sources.text import has_bodies, load_text
 
 Source = Path | str | tuple[str, str]
 """A file, a text with line breaks, or (file name, text)."""
@@ -27,6 +31,7 @@ Source = Path | str | tuple[str, str]
 MAX_PROGRAM_BYTES = 4 * 1024 * 1024
 """Largest data block the soft CPU holds."""
 
+_ONE_ELEMENT = re.compile(r"index -?\d+ is outside (-?\d+)\.\.\1$")
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
 
 
@@ -67,17 +72,21 @@ class Program:
         numbers: Mapping[str, int] | None = None,
         constants: Mapping[str, int] | None = None,
         coverage: bool = False,
+        litter: bool = False,
+        iec_check: IecCheck = IecCheck.AS_STATED,
+        encoding: str | None = None,
     ) -> Program:
         """Read, check and compile sources in any order.
 
         ``tags`` maps names to addresses (``M50.0``, or with a type ``("MW22", "INT")``), or block symbols to
-        numbers (``DB 471``); ``numbers`` maps names of data blocks to their numbers, ``constants`` names
-        of system constants to theirs. ``coverage`` counts statements and branches.
+        numbers (``DB 471``); ``numbers`` maps names of data blocks to their numbers, ``constants`` names of system
+        constants to theirs. ``coverage`` counts statements and branches; with ``litter`` local data holds garbage at
+        the start of a call. ``encoding`` names the code page of ANSI files.
         """
-        program = cls(Linkage(dialect, coverage=coverage))
+        program = cls(Linkage(dialect, coverage=coverage, litter=litter, iec_check=iec_check))
         program.link.constants = {name.upper(): number for name, number in (constants or {}).items()}
         for source in sources:
-            program.read(source)
+            program.read(source, encoding)
         for name in program.link.add_tags(tags or {}):
             program.report("PG820", f"the address of the tag {name} makes no sense")
         for name, number in (numbers or {}).items():
@@ -95,17 +104,23 @@ class Program:
 
     # --- reading --------------------------------------------------------------------------------------
 
-    def read(self, source: Source) -> None:
-        """Parse one source and keep its blocks."""
-        found = self.text_of(source)
+    def read(self, source: Source, encoding: str | None = None) -> None:
+        """Parse one source and keep its blocks; of a statement list the code is skipped."""
+        found = self.text_of(source, encoding)
         if found is None:
             return
         file, text = found
-        result = parse(text, file, self.link.dialect)
+        result = parse(text, file, self.link.dialect, bodies=has_bodies(file))
         self.diagnostics += result.diagnostics
         declared, problems = declared_blocks(result, self.link.dialect)
         self.diagnostics += problems
-        for unit, block in zip(result.units, declared, strict=True):
+        link = self.link
+        link.guessed_bounds = link.guessed_bounds or any(
+            problem.code == "PG806" and problem.severity is Severity.WARNING for problem in problems
+        )
+        for unit, written in zip(result.units, declared, strict=True):
+            block, elsewhere = with_constants(written)
+            self.diagnostics += elsewhere
             key = block.name.upper()
             if key in self.link.blocks:
                 self.report("PG805", f"{block.name} is declared twice", block.span, "delete one of the two")
@@ -113,27 +128,17 @@ class Program:
             number = block.number
             self.link.blocks[key] = ProgramBlock(len(self.link.blocks), unit, block, result, number=number)
 
-    def text_of(self, source: Source) -> tuple[str, str] | None:
+    def text_of(self, source: Source, encoding: str | None = None) -> tuple[str, str] | None:
         """File name and text of a source."""
         if isinstance(source, tuple):
             return source
         if isinstance(source, str) and "\n" in source:
             return "<text>", source
-        path = Path(source)
-        try:
-            data = read_bounded(path, MAX_BYTES)
-        except OSError as error:
-            reason = error.strerror or type(error).__name__
-            self.report("PG804", f"the file cannot be read: {reason}", Span(str(path)))
+        loaded = load_text(source, encoding=encoding)
+        if isinstance(loaded, Diagnostic):
+            self.diagnostics.append(loaded)
             return None
-        if len(data) > MAX_BYTES:
-            self.report("PG802", f"the file has more than {MAX_BYTES} bytes", Span(str(path)))
-            return None
-        text = decode(data, str(path))
-        if isinstance(text, Diagnostic):
-            self.diagnostics.append(text)
-            return None
-        return str(path), text
+        return str(source), loaded[0]
 
     # --- layout ---------------------------------------------------------------------------------------
 
@@ -145,6 +150,7 @@ class Program:
         for number, name in link.aliases.items():
             if name in link.blocks and link.blocks[name].block.kind in {BlockKind.UDT, BlockKind.FB}:
                 link.types[number] = link.blocks[name].block
+        self.diagnostics += add_unknown_types(link)
         circles = list(recursive_types(entry.block for entry in link.blocks.values()))
         self.diagnostics += circles
         self.circles = bool(circles)
@@ -156,6 +162,8 @@ class Program:
             aliased = link.blocks.get(name)
             if aliased is not None and number.startswith("DB") and number[2:].isdigit():
                 aliased.number = int(number[2:])
+        texts = {id(entry.result): entry.result.tokens.source for entry in link.blocks.values()}
+        link.eno = any(ENO.search(text) for text in texts.values())
         link.mixed = len({link.optimized(e) for e in link.blocks.values() if e.block.kind is not BlockKind.UDT}) > 1
         for entry in link.blocks.values():
             if entry.block.kind is BlockKind.DB and entry.block.instance_of and link.instance_type(entry):
@@ -166,12 +174,18 @@ class Program:
         block = entry.block
         try:
             entry.shape = layout_block(block, types, MAX_PROGRAM_BYTES).shape
-            if block.kind is BlockKind.DB:
+            if block.instance_of is not None and block.instance_of.upper() in self.link.opaque:
+                entry.shape = replace(entry.shape, type=NamedType(block.instance_of))
+            opaque = isinstance(entry.shape.type, NamedType)
+            if block.kind is BlockKind.DB and not opaque:
                 self.images[entry.index] = bytes(image(block, types))
         except DiagnosticError as problem:
             self.diagnostics += (d for d in problem.diagnostics if d.code != "PG807" or not self.circles)
         except StartValueError as problem:
-            self.report("PG824", str(problem), problem.span or block.span)
+            if self.link.guessed_bounds and _ONE_ELEMENT.search(str(problem)):
+                self.report("PG827", str(problem), problem.span or block.span)
+            else:
+                self.report("PG824", str(problem), problem.span or block.span)
             if entry.shape is not None:
                 self.images[entry.index] = bytes(entry.shape.bits // 8)
 
@@ -181,14 +195,17 @@ class Program:
         """Compile every code block; those with multi-instances twice."""
         moving = False
         for entry in self.link.blocks.values():
-            if entry.block.kind in _CODE and (entry.shape is not None or entry.block.kind is not BlockKind.FB):
+            if entry.skipped:
+                message = f"the code of {entry.name} is a statement list: the soft CPU does not execute it"
+                self.report("PG827", message, entry.block.span)
+            elif entry.block.kind in _CODE and (entry.shape is not None or entry.block.kind is not BlockKind.FB):
                 found = compile_block(entry, self.link)
                 self.compiled.append(found)
                 self.diagnostics += found.diagnostics
                 moving = moving or found.moving
         if moving:
             for entry in self.link.blocks.values():
-                if entry.block.kind is BlockKind.FB and entry.shape is not None:
+                if entry.block.kind is BlockKind.FB and entry.shape is not None and not entry.skipped:
                     self.compiled.append(compile_block(entry, self.link, dynamic=True))
 
     def preemptive(self) -> list[Compiled]:

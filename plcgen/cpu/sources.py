@@ -8,14 +8,18 @@ from itertools import islice
 from pathlib import Path
 
 from plcgen.cpu.program import Program
+from plcgen.cpu.type_rules import IecCheck
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.input.files import read_bounded
 from plcgen.scl.dialect import Dialect
-from plcgen.sources.text import read_source
+from plcgen.sources.text import is_binary, load_text, read_source
 
 SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".st"})
 """What counts as a PLC source when a folder is searched."""
 
 MAX_FILES = 100_000
+_HEAD = 4096
+"""So many bytes of a file tell whether it is text."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,12 +38,12 @@ class SourceCheck:
         return not any(d.severity is Severity.ERROR for d in self.diagnostics)
 
 
-def check_source(path: Path | str, target: Dialect | None = None) -> SourceCheck:
+def check_source(path: Path | str, target: Dialect | None = None, *, encoding: str | None = None) -> SourceCheck:
     """Read one file (.scl .udt .db .awl): its syntax, its declarations, and what ``target`` does not compile.
 
     Without a target everything is right that one of the three compilers accepts.
     """
-    found, problems = read_source(path, target)
+    found, problems = read_source(path, target, encoding=encoding)
     declared = tuple((block.kind.value, block.name, block.span or Span(str(path))) for block in found)
     return SourceCheck((Path(path),), len(found), tuple(problems), declared)
 
@@ -58,20 +62,37 @@ def repeated_blocks(checks: Iterable[SourceCheck]) -> Iterator[tuple[Path, Diagn
 
 
 def check_program(
-    paths: Sequence[Path | str], target: Dialect, tags: Mapping[str, str | tuple[str, str]] | None = None
+    paths: Sequence[Path | str],
+    target: Dialect,
+    tags: Mapping[str, str | tuple[str, str]] | None = None,
+    *,
+    iec_check: IecCheck = IecCheck.AS_STATED,
+    encoding: str | None = None,
 ) -> SourceCheck:
     """Compile files that together are a program: names, types, calls, assignments and start values as well.
 
-    ``tags`` maps names to address and type, see ``Program.load``.
+    ``tags`` maps names to address and type, see ``Program.load``. What the soft CPU cannot execute (PG827) is no
+    mistake here: nothing is run.
     """
-    program = Program.load([Path(path) for path in paths], target, tags=tags)
-    return SourceCheck(tuple(map(Path, paths)), len(program.link.blocks), tuple(program.diagnostics))
+    program = Program.load([Path(path) for path in paths], target, tags=tags, iec_check=iec_check, encoding=encoding)
+    found = [problem for problem in program.diagnostics if problem.code != "PG827"]
+    loaded = [load_text(path, target, encoding=encoding) for path in paths]
+    refused = [problem for text in loaded if not isinstance(text, Diagnostic) for problem in text[1]]
+    return SourceCheck(tuple(map(Path, paths)), len(program.link.blocks), (*refused, *found))
 
 
 def find_sources(path: Path | str) -> list[Path]:
-    """Return the sources below a folder, sorted; a file is returned as it is."""
+    """Return the sources below a folder, sorted, without binary files of such names; a file is returned as it is."""
     path = Path(path)
     if not path.is_dir():
         return [path]
     found = (entry for entry in path.rglob("*") if entry.suffix.lower() in SUFFIXES and entry.is_file())
-    return sorted(islice(found, MAX_FILES))
+    return [entry for entry in sorted(islice(found, MAX_FILES)) if not _is_binary(entry)]
+
+
+def _is_binary(path: Path) -> bool:
+    """Whether a file such as the cross-references of a project (``XRef.db``) is no text; what cannot be read is not."""
+    try:
+        return is_binary(read_bounded(path, _HEAD)[:_HEAD])
+    except OSError:
+        return False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -14,13 +14,13 @@ from plcgen.scl.declarations import recursive_types
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.lexer import tokenize
 from plcgen.scl.parser import parse
-from plcgen.simaticml.reading.documents import read_simaticml, read_tag_table
+from plcgen.simaticml.reading.documents import read_simaticml
 from plcgen.simaticml.reading.source import KEYWORDS, SUFFIXES, source
 from plcgen.simaticml.versions import VERSIONS
 from plcgen.simaticml.writing.documents import Setting, document
 from plcgen.simaticml.writing.scope import BlockScope, is_system
 from plcgen.simaticml.writing.structured_text import elements, numbered
-from plcgen.sources.files import SourceFile, source_files
+from plcgen.sources.files import SourceFile, project_constants, source_files
 from plcgen.sources.text import read_source
 
 Target = Literal["scl", "xml"]
@@ -65,15 +65,20 @@ def convert(
     classic: bool = False,
     culture: str = "en-US",
     encoding: str | None = None,
+    keep_going: bool = False,
 ) -> Converted:
     """Convert every block of files and folders; one file per block, named after it.
 
-    ``version`` is the TIA Portal version of documents to be written, ``culture`` the language of their comments.
-    ``classic``: the blocks are for S7-300/400. ``encoding`` is the code page of ANSI sources.
+    ``keep_going``: what cannot be read or written is left out, the rest is done all the same. ``version`` is the TIA
+    Portal version of documents to be written, ``culture`` the language of their comments. ``classic``: the blocks are
+    for S7-300/400. ``encoding`` is the code page of ANSI sources.
     """
     found = Converted()
-    read, constants = _read(source_files(paths, found.diagnostics), found, classic=classic, encoding=encoding)
-    blocks = _unique(read, to, found)
+    named = list(source_files(paths, found.diagnostics))
+    constants = project_constants(named)
+    read = _read(named, constants, found, classic=classic, encoding=encoding)
+    bad = {d.span.file for d in found.diagnostics if d.severity is Severity.ERROR}
+    blocks = _unique([one for one in read if str(one.place.file) not in bad], to, found)
     found.diagnostics += recursive_types(block for block, _ in blocks)
     types = {block.name.upper(): block for block, _ in blocks}
     setting = Setting(VERSIONS[version], classic, (culture,))
@@ -83,7 +88,7 @@ def convert(
         if to == "scl":
             file = _to_text(block, place, types, found)
         else:
-            file = _to_document(block, place, types, constants, setting, found)
+            file = _to_document(block, place, types, frozenset(constants), setting, found)
         if file is None:
             continue
         first = names.setdefault(file.path.upper(), block)
@@ -93,31 +98,40 @@ def convert(
         files.append(file)
     if not blocks and found.ok:
         found.diagnostics.append(Diagnostic("PG804", "there is no block in these files", Span(str(paths[0]))))
-    found.files = files if found.ok else []
+    found.files = files if found.ok or keep_going else []
     return found
 
 
 def _read(
-    files: Iterable[SourceFile], found: Converted, *, classic: bool, encoding: str | None
-) -> tuple[list[_Read], set[str]]:
-    """Blocks with their places, and the names of the user constants in tag tables."""
+    files: Iterable[SourceFile],
+    constants: Mapping[str, int | None],
+    found: Converted,
+    *,
+    classic: bool,
+    encoding: str | None,
+) -> list[_Read]:
+    """Blocks with their places; a bound or length that nobody knows is an error: it cannot be written."""
     dialect = Dialect.TIA_300_400 if classic else Dialect.TIA_1200_1500
     read: list[_Read] = []
-    constants: set[str] = set()
     for file in files:
         if file.path.suffix.lower() in _SYMBOLS:
             continue
         if file.is_xml:
-            blocks, problems = read_simaticml(file.path, classic=classic)
-            if not blocks and not problems:
-                tables, problems = read_tag_table(file.path)
-                constants |= {constant.name for table in tables for constant in table.constants}
+            blocks, problems = read_simaticml(file.path, classic=classic, constants=constants)
+            if not blocks and file.listed and all(problem.code == "PG812" for problem in problems):
+                continue  # another kind of document that lies in the folder
+            problems = [problem for problem in problems if problem.code != "PG814"]
         else:
             blocks, problems = read_source(file.path, dialect, encoding=encoding)
             problems = [problem for problem in problems if not _about_encoding(problem)]
-        found.diagnostics += problems
+        found.diagnostics += [_without_value(problem) for problem in problems]
         read += [_Read(block, block.span or Span(str(file.path)), file.is_xml) for block in blocks]
-    return read, constants
+    return read
+
+
+def _without_value(problem: Diagnostic) -> Diagnostic:
+    unknown = problem.code == "PG806" and problem.severity is Severity.WARNING
+    return replace(problem, severity=Severity.ERROR) if unknown else problem
 
 
 def _about_encoding(problem: Diagnostic) -> bool:
@@ -179,7 +193,7 @@ def _wrong(text: str, block: Block) -> str:
 
 
 def _to_document(
-    block: Block, place: Span, types: dict[str, Block], constants: set[str], setting: Setting, found: Converted
+    block: Block, place: Span, types: dict[str, Block], constants: Iterable[str], setting: Setting, found: Converted
 ) -> RenderedFile | None:
     code = ""
     if block.kind in _CODE:
@@ -188,7 +202,15 @@ def _to_document(
             found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
             return None
         scope = BlockScope.of(block, types.values(), constants)
-        code = numbered(elements(tokenize(block.code, str(place.file)), 0, len(block.code), scope, setting))
+        unknown: dict[str, None] = {}
+        tokens = tokenize(block.code, str(place.file))
+        code = numbered(elements(tokens, 0, len(block.code), scope, setting, unknown))
+        for called in unknown:
+            message = f'{block.kind} "{block.name}" calls {called}: whether that is an FC or an instance is not known'
+            help_ = "name the source of the FC, or those of the instance and of its function block, too"
+            found.diagnostics.append(Diagnostic("PG815", message, place, Severity.ERROR, help=help_))
+        if unknown:
+            return None
     elif block.instance_of:
         block = _instance(block, place, types, found)
     text, lost = document(block, setting, code, types)

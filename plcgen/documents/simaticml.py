@@ -96,7 +96,9 @@ class SimaticMl:
 
     def _pair(self, made: FunctionBlock, text: str) -> Iterator[Document]:
         block, db = replace(read_block(text), number=made.block.number), made.instance
-        yield self._finished(made.block.name, code_document(block, self._setting), made.note)
+        called = [each for each in made.data if isinstance(each, LibraryInstance)]
+        others = tuple(Block(BlockKind.DB, each.block.name, (), instance_of=each.of.strip('"')) for each in called)
+        yield self._finished(made.block.name, code_document(block, self._setting, others), made.note)
         if db is None:
             return
         instance = Block(

@@ -36,6 +36,11 @@ def _text(value: object) -> object:
     return {"en-US": value} if isinstance(value, str) else value
 
 
+def _cpu_name(value: object) -> object:
+    """``cpu: 314`` is a name."""
+    return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
 def trigger_short(value: object) -> object:
     """Widen ``M50.0`` to ``{execute: M50.0}``."""
     return {"execute": value} if isinstance(value, str) else value
@@ -46,6 +51,9 @@ Duration = Annotated[
     BeforeValidator(_duration),
     Field(ge=1, le=3_600_000),
     WithJsonSchema({"type": "string", "pattern": r"^[0-9]{1,7}\s*(ms|s|min)$", "examples": ["200ms", "10s"]}),
+]
+CpuName = Annotated[
+    str, BeforeValidator(_cpu_name), Field(max_length=40), WithJsonSchema({"type": ["string", "integer"]})
 ]
 Text = Annotated[
     dict[str, str],
@@ -80,6 +88,7 @@ class Plc(StrictModel):
 
     name: str = Field(min_length=1, max_length=120, description="project or station name, used in headers")
     family: Family = Field(description="CPU family")
+    cpu: CpuName | None = Field(None, description="CPU type, such as 315-2DP: what does not fit it is a warning")
     toolchain: Toolchain = Field(description="engineering tool that imports the sources")
     names: Naming = Field("style", description="member names: style guide (camelCase) or FAQ 109750712")
     languages: tuple[str, ...] = Field(

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
+from plcgen.project.cpus import CpuType
 from plcgen.scl.dialect import Dialect
 
 
@@ -13,7 +14,7 @@ class Target:
     """A CPU family together with the tool that compiles for it.
 
     ``max_numbers`` holds the highest block number per kind (CPU data sheets: the largest CPU of the family);
-    ``flag_bytes`` the size of the bit memory M in bytes.
+    ``flag_bytes`` the size of the bit memory M in bytes; ``cpu`` is the CPU type if the spec names one.
     """
 
     family: str
@@ -23,6 +24,7 @@ class Target:
     xml_version: str | None
     max_numbers: dict[str, int]
     flag_bytes: int
+    cpu: CpuType | None = None
 
     @property
     def v5(self) -> bool:
@@ -55,9 +57,13 @@ _NUMBERS = {
 _FLAGS = {"s7-300": 8192, "s7-400": 16384, "s7-1200": 8192, "s7-1500": 16384}
 
 
-@cache
-def target(family: str, toolchain: str) -> Target:
+def target(family: str, toolchain: str, cpu: CpuType | None = None) -> Target:
     """Describe a target; the combination has been checked by :func:`combination_problem`."""
+    return _target(family, toolchain) if cpu is None else replace(_target(family, toolchain), cpu=cpu)
+
+
+@cache
+def _target(family: str, toolchain: str) -> Target:
     new = family in {"s7-1200", "s7-1500"}
     v5 = toolchain == "step7-v5"
     dialect = Dialect.TIA_1200_1500 if new else Dialect.STEP7_V5 if v5 else Dialect.TIA_300_400

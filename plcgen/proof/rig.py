@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,28 +17,16 @@ from plcgen.s7.image import Tree
 from plcgen.s7.layout import Layout, locate
 from plcgen.s7.types import Elementary
 
-_LOCALS = re.compile(r"^( )((?:v\d+=)+)(0|0\.0|False)$", re.MULTILINE)
-_GARBAGE = {"0": "0xA0", "0.0": "1e30", "False": "True"}
-
 
 def load_program(project: Project, folder: Path) -> Program:
-    """Compile the folder's sources, with those of the proofs, with coverage and with garbage in local data."""
+    """Compile the folder's sources, with those of the proofs, with coverage; local data holds garbage, as in a CPU."""
     proofs = [plan.protocol.proof(plan) for plan in project.plans]
     constants = {name: number for proof in proofs for name, number in proof.constants().items()}
     more = [source for proof in proofs for source in proof.stimulus()]
     dialect = project.target.dialect
-    return with_garbage(load_folder(folder, dialect, coverage=True, constants=constants, more=more))
-
-
-def with_garbage(program: Program) -> Program:
-    """Fill the local data with garbage at the start of every call. Raises DiagnosticError if the program has errors."""
+    program = load_folder(folder, dialect, coverage=True, litter=True, constants=constants, more=more)
     if not program.ok:
         raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
-    for compiled in program.compiled:
-        head, probe, body = compiled.source.partition("\n H[")
-        dirty = _LOCALS.sub(lambda found: found[1] + found[2] + _GARBAGE[found[3]], head) + probe + body
-        if compiled.code is not None and dirty != compiled.source:
-            compiled.code = compile(dirty, f"<{compiled.file}>", "exec", dont_inherit=True, optimize=1)
     return program
 
 

@@ -152,7 +152,8 @@ class Run(Generic[S]):
             self.execute = False
         elif happening is not None:
             if happening in {"cold", "warm", "reset"}:
-                self.rig.cpu.restart("cold" if happening == "cold" else "warm")
+                # what TIME_TCK does at a restart is a happening of its own ("reset")
+                self.rig.cpu.restart("cold" if happening == "cold" else "warm", keep_ticks=happening == "warm")
                 self.fresh = not self.signals()[0]
                 self.outputs = self.conduct.outputs()
             self.conduct.happen(self, happening)

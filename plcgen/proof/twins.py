@@ -23,8 +23,8 @@ def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
     problems: list[Diagnostic] = []
     tokens = blocks = 0
     for name, block in folder.text.items():
-        if block.kind not in _CODE and not block.instance_of:
-            continue
+        if block.kind not in _CODE and (block.instance_of or "").upper() not in folder.text:
+            continue  # instances of blocks that the compiler brings have no document
         blocks += 1
         other = folder.xml.get(name)
         if other is None:

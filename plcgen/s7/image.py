@@ -158,7 +158,8 @@ def _store(memory: bytearray, shape: Shape, offset: int, items: tuple[InitialIte
     """Write an initialiser at a place; an empty value keeps what is there."""
     if isinstance(shape.type, Elementary | StringType):
         if len(items) != 1 or items[0].name or items[0].count != 1 or not isinstance(items[0].value, str):
-            if items:
+            empty = not items or (len(items) == 1 and isinstance(items[0].value, Group) and not items[0].value.items)
+            if not empty:
                 raise LiteralError("(..)", shape.type.name, "a single value is needed")
             return
         _put(memory, offset, pack_literal(items[0].value, shape.type), shape.bits)

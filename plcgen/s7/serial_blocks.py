@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
-from plcgen.s7.types import Member, NamedType, elementary
+from plcgen.s7.types import ArrayType, DataType, Member, NamedType, StructType, elementary
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,10 +24,11 @@ _MODERN = {
     "PORT_CONFIG": (
         (
             "REQ BOOL;PORT PORT;PROTOCOL UINT;BAUD UINT;PARITY UINT;DATABITS UINT;STOPBITS UINT;FLOWCTRL UINT;"
-            "XONCHAR CHAR;XOFFCHAR CHAR;WAITTIME UINT;MODE USINT;LINE_PRE USINT;BRK_DET USINT"
+            "XONCHAR CHAR;XOFFCHAR CHAR;WAITIME UINT;MODE USINT;LINE_PRE USINT;BRK_DET USINT"
         ),
         _RESULT,
     ),
+    "RECEIVE_CONFIG": ("REQ BOOL;PORT PORT;RECEIVE_CONDITIONS VARIANT", _RESULT),
 }
 _CLASSIC = {
     "P_SND_RK": (
@@ -57,4 +58,31 @@ def serial_blocks(*, classic: bool) -> Mapping[str, Block]:
 
 def _members(text: str) -> tuple[Member, ...]:
     pairs = (part.split() for part in text.split(";"))
-    return tuple(Member(name, elementary(spelling) or NamedType(spelling)) for name, spelling in pairs)
+    return tuple(Member(name, _type(spelling)) for name, spelling in pairs)
+
+
+def _type(spelling: str) -> DataType:
+    count, _, name = spelling.rpartition("*")
+    found = elementary(name) or NamedType(name)
+    return ArrayType(((1, int(count)),), found) if count else found
+
+
+def _struct(text: str, *more: Member) -> StructType:
+    return StructType((*_members(text), *more))
+
+
+_SEQUENCE = _struct("CTL BYTE;STR 5*CHAR")
+_START = _struct("STARTCOND WORD;IDLETIME WORD;STARTCHAR BYTE", Member("SEQ", ArrayType(((1, 4),), _SEQUENCE)))
+_END = _struct(
+    "ENDCOND WORD;FIXLEN WORD;MAXLEN WORD;N WORD;LENGTHSIZE WORD;LENGTHM WORD;RCVTIME WORD;MSGTIME WORD;CHARGAP WORD",
+    Member("SEQ", _SEQUENCE),
+)
+RECEIVE_CONDITIONS = Block(
+    BlockKind.UDT,
+    "RECEIVE_CONDITIONS",
+    (Section(SectionKind.STATIC, (Member("START", _START), Member("END", _END))),),
+    attributes={"evidence": "literature"},
+)
+"""What begins and ends a message for Receive_Config (TIA Portal information system, "Receive_Config"). The S7-1200
+system manual (A5E02486680-AK) has UINT where the information system has WORD; the size is the same.
+"""

@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
+from plcgen.s7.serial_blocks import RECEIVE_CONDITIONS
 from plcgen.s7.types import ArrayType, Member, NamedType, elementary
 
 if TYPE_CHECKING:
@@ -112,6 +113,8 @@ def system_block(name: str, *, classic: bool = False) -> Block | None:
         return _block(BlockKind.FB, upper, sections, literature=True)
     if upper in {"R_TRIG", "F_TRIG"}:
         return _block(BlockKind.FB, upper, _EDGE, literature=True)
+    if upper == RECEIVE_CONDITIONS.name:
+        return RECEIVE_CONDITIONS
     structure = _STRUCTURES.get(upper)
     return None if structure is None else _block(BlockKind.UDT, upper, ("", "", "", structure), literature=True)
 

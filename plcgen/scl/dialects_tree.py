@@ -9,6 +9,7 @@ from plcgen.diagnostics import Severity
 from plcgen.s7.types import elementary
 from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
+from plcgen.scl.instructions import BY_NUMBER
 from plcgen.scl.lexer import KEYWORDS, QUOTED, Tokens
 from plcgen.scl.system_types import SYSTEM_TYPES
 
@@ -36,6 +37,8 @@ _V5_NAMES = {"OK": ("the OK flag", "use ENO"), "NIL": ("NIL", "write NULL")}
 _RESERVED = frozenset("COUNTER TIMER NAME VALUE DATE VERSION AUTHOR FAMILY TITLE NULL EN ENO IN OUT".split())  # noqa: SIM905
 _LIBRARY = frozenset({"InstructionName", "OriginalPartName"})
 _SYSTEM_BLOCK = re.compile(r"SFB[0-9]{1,3}")
+_VERSIONS = {"WRREC": "1.1", "RDREC": "1.0"}
+"""Library versions in public exports of the TIA Portal V17."""
 _SYSTEM_FUNCTION = re.compile(r"SFC[0-9]{1,3}")
 _MODERN = frozenset(
     """COUNTOFELEMENTS VARIANTGET VARIANTPUT TYPEOF TYPEOFELEMENTS TYPEOFDB IS_ARRAY MOVE_BLK_VARIANT SERIALIZE
@@ -193,8 +196,18 @@ def _type(node: ast.TypeName | ast.StringSpec, dialect: Dialect) -> Iterator[Ref
     if dialect in _CLASSIC and not quoted and node.name.upper() in _WIDE_TYPES:
         yield node.start, node.end, f"the type {node.name}", "", Severity.ERROR
     if dialect is _T15 and not quoted and _SYSTEM_BLOCK.fullmatch(node.name.upper()):
-        text = "name the instruction: {InstructionName := 'WRREC'; LibVersion := '1.1'} WRREC"
+        text = _instruction_of(node.name.upper())
         yield node.start, node.end, f"the type {node.name}", text, Severity.ERROR
+
+
+def _instruction_of(number: str) -> str:
+    """How to write a system block by its instruction."""
+    name = BY_NUMBER.get(number)
+    if name is None:
+        return "name the instruction that replaces it"
+    if name not in _VERSIONS:
+        return f"name the instruction: {name}"
+    return f"name the instruction: {{InstructionName := '{name}'; LibVersion := '{_VERSIONS[name]}'}} {name}"
 
 
 def _call_statement(node: ast.CallStatement, tokens: Tokens, dialect: Dialect) -> Iterator[Refusal]:
@@ -241,7 +254,9 @@ def _function(target: ast.Name, dialect: Dialect) -> Iterator[Refusal]:
     """Find functions by number in the TIA Portal, and those that only the S7-1200/1500 have elsewhere."""
     upper = target.name.upper()
     if dialect.is_tia and _SYSTEM_FUNCTION.fullmatch(upper):
-        yield target.start, target.end, target.name, "write the name of the instruction", Severity.ERROR
+        name = BY_NUMBER.get(upper)
+        text = f"write {name}(..)" if name else "write the name of the instruction"
+        yield target.start, target.end, target.name, text, Severity.ERROR
     source, _, result = upper.partition("_TO_")
     modern = upper in _MODERN or (bool(result) and not {source, result}.isdisjoint(_WIDE_TYPES))
     if dialect in _CLASSIC and modern:

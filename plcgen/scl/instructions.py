@@ -36,3 +36,16 @@ INSTRUCTIONS = frozenset(
     GET_ALARMSTATE GET_ALARMRESOURCES DATALOGCREATE RH_CTRL RH_GETPRIMARYID ASI_CTRL DP_TOPOL PE_CMD PE_WOL
     DCAT DRUM LEAD_LAG MCTA ACK_FCT_WARN ASSIGNMENTATTEMPT""".split()  # noqa: SIM905
 )
+
+BY_NUMBER = {
+    "SFB0": "CTU", "SFB1": "CTD", "SFB2": "CTUD", "SFB3": "TP", "SFB4": "TON", "SFB5": "TOF", "SFB8": "USEND",
+    "SFB9": "URCV", "SFB12": "BSEND", "SFB13": "BRCV", "SFB14": "GET", "SFB15": "PUT", "SFB52": "RDREC",
+    "SFB53": "WRREC", "SFB54": "RALRM", "SFC0": "SET_CLK", "SFC1": "READ_CLK", "SFC6": "RD_SINFO",
+    "SFC14": "DPRD_DAT", "SFC15": "DPWR_DAT", "SFC20": "BLKMOV", "SFC21": "FILL", "SFC22": "CREAT_DB",
+    "SFC41": "DIS_AIRT", "SFC42": "EN_AIRT", "SFC43": "RE_TRIGR", "SFC46": "STP", "SFC47": "WAIT", "SFC51": "RDSYSST",
+    "SFC52": "WR_USMSG", "SFC58": "WR_REC", "SFC59": "RD_REC", "SFC64": "TIME_TCK", "SFC81": "UBLKMOV",
+}  # fmt: skip
+"""Instructions of the system function blocks and functions of the S7-300/400 by their numbers.
+
+Source: "System Software for S7-300/400, System and Standard Functions", lists of the SFCs and SFBs.
+"""

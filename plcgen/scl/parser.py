@@ -49,7 +49,7 @@ def parse(text: str, file: str, dialect: Dialect | None = None, *, bodies: bool 
         return ParseResult((), (Diagnostic("PG802", large, Span(file)),), tokenize("", file))
     tokens = tokenize(text, file) if bodies else _statement_list(text, file)
     cursor = Cursor(tokens)
-    grammar = _grammar(cursor, bodies=bodies)
+    grammar = _grammar(cursor, bodies=bodies, sign_first=dialect is not None and dialect.is_tia)
     units = grammar.read()
     grammar.statements.compound.clear()  # its memory is free now, not when the garbage collector comes
     found = cursor.diagnostics + _lexical(cursor)
@@ -68,9 +68,9 @@ def parse_value(text: str) -> ast.Expression | None:
         return None
 
 
-def _grammar(cursor: Cursor, *, bodies: bool) -> Units:
+def _grammar(cursor: Cursor, *, bodies: bool, sign_first: bool) -> Units:
     """Put the parts together: each is given those it needs."""
-    expressions = Expressions(cursor)
+    expressions = Expressions(cursor, sign_first)
     values = InitialValues(cursor, expressions)
     kinds = cursor.kinds
     jump_labels = frozenset(cursor.texts[i + 1].upper() for i, kind in enumerate(kinds) if kind == "GOTO")

@@ -29,7 +29,7 @@ def datatype(type_: DataType) -> str:
         length = "" if type_.length == DEFAULT_STRING else f"[{type_.length}]"
         return f"{type_name(type_.name)}{length}"
     if isinstance(type_, ArrayType):
-        bounds = ", ".join(f"{low}..{high}" for low, high in type_.bounds)
+        bounds = ", ".join(f"{low}..{high}" for low, high in type_.bounds) or "*"
         return f"Array[{bounds}] of {datatype(type_.element)}"
     if isinstance(type_, StructType):
         return "Struct"

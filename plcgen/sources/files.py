@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
@@ -11,6 +11,7 @@ from pathlib import Path
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import TypeTable
+from plcgen.s7.system import system_block
 from plcgen.s7.types import ELEMENTARY, HARDWARE, ArrayType, StructType
 from plcgen.scl.declarations import recursive_types
 from plcgen.scl.parser import ParseResult
@@ -81,6 +82,7 @@ def read_files(
             blocks, problems = _read(file, classic=classic, keep=keep)
             read += [(block, file) for block in blocks]
         found.diagnostics += problems
+    _resolve(read, files, found.diagnostics, classic=classic)
     read = _without_unknown_bounds(read, found.diagnostics)
     found.blocks = [_numbered(block, symbols) for block in _unique(read, found.diagnostics)]
     _add_types(found.blocks, found.types)
@@ -89,6 +91,7 @@ def read_files(
     found.modern = not used.isdisjoint(_MODERN)
     if any(name not in found.types and name not in ELEMENTARY for name in used):
         _add_neighbours([file.path for file in files if not file.listed], found.types)
+    _add_written_out(found.blocks, found.types)
     found.diagnostics = list(dict.fromkeys([*found.diagnostics, *recursive_types(found.types.values())]))
     return found
 
@@ -135,6 +138,40 @@ def _read(
     if file.listed and not blocks and all(problem.code == "PG812" for problem in problems):
         return [], []  # another kind of document that lies in the folder
     return blocks, problems
+
+
+def _resolve(
+    read: list[tuple[Block, SourceFile]], files: Sequence[SourceFile], diagnostics: list[Diagnostic], *, classic: bool
+) -> None:
+    """Read documents with unknown bounds again, with the constants of the tag tables among the files or beside them."""
+    unknown = {d.span.file for d in diagnostics if d.code == "PG806" and d.severity is Severity.WARNING}
+    again = [file for file in files if file.is_xml and str(file.path) in unknown]
+    if not again:
+        return
+    from plcgen.simaticml.reading.documents import read_simaticml
+
+    constants = project_constants(files)
+    for file in again:
+        blocks, problems = read_simaticml(file.path, classic=classic, constants=constants)
+        own = {id(block): place for place, (block, where) in enumerate(read) if where is file}
+        for place, block in zip(own.values(), blocks, strict=True):
+            read[place] = (block, file)
+        diagnostics[:] = [d for d in diagnostics if d.span.file != str(file.path)] + problems
+
+
+def project_constants(files: Iterable[SourceFile]) -> dict[str, int | None]:
+    """User constants of the tag tables among files or beside them by upper-case name; None if it is no whole number."""
+    from plcgen.simaticml.reading.documents import read_tag_table
+    from plcgen.simaticml.reading.interface import whole_number
+
+    named = [file.path for file in files if file.is_xml]
+    beside = {path for file in files if file.is_xml and not file.listed for path in file.path.parent.glob("*.xml")}
+    found: dict[str, int | None] = {}
+    for path in [*named, *sorted(beside - set(named))][:MAX_FILES]:
+        for table in read_tag_table(path)[0]:
+            for constant in table.constants:
+                found.setdefault(constant.name.upper(), whole_number(constant.value))
+    return found
 
 
 def _without_unknown_bounds(
@@ -185,6 +222,14 @@ def _add_types(blocks: Iterable[Block], types: TypeTable) -> None:
     """Make blocks known by name: types first, the others so that a wrong use of them can be told."""
     for block in sorted(blocks, key=lambda b: b.kind not in _TYPES):
         types.setdefault(block.name.upper(), block)
+
+
+def _add_written_out(blocks: Iterable[Block], types: TypeTable) -> None:
+    """Types that documents write out where they use them, for names that nothing else declares."""
+    for block in blocks:
+        for inline in block.inline:
+            if inline.name.upper() not in ELEMENTARY and system_block(inline.name) is None:
+                types.setdefault(inline.name.upper(), inline)
 
 
 def _used(blocks: Iterable[Block]) -> set[str]:

@@ -8,9 +8,10 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, Span
+from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.input.files import read_bounded
 from plcgen.scl.declarations import blocks
+from plcgen.scl.lexer import tokenize
 from plcgen.scl.parser import MAX_CHARACTERS, parse
 
 if TYPE_CHECKING:
@@ -37,6 +38,8 @@ _WORD = 4
 _DECLARATIONS_ONLY = frozenset({".awl", ".stl"})
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8"),
+    (codecs.BOM_UTF32_LE, "utf-32-le"),
+    (codecs.BOM_UTF32_BE, "utf-32-be"),
     (codecs.BOM_UTF16_LE, "utf-16-le"),
     (codecs.BOM_UTF16_BE, "utf-16-be"),
 )
@@ -55,21 +58,38 @@ def read_source(
     code page of an ANSI file (by default it is guessed, see ``code_page``); a byte order mark and valid UTF-8
     come first. ``keep`` gets the syntax tree.
     """
-    path = Path(path)
+    loaded = load_text(path, dialect, encoding=encoding)
+    if isinstance(loaded, Diagnostic):
+        return [], [loaded]
+    text, refused = loaded
+    found, diagnostics = read_text(text, str(path), dialect, bodies=has_bodies(path), keep=keep)
+    return found, [*refused, *diagnostics]
+
+
+def load_text(
+    path: Path | str, dialect: Dialect | None = None, *, encoding: str | None = None
+) -> tuple[str, list[Diagnostic]] | Diagnostic:
+    """Text of a file, and PG803 if ``dialect`` misreads its encoding; PG802 or PG804 if there is no text to have."""
     file = str(path)
     try:
-        data = read_bounded(path, MAX_BYTES)
+        data = read_bounded(Path(path), MAX_BYTES)
     except OSError as error:
         reason = error.strerror or type(error).__name__
-        return [], [Diagnostic("PG804", f"the file cannot be read: {reason}", Span(file))]
+        return Diagnostic("PG804", f"the file cannot be read: {reason}", Span(file))
     if len(data) > MAX_BYTES:
-        return [], [Diagnostic("PG802", f"the file has more than {MAX_BYTES} bytes", Span(file))]
+        return Diagnostic("PG802", f"the file has more than {MAX_BYTES} bytes", Span(file))
     text = decode(data, file, encoding)
-    if isinstance(text, Diagnostic):
-        return [], [text]
-    bodies = path.suffix.lower() not in _DECLARATIONS_ONLY
-    found, diagnostics = read_text(text, file, dialect, bodies=bodies, keep=keep)
-    return found, [*_refused_encoding(data, file, dialect), *diagnostics]
+    return text if isinstance(text, Diagnostic) else (text, _refused_encoding(data, text, file, dialect))
+
+
+def has_bodies(path: Path | str) -> bool:
+    """Whether the code of a source is read too: that of a statement list is skipped."""
+    return Path(path).suffix.lower() not in _DECLARATIONS_ONLY
+
+
+def is_binary(data: bytes) -> bool:
+    """Whether the beginning of a file cannot be that of a text in any encoding of the engineering tools."""
+    return b"\0" in data and not any(data.startswith(mark) for mark, _ in _BOMS) and not _unmarked_utf16(data)
 
 
 def read_text(
@@ -148,20 +168,25 @@ def code_page(data: bytes) -> str:
     return "cp1252"
 
 
-def _refused_encoding(data: bytes, file: str, dialect: Dialect | None) -> list[Diagnostic]:
-    """Report an encoding that the target misreads: UTF-8 needs its mark in TIA, V5 knows ANSI only."""
+def _refused_encoding(data: bytes, text: str, file: str, dialect: Dialect | None) -> list[Diagnostic]:
+    """Report an encoding that the target misreads: UTF-8 needs its mark in TIA, V5 knows ANSI only.
+
+    TIA takes ANSI, UCS2, and UTF-8, UTF-16 and UTF-32 with byte order mark (help of the TIA Portal, "Using external
+    source files"). Other UTF-8 is read as ANSI: names and texts get wrong, comments only become unreadable.
+    """
     if dialect is None or (data.isascii() and b"\0" not in data):
         return []
     marked = any(data.startswith(mark) for mark, _ in _BOMS)
-    if dialect.is_tia and not marked and b"\0" in data:
-        what, text = "UTF-16 without byte order mark", "save it as UTF-8 with BOM"
-    elif dialect.is_tia and not marked and _is_utf8(data):
-        what, text = "UTF-8 without byte order mark", "save it as UTF-8 with BOM"
+    severity = Severity.ERROR
+    if dialect.is_tia and not marked and b"\0" not in data and _is_utf8(data):
+        what, help_ = "UTF-8 without byte order mark", "save it as UTF-8 with BOM"
+        if all(token.isascii() for token in tokenize(text, file).texts):
+            what, severity = f"{what}: the comments become unreadable", Severity.WARNING
     elif not dialect.is_tia and (marked or b"\0" in data or _is_utf8(data)):
-        what, text = "Unicode sources", "save it in the code page of the engineering station"
+        what, help_ = "Unicode sources", "save it in the code page of the engineering station"
     else:
         return []
-    return [Diagnostic("PG803", f"{dialect.label} does not know {what}", Span(file), help=text)]
+    return [Diagnostic("PG803", f"{dialect.label} does not know {what}", Span(file), severity, help=help_)]
 
 
 def _is_utf8(data: bytes) -> bool:
@@ -176,7 +201,7 @@ def _decode_as(data: bytes, name: str, file: str) -> str | Diagnostic:
     try:
         return data.decode(name)
     except UnicodeDecodeError as error:
-        unit = 2 if name.startswith("utf-16") else 1
+        unit = {"utf-16": 2, "utf-32": 4}.get(name[:6], 1)
         line, column = _place(data[: error.start].decode(name, "replace").encode("latin-1", "replace"), None)
         found = data[error.start : error.start + unit].hex(" ").upper()
         message = f"the bytes {found} are no {name.upper()} text"

@@ -98,6 +98,7 @@ def test_specs_and_sources_together(plcgen, good, sources):
         (["src", "--program"], "--program needs --target: one of v5, tia-300, tia-1500"),
         (["job.yaml", "--program", "--target", "v5"], "--program needs PLC sources"),
         (["src", "--tags", "x.csv"], "--tags belongs to --program"),
+        (["src", "--iec-check", "off"], "--iec-check belongs to --program"),
         (["empty"], "there is no PLC source (.scl .udt .db .awl) below empty"),
     ],
 )
@@ -131,3 +132,88 @@ def test_a_block_in_two_files_is_told(plcgen, tmp_path):
     assert found["file"].endswith("b.scl")
     assert [(n["message"], n["line"], n["file"][-5:]) for n in found["notes"]] == [("first declared here", 1, "a.scl")]
     assert json.loads(plcgen("check", tmp_path / "a.scl", "--json").out)["diagnostics"] == []
+
+
+MIXED = GOOD.replace("total : Int;", "total : Word;")
+"""INT + 1 into a WORD: not with IEC check."""
+
+
+@pytest.mark.parametrize(
+    ("target", "check", "code"),
+    [
+        ("tia-1500", None, 1),
+        ("tia-1500", "as-stated", 1),
+        ("tia-1500", "on", 1),
+        ("tia-1500", "off", 0),
+        ("tia-300", None, 0),
+        ("tia-300", "on", 1),
+        ("tia-300", "off", 0),
+    ],
+)
+def test_the_iec_check_is_that_of_the_tool_unless_somebody_says_more(plcgen, tmp_path, target, check, code):
+    """On for S7-1200/1500, off for S7-300/400 (help of the TIA Portal); the help of the message names the option."""
+    (tmp_path / "mixed.scl").write_text(MIXED)
+    more = [] if check is None else ["--iec-check", check]
+    result = plcgen("check", "mixed.scl", "--program", "--target", target, *more)
+    assert result.code == code
+    assert ("without IEC check" in result.out) is bool(code)
+
+
+STATEMENT_LIST = """\
+FUNCTION_BLOCK "Add"
+VAR_INPUT
+  first : INT;
+END_VAR
+VAR_OUTPUT
+  total : INT;
+END_VAR
+BEGIN
+NETWORK
+TITLE =it's "open
+      L     #first;
+      L     'ab;
+      T     #total;
+END_FUNCTION_BLOCK
+"""
+CALLER = """\
+FUNCTION_BLOCK Caller
+VAR
+  add : "Add";
+  x : INT;
+END_VAR
+BEGIN
+add(first := x%s);
+x := add.total;
+END_FUNCTION_BLOCK
+"""
+
+
+def test_of_a_statement_list_the_interface_counts_and_the_code_is_skipped(plcgen, tmp_path):
+    """Calls of its blocks are checked; nothing is said about its code, although nothing can execute it."""
+    (tmp_path / "add.awl").write_text(STATEMENT_LIST)
+    (tmp_path / "caller.scl").write_text(CALLER % "")
+    result = plcgen("check", "add.awl", "caller.scl", "--program", "--target", "v5")
+    assert (result.code, result.out) == (0, "")
+    (tmp_path / "caller.scl").write_text(CALLER % ", second := 1")
+    result = plcgen("check", "add.awl", "caller.scl", "--program", "--target", "v5", "--json")
+    assert [(d["code"], d["line"]) for d in json.loads(result.out)["diagnostics"]] == [("PG822", 7)]
+
+
+def test_binary_files_in_a_folder_are_left_alone(plcgen, tmp_path):
+    """A TIA project has databases that end in .db; one that is named is refused."""
+    folder = tmp_path / "project"
+    folder.mkdir()
+    (folder / "XRef.db").write_bytes(b"SQLite format 3\0\x10\0\1\1\0\x40\x20\x20" + bytes(range(256)) * 8)
+    (folder / "add.scl").write_bytes(GOOD.encode("utf-16-le"))
+    result = plcgen("check", "project")
+    assert (result.code, result.err) == (0, "no problems in project/add.scl (1 block)\n")
+    assert plcgen("check", "project/XRef.db").code == 1
+
+
+def test_the_code_page_can_be_named(plcgen, tmp_path):
+    """Two bytes that are a letter of code page 932 each make one name; guessed, they are something else."""
+    source = GOOD.replace('"Add"', '"ポンプ"')
+    (tmp_path / "pump.scl").write_bytes(source.encode("cp932"))
+    more = ["--program", "--target", "tia-1500", "--encoding"]
+    assert plcgen("check", "pump.scl", *more, "cp932").code == 0
+    assert "unknown code page cp9999" in plcgen("check", "pump.scl", *more, "cp9999").out

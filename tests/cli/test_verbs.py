@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -107,6 +108,7 @@ def test_generate_check_diff_and_force(plcgen, good, tmp_path):
     folder = tmp_path / "job_generated"
     assert (made.code, made.out) == (0, "")
     assert made.err.startswith("job_generated: ")
+    assert re.search(r"\n[0-9,]+ lines of SCL, 1 FB, [0-9]+ DBs, about [0-9.]+ KB of work memory\n\Z", made.err)
     assert (folder / "manifest.json").is_file()
     assert plcgen("generate", good, "--check") == type(made)(0, "", "job_generated is up to date\n")
     assert plcgen("generate", good, "-q") == type(made)(0, "", "")
@@ -142,9 +144,22 @@ def test_generate_json(plcgen, good):
     assert data["kind"] == "generate"
     assert data["folder"] == "plc"
     assert "manifest.json" in data["written"]
+    assert data["size"]["fbs"] == 1
+    assert data["size"]["total"] == data["size"]["code"] + data["size"]["data"]
+    assert data["size"]["cpu"] is None
     again = json.loads(plcgen("generate", good, "--out", "plc", "--json").out)
     assert again["written"] == []
     assert sorted(again["unchanged"]) == sorted(data["written"])
+
+
+def test_generate_says_how_much_of_a_named_cpu_it_takes(plcgen, good, tmp_path):
+    """With a CPU type the line ends with its share, and JSON has name and percent."""
+    spec = tmp_path / good
+    spec.write_text(spec.read_text().replace("family: s7-300", "family: s7-300, cpu: 315-2DP"), encoding="utf-8")
+    assert re.search(r" of work memory, [0-9] % of a CPU 315-2DP\n\Z", plcgen("generate", good).err)
+    data = json.loads(plcgen("generate", good, "--json").out)
+    assert data["size"]["cpu"] == {"name": "315-2DP", "percent": 100 * data["size"]["total"] // (256 * 1024)}
+    assert plcgen("generate", good, "-q").err == ""
 
 
 def test_generate_into_a_file(plcgen, good, tmp_path):

@@ -6,6 +6,7 @@ import yaml
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
+from plcgen.cpu.type_rules import IecCheck
 from plcgen.scl.dialect import Dialect
 
 HERE = Path(__file__).parent
@@ -38,7 +39,12 @@ def load(case, **options):
     """Program of a case."""
     dialect = DIALECTS[case.get("dialect", "T15")]
     return Program.load(
-        [("test.scl", source(case))], dialect, tags=case.get("tags"), numbers=case.get("numbers"), **options
+        [("test.scl", source(case))],
+        dialect,
+        tags=case.get("tags"),
+        numbers=case.get("numbers"),
+        iec_check=IecCheck(case.get("iec_check", "as-stated")),
+        **options,
     )
 
 

@@ -1,5 +1,7 @@
 """The CPU itself: cycle, start-up, retained data, symbols, coverage, speed of building."""
 
+import datetime as dt
+
 import pytest
 from cpu.support import load, run
 
@@ -122,3 +124,128 @@ def test_two_cpus_do_not_share_memory():
     one.scan(10, 3)
     two.scan()
     assert (one["Kept.n"], two["Kept.n"]) == (8, 6)
+
+
+INFORMED = """DATA_BLOCK DB1
+STRUCT first : ARRAY[0..19] OF BYTE; cyclic : ARRAY[0..19] OF BYTE; start : ARRAY[0..19] OF BYTE; END_STRUCT
+BEGIN
+END_DATA_BLOCK
+ORGANIZATION_BLOCK OB1
+VAR_TEMP
+info : ARRAY[0..19] OF BYTE; own : INT;
+END_VAR
+BEGIN
+DB1.first := info; own := 1;
+END_ORGANIZATION_BLOCK
+ORGANIZATION_BLOCK OB35
+VAR_TEMP
+class : BYTE; inf : BYTE; rest : ARRAY[0..17] OF BYTE;
+whole AT class : ARRAY[0..19] OF BYTE;
+END_VAR
+BEGIN
+DB1.cyclic := whole;
+END_ORGANIZATION_BLOCK
+ORGANIZATION_BLOCK OB100
+VAR_TEMP
+info : ARRAY[0..19] OF BYTE;
+END_VAR
+BEGIN
+DB1.start := info;
+END_ORGANIZATION_BLOCK
+"""
+
+
+def test_start_information():
+    """The 20 bytes of OB1, OB35 and OB100: System and Standard Functions A5E00709327-01, pages 1-5, 1-13 and 1-57."""
+    found = load_scl(INFORMED, dialect="v5").cpu
+    found.time.start_time = dt.datetime(2026, 11, 22, 12, 34, 56)  # noqa: DTZ001 - a CPU has no zone
+    date = "26 11 22 12 34 56"
+
+    def info(member):
+        return bytes(found[f"DB1.{member}"]).hex(" ").upper()
+
+    found.scan(10)
+    # behind a cold restart: 04; previous, shortest and longest cycle 10 ms; Sunday is 1
+    assert info("start") == f"13 85 1B 64 00 00 00 00 00 00 00 00 {date} 00 01"
+    assert info("first") == f"11 04 01 01 00 00 00 0A 00 0A 00 0A {date} 01 01"
+    found.scan(30)
+    assert info("first") == f"11 03 01 01 00 00 00 1E 00 0A 00 1E {date} 04 01"
+    found.restart("warm")
+    found.scan(5)
+    assert info("start") == f"13 81 1B 64 00 00 00 00 00 00 00 00 {date} 04 01"
+    assert info("first") == f"11 01 01 01 00 00 00 05 00 05 00 05 {date} 04 51"
+    found.run("OB35")
+    assert info("cyclic") == f"11 36 0C 23 00 00 00 00 00 00 00 64 {date} 04 51"
+
+
+def test_blocks_that_call_each_other_twice():
+    """40 levels with two calls each are 2**40 calls: the watchdog of the CPU ends that scan."""
+    blocks = ['FUNCTION "f0" : Void\nBEGIN\n;\nEND_FUNCTION\n']
+    for level in range(1, 41):
+        call = f'"f{level - 1}"();\n'
+        blocks.append(f'FUNCTION "f{level}" : Void\nBEGIN\n{call}{call}END_FUNCTION\n')
+    blocks.append('ORGANIZATION_BLOCK "Main"\nBEGIN\n"f40"();\nEND_ORGANIZATION_BLOCK\n')
+    found = load_scl("".join(blocks)).cpu
+    found.scan()
+    assert [misuse.code for misuse in found.misuses] == ["PG835"]
+    assert found.faulted
+
+
+@pytest.mark.parametrize("move", ["#a := #b;", "#n := BLKMOV(SRCBLK := #b, DSTBLK => #a);"])
+def test_bytes_without_end(move):
+    """A loop of 900,000 passes with 30,000 bytes each would move 27 GB."""
+    code = f"FOR #i := 1 TO 900000 DO\n{move}\nEND_FOR;"
+    vars_ = "a : Array[0..29999] of Byte; b : Array[0..29999] of Byte; i : DInt; n : Int;"
+    found = run({"vars": vars_, "code": code})
+    assert [misuse.code for misuse in found.misuses] == ["PG835"]
+
+
+def test_enable_output():
+    """ENO belongs to a block: TRUE at its start, FALSE where it says so; calls hand it out with ENO => only.
+
+    Help of the TIA Portal, "EN/ENO mechanism in SCL", with "Set ENO automatically" off.
+    """
+    also = """FUNCTION "bad" : Void
+BEGIN
+ENO := FALSE;
+END_FUNCTION
+FUNCTION_BLOCK "outer"
+{ S7_Optimized_Access := 'FALSE' }
+BEGIN
+"bad"();
+END_FUNCTION_BLOCK
+"""
+    code = """"bad"(ENO => #a);
+#b := ENO;
+#o(ENO => #c);
+ENO := FALSE;
+"bad"();
+#o();
+#d := ENO;"""
+    vars_ = 'a : Bool := TRUE; b : Bool; c : Bool; d : Bool := TRUE; o : "outer";'
+    found = run({"also": also, "vars": vars_, "code": code})
+    assert [found[f"Test_DB.{name}"] for name in "abcd"] == [False, True, True, False]
+
+
+def test_enable_output_of_a_record_block():
+    """FALSE in the call that reports an error (help, "Overview" of asynchronous instructions)."""
+    code = "#w(REQ := TRUE, ID := 5, INDEX := 47, LEN := 1, RECORD := #q, ENO => #a);"
+    code += "#t(IN := TRUE, PT := T#1s, ENO => #b);"
+    found = run({"vars": "w : WRREC; q : Array[0..1] of Byte; a : Bool := TRUE; b : Bool; t : TON_TIME;", "code": code})
+    assert (found["Test_DB.a"], found["Test_DB.b"]) == (False, True)
+
+
+@pytest.mark.parametrize("interrupt", [None, {}])
+def test_litter_in_local_data(interrupt):
+    """Temporaries that nobody wrote hold something on request, in both forms of a block; otherwise zero."""
+    case = {
+        "temp": "w : Word; r : Real; f : Bool; s : Struct a : Word; b : Word; END_STRUCT;",
+        "vars": "a : Word; b : Real; c : Bool; d : Word;",
+        "code": "#a := #w; #b := #r; #c := #f; #s.a := 1; #d := #s.b;",
+    }
+    names = ("a", "b", "c", "d")
+    dirty, clean = Cpu(load(case, litter=True)), Cpu(load(case))
+    dirty.run("Test_DB", interrupt=interrupt)
+    clean.run("Test_DB", interrupt=interrupt)
+    assert all(dirty[f"Test_DB.{name}"] for name in names)
+    assert not any(clean[f"Test_DB.{name}"] for name in names)

@@ -176,15 +176,87 @@ def test_port_config_sets_the_speed() -> None:
     for _ in range(4):
         found.call("Talk_DB", 5, send=False, configure=True, baud=7)
     assert found.cpu["Talk_DB.sets"] == 1
-    assert port.baud == 19200
+    assert port.settings.baud == 19200
     until(found, "arrived")
 
 
 def test_port_config_refuses_an_unknown_speed() -> None:
-    """BAUD 12 is none: 80A1."""
+    """BAUD 12 is none: 81A1."""
     found, _ = bench()
     found.call("Talk_DB", 5, configure=True, baud=12)
-    assert found.cpu["Talk_DB.configState"] == 0x80A1
+    assert found.cpu["Talk_DB.configState"] == 0x81A1
+
+
+@pytest.mark.parametrize(
+    ("pins", "status"),
+    [
+        ("PROTOCOL := 2", 0x81A0), ("PARITY := 7", 0x81A2), ("DATABITS := 3", 0x81A3), ("STOPBITS := 0", 0x81A4),
+        ("FLOWCTRL := 6", 0x81A5), ("MODE := 5", 0x81AA), ("LINE_PRE := 3", 0x81AB), ("BRK_DET := 2", 0x81AC),
+        ("MODE := 4, LINE_PRE := 1", 0x81AB),
+    ],
+)  # fmt: skip
+def test_port_config_refuses_what_its_table_does_not_have(pins: str, status: int) -> None:
+    """TIA Portal information system, "Port_Config" and "Error messages"; LINE_PRE 1 exists with four wires only."""
+    assert configured(pins, "").cpu["Set_DB.state"] == status
+
+
+@pytest.mark.parametrize("pins", ["MODE := 0", "MODE := 1", "MODE := 4, FLOWCTRL := 2", "MODE := 4, STOPBITS := 2"])
+def test_nobody_understands_a_port_with_other_wires(pins: str) -> None:
+    """PPI needs RS485, half duplex; XON/XOFF takes bytes away; one stop bit."""
+    found = configured(pins, "")
+    assert found.cpu["Set_DB.state"] == 0
+    assert not found.bus.ports[270].understood
+
+
+@pytest.mark.parametrize(
+    ("lines", "status", "gap", "length"),
+    [
+        ("ENDCOND := 16#0C; #c.END.CHARGAP := 35; #c.END.MAXLEN := 512", 0, 35, 512),
+        ("ENDCOND := 16#04; #c.END.CHARGAP := 40", 0, 40, 0),
+        ("ENDCOND := 0", 0x81C1, 35, 512),
+        ("ENDCOND := 16#08; #c.END.MAXLEN := 0", 0x81C3, 35, 512),
+        ("ENDCOND := 16#04; #c.END.CHARGAP := 0", 0x81C9, 35, 512),
+        ("ENDCOND := 16#04; #c.START.STARTCOND := 16#0A", 0x81C0, 35, 512),
+        ("ENDCOND := 16#02", 0, 0, 0),
+    ],
+)
+def test_receive_config_says_what_ends_a_message(lines: str, status: int, gap: int, length: int) -> None:
+    """TIA Portal information system, "Receive_Config"; ends that are not known here end no message."""
+    found = configured("MODE := 4", f"#c.START.STARTCOND := 16#02; #c.END.{lines};")
+    settings = found.bus.ports[270].settings
+    assert found.cpu["Set_DB.state"] == status
+    assert (settings.gap_bits, settings.max_length) == (gap, length)
+
+
+def configured(pins: str, lines: str) -> Bench:
+    """Port_Config with these pins, or Receive_Config behind these lines; its last STATUS."""
+    port = f"REQ := #go, PORT := 270, BAUD := 6, DONE => #done, ERROR => #failed, STATUS => #now, {pins}"
+    for name, value in (("PARITY", 2), ("DATABITS", 1), ("STOPBITS", 1), ("FLOWCTRL", 1)):
+        port += "" if name in pins else f", {name} := {value}"
+    call = "#instC(REQ := #go, PORT := 270, RECEIVE_CONDITIONS := #c, DONE => #done, ERROR => #failed, STATUS => #now);"
+    found = load_scl(
+        f"""
+        FUNCTION_BLOCK "Set"
+        {{ S7_Optimized_Access := 'FALSE' }}
+        VAR_INPUT go : Bool; END_VAR
+        VAR_OUTPUT state : Word; END_VAR
+        VAR instP : Port_Config; instC : Receive_Config; c : Receive_Conditions; END_VAR
+        VAR_TEMP done : Bool; failed : Bool; now : Word; END_VAR
+        BEGIN
+        {f"{lines} {call}" if lines else f"#instP({port});"}
+        IF #done OR #failed THEN #state := #now; END_IF;
+        END_FUNCTION_BLOCK
+        DATA_BLOCK "Set_DB"
+        {{ S7_Optimized_Access := 'FALSE' }}
+        "Set"
+        BEGIN
+        END_DATA_BLOCK
+        """
+    )
+    found.bus.ports[270] = Port()
+    for _ in range(4):
+        found.call("Set_DB", 5, go=True)
+    return found
 
 
 def test_receive_reset_throws_messages_away() -> None:
@@ -277,17 +349,39 @@ def test_a_cp_341_sends_from_a_data_block_and_receives_into_it() -> None:
     assert found.cpu["Talk_DB.state"] == 0
 
 
-def test_a_cp_341_can_be_cancelled() -> None:
-    """R ends the job without DONE; the next rising edge of REQ sends again."""
+def test_a_reset_of_a_cp_341_takes_four_calls() -> None:
+    """R cancels what the CP does not have yet; DONE comes in the fourth call with R (manual, table 6-15), once."""
     found, port = cp()
     found.call("Talk_DB", 5, send=True)
-    found.call("Talk_DB", 5, cancel=True)
+    done = [found.call("Talk_DB", 5, cancel=True) or found.cpu["Talk_DB.done"] for _ in range(6)]
+    assert done == [False, False, False, True, False, False]
     for _ in range(20):
         found.call("Talk_DB", 5, send=False, cancel=False)
         assert found.cpu["Talk_DB.done"] is False
-    for _ in range(20):
-        found.call("Talk_DB", 5, send=True)
-    assert len(port.sent) == 2
+    assert port.sent == []
+
+
+def test_a_reset_without_a_cp_341_ends_with_an_error() -> None:
+    """ERROR and STATUS are output for a RESET, too."""
+    found, _ = cp()
+    found.bus.ports.clear()
+    found.call("Talk_DB", 5, cancel=True)
+    assert found.cpu["Talk_DB.failed"] is True
+    assert found.cpu["Talk_DB.state"] == 0x1E0E
+
+
+@pytest.mark.parametrize(("octets", "calls"), [(1, 3), (32, 3), (33, 4), (60, 4)])
+def test_a_cp_341_takes_and_hands_over_32_bytes_a_call(octets: int, calls: int) -> None:
+    """At least three calls for up to 32 bytes, one more for every 32 begun (manual, table 6-15)."""
+    found, port = cp()
+    port.deliver(bytes(octets))
+    for number in range(1, 10):
+        found.call("Talk_DB", 1)
+        if found.cpu["Talk_DB.arrived"]:
+            assert (number, found.cpu["Talk_DB.received"]) == (calls, octets)
+            break
+    else:
+        pytest.fail("nothing arrived")
 
 
 def test_a_cp_341_that_is_not_there() -> None:

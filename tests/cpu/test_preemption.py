@@ -3,7 +3,9 @@
 import itertools
 
 import pytest
+from cpu.support import cases, load
 
+from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.preemption import Interrupt
 from plcgen.cpu.testing import load_scl
 
@@ -60,6 +62,29 @@ def test_between_two_reads():
     assert outcomes('"Shared".r := "Shared".a - "Shared".b;', '"Shared".a := 5; "Shared".b := 5;', "r") == [0, -5, 0]
 
 
+def test_by_number():
+    """PEEK and POKE have the same points as names have."""
+    also = """DATA_BLOCK "Raw"
+{ S7_Optimized_Access := 'FALSE' }
+STRUCT a : Byte; b : Byte; END_STRUCT;
+BEGIN
+END_DATA_BLOCK
+"""
+    number = 60000  # the first block without a number of its own
+    peek = "PEEK(area := 16#84, dbNumber := {}, byteOffset := {})"
+    main = f'"Shared".r := BYTE_TO_INT({peek.format(number, 0)}) - BYTE_TO_INT({peek.format(number, 1)});'
+    assert outcomes(main, '"Raw".a := 5; "Raw".b := 5;', "r", also) == [0, -5, 0]
+    main = f'POKE(area := 16#84, dbNumber := {number}, byteOffset := 0, value := INT_TO_BYTE("Shared".n));'
+    assert outcomes(main + '"Shared".r := BYTE_TO_INT("Raw".a);', '"Shared".n := 3;', "r", also)[:3] == [3, 0, 0]
+
+
+def test_constant_inputs():
+    """Constants go to the instance of another block one after the other; each can be seen alone."""
+    main = '"Pair_DB"(x := 1, y := 1);'
+    fast = '"Shared".r := "Pair_DB".x * 10 + "Pair_DB".y;'
+    assert outcomes(main, fast, "r", PAIR) == [0, 10]
+
+
 def test_conditions():
     """Between a condition and what it guards; between IF and ELSIF; before the condition of each pass of a WHILE."""
     main = 'IF "Shared".n = 0 THEN\n"Shared".r := 1;\nELSIF "Shared".n = 7 THEN\n"Shared".r := 2;\nEND_IF;'
@@ -71,6 +96,20 @@ def test_conditions():
     assert kinds == ["statement", *["condition", "statement", "store"] * 2, "condition"]
 
 
+PAIR = """FUNCTION_BLOCK "Pair"
+{ S7_Optimized_Access := 'FALSE' }
+VAR_INPUT
+x : Int; y : Int;
+END_VAR
+BEGIN
+;
+END_FUNCTION_BLOCK
+DATA_BLOCK "Pair_DB"
+{ S7_Optimized_Access := 'FALSE' }
+"Pair"
+BEGIN
+END_DATA_BLOCK
+"""
 TWICE = """FUNCTION_BLOCK "Double"
 { S7_Optimized_Access := 'FALSE' }
 VAR_INPUT
@@ -214,3 +253,18 @@ def test_unknown_blocks():
     """A block that is not there is named before anything runs."""
     with pytest.raises(KeyError, match="Nobody"):
         cpu(";", ";").run("Nobody", interrupt={})
+
+
+CASES = cases("values") + cases("memory")
+
+
+@pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
+def test_the_form_with_points_computes_the_same(case):
+    """Nobody interrupts: everything is as in the plain form, on every target, with multi-instances and views."""
+    one = Cpu(load(case))
+    for _ in range(case.get("calls", 1)):
+        one.run("Test_DB", 10, interrupt={})
+    expected, elsewhere = case.get("expect", {}), case.get("elsewhere", {})
+    assert expected == {path: one[f'"Test_DB".{path}'] for path in expected}
+    assert elsewhere == {path: one[path] for path in elsewhere}
+    assert case.get("misuses", []) == [misuse.code for misuse in one.misuses]

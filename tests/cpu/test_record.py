@@ -4,12 +4,14 @@ import pytest
 from cpu.support import load
 
 from plcgen.cpu.cpu import Cpu
+from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.record import PLACES, RecordPlaces
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter
 from plcgen.protocols.ds47.wire import formats
+from plcgen.scl.dialect import Dialect
 
 REQUEST = bytes.fromhex("01 01 01 01 10 01 00 01 00 00")
 ANSWER = bytes.fromhex("01 01 01 01 06 01 00 05")
@@ -358,3 +360,62 @@ def test_the_clock_of_the_drive():
         cpu.scan(7)
     assert drive.time == 21
     assert cpu.clock == 21
+
+
+RECORDS = """DATA_BLOCK DB13
+STRUCT q : ARRAY[0..19] OF BYTE; a : ARRAY[0..19] OF BYTE; END_STRUCT
+BEGIN
+END_DATA_BLOCK
+FUNCTION_BLOCK FB1
+VAR_INPUT
+buffer : BLOCK_DB; write : BOOL; read : BOOL;
+END_VAR
+VAR
+w : SFB53; r : SFB52;
+END_VAR
+VAR_TEMP
+p : ANY;
+v AT p : STRUCT id : BYTE; typ : BYTE; n : INT; db : WORD; adr : DWORD; END_STRUCT;
+END_VAR
+BEGIN
+v.id := B#16#10; v.typ := B#16#02; v.n := 10; v.db := BLOCK_DB_TO_WORD(buffer); v.adr := DW#16#84000000;
+w(REQ := write, ID := DW#16#10F, INDEX := 47, LEN := 10, RECORD := p);
+v.n := 20; v.adr := SHL(IN := DW#16#14, N := 3) OR DW#16#84000000;
+r(REQ := read, ID := DW#16#10F, INDEX := 47, MLEN := 20, RECORD := p);
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK FB2
+VAR_INPUT
+buffer : BLOCK_DB; write : BOOL; read : BOOL;
+END_VAR
+VAR
+pad : BOOL; one : FB1;
+END_VAR
+BEGIN
+one(buffer := buffer, write := write, read := read);
+END_FUNCTION_BLOCK
+DATA_BLOCK DB2 FB2
+BEGIN
+END_DATA_BLOCK
+ORGANIZATION_BLOCK OB1
+BEGIN
+FB2.DB2(buffer := DB13);
+END_ORGANIZATION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("interrupt", [None, {}])
+def test_a_built_any_as_record(interrupt):
+    """An ANY in VAR_TEMP with the number of the buffer's block, in a multi-instance in a multi-instance.
+
+    DB13 holds the request from byte 0 on; the answer comes to byte 20 (14h) on.
+    """
+    _, bus, drive = bench()
+    cpu = Cpu(Program.load([("t.scl", RECORDS)], Dialect.STEP7_V5, litter=True), bus)
+    cpu["DB13.q"] = list(REQUEST)
+    for write, read in [(1, 0), (0, 0), (0, 0), (0, 1), (0, 0), (0, 0)]:
+        cpu["DB2.write"], cpu["DB2.read"] = bool(write), bool(read)
+        cpu.run("OB1", 10, interrupt)
+    assert [exchange.direction for exchange in drive.journal] == ["write", "read"]
+    assert drive.journal[0].data == REQUEST
+    assert bytes(cpu.db(13)[20:28]) == ANSWER
+    assert (cpu["DB2.one.r.VALID"], cpu["DB2.one.r.LEN"], cpu.misuses) == (True, 8, [])

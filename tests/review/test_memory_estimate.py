@@ -227,6 +227,19 @@ def test_sums_and_counts() -> None:
     assert found.summary()["total"] == found.total
 
 
+def test_a_long_sum_is_as_long_as_its_terms() -> None:
+    """1,000 operators, which is what the parser takes, and nested negations take linear time and no deep recursion."""
+    assert code("i := " + " + ".join(["k"] * 1000) + ";") == 4 + 999 * (4 + 2) + 4
+    assert code("q := " + "on AND NOT (" * 40 + "off" + ")" * 40 + ";") > 40 * (4 + 8 + 2)
+
+
+def test_a_block_that_is_too_deep_is_said_and_not_counted() -> None:
+    """990 members behind each other are a diagnostic; the rest of the program is counted."""
+    found = estimate(read_texts([("p.scl", PROGRAM % ("i := st" + ".a" * 990 + ";"))]), Dialect.STEP7_V5)
+    assert [d.message for d in found.diagnostics] == ["block is nested too deeply"]
+    assert found.data == program("").data
+
+
 def test_other_families_are_coarse() -> None:
     """The rules were made for the S7-300/400; elsewhere the result says that it is coarse."""
     text = 'FUNCTION_BLOCK "a"\nVAR i : Int; END_VAR\nBEGIN\n#i := 1;\nEND_FUNCTION_BLOCK\n'

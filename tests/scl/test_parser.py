@@ -222,3 +222,23 @@ def test_a_source_that_ends_anywhere_is_survived() -> None:
     text = 'FUNCTION "f" : VOID\nBEGIN\nCASE #s OF\n_.Unit.Mode#RUN, 2..3: "a".b[%ID(1):P].x := w.%X0;\nEND_CASE;\n'
     for end in range(len(text)):
         read_text(text[:end], "t.scl", Dialect.TIA_1200_1500)
+
+
+@pytest.mark.parametrize(
+    ("dialect", "text", "tree"),
+    [
+        (None, "-a ** b", "(- (** a b))"),
+        (Dialect.STEP7_V5, "-a ** b", "(- (** a b))"),
+        (Dialect.TIA_300_400, "-a ** b", "(** (- a) b)"),
+        (Dialect.TIA_1200_1500, "-a ** b * c", "(* (** (- a) b) c)"),
+        (Dialect.TIA_1200_1500, "-(a ** b)", "(- (** a b))"),
+        (Dialect.TIA_1200_1500, "2.0 ** -a", "(** 2.0 (- a))"),
+        (Dialect.TIA_1200_1500, "NOT a = b", "(= (NOT a) b)"),
+    ],
+)
+def test_a_sign_binds_more_tightly_than_a_power_in_tia(dialect: Dialect | None, text: str, tree: str) -> None:
+    """Operator precedence of the TIA Portal: sign 2, power 3; of S7-SCL V5: power 2, sign 3."""
+    result = parse(f"FUNCTION_BLOCK a\nBEGIN\nr := {text};\nEND_FUNCTION_BLOCK", "t.scl", dialect)
+    (statement,) = result.units[0].statements
+    assert isinstance(statement, ast.Assign)
+    assert sexpr.expression(statement.value) == tree

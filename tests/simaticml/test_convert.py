@@ -196,7 +196,7 @@ def test_blocks_without_scl_are_left_out_with_a_message(tmp_path: Path) -> None:
     )
     (tmp_path / "lad.xml").write_text(drawn, "utf-8-sig")
     result = plcgen.convert(tmp_path / "lad.xml", to="scl", out=tmp_path / "scl")
-    assert [(d.code, d.severity.label) for d in result.diagnostics] == [("PG815", "warning"), ("PG814", "note")]
+    assert [(d.code, d.severity.label) for d in result.diagnostics] == [("PG815", "warning")]
     assert result.ok
 
 
@@ -262,3 +262,63 @@ END_DATA_BLOCK
     for line in ("a.nested.deep.i := 5;", "b[2].nested.c[1] := 'x';", "b[1].nested.deep.i := 6;"):
         assert line in text
     assert validate_islands(tmp_path / "xml" / "Recs.xml", "V16") == []
+
+
+CALLER = """FUNCTION_BLOCK "Caller"
+VERSION : 0.1
+BEGIN
+"Scale"(a := 1);
+END_FUNCTION_BLOCK
+"""
+SCALE = 'FUNCTION "Scale" : Void\nVERSION : 0.1\nVAR_INPUT\n  a : Int;\nEND_VAR\n\nBEGIN\n;\nEND_FUNCTION\n'
+
+
+def test_what_is_called_is_never_guessed(tmp_path: Path) -> None:
+    """A name that ends in _DB says nothing: the source of the FC, or of instance and FB, must be there."""
+    files = put(tmp_path, a_scl=CALLER, b_scl=CALLER.replace("Caller", "Second").replace("Scale", "Pump_DB"))
+    result = plcgen.convert(*files, to="xml", out=tmp_path / "xml")
+    assert [(d.code, d.severity.label, d.message) for d in result.diagnostics] == [
+        ("PG815", "error", 'FB "Caller" calls "Scale": whether that is an FC or an instance is not known'),
+        ("PG815", "error", 'FB "Second" calls "Pump_DB": whether that is an FC or an instance is not known'),
+    ]
+    assert not (tmp_path / "xml").exists()
+    assert plcgen.convert(*files[:1], *put(tmp_path, c_scl=SCALE), to="xml", out=tmp_path / "xml").ok
+    assert '<CallInfo BlockType="FC"' in (tmp_path / "xml/Caller.xml").read_text("utf-8-sig")
+
+
+def test_an_instance_inside_a_data_block_is_known_by_its_declaration(tmp_path: Path) -> None:
+    """Through a structure and a user type: the call names the function block."""
+    data = 'DATA_BLOCK "Plant"\nVERSION : 0.1\nSTRUCT\n  line : "Line";\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+    line = 'TYPE "Line"\nVERSION : 0.1\nSTRUCT\n  pumps : Array[1..2] of "Motor";\nEND_STRUCT;\nEND_TYPE\n'
+    caller = CALLER.replace('"Scale"(a := 1)', '"Plant".line.pumps[1](speed := 1)')
+    files = put(tmp_path, a_scl=caller, b_scl=FB, c_db=data, d_udt=line)
+    assert plcgen.convert(*files, to="xml", out=tmp_path / "xml").diagnostics == ()
+    assert '<CallInfo Name="Motor" BlockType="FB"' in (tmp_path / "xml/Caller.xml").read_text("utf-8-sig")
+    missing = plcgen.convert(files[0], files[1], files[3], to="xml", out=tmp_path / "xml2")
+    assert [d.message for d in missing.diagnostics] == [
+        'FB "Caller" calls "Plant".line.pumps: whether that is an FC or an instance is not known'
+    ]
+
+
+def test_keep_going_does_what_can_be_done(tmp_path: Path) -> None:
+    """Everything wrong is listed, what it stands in is left out, the rest is written; the result is not good."""
+    broken = FB.replace("Motor", "Broken").replace("Int := 5", "Int := := 5")
+    files = put(tmp_path, a_scl=CALLER, b_scl=FB, c_scl=broken)
+    assert plcgen.convert(*files, to="xml", out=tmp_path / "xml").written == ()
+    result = plcgen.convert(*files, to="xml", out=tmp_path / "xml", keep_going=True)
+    assert (result.ok, result.written) == (False, ("Motor.xml",))
+    assert {Path(d.span.file).name for d in result.diagnostics} == {"a.scl", "c.scl"}
+
+
+def test_a_bound_that_nobody_knows_is_not_written(tmp_path: Path) -> None:
+    """With the tag table among the files it has its value."""
+    bad = FB.replace("speed : Int := 5", 'speed : Array[0.."LAST"] of Int').replace("#speed := 1", "#speed[0] := 1")
+    result = plcgen.convert(*put(tmp_path, a_scl=bad), to="xml", out=tmp_path / "xml")
+    assert [(d.code, d.severity.label) for d in result.diagnostics] == [("PG806", "error")]
+
+
+def test_other_documents_in_a_folder_are_left_alone(tmp_path: Path) -> None:
+    """Only a file that is named must be one."""
+    put(tmp_path, a_scl=FB, b_xml="<project />")
+    assert plcgen.convert(tmp_path, to="xml", out=tmp_path / "out").diagnostics == ()
+    assert not plcgen.convert(tmp_path / "b.xml", to="scl", out=tmp_path / "out2").ok

@@ -96,9 +96,6 @@ CASES = {
     '<Parameter Name="IN"><BooleanAttribute Name="HasQuotes">true</BooleanAttribute>'
     f'~{token(":=")}~{number("1")}</Parameter>{token(",")}~'
     f'<Parameter Name="a b">~{token(":=")}~{number("2")}</Parameter>{token(")")}</Instruction></Access>',
-    "#data.#bits": '<Access Scope="LocalVariable"><Symbol><Component Name="data" />'
-    f'{DOT}<Component Name="bits"><BooleanAttribute Name="HasHash">true</BooleanAttribute></Component>'
-    "</Symbol></Access>",
     "TIME_TCK()": f'<Access Scope="Call"><Instruction Name="TIME_TCK">{token("(")}{token(")")}</Instruction></Access>',
     '"Scale"(a := 1)': f'<Access Scope="Call"><CallInfo BlockType="FC"><Instance Scope="GlobalVariable">'
     f'<Component Name="Scale" /></Instance>{token("(")}'
@@ -110,8 +107,6 @@ CASES = {
     f"{token('(')}{token(')')}</CallInfo></Access>",
     '"Drive1"()': '<Access Scope="Call"><CallInfo Name="Motor" BlockType="FB"><Instance Scope="GlobalVariable">'
     f'<Component Name="Drive1" /></Instance>{token("(")}{token(")")}</CallInfo></Access>',
-    '"Pump_DB"()': '<Access Scope="Call"><CallInfo Name="Pump" BlockType="FB"><Instance Scope="GlobalVariable">'
-    f'<Component Name="Pump_DB" /></Instance>{token("(")}{token(")")}</CallInfo></Access>',
     "#timer(IN := #start)": f'{local("timer")}<Access Scope="Call"><Instruction>{token("(")}'
     f'<Parameter Name="IN">~{token(":=")}~{local("start")}</Parameter>{token(")")}</Instruction></Access>',
     "#timer.TON(IN := #start)": f'{local("timer")}{DOT}<Access Scope="Call"><Instruction Name="TON">{token("(")}'
@@ -133,6 +128,8 @@ CASES = {
     "REGION one; two // x\nEND_REGION": f"{token('REGION')}~<Text>one; two // x</Text><NewLine />{token('END_REGION')}",
     "REGION two blanks  \n END_REGION the end \n": f'{token("REGION")}~<Text>two blanks  </Text><NewLine />~'
     f'{token("END_REGION")}~<Text>the end </Text><NewLine />',
+    "REGION a\nEND_REGION ;\n;": f"{token('REGION')}~<Text>a</Text><NewLine />{token('END_REGION')}~<Text>;</Text>"
+    f"<NewLine />{token(';')}",
     "GOTO out;\nout: ;": f'{token("GOTO")}~<Access Scope="Label"><Label Name="out" /></Access>{token(";")}<NewLine />'
     f'<Access Scope="Label"><Label Name="out" /></Access>{token(":")}~{token(";")}',
     "EXIT;\n\n\n  EXIT;": f'{token("EXIT")}{token(";")}<NewLine Num="3" /><Blank Num="2" />{token("EXIT")}{token(";")}',
@@ -152,6 +149,7 @@ def quoted(name: str) -> str:
 QUOTED = {
     '"tag"': f'<Access Scope="GlobalVariable"><Symbol>{quoted("tag")}</Symbol></Access>',
     '"DB".a': f'<Access Scope="GlobalVariable"><Symbol>{quoted("DB")}{DOT}<Component Name="a" /></Symbol></Access>',
+    '"Var".a': f'<Access Scope="GlobalVariable"><Symbol>{quoted("Var")}{DOT}<Component Name="a" /></Symbol></Access>',
     '"D B"': '<Access Scope="GlobalVariable"><Symbol><Component Name="D B" /></Symbol></Access>',
     '"Drive1"()': '<Access Scope="Call"><CallInfo Name="Motor" BlockType="FB"><Instance Scope="GlobalVariable">'
     f"{quoted('Drive1')}</Instance>{token('(')}{token(')')}</CallInfo></Access>",

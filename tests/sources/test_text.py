@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.diagnostics import Diagnostic
+from plcgen.diagnostics import Diagnostic, Severity
 from plcgen.s7.blocks import SectionKind
 from plcgen.scl.dialect import Dialect
 from plcgen.sources import text as reader
@@ -25,12 +25,25 @@ UDT = 'TYPE "größe"\nSTRUCT\n  x : INT;   // Länge\nEND_STRUCT;\nEND_TYPE\n'
         codecs.BOM_UTF8 + UDT.encode(),
         codecs.BOM_UTF16_LE + UDT.encode("utf-16-le"),
         codecs.BOM_UTF16_BE + UDT.encode("utf-16-be"),
+        codecs.BOM_UTF32_LE + UDT.encode("utf-32-le"),
+        codecs.BOM_UTF32_BE + UDT.encode("utf-32-be"),
         UDT.encode("utf-16-le"),
         UDT.encode("utf-16-be"),
         UDT.encode("cp1252"),
         UDT.replace("\n", "\r\n").encode("cp1252"),
     ],
-    ids=["utf-8", "utf-8 with BOM", "utf-16 le", "utf-16 be", "bare le", "bare be", "ansi", "ansi with CRLF"],
+    ids=[
+        "utf-8",
+        "utf-8 with BOM",
+        "utf-16 le",
+        "utf-16 be",
+        "utf-32 le",
+        "utf-32 be",
+        "bare le",
+        "bare be",
+        "ansi",
+        "ansi with CRLF",
+    ],
 )
 def test_every_encoding_of_the_engineering_tools_is_read(tmp_path: Path, data: bytes) -> None:
     """Names and comments are the same whatever the encoding."""
@@ -147,7 +160,8 @@ def test_a_target_adds_its_refusals(tmp_path: Path) -> None:
         ("utf-8", {Dialect.STEP7_V5, Dialect.TIA_300_400, Dialect.TIA_1200_1500}),
         ("utf-8-sig", {Dialect.STEP7_V5}),
         ("utf-16", {Dialect.STEP7_V5}),
-        ("utf-16-le", {Dialect.STEP7_V5, Dialect.TIA_300_400, Dialect.TIA_1200_1500}),
+        ("utf-16-le", {Dialect.STEP7_V5}),
+        ("utf-32", {Dialect.STEP7_V5}),
         ("cp1252", set()),
     ],
 )
@@ -159,6 +173,23 @@ def test_an_encoding_that_the_target_misreads_is_refused(tmp_path: Path, encodin
         refused = {dialect for dialect in Dialect if read_source(path, dialect)[1]}
         assert expected == refused
     assert read_source(path)[1] == []
+
+
+@pytest.mark.parametrize(
+    ("source", "severity"),
+    [
+        ("TYPE a STRUCT\n x : INT; // Länge\nEND_STRUCT; END_TYPE\n", Severity.WARNING),
+        ("TYPE a STRUCT\n x : INT; (* Länge *)\nEND_STRUCT; END_TYPE\n", Severity.WARNING),
+        ("TYPE a STRUCT\n länge : INT;\nEND_STRUCT; END_TYPE\n", Severity.ERROR),
+        ("TYPE a STRUCT\n x : CHAR := 'ä';\nEND_STRUCT; END_TYPE\n", Severity.ERROR),
+    ],
+)
+def test_comments_alone_in_utf8_without_mark_are_a_warning(tmp_path: Path, source: str, severity: Severity) -> None:
+    """TIA reads them as ANSI: a comment becomes unreadable, a name or a text becomes another one."""
+    path = tmp_path / "a.udt"
+    path.write_bytes(source.encode())
+    found = [d for d in read_source(path, Dialect.TIA_1200_1500)[1] if d.code == "PG803"]
+    assert [d.severity for d in found] == [severity]
 
 
 @given(st.binary(max_size=200))

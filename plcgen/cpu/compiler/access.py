@@ -7,13 +7,15 @@ from dataclasses import dataclass, field
 
 from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.scope import scalar_name
-from plcgen.cpu.compiler.values import MemoryPlace, Val
+from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Val
 from plcgen.cpu.memory import CODECS
 from plcgen.s7.types import StringType
 
 Key = tuple[str, int, str]
 """Region, offset in bits and type of a value in memory."""
 _EVERYTHING = 1 << 40
+_PRIVATE = frozenset({"m", "t"})
+"""Memory of the own instance, and local data: nobody else is expected to write there."""
 _CONSTANT = re.compile(r"\(?-?[0-9.]+(?:e[-+]?[0-9]+)?\)?|True|False|q[0-9]+")
 """Code that reads nothing: numbers, and values that a temporary holds already."""
 
@@ -76,6 +78,8 @@ class Access:
     def load(self, place: MemoryPlace) -> Val:
         """Value of a scalar place; a structure stays a place."""
         type_ = scalar_name(place.shape)
+        if self.context.link.is_opaque(place.shape):
+            return Val("0", UNKNOWN, place=place)
         if place.local:
             return Val(place.local, type_, place=place)
         if not type_ or type_ == "VARIANT":
@@ -96,8 +100,12 @@ class Access:
 
     def shared(self, place: MemoryPlace, code: str) -> str:
         """Read code with a point before it, if another OB may have written there since the last point."""
+        return code if place.mem in _PRIVATE else self.after_point(code)
+
+    def after_point(self, code: str) -> str:
+        """Code that reads what others may write, with a point before it unless there is one."""
         context = self.context
-        if not context.preemptive or place.mem in {"m", "t"}:
+        if not context.preemptive:
             return code
         if context.direct:
             context.direct = False
@@ -139,7 +147,7 @@ class Access:
         if place.local:
             self.out.emit(f"{place.local}={code}")
             return
-        code = self.before_store(code)
+        code = self.before_store(code, private=place.mem in _PRIVATE)
         if isinstance(place.shape.type, StringType):
             write = "w_s" if type_ == "STRING" else "w_ws"
             self.out.emit(f"{write}({place.mem},{self.address(place)},{place.shape.type.length},{code})")
@@ -159,13 +167,20 @@ class Access:
             code = name
         self.out.emit(self.write_code(place, type_, code, const))
 
-    def before_store(self, code: str) -> str:
-        """Evaluate a value before the point of its store; a constant needs none."""
-        if not self.context.preemptive or _CONSTANT.fullmatch(code):
+    def before_store(self, code: str, *, private: bool = False) -> str:
+        """Evaluate a value before the point of its store; a constant needs none behind another point."""
+        context = self.context
+        if not context.preemptive:
+            return code
+        if _CONSTANT.fullmatch(code):
+            if not private and not context.direct:
+                context.point("store")
+            context.direct = context.direct and private
             return code
         name = self.out.temporary()
         self.out.emit(f"{name}={code}")
-        self.context.point("store")
+        context.point("store")
+        context.direct = private
         return name
 
     def write_code(self, place: MemoryPlace, type_: str, code: str, const: object) -> str:

@@ -79,11 +79,27 @@ class Arguments:
             if kind is _OUT or (kind is _INOUT and scalar_name(target.shape) not in {"POINTER", "ANY", ""}):
                 passed.outputs.append((argument, target))
         missing = [name for name, kind in allowed.items() if kind is _INOUT and name not in seen]
+        if system is None:  # one of an elementary type keeps its value
+            missing = [name for name in missing if self.is_structured(place, name)]
         if missing and self.context.link.dialect.is_tia:
             self.context.error("PG822", f"{missing[0]} is missing", node, "every IN_OUT parameter needs a variable")
             if system is not None:
                 return None
         return passed
+
+    def is_structured(self, place: MemoryPlace, name: str) -> bool:
+        """Whether a parameter of an instance is a pointer to a structure, an array or a text."""
+        field = place.shape.index.get(name)
+        return field is None or not isinstance(field.member.type, Elementary)
+
+    def look_at(self, node: ast.Call) -> None:
+        """Check the arguments of a call that is not compiled: what they are for is not known."""
+        for argument in node.arguments:
+            if argument.operator == "=>":
+                if not isinstance(argument.value, ast.Omitted | ast.Slice):
+                    self.places.place(argument.value)
+            elif not isinstance(argument.value, ast.Omitted):
+                self.expressions.value(argument.value)
 
     def parameter(
         self, argument: ast.Argument, upper: str, allowed: dict[str, SectionKind], seen: set[str]
@@ -110,9 +126,11 @@ class Arguments:
     def enable(self, argument: ast.Argument, upper: str, passed: Passed) -> None:
         """EN and ENO of a call."""
         if upper == "ENO":
+            self.out.emit("E[0]=True")
             passed.outputs.append((argument, MemoryPlace(Shape(Elementary("BOOL", 1), 1, 1, 1, 1), local="E[0]")))
         else:
             self.context.error("PG827", "the soft CPU does not execute EN of a call", argument, "use IF")
+            self.expressions.value(argument.value)
 
     def named_arguments(
         self, node: ast.Call, parameters: list[tuple[SectionKind, Member, str]], allowed: dict[str, SectionKind]
@@ -125,6 +143,7 @@ class Arguments:
         for argument in node.arguments:
             upper = (argument.name or "").upper()
             if upper in {"EN", "ENO"} and upper not in allowed:
+                given[upper] = argument
                 continue
             v5_output = (
                 allowed.get(upper) is _OUT and argument.operator == ":=" and not self.context.link.dialect.is_tia

@@ -9,13 +9,12 @@ from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.conversions import coerce
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.places import Places
-from plcgen.cpu.compiler.scope import bare_shape, scalar_name
+from plcgen.cpu.compiler.scope import bare_shape, same_type, scalar_name
 from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Val
 from plcgen.cpu.type_rules import BITS, NUMBERED
 from plcgen.diagnostics import Severity
 from plcgen.s7.blocks import BlockKind, SectionKind
-from plcgen.s7.shapes import Shape
-from plcgen.s7.types import NamedType
+from plcgen.s7.types import ArrayType
 from plcgen.scl import ast
 
 _BOOL = bare_shape("BOOL")
@@ -53,13 +52,17 @@ class Assignments:
         """Place left of ``:=``; PG823 if it must not be written. Computed offsets are evaluated first."""
         if isinstance(node, ast.Name) and node.name.upper() in {"ENO", "OK"} and self.places.undeclared(node):
             self.context.uses_eno = True
-            return MemoryPlace(_BOOL, local="E[0]")
+            return MemoryPlace(_BOOL, local=self.context.enable(node.name))
         place = self.places.place(node)
         if place is None:
             return None
+        if (place.mem, place.off, place.dyn, place.local) in self.context.run_tags and not place.dynbit:
+            message = f"{self.context.text(node)} counts the loop around it"
+            self.context.error("PG823", message, node, "leave a loop with EXIT, or count with WHILE")
         if place.section is SectionKind.INPUT:
             # STEP 7 V5 lets an FB write its inputs: public libraries reset their commands that way
-            tolerated = not self.context.link.dialect.is_tia and self.context.scope.block.kind is BlockKind.FB
+            # so do exports of the TIA Portal, in functions too
+            tolerated = self.context.link.dialect.is_tia or self.context.scope.block.kind is BlockKind.FB
             severity = Severity.WARNING if tolerated else Severity.ERROR
             self.context.error(
                 "PG823", f"{self.context.text(node)} is an input", node, "copy it to a variable of its own", severity
@@ -97,7 +100,10 @@ class Assignments:
     def assign_value(self, place: MemoryPlace, value: Val, node: ast.Expression) -> None:
         """Store a value with its implicit conversion; structures are copied."""
         type_ = scalar_name(place.shape)
-        if value.type == UNKNOWN:
+        if value.type == UNKNOWN or self.context.link.is_opaque(place.shape):
+            return
+        if type_ in {"ANY", "POINTER"} and value.place is not None and value.type != type_:
+            self.context.error("PG827", f"the soft CPU does not assign a variable to a pointer of type {type_}", node)
             return
         if type_ and (value.type or type_ in NUMBERED):
             code = coerce(self.context, value, type_, node)
@@ -109,24 +115,20 @@ class Assignments:
     def copy(self, place: MemoryPlace, value: Val, node: ast.Expression) -> None:
         """Copy a structure or array byte by byte."""
         source = value.place
+        if source is not None and isinstance(place.shape.type, ArrayType) and self.is_open(place, source):
+            self.context.error("PG827", "the soft CPU does not copy arrays of unknown length", node)
+            return
         if source is None or source.shape.bits != place.shape.bits or not same_type(place.shape, source.shape):
             self.context.error("PG821", f"{self.context.text(node)} has another type", node)
             return
         size = place.shape.bits // 8
         target, origin = self.access.address(place), self.access.address(source)
         between = f",lambda:{self.context.point_code('copy', node)}" if self.context.preemptive else ""
-        self.out.emit(f"cp({place.mem},{target},{source.mem},{origin},{size}{between})")
+        self.out.emit(f"copy({place.mem},{target},{source.mem},{origin},{size}{between})")
         self.access.touched(place.region if place.fixed else None, place.off, place.shape.bits)
 
-
-def same_type(left: Shape, right: Shape) -> bool:
-    """Whether two structures may be assigned: the same name, or the same members."""
-    if isinstance(left.type, NamedType) and isinstance(right.type, NamedType):
-        return left.type.name.upper() == right.type.name.upper()
-    if len(left.fields) != len(right.fields) or (left.element is None) != (right.element is None):
-        return False
-    if left.element is not None and right.element is not None:
-        return left.strides == right.strides and same_type(left.element, right.element)
-    if left.fields:
-        return all(same_type(a.shape, b.shape) for a, b in zip(left.fields, right.fields, strict=True))
-    return scalar_name(left) == scalar_name(right)
+    def is_open(self, *places: MemoryPlace) -> bool:
+        """Whether the length of an array is not known: ``ARRAY[*]``, or a bound that stands elsewhere."""
+        bounds = [place.shape.type.bounds for place in places if isinstance(place.shape.type, ArrayType)]
+        guessed = self.context.link.guessed_bounds
+        return any(not rows or (guessed and any(low == high for low, high in rows)) for rows in bounds)

@@ -22,7 +22,7 @@ from plcgen.cpu.compiler.references import References
 from plcgen.cpu.compiler.scope import Scope, function_parameters
 from plcgen.cpu.compiler.statements import Statements
 from plcgen.cpu.compiler.values import Symbol
-from plcgen.cpu.linkage import Compiled, Linkage, ProgramBlock
+from plcgen.cpu.linkage import ENO, Compiled, Linkage, ProgramBlock
 from plcgen.cpu.memory import CODECS
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.s7.blocks import BlockKind, SectionKind
@@ -30,10 +30,14 @@ from plcgen.s7.types import Elementary, Member
 from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
 
+_LITTER = {"0": "0xA0", "0.0": "1e30", "False": "True"}
+"""What local data may hold at the start of a call, by default values of the types."""
+
 
 def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False, preemptive: bool = False) -> Compiled:
     """Generate the code of an FB, FC or OB; what is wrong with it is in ``diagnostics``."""
-    scope = Scope(owner.block, owner.shape, link.types, untyped=link.dialect is Dialect.STEP7_V5)
+    untyped = link.dialect is Dialect.STEP7_V5
+    scope = Scope(owner.block, owner.shape, link.types, untyped=untyped, classic=link.classic)
     out = Listing()
     context = Context(owner, scope, link, out, dynamic, preemptive)
     name = context.function(owner.index, moving=dynamic)
@@ -49,7 +53,7 @@ def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False, 
     except (RecursionError, SyntaxError, MemoryError, OverflowError):
         source, out.map = "", []
         span = owner.block.span or Span(file)
-        context.diagnostics.append(Diagnostic("PG827", f"{owner.name} is nested too deeply for the soft CPU", span))
+        context.diagnostics.append(Diagnostic("PG802", f"{owner.name} is nested too deeply", span))
     finally:
         # the parts hold each other: their memory is free now, not when the garbage collector comes
         expressions.parts.clear()
@@ -64,7 +68,7 @@ def _frame(context: Context, expressions: Expressions, statements: Statements) -
     access = Access(context, out)
     places = Places(context, out, access, expressions, OpenedBlocks(context, expressions))
     references = References(context, out, access, expressions, places)
-    operators = Operators(context, access, expressions)
+    operators = Operators(context, access, expressions, places)
     operands = Operands(context, access, expressions, places, references)
     assignments = Assignments(context, out, access, expressions, places)
     arguments = Arguments(context, access, expressions, places, references, assignments, out)
@@ -109,7 +113,8 @@ class _Frame:
         unit = self.context.owner.unit
         self.context.move_to(unit)
         head, leave = self.frame()
-        self.context.leave = leave
+        self.context.leave = self.eno(unit) + leave
+        leave = self.context.leave
         self.out.lines.append(f"def {name}({head}):")
         self.out.map.append(self.out.line)
         self.prologue()
@@ -119,8 +124,21 @@ class _Frame:
             self.out.emit(leave)
         elif self.statements.body(unit.statements):
             self.out.emit(leave)
+        if self.context.calling:
+            # blocks that call others may call each other without end; what they call counts for them
+            watch = f" W[0]+={self.context.calling}", " if W[0]>W[1]:late()"
+            for line in reversed(watch):
+                self.out.insert(begin, line, self.out.map[0])
         if self.context.uses_eno:
-            self.out.insert(begin, " E[0]=True", self.out.map[0])
+            self.out.insert(begin, " eno=[True];ok=True" if self.context.keeps_ok else " eno=[True]", self.out.map[0])
+
+    def eno(self, unit: ast.Unit) -> str:
+        """Code that hands out the block's ENO when it ends: its own, TRUE if the block does not speak of it."""
+        if not self.context.link.eno:
+            return ""
+        text = self.context.owner.result.tokens.source[unit.start : unit.end]
+        self.context.uses_eno = ENO.search(text) is not None
+        return f"E[0]={self.context.enable('OK')};" if self.context.uses_eno else "E[0]=True;"
 
     def frame(self) -> tuple[str, str]:
         """Python parameters, and the statement that leaves the block."""
@@ -162,11 +180,17 @@ class _Frame:
             if name.startswith("v"):
                 default = CODECS[type_].default if type_ in CODECS else "False"
                 groups.setdefault(default, []).append(name)
+        litter = self.context.link.litter
         for default, names in groups.items():
-            self.out.emit(f"{'='.join(names)}={default}")
+            self.out.emit(f"{'='.join(names)}={_LITTER.get(default, default) if litter else default}")
         if self.context.scope.temp_shape is not None:
             optimized = ",True" if self.context.link.mixed and self.context.link.optimized(self.context.owner) else ""
-            self.out.emit(f"t=local({self.context.scope.temp_shape.bits // 8}{optimized})")
+            size = self.context.scope.temp_shape.bits // 8
+            self.out.emit(f"t=local({size}{optimized})")
+            if litter:
+                self.out.emit(f"t[:]=b'\\xa5'*{size}")
+            if self.context.owner.block.kind is BlockKind.OB and self.context.classic:
+                self.out.emit(f"ob_info(t,{self.context.link.ob_number(self.context.owner)})")
 
     def parameter_prologue(self, kind: SectionKind, member: Member, how: str, symbol: Symbol) -> None:
         """Make one parameter of an FC ready."""

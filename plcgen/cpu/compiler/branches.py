@@ -98,7 +98,7 @@ class Branches:
             if end is None:
                 continue
             value = self.expressions.value(end)
-            if value.type == UNKNOWN and type_ == UNKNOWN:
+            if value.type == UNKNOWN:
                 return "False"
             const = ord(value.const) if isinstance(value.const, str) and len(value.const) == 1 else value.const
             if not isinstance(const, int):

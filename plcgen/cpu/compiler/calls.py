@@ -15,12 +15,13 @@ from plcgen.cpu.compiler.loops import Watchdog
 from plcgen.cpu.compiler.moves import Moves, is_move
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.references import References
-from plcgen.cpu.compiler.scope import function_parameters
+from plcgen.cpu.compiler.scope import bare_shape, function_parameters
 from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Val, unknown
 from plcgen.cpu.linkage import ProgramBlock
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.blocks import BlockKind, SectionKind
+from plcgen.s7.system import system_block
 from plcgen.s7.types import Elementary, NamedType, StringType
 from plcgen.scl import ast
 from plcgen.scl.instructions import INSTRUCTIONS
@@ -60,7 +61,7 @@ class Calls:
         if isinstance(target, ast.Address) or (isinstance(target, ast.Member) and self.is_data(target)):
             place = self.places.place(node)
             return self.access.load(place) if place is not None else unknown()
-        if isinstance(target, ast.Name) and self.places.symbol(target) is None:
+        if isinstance(target, ast.Name) and not self.is_instance(target):
             found = self.context.link.find(target.name)
             if found is not None and found.block.kind is BlockKind.FC:
                 return self.call_function(node, found)
@@ -73,6 +74,12 @@ class Calls:
                 return unknown()
         self.context.error("PG821", f"{self.context.text(target)} has no value", node, "only functions have one")
         return unknown()
+
+    def is_instance(self, target: ast.Name) -> bool:
+        """Whether a name is an instance; another variable may be called like the function that is meant."""
+        symbol = self.places.symbol(target)
+        shape = symbol.place.shape if symbol is not None and symbol.place is not None else None
+        return symbol is not None and (shape is None or target.scope == "local" or isinstance(shape.type, NamedType))
 
     def is_data(self, target: ast.Member) -> bool:
         """Whether a path such as ``%DB1.DW`` begins with a data block instead of an FB."""
@@ -115,7 +122,9 @@ class Calls:
                 self.call_instance(node, place, target.name.upper())
             return
         place = self.places.place(target)
-        if place is not None:
+        if place is None or self.context.link.is_opaque(place.shape):
+            self.arguments.look_at(node)
+        else:
             type_ = place.shape.type.name if isinstance(place.shape.type, NamedType) else ""
             if isinstance(target, ast.Name) and place.mem.startswith("d"):
                 found = self.context.link.find(target.name)
@@ -143,10 +152,13 @@ class Calls:
     def missing_block(self, node: ast.Call, target: ast.Name) -> None:
         """PG825, or PG827 for a function of the language that the soft CPU does not have."""
         upper = target.name.upper()
-        if target.scope == "bare" and (upper in INSTRUCTIONS or (upper[:3] == "SFC" and upper[3:].isdecimal())):
+        known = upper in INSTRUCTIONS or upper.rpartition("_")[0] in INSTRUCTIONS  # also NORM_X_REAL, SCALE_X_INT
+        if target.scope == "bare" and (known or (upper[:3] == "SFC" and upper[3:].isdecimal())):
             self.context.error("PG827", f"the soft CPU does not execute {target.name}", node)
-            return
-        self.context.error("PG825", f"there is no block {target.name}", node, self.near_block(target.name))
+        else:
+            near = self.near_block(target.name)
+            self.context.unknown("PG825", f"there is no block {target.name}", target.name, node, near)
+        self.arguments.look_at(node)
 
     def discard(self, value: Val) -> None:
         """Evaluate an expression for what it does."""
@@ -165,7 +177,9 @@ class Calls:
         found = self.context.link.find(target.name)
         if found is None or found.shape is None or found.block.kind is not BlockKind.DB:
             near = self.near_block(target.name)
-            self.context.error("PG825", f"there is no instance data block {target.name}", node, near)
+            message = f"there is no instance data block {target.name}"
+            self.context.unknown("PG825", message, target.name, node, near)
+            self.arguments.look_at(node)
             return
         own = self.context.link.instance_type(found)
         systems = system_fbs(classic=self.context.classic)
@@ -190,7 +204,12 @@ class Calls:
             if passed is not None:
                 self.call_system(node, place, system, passed.buffer)
         else:
-            self.context.error("PG825", f"{self.context.text(node.target)} is no instance of a block", node)
+            known = system_block(type_, classic=self.context.classic) if type_ else None
+            if known is not None and known.kind is BlockKind.FB:
+                self.context.error("PG827", f"the soft CPU does not execute {type_}", node)
+            else:
+                self.context.error("PG825", f"{self.context.text(node.target)} is no instance of a block", node)
+            self.arguments.look_at(node)
             return
         if passed is not None and passed.outputs:
             self.context.point("output", node)
@@ -199,6 +218,7 @@ class Calls:
 
     def call_user(self, node: ast.Call, place: MemoryPlace, found: ProgramBlock) -> None:
         """Emit the call of an FB of the program."""
+        self.context.calling += 1
         self.context.calls.setdefault(found.name.upper(), self.context.span(node))
         self.watchdog.hand_over()
         if place.mem != "m" and place.fixed and place.off == 0:
@@ -208,6 +228,7 @@ class Calls:
             function = self.context.function(found.index, moving=True)
             self.out.emit(f"{function}({place.mem},{self.access.address(place)})")
         self.watchdog.take_back()
+        self.context.called()
         self.access.forget()
 
     def call_system(self, node: ast.Call, place: MemoryPlace, system: SystemFb, buffer: str) -> None:
@@ -225,6 +246,7 @@ class Calls:
             self.context.error("PG822", f"{system.buffer} is missing", node, "name the buffer in every call")
             return
         self.out.emit(f"{name}({place.mem},{self.access.address(place)},{buffer})")
+        self.context.called()
         self.access.forget()
 
     def timer_guard(self, place: MemoryPlace, system: SystemFb) -> str:
@@ -266,6 +288,9 @@ class Calls:
             if how == "value" and kind is not _IN:
                 after.append((argument, type_))
         value = self.emit_function(found, codes, after, result)
+        enabled = given.get("ENO")
+        if enabled is not None and "ENO" not in allowed:
+            self.arguments.take_output(enabled, MemoryPlace(bare_shape("BOOL"), local="E[0]"))
         self.arguments.give_back(lent, node)
         return value
 
@@ -273,11 +298,13 @@ class Calls:
         self, found: ProgramBlock, codes: list[str], after: list[tuple[ast.Argument | None, str]], result: str
     ) -> Val:
         """Emit the call and take the outputs."""
+        self.context.calling += 1
         call = f"{self.context.function(found.index)}({','.join(codes)})"
         self.watchdog.hand_over()
         name = self.out.temporary()
         self.out.emit(f"{name}={call}")
         self.watchdog.take_back()
+        self.context.called()
         self.access.forget()
         if after:
             for position, (argument, type_) in enumerate(after):

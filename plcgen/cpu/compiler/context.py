@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from plcgen.cpu.compiler.scope import Scope
 from plcgen.cpu.linkage import Linkage, Probe, ProgramBlock
+from plcgen.cpu.type_rules import TypeRules
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.scl import ast
 
@@ -74,8 +75,9 @@ class Context:
     """One block on its way to Python: ``dynamic`` adds a base offset ``o`` to every access to the instance.
 
     ``preemptive`` adds points at which another OB may run (``Z``), and nothing is known from one access to the next.
-    ``calls`` are the blocks it calls by upper-case name, ``moving`` says that it has multi-instances; ``leave`` is the
-    code that ends the block, ``uses_eno`` says that it needs one of its own.
+    ``run_tags`` are the places of the variables that the loops around count with.
+    ``calls`` are the blocks it calls by upper-case name, ``calling`` how many calls it has; ``moving`` says that it has
+    multi-instances; ``leave`` is the code that ends the block, ``uses_eno`` says that it needs an ENO of its own.
     """
 
     owner: ProgramBlock
@@ -86,15 +88,19 @@ class Context:
     preemptive: bool = False
     classic: bool = field(init=False)
     direct: bool = False
-    """Whether nothing was read since the last point."""
+    """Whether nothing shared was read or written since the last point."""
+    rules: TypeRules = field(init=False)
     diagnostics: list[Diagnostic] = field(default_factory=list)
     calls: dict[str, Span] = field(default_factory=dict)
     moving: bool = False
+    calling: int = 0
     leave: str = "return"
     uses_eno: bool = False
+    run_tags: list[tuple[str, int, str, str]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.classic = self.link.classic
+        self.rules = self.link.rules()
 
     def move_to(self, node: ast.Node) -> None:
         """What is generated from here on comes from the line of a node."""
@@ -110,6 +116,13 @@ class Context:
         """Report a problem at a node."""
         if len(self.diagnostics) < MAX_DIAGNOSTICS:
             self.diagnostics.append(Diagnostic(code, message, self.span(node), severity, help=text))
+
+    def unknown(self, code: str, message: str, name: str, node: ast.Node, text: str = "") -> None:
+        """Report a name that nobody knows, at the first of its uses in the program."""
+        key = code, name.upper()
+        if key not in self.link.unknown:
+            self.link.unknown.add(key)
+            self.error(code, message, node, text)
 
     def text(self, node: ast.Node) -> str:
         """Source text of a node on one line."""
@@ -127,6 +140,20 @@ class Context:
             self.link.probes.append(probe)
             self.link.counters[probe, self.dynamic] = number
         self.out.emit(f"H[{number}]+=1")
+
+    @property
+    def keeps_ok(self) -> bool:
+        """Whether ENO is that of the block called last and OK that of the block itself, as in STEP 7 V5."""
+        return self.uses_eno and not self.link.dialect.is_tia
+
+    def enable(self, word: str) -> str:
+        """Generated place of ENO or OK."""
+        return "ok" if self.keeps_ok and word.upper() == "OK" else "eno[0]"
+
+    def called(self) -> None:
+        """Behind a call: its ENO, in STEP 7 V5 (S7-SCL V5.3 manual, ENO)."""
+        if self.keeps_ok:
+            self.out.emit("eno[0]=E[0]")
 
     def function(self, index: int, *, moving: bool = False) -> str:
         """Python name of a block: ``b``, in preemptive programs ``p``; with ``o`` behind it for multi-instances."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from plcgen.cpu.compiler.context import Context
+from plcgen.cpu.compiler.explicit import convert_code
 from plcgen.cpu.compiler.literals import as_real, source_of
 from plcgen.cpu.compiler.values import UNKNOWN, Val
 from plcgen.cpu.type_rules import (
@@ -12,6 +13,7 @@ from plcgen.cpu.type_rules import (
     NUMBERED,
     REAL_CONST,
     REALS,
+    STAMPS,
     TEXT_CONST,
     TEXTS,
     WIDTHS,
@@ -34,20 +36,27 @@ def coerce(context: Context, value: Val, target: str, node: ast.Expression) -> s
         return f"{value.place.mem}.number"
     if source in {INT_CONST, REAL_CONST, TEXT_CONST}:
         return constant_as(context, value, target, node)
-    if not widens(source, target, classic=context.classic) and not (target in TEXTS and source in TEXTS):
+    if not widens(source, target, context.rules) and not (target in TEXTS and source in TEXTS):
         shown = source or "a structure"
         text = f"write {source}_TO_{target}(..)" if source in WIDTHS and target in WIDTHS else ""
-        text = remedy(source, target, text, context.link.dialect)
+        text = remedy(source, target, text, context.rules)
         context.error("PG821", f"{shown} is not converted to {target} implicitly", node, text)
         return "0"
-    if value.const is not None:
+    if value.const is not None and (target in TEXTS) == (source in TEXTS):
         return constant_as(context, value, target, node)
     code = value.wrapped
     if target in REALS and source in INTEGERS:
         return f"float({code})"
     if (source, target) in {("TIME", "LTIME"), ("TIME_OF_DAY", "LTIME_OF_DAY")}:
         return f"({code}*1000000)"
-    return f"chr({code})" if target in TEXTS and source in {"CHAR", "WCHAR"} else code
+    if target in TEXTS:
+        return f"chr({code})" if source in {"CHAR", "WCHAR"} else code
+    if source in BITS and target in REALS:  # in expressions a bit string counts as an unsigned integer
+        return f"f32(float({code}))" if target == "REAL" else f"float({code})"
+    if {source, target} & STAMPS:
+        context.error("PG827", f"the soft CPU does not convert {source} to {target}", node)
+        return "0"
+    return convert_code(code, source, target)
 
 
 def constant_as(context: Context, value: Val, target: str, node: ast.Expression) -> str:
@@ -78,6 +87,8 @@ def integer_constant(context: Context, const: int, target: str, node: ast.Expres
         return source_of(as_real(float(const), target))
     if target == "BOOL" and const in {0, 1}:
         return "True" if const else "False"
+    if target in {"CHAR", "WCHAR"} and not context.rules.checked and context.rules.dialect.is_tia and 0 <= const < 256:
+        return str(const)
     if target not in INTEGERS and target not in BITS and target not in HARDWARE and target != "TIME":
         return None
     low, high = limits(target) or (0, 0)

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from plcgen.cpu.compiler.context import Context
 from plcgen.cpu.compiler.conversions import coerce, truth
+from plcgen.cpu.compiler.explicit import convert_code
 from plcgen.cpu.compiler.expressions import Expressions
-from plcgen.cpu.compiler.values import UNKNOWN, Val, unknown, wrapped
+from plcgen.cpu.compiler.values import UNKNOWN, Val, unknown
 from plcgen.cpu.type_rules import (
     BITS,
     INT_CONST,
@@ -17,9 +18,11 @@ from plcgen.cpu.type_rules import (
     NUMERIC,
     REAL_CONST,
     REALS,
+    SIGNED,
     TEXT_CONST,
     TEXTS,
     WIDTHS,
+    bit_string,
     canonical,
     common_type,
     conversions,
@@ -28,17 +31,22 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.scl import ast
 from plcgen.scl.instructions import INSTRUCTIONS
 
+_MAX_TEXTS = 32
+"""So many texts CONCAT of an S7-1200/1500 joins."""
 _CONVERSION = re.compile(r"([A-Z][A-Z0-9_]*?)_TO_([A-Z][A-Z0-9_]*)")
 _MATH = frozenset("SQR SQRT EXP EXPD LN LOG SIN COS TAN ASIN ACOS ATAN FRAC".split())  # noqa: SIM905
 _ROUNDING = frozenset({"ROUND", "TRUNC", "FLOOR", "CEIL"})
 _SHIFTS = frozenset({"SHL", "SHR", "ROL", "ROR"})
+_TYPED = re.compile(
+    rf"({'|'.join([*_MATH, *_ROUNDING, *_SHIFTS, 'ABS', 'MIN', 'MAX', 'LIMIT', 'SEL', 'MUX', 'SWAP'])})"
+    rf"_({'|'.join([*INTEGERS, *BITS, *REALS])})"
+)
 _TEXT_FUNCTIONS = {
     "LEN": ("IN",), "CONCAT": ("IN1", "IN2"), "LEFT": ("IN", "L"), "RIGHT": ("IN", "L"), "MID": ("IN", "L", "P"),
     "FIND": ("IN1", "IN2"), "DELETE": ("IN", "L", "P"), "INSERT": ("IN1", "IN2", "P"),
     "REPLACE": ("IN1", "IN2", "L", "P"),
 }  # fmt: skip
 _DELAYS = {"DIS_AIRT": "dis_airt", "SFC41": "dis_airt", "EN_AIRT": "en_airt", "SFC42": "en_airt"}
-_TIMES = frozenset({"TIME", "LTIME", "DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "LDT"})
 
 
 class Reported(Exception):  # noqa: N818 - control flow inside the compiler, never seen outside
@@ -78,10 +86,20 @@ class Functions:
             return Val(f"{_DELAYS[name]}()", "INT", pure=False)
         if name in _TEXT_FUNCTIONS:
             return self.text_function(node, name)
+        typed = _TYPED.fullmatch(name)
+        if typed is not None:
+            return self.typed(node, typed[1], canonical(typed[2]))
         match = _CONVERSION.fullmatch(name)
         if match is not None:
             return self.conversion(node, name, match[1], match[2])
         return None
+
+    def typed(self, node: ast.Call, name: str, type_: str) -> Val | None:
+        """``TRUNC_DINT``, ``SHL_WORD``: a function with the type of its result, as the TIA Portal writes it."""
+        value = self.rounding(node, name, type_) if name in _ROUNDING else self.compile(node, name)
+        if value is None or value.type in {UNKNOWN, type_}:
+            return value
+        return Val(coerce(self.context, value, type_, node), type_, pure=value.pure)
 
     def bind(self, node: ast.Call, names: tuple[str, ...], optional: tuple[str, ...] = ()) -> dict[str, ast.Expression]:
         """Arguments by name, given with names or in order; PG822 about the rest, Reported if one is missing."""
@@ -135,22 +153,28 @@ class Functions:
             self.context.error("PG821", f"{name} does not take {value.type or 'a structure'}", node)
         return unknown()
 
-    def rounding(self, node: ast.Call, name: str) -> Val:
-        """REAL to DINT."""
+    def rounding(self, node: ast.Call, name: str, result: str = "DINT") -> Val:
+        """REAL to DINT, or to another type that the name of the function says."""
         bound = self.bind(node, ("IN",))
         value = self.expressions.value(bound["IN"])
         type_ = "LREAL" if value.type == "LREAL" else "REAL"
         code = coerce(self.context, value, type_, bound["IN"])
-        return Val(f"to_int({code},32,True,{name.lower()!r})", "DINT", pure=value.pure)
+        if result in REALS:
+            return Val(f"float(to_int({code},64,True,{name.lower()!r}))", result, pure=value.pure)
+        signed = result in SIGNED
+        return Val(f"to_int({code},{WIDTHS[result]},{signed},{name.lower()!r})", result, pure=value.pure)
 
     def shift(self, node: ast.Call, name: str) -> Val:
         """SHL, SHR, ROL, ROR of bit strings, and of integers on S7-1200/1500."""
         bound = self.bind(node, ("IN", "N"))
         value, count = self.expressions.value(bound["IN"]), self.expressions.value(bound["N"])
         type_ = "WORD" if value.type == INT_CONST else value.type
+        free = not self.context.rules.checked
+        if type_ in INTEGERS and self.context.classic and free:
+            type_ = bit_string(type_)
         if type_ not in BITS and (type_ not in INTEGERS or self.context.classic):
             return self.refuse(node, name, value)
-        if count.type not in INTEGERS and count.type not in {INT_CONST, UNKNOWN}:
+        if count.type not in INTEGERS and count.type not in {INT_CONST, UNKNOWN} and not (free and count.type in BITS):
             self.context.error("PG821", f"N counts bits, it is no {count.type or 'structure'}", bound["N"])
         bits = WIDTHS[type_]
         code, steps = coerce(self.context, value, type_, bound["IN"]), count.wrapped
@@ -169,13 +193,17 @@ class Functions:
         """LIMIT(MN, IN, MX)."""
         bound = self.bind(node, ("MN", "IN", "MX"))
         values = [(self.expressions.value(bound[name]), bound[name]) for name in ("MN", "IN", "MX")]
-        return self.common_call(node, "limit", values)
+        result = self.common_call(node, "limit", values)
+        if result.type != UNKNOWN:
+            self.context.uses_eno = True
+            result.code = f"limit({'eno' if self.context.uses_eno else 'E'},{result.code.partition('(')[2]}"
+        return result
 
     def common_call(self, node: ast.Call, function: str, values: list[tuple[Val, ast.Expression]]) -> Val:
         """Call with all operands in their common type."""
         common: str | None = values[0][0].type if values else None
         for value, _ in values[1:]:
-            common = common_type(common or UNKNOWN, value.type, classic=self.context.classic)
+            common = common_type(common or UNKNOWN, value.type, self.context.rules)
         if any(value.type == UNKNOWN for value, _ in values):
             return unknown()
         if not common or len(values) < 2:
@@ -212,7 +240,10 @@ class Functions:
 
     def text_function(self, node: ast.Call, name: str) -> Val:
         """LEN, CONCAT, LEFT, RIGHT, MID, FIND, DELETE, INSERT, REPLACE."""
-        bound = self.bind(node, _TEXT_FUNCTIONS[name])
+        more = (
+            tuple(f"IN{n}" for n in range(3, _MAX_TEXTS + 1)) if name == "CONCAT" and not self.context.classic else ()
+        )
+        bound = self.bind(node, _TEXT_FUNCTIONS[name], more)
         codes, wide, pure = [], False, True
         for parameter, expression in bound.items():
             value = self.expressions.value(expression)
@@ -236,9 +267,13 @@ class Functions:
         source, target = canonical(source), canonical(target)
         if (source, target) in NOT_EXECUTED and not self.context.classic:
             self.context.error("PG827", f"the soft CPU does not execute {name}", node)
-            return unknown()
+            for expression in self.bind(node, ("IN",)).values():
+                self.expressions.value(expression)
+            return Val("0", target)
         if (source, target) not in conversions(classic=self.context.classic):
-            self.context.error("PG820", f"{self.context.link.dialect.label} has no function {name}", node)
+            self.context.unknown("PG820", f"{self.context.link.dialect.label} has no function {name}", name, node)
+            for _, expression in self.several(node):
+                self.expressions.value(expression)
             return unknown()
         bound = self.bind(node, ("IN",))
         value = self.expressions.value(bound["IN"])
@@ -255,46 +290,3 @@ class Functions:
             return Val(f"from_bcd({code},{7 if double else 3})", "DINT" if double else "INT", pure=value.pure)
         code = coerce(self.context, value, "DINT" if double else "INT", bound["IN"])
         return Val(f"to_bcd({code},{7 if double else 3})", "DWORD" if double else "WORD", pure=value.pure)
-
-
-def convert_code(code: str, source: str, target: str) -> str:
-    """Generated code of an explicit conversion."""
-    if source == "BOOL":
-        return f"(1.0 if {code} else 0.0)" if target in REALS else f"(1 if {code} else 0)"
-    if target == "BOOL":
-        return f"({code}&1)" if source not in REALS else f"({code}!=0.0)"
-    if source in TEXTS:
-        return f"ord(({code}+' ')[0])" if target == "CHAR" else f"text_to({code},{target!r})"
-    if target in TEXTS:
-        return f"chr({code})" if source == "CHAR" else f"to_text({code},{source!r})"
-    if source in REALS:
-        return _from_real(code, source, target)
-    if target in REALS:
-        if source in BITS:
-            return f"bits_real({code},{BITS[source]})"
-        return f"f32(float({code}))" if target == "REAL" else f"float({code})"
-    if source == "S5TIME" or target == "S5TIME":
-        return f"from_s5({code})" if source == "S5TIME" else f"to_s5({code})"
-    if source == "DATE_AND_TIME":
-        return f"dt_part({code},{target!r})"
-    if {source, target} & {"TIME", "TIME_OF_DAY"} and {source, target} & {"LTIME", "LTIME_OF_DAY"}:
-        code = f"({code}*1000000)" if target.startswith("L") else f"({code}//1000000)"
-    return wrapped(code, target) if _may_overflow(source, target) else code
-
-
-def _may_overflow(source: str, target: str) -> bool:
-    """Whether the integer of one type need not be in the range of another."""
-    signed = {"SINT", "INT", "DINT", "LINT", "TIME", "LTIME", "LDT"}
-    bits = WIDTHS.get(source, 64), WIDTHS.get(target, 64)
-    if (source in signed) == (target in signed):
-        return bits[1] < bits[0]
-    return not (source not in signed and bits[1] > bits[0])
-
-
-def _from_real(code: str, source: str, target: str) -> str:
-    if target in REALS:
-        return f"f32({code})" if target == "REAL" else code
-    if target in BITS:
-        return f"real_bits({code},{WIDTHS[source]})"
-    signed = target in {"SINT", "INT", "DINT", "LINT"} or target in _TIMES
-    return f"to_int({code},{WIDTHS[target]},{signed},'round')"

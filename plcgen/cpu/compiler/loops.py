@@ -1,8 +1,8 @@
-"""Loops and jumps, under a watchdog that counts the passes."""
+"""Loops and jumps, under a watchdog that counts passes and calls."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from plcgen.cpu.compiler.access import Access
@@ -50,7 +50,11 @@ class Labels:
         """GOTO a label that stands at the top level of the block."""
         number = self.numbers.get(node.label.upper())
         if number is None:
-            self.context.error("PG820", f"there is no label {node.label} at the top level of the block", node)
+            body = self.context.owner.unit.statements
+            inside = any(label.name.upper() == node.label.upper() for label in _labels(body))
+            where = "the soft CPU jumps to labels at the top level of a block only" if inside else ""
+            code = "PG827" if inside else "PG820"
+            self.context.error(code, where or f"there is no label {node.label}", node)
             self.out.emit("pass")
         elif self.watchdog.depth:
             self.out.emit(f"pc={number};g=1;break")
@@ -63,17 +67,19 @@ class Labels:
         parts: list[list[ast.Statement]] = [[]]
         for statement in _flat(statements):
             if isinstance(statement, ast.Label):
+                if statement.name.upper() in self.numbers:
+                    message = f"the label {statement.name} is there twice"
+                    self.context.error("PG805", message, statement, "rename one of them")
                 self.numbers[statement.name.upper()] = len(parts)
                 parts.append([])
             else:
                 parts[-1].append(statement)
         self.context.move_to(statements[0])
-        self.out.emit("pc=g=0;k=W[0]")
+        self.out.emit("pc=g=0")
         self.out.emit("while True:")
         self.out.indent += " "
-        self.out.emit("k+=1")
-        self.out.emit("if k>W[1]:late()")
-        self.out.emit("W[0]=k")
+        self.out.emit("W[0]+=1")
+        self.out.emit("if W[0]>W[1]:late()")
         for number, part in enumerate(parts):
             self.access.forget()
             self.out.emit(f"if pc<={number}:")
@@ -125,11 +131,14 @@ class Loops:
     def for_statement(self, node: ast.For) -> None:
         """FOR: limit and step are evaluated once, the variable runs past the limit."""
         place = self.assignments.target(node.variable)
-        if place is None:
-            return
-        type_ = scalar_name(place.shape)
-        if type_ not in INTEGERS:
-            self.context.error("PG821", f"a loop counts with an integer, not {type_ or 'a structure'}", node.variable)
+        type_ = scalar_name(place.shape) if place is not None else ""
+        if place is None or type_ not in INTEGERS:
+            if place is not None and not self.context.link.is_opaque(place.shape):
+                message = f"a loop counts with an integer, not {type_ or 'a structure'}"
+                self.context.error("PG821", message, node.variable)
+            self.open_loop(lambda: None)  # what is inside is checked all the same
+            self.statements.body(node.body)
+            self.close_loop()
             return
         first = self.expressions.value(node.first)
         self.access.store(place, coerce(self.context, first, type_, node.first))
@@ -152,7 +161,10 @@ class Loops:
             ended = f"({value}>{last} if {step}>=0 else {value}<{last})"
         self.out.emit(f"if {ended}:break")
         self.context.probe(node, "pass")
-        if self.statements.body(node.body):
+        self.context.run_tags.append((place.mem, place.off, place.dyn, place.local))
+        reached = self.statements.body(node.body)
+        self.context.run_tags.pop()
+        if reached:
             self.out.line = line
             again()
         self.close_loop()
@@ -206,6 +218,11 @@ class Loops:
             self.loops[-1]()
             self.out.emit("continue")
         return False
+
+
+def _labels(statements: ast.Body) -> Iterator[ast.Label]:
+    """Labels at any depth."""
+    return (node for statement in statements for node in ast.walk(statement) if isinstance(node, ast.Label))
 
 
 def _flat(statements: ast.Body) -> list[ast.Statement]:

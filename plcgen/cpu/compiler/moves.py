@@ -124,19 +124,20 @@ class Moves:
         codes = [self.number(bound[key]) for key in ("AREA", "DBNUMBER", "BYTEOFFSET", *bit)]
         place = ",".join(codes)
         if name in _PEEKS:
-            return Val(f"peek({place},{BITS[_PEEKS[name]] // 8})", _PEEKS[name])
+            return Val(self.access.after_point(f"peek({place},{BITS[_PEEKS[name]] // 8})"), _PEEKS[name])
         if name == "PEEK_BOOL":
-            return Val(f"peek_bit({place})", "BOOL")
+            return Val(self.access.after_point(f"peek_bit({place})"), "BOOL")
         if name not in {"POKE", "POKE_BOOL", "POKE_BYTE", "POKE_WORD", "POKE_DWORD"}:
             return None
         written = self.expressions.value(bound["VALUE"])
         if name == "POKE_BOOL":
-            self.out.emit(f"poke_bit({place},{truth(self.context, written, bound['VALUE'])})")
+            flag = self.access.before_store(truth(self.context, written, bound["VALUE"]))
+            self.out.emit(f"poke_bit({place},{flag})")
         else:
             type_ = "BYTE" if written.type == INT_CONST else written.type
             if type_ not in CODECS:
                 return self.functions.refuse(node, name, written)
-            code = coerce(self.context, written, type_, bound["VALUE"])
+            code = self.access.before_store(coerce(self.context, written, type_, bound["VALUE"]))
             self.out.emit(f"poke({place},{CODECS[type_].size},{code})")
         self.access.forget()
         return Val("", "")

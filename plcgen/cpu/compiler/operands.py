@@ -35,7 +35,7 @@ class Operands:
             if node.name.upper() in {"NULL", "NIL"}:
                 return Val("(None,0,0)", "ANY")
             self.context.uses_eno = True
-            return Val("E[0]", "BOOL")
+            return Val(self.context.enable(node.name), "BOOL")
         place = self.places.named(node)
         return self.access.load(place) if place is not None else unknown()
 

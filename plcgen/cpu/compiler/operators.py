@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from plcgen.cpu.arithmetic import mod, quotient
 from plcgen.cpu.compiler.access import Access
@@ -10,6 +10,8 @@ from plcgen.cpu.compiler.context import Context
 from plcgen.cpu.compiler.conversions import coerce, integer_code
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.literals import source_of
+from plcgen.cpu.compiler.places import Places
+from plcgen.cpu.compiler.scope import same_type
 from plcgen.cpu.compiler.values import UNKNOWN, Val, unknown
 from plcgen.cpu.type_rules import (
     BITS,
@@ -20,15 +22,30 @@ from plcgen.cpu.type_rules import (
     POINTERS,
     REAL_CONST,
     REALS,
+    STAMPS,
     TEXTS,
+    bit_string,
+    common_bits,
     common_type,
     remedy,
+    whole_number,
 )
 from plcgen.scl import ast
 
 _COMPARE = {"=": "==", "<>": "!=", "<": "<", "<=": "<=", ">": ">", ">=": ">="}
 _RING = frozenset({"+", "-", "*"})
 _LOGIC = {"AND": ("and", "&"), "&": ("and", "&"), "OR": ("or", "|"), "XOR": ("", "^")}
+_TIMED = frozenset({"DATE_AND_TIME", "DTL"})
+_DATES = STAMPS | {"DATE", "TIME_OF_DAY", "LTIME_OF_DAY"}
+_STAMPED = {
+    ("+", "DATE", "TIME_OF_DAY"): "DTL", ("+", "DATE", "LTIME_OF_DAY"): "DTL", ("-", "DATE", "DATE"): "LTIME",
+    ("-", "DATE_AND_TIME", "DATE_AND_TIME"): "TIME", ("-", "DTL", "DTL"): "LTIME", ("-", "LDT", "LDT"): "LTIME",
+    ("-", "LTIME_OF_DAY", "LTIME_OF_DAY"): "LTIME",
+    **{(sign, stamp, span): stamp for sign in "+-" for stamp in STAMPS for span in ("TIME", "LTIME")},
+}  # fmt: skip
+"""Results of date arithmetic of the S7-1500 (help of the TIA Portal, "Arithmetic expressions")."""
+_STORED = {"TIME": "DINT", "LTIME": "LINT", "CHAR": "INT", "WCHAR": "INT", "DATE": "INT", "TIME_OF_DAY": "DINT"}
+_SAME_WIDTH = "convert one of them: floating-point numbers are compared in one type, with and without IEC check"
 _ORDERED = frozenset({"TIME", "LTIME", "DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "LDT", "CHAR", "WCHAR", "S5TIME"})
 
 
@@ -39,6 +56,7 @@ class Operators:
     context: Context
     access: Access
     expressions: Expressions
+    places: Places
 
     def unary(self, node: ast.Unary) -> Val:
         """Signs and NOT."""
@@ -48,6 +66,11 @@ class Operators:
         if node.operator == "NOT":
             if value.type == "BOOL":
                 return Val(f"(not {value.code})", "BOOL", pure=value.pure)
+            if value.type in INTEGERS and not self.context.rules.checked:
+                type_ = bit_string(value.type)
+                value = Val(coerce(self.context, value, type_, node.operand), type_, pure=value.pure)
+            if value.type == INT_CONST and isinstance(value.const, int):
+                return Val(source_of(~value.const), INT_CONST, ~value.const)
             if value.type in BITS:
                 return Val(f"({value.code}^{(1 << BITS[value.type]) - 1})", value.type, pure=value.pure)
             self.context.error("PG821", f"NOT needs BOOL or a bit string, not {value.type or 'a structure'}", node)
@@ -92,14 +115,18 @@ class Operators:
     def mismatch(self, node: ast.Binary, left: Val, right: Val) -> Val:
         """PG821 about two operands."""
         kinds = f"{left.type or 'a structure'} and {right.type or 'a structure'}"
-        text = remedy(left.type, right.type, "convert one of them explicitly", self.context.link.dialect)
-        text = text if ";" in text else remedy(right.type, left.type, text, self.context.link.dialect)
+        text = remedy(left.type, right.type, "convert one of them explicitly", self.context.rules)
+        text = text if ";" in text else remedy(right.type, left.type, text, self.context.rules)
         self.context.error("PG821", f"{node.operator} does not take {kinds}", node, text)
         return Val("0", "BOOL" if node.operator in _COMPARE else UNKNOWN)
 
     def logic(self, node: ast.Binary, left: Val, right: Val) -> Val:
         """AND, OR, XOR."""
-        common = common_type(left.type, right.type, classic=self.context.classic)
+        if left.type == right.type == INT_CONST and isinstance(left.const, int) and isinstance(right.const, int):
+            joined = {"&": left.const & right.const, "|": left.const | right.const, "^": left.const ^ right.const}
+            number = joined[_LOGIC[node.operator][1]]
+            return Val(source_of(number), INT_CONST, number)
+        common = common_bits(left.type, right.type, self.context.rules)
         word, symbol = _LOGIC[node.operator]
         pure = left.pure and right.pure
         if common == "BOOL" and not {left.const, right.const} <= {None, 0, 1}:
@@ -122,7 +149,13 @@ class Operators:
         equality = node.operator in {"=", "<>"}
         if left.const is not None and right.const is not None and {left.type, right.type} <= NUMERIC:
             return Val(f"({left.code}{symbol}{right.code})", "BOOL")
-        common = common_type(left.type, right.type, classic=self.context.classic)
+        if self.is_not_executed(left, right, equality=equality):
+            self.context.error("PG827", "the soft CPU does not compare structures, arrays, pointers and stamps", node)
+            return Val("False", "BOOL")
+        if {left.type, right.type} == {"REAL", "LREAL"} and self.context.rules.dialect.is_tia:
+            self.context.error("PG821", f"{node.operator} does not take REAL and LREAL", node, _SAME_WIDTH)
+            return Val("False", "BOOL")
+        common = common_type(left.type, right.type, self.context.rules)
         if common == "BOOL" and not {left.const, right.const} <= {None, 0, 1}:
             return self.mismatch(node, left, right)
         if common == "BOOL" and equality:
@@ -138,12 +171,38 @@ class Operators:
             return Val(f"real_ne({codes[0]},{codes[1]})", "BOOL", pure=pure)
         return Val(f"({codes[0]}{symbol}{codes[1]})", "BOOL", pure=pure)
 
+    def is_not_executed(self, left: Val, right: Val, *, equality: bool) -> bool:
+        """Whether a comparison is one of the S7-1200/1500 that the soft CPU does not have.
+
+        Dates compare with dates, structures and arrays with their like, a VARIANT or ANY with everything (help of the
+        TIA Portal, "Relational expressions").
+        """
+        if {left.type, right.type} <= _DATES and {left.type, right.type} & STAMPS:
+            return True
+        if not equality or not self.context.link.dialect.is_tia:
+            return False
+        kinds = [self.places.pointer_type(value) for value in (left, right)]
+        if any(kinds):
+            return True
+        pair = left.place, right.place
+        if self.context.classic or left.type or right.type or pair[0] is None or pair[1] is None:
+            return False
+        return same_type(pair[0].shape, pair[1].shape)
+
     def arithmetic(self, node: ast.Binary, left: Val, right: Val) -> Val:
         """Compile + - * / MOD ** of numbers and times."""
         operator = node.operator
-        if left.type in _ORDERED or right.type in _ORDERED:
+        stamped = _STAMPED.get((operator, left.type, right.type))
+        if stamped is not None:
+            self.context.error("PG827", f"the soft CPU does not execute {left.type} {operator} {right.type}", node)
+            modern = stamped if not self.context.classic else {"DTL": "DATE_AND_TIME", "LTIME": "TIME"}.get(stamped)
+            return Val("0", modern or stamped)
+        timed = {left.type, right.type} & _TIMED
+        if timed or left.type in _ORDERED or right.type in _ORDERED:
             return self.time_arithmetic(node, left, right)
-        common = common_type(left.type, right.type, classic=self.context.classic)
+        common = common_type(left.type, right.type, self.context.rules)
+        if common in BITS and self.context.rules.dialect.is_tia and not self.context.rules.checked:
+            common = whole_number(common, classic=self.context.classic)
         if common not in NUMERIC:
             return self.mismatch(node, left, right)
         pure = left.pure and right.pure
@@ -217,7 +276,9 @@ class Operators:
         if operator in {"+", "-"}:
             if kinds[0] in DURATIONS and (kinds[0] == kinds[1] or (number and not self.context.classic)):
                 return Val(f"{codes[0]}{operator}({codes[1]})", kinds[0], raw=True, pure=pure)
-            if kinds[0] == "TIME_OF_DAY" and kinds[1] == "TIME":
+            if kinds == ("LTIME", "TIME"):
+                return Val(f"{codes[0]}{operator}({codes[1]})*1000000", "LTIME", raw=True, pure=pure)
+            if kinds[0] == "TIME_OF_DAY" and (kinds[1] == "TIME" or (number and not self.context.rules.checked)):
                 return Val(f"(({codes[0]}{operator}{codes[1]})%86400000)", "TIME_OF_DAY", pure=pure)
             if kinds == ("TIME_OF_DAY", "TIME_OF_DAY") and operator == "-":
                 return Val(f"({codes[0]}-{codes[1]})", "TIME", pure=pure)
@@ -227,4 +288,12 @@ class Operators:
             if operator == "*":
                 return Val(f"({codes[0]})*({codes[1]})", kinds[0], raw=True, pure=pure)
             return Val(f"div({codes[0]},{codes[1]})", kinds[0], raw=True, pure=pure)
-        return self.mismatch(node, left, right)
+        return self.as_numbers(node, left, right) or self.mismatch(node, left, right)
+
+    def as_numbers(self, node: ast.Binary, left: Val, right: Val) -> Val | None:
+        """Without IEC check times, dates and characters count as the integers that they are stored as."""
+        if self.context.rules.checked or not self.context.rules.dialect.is_tia:
+            return None
+        both = [replace(value, type=_STORED.get(value.type, value.type)) for value in (left, right)]
+        plain = {value.type for value in both} <= {*NUMERIC, *BITS}
+        return self.arithmetic(node, *both) if plain else None

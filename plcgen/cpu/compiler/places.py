@@ -15,7 +15,7 @@ from plcgen.cpu.compiler.scope import bare_shape, scalar_name
 from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Symbol, Val, constant
 from plcgen.cpu.linkage import ProgramBlock
 from plcgen.cpu.system.interfaces import system_fbs
-from plcgen.cpu.type_rules import INTEGERS, REALS, WIDTHS, canonical
+from plcgen.cpu.type_rules import BITS, INTEGERS, POINTERS, REALS, TEXTS, WIDTHS, canonical
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.blocks import BlockKind, SectionKind
@@ -92,18 +92,27 @@ class Places:
             block = self.context.link.find(upper)
             if block is not None and block.block.kind is BlockKind.DB and block.shape is not None:
                 return self.data_block(block)
+            if block is not None and block.block.kind is BlockKind.DB:
+                return None  # its declarations are wrong, and that has been reported
             if block is self.context.owner and upper in self.context.scope.symbols:
                 return self.context.scope.symbols[upper].place
             if block is not None and not (block.block.kind in _TYPES and not self.context.classic):
                 self.context.error("PG820", f"{node.name} is {block.block.kind.value}, not data", node)
                 return None
             if not self.context.classic and (
-                block is not None or (node.scope == "bare" and canonical(upper) in ELEMENTARY)
+                block is not None or (node.scope == "bare" and (canonical(upper) in ELEMENTARY or upper in TEXTS))
             ):
                 self.context.error("PG827", f"the soft CPU does not compare with the type {node.name}", node)
                 return None
         self.undefined(node)
         return None
+
+    def pointer_type(self, value: Val) -> str:
+        """ANY, POINTER or VARIANT if the value is a variable of such a type, otherwise an empty text."""
+        if value.type in POINTERS:
+            return value.type
+        type_ = scalar_name(value.place.shape) if value.place is not None else ""
+        return type_ if type_ in POINTERS else ""
 
     def undefined(self, node: ast.Name) -> None:
         """PG820 with the nearest known name."""
@@ -111,7 +120,9 @@ class Places:
         if node.scope == "quoted":
             known = [block.name for block in self.context.link.blocks.values()]
             near = did_you_mean(node.name, [*known, *self.context.link.tags])
-        self.context.error("PG820", f"{node.name} is not defined", node, near)
+        # a local name is another one in every block
+        key = f"{self.context.owner.name}#{node.name}" if node.scope == "local" else node.name
+        self.context.unknown("PG820", f"{node.name} is not defined", key, node, near)
 
     def data_block(self, block: ProgramBlock) -> MemoryPlace:
         """Whole memory of a data block."""
@@ -135,18 +146,29 @@ class Places:
 
     def field(self, base: MemoryPlace, name: str, node: ast.Expression) -> MemoryPlace | None:
         """Return a member of a structure."""
+        if self.context.link.is_opaque(base.shape):
+            return None
         found = base.shape.index.get(name.upper())
         if found is None:
             if scalar_name(base.shape) == "DTL" and name.upper() in _DTL:
                 offset, type_ = _DTL[name.upper()]
                 return base.inside(offset, bare_shape(type_), overlay=True)
-            near = did_you_mean(name, [f.member.name for f in base.shape.fields])
-            self.context.error("PG820", f"there is no member {name}", node, near)
+            self.no_member(base, name, node)
             return None
         place = base.inside(found.offset, found.shape, overlay=base.overlay or found.member.at is not None)
         if isinstance(base.shape.type, NamedType) or base.mem.startswith("d"):
             self.watch_status(base, name, node)
         return place
+
+    def no_member(self, base: MemoryPlace, name: str, node: ast.Expression) -> None:
+        """PG820 about a member that is not there; of a named type once."""
+        near = did_you_mean(name, [f.member.name for f in base.shape.fields])
+        message = f"there is no member {name}"
+        type_ = base.shape.type
+        if isinstance(type_, NamedType):
+            self.context.unknown("PG820", f"{message} in {type_.name}", f"{type_.name}.{name}", node, near)
+        else:
+            self.context.error("PG820", message, node, near)
 
     def indexed(self, node: ast.Index) -> MemoryPlace | None:
         """``base[i, j]`` with a check of every index."""
@@ -161,14 +183,21 @@ class Places:
             if isinstance(place.shape.type, StringType) and not place.local:
                 place = characters(place)
             shape = place.shape
+            if self.context.link.is_opaque(shape):
+                for index in node.indices[position:]:
+                    self.expressions.value(index)
+                return None
+            if isinstance(shape.type, ArrayType) and not shape.type.bounds and shape.element is not None:
+                for index in node.indices[position:]:
+                    self.expressions.value(index)
+                return place.inside(0, shape.element, overlay=True)
             if not isinstance(shape.type, ArrayType) or shape.element is None or place.local:
                 self.context.error("PG821", f"{self.context.text(node.base)} is no array", node)
                 return None
             bounds = shape.type.bounds
             indices = node.indices[position : position + len(bounds)]
             if len(indices) < len(bounds):
-                self.context.error("PG821", f"{self.context.text(node.base)} needs {len(bounds)} indices", node)
-                return None
+                shape = rows(shape, len(indices))
             place = self.element(place, shape, indices)
             position += len(bounds)
         return place
@@ -181,11 +210,13 @@ class Places:
         for index, (low, high), stride in zip(indices, shape.type.bounds, shape.strides, strict=True):
             value = self.expressions.value(index)
             if isinstance(value.const, int) and not isinstance(value.const, bool):
-                if not low <= value.const <= high:
+                guessed = low == high and self.context.link.guessed_bounds
+                if not low <= value.const <= high and not guessed:
                     self.context.error("PG824", f"index {value.const} is outside {low}..{high}", index)
                 offset += (value.const - low) * stride
                 continue
-            if value.type not in INTEGERS and value.type != UNKNOWN:
+            free = value.type in BITS and not self.context.rules.checked and self.context.rules.dialect.is_tia
+            if value.type not in INTEGERS and value.type != UNKNOWN and not free:
                 self.context.error("PG821", f"an index is an integer, not {value.type or 'a structure'}", index)
             name = self.out.temporary()
             code = integer_code(value)
@@ -235,7 +266,8 @@ class Places:
         if address.area == "DB":
             block = self.context.link.data_block(address.db or 0)
             if block is None or block.shape is None:
-                self.context.error("PG825", f"there is no DB{address.db}", node, "give the number of the data block")
+                text = "give the number of the data block"
+                self.context.unknown("PG825", f"there is no DB{address.db}", f"DB{address.db}", node, text)
                 return None
             base = self.data_block(block)
             if address.offset + address.width_bits > block.shape.bits:
@@ -261,9 +293,13 @@ class Places:
         return None
 
     def called_address(self, node: ast.Call) -> MemoryPlace | None:
-        """``%DB100.DW(5)``, ``%DB1.DW(IDX := #i)``."""
+        """``%DB100.DW(5)``, ``%DB1.DW(IDX := #i)``, ``%IB(#i)``."""
         text = self.context.text(node.target).upper().lstrip("%")
         head, _, tail = text.partition(".")
+        plain = _PLAIN_INDEXED.fullmatch(text)
+        if plain is not None and node.arguments:
+            indices = tuple(argument.value for argument in node.arguments)
+            return self.computed(AREAS[plain[1].upper()], (plain[2] or "X").upper(), indices, 65536)
         match = _INDEXED.fullmatch(tail)
         block = self.context.link.find(head.strip('"'))
         if match is None or block is None or block.shape is None or not node.arguments:
@@ -293,6 +329,16 @@ class Places:
         system = system_fbs(classic=self.context.classic).get(type_.upper())
         if system is not None and system.watched and self.context.link.find(type_) is None:
             self.out.emit(f"st({base.mem},{self.access.address(base)})")
+
+
+def rows(array: Shape, count: int) -> Shape:
+    """Return an array of several dimensions as one of ``count`` dimensions whose elements are arrays."""
+    assert isinstance(array.type, ArrayType)  # noqa: S101 - the caller looked
+    bounds, bits = array.type.bounds, array.strides[count - 1]
+    type_ = ArrayType(bounds[count:], array.type.element)
+    row = Shape(type_, bits, 16, bits, 16, element=array.element, strides=array.strides[count:])
+    outer = ArrayType(bounds[:count], type_)
+    return Shape(outer, array.bits, 16, array.bits, 16, element=row, strides=array.strides[:count])
 
 
 def characters(text: MemoryPlace) -> MemoryPlace:

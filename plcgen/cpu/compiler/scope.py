@@ -27,6 +27,26 @@ def scalar_name(shape: Shape) -> str:
     return "VARIANT" if isinstance(type_, NamedType) and type_.name.upper() == "VARIANT" else ""
 
 
+def same_type(left: Shape, right: Shape) -> bool:
+    """Whether two structures may be assigned: the same name, or the same members."""
+    if isinstance(left.type, NamedType) and isinstance(right.type, NamedType):
+        return left.type.name.upper() == right.type.name.upper()
+    if len(left.fields) != len(right.fields) or (left.element is None) != (right.element is None):
+        return False
+    if left.element is not None and right.element is not None:
+        if _is_open(left) or _is_open(right):
+            return same_type(left.element, right.element)
+        return left.strides == right.strides and same_type(left.element, right.element)
+    if left.fields:
+        return all(same_type(a.shape, b.shape) for a, b in zip(left.fields, right.fields, strict=True))
+    return scalar_name(left) == scalar_name(right)
+
+
+def _is_open(shape: Shape) -> bool:
+    """Whether an array takes what it is given: ``ARRAY[*]``."""
+    return isinstance(shape.type, ArrayType) and not shape.type.bounds
+
+
 def bare_shape(name: str) -> Shape:
     """Shape of an elementary type that lies nowhere yet."""
     type_ = ELEMENTARY[name]
@@ -41,8 +61,11 @@ def is_scalar(type_: DataType) -> bool:
 class Scope:
     """The symbols of one block, and which memory they need: ``temp_size`` bytes of local data."""
 
-    def __init__(self, block: Block, shape: Shape | None, types: Mapping[str, Block], *, untyped: bool) -> None:
+    def __init__(
+        self, block: Block, shape: Shape | None, types: Mapping[str, Block], *, untyped: bool, classic: bool = False
+    ) -> None:
         self.block = block
+        self.classic = classic
         self.types = types
         self.untyped = untyped
         self.symbols: dict[str, Symbol] = {}
@@ -69,6 +92,8 @@ class Scope:
             self._add(Symbol(member.name, SectionKind.CONSTANT, constant=value))
 
     def _constant(self, member: Member, known: dict[str, Val]) -> Val:
+        if member.start is None and isinstance(member.type, StringType):
+            return Val("''", member.type.name, "")
         text = member.start or "0"
         upper = text.strip().upper()
         if upper in known:
@@ -76,7 +101,7 @@ class Scope:
         if isinstance(member.type, Elementary | StringType):
             value = literal_value(text, member.type.name)
             if value is not None:
-                untyped = self.untyped and "#" not in text and isinstance(value, int)
+                untyped = self.untyped and not text[:1].isalpha() and isinstance(value, int)
                 untyped = untyped and not isinstance(value, bool)
                 return Val(repr(value), INT_CONST if untyped else member.type.name, value)
         node = parse_value(text)
@@ -122,7 +147,8 @@ class Scope:
         if isinstance(member.type, ArrayType) and not member.type.bounds:
             message = f"the soft CPU does not execute ARRAY[*]: {member.name}"
             self.problems.append(DiagnosticError([Diagnostic("PG827", message, member.span or Span(""))]))
-            return bare_shape("WORD")
+            element = self.shape_of(Member(member.name, member.type.element, span=member.span))
+            return Shape(member.type, 0, 16, 0, 16, element=element)
         try:
             plain = Member(member.name, member.type, span=member.span)
             return layout_members([plain], self.types).shape.fields[0].shape
@@ -150,14 +176,15 @@ class Scope:
             self._views(kind)
 
     def _temps(self) -> None:
-        """Local data: Python locals, or memory where something needs the bytes."""
+        """Local data: Python locals, or memory where something needs the bytes, as the start information of an OB."""
         temps = list(self.block.section(SectionKind.TEMP))
         if self.block.kind is not BlockKind.FB:
             temps += self.block.section(SectionKind.STATIC)
         viewed = _viewed(temps)
         in_memory = []
+        informed = self.classic and self.block.kind is BlockKind.OB
         for member in temps:
-            if member.at is None and is_scalar(member.type) and member.name.upper() not in viewed:
+            if not informed and member.at is None and is_scalar(member.type) and member.name.upper() not in viewed:
                 local = f"v{len(self.locals)}"
                 self.locals.append((local, _name(member.type)))
                 place = MemoryPlace(bare_shape(_name(member.type)), local=local, section=SectionKind.TEMP)

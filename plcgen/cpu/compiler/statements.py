@@ -23,7 +23,7 @@ class Statements:
     def body(self, statements: ast.Body) -> bool:
         """Compile statements one level deeper; False if the end of it is never reached."""
         if len(self.out.indent) > MAX_INDENT and statements:
-            self.context.error("PG827", "the statements are nested too deeply for the soft CPU", statements[0])
+            self.context.error("PG802", "the statements are nested too deeply", statements[0])
             self.out.emit("pass")
             return True
         reached = True

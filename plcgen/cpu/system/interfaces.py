@@ -57,7 +57,8 @@ class SystemFb:
     @property
     def buffer(self) -> str:
         """Name of the parameter that is passed by reference; empty if there is none."""
-        return "RECORD" if self.record else "BUFFER" if "BUFFER" in self.parameters else ""
+        names = ("RECORD", "BUFFER", "RECEIVE_CONDITIONS")
+        return next((name for name in names if name in self.parameters), "")
 
 
 @cache

@@ -13,6 +13,9 @@ _AREA_CODES = {"P": 0x80, "I": 0x81, "Q": 0x82, "M": 0x83, "DB": 0x84, "L": 0x86
 _BAD_POSITION = 0x80B4 - 0x10000
 _SIZES = {2: 1, 3: 1, 4: 2, 5: 2, 6: 4, 7: 4, 8: 4, 9: 2, 10: 4, 11: 4, 12: 2, 14: 8, 0x13: 1}
 
+MOVE_LIMIT = 1 << 28
+"""Bytes that blocks and structures may move in one scan."""
+
 Report = Callable[[str, str], None]
 Between = Callable[[], object]
 
@@ -36,11 +39,12 @@ class MemoryMoves:
         self.locate = locate
         self.report = report
         self.handles: dict[int, Memory] = {}
+        self.moved = 0
 
     def functions(self) -> dict[str, Callable[..., Any]]:
         """Return what generated code calls."""
         names = "pt local deref any_of any10 ptr6 blkmov fill move_elements fill_elements peek peek_bit poke poke_bit"
-        names += " poke_block opened lend give_back take put cp there"
+        names += " poke_block opened lend give_back take put copy there"
         return {name: getattr(self, name) for name in names.split()}
 
     # --- references -----------------------------------------------------------------------------------
@@ -132,6 +136,7 @@ class MemoryMoves:
         if problem or source[0] is None or target[0] is None:
             return problem
         size = min(source[2], target[2])
+        self.count(size)
         self.cp(target[0], target[1], source[0], source[1], size, between)
         return 0
 
@@ -142,6 +147,7 @@ class MemoryMoves:
             return problem
         data = bytes(pattern[0][pattern[1] : pattern[1] + pattern[2]]) or b"\0"
         size = target[2]
+        self.count(size)
         target[0][target[1] : target[1] + size] = (data * (size // len(data) + 1))[:size]
         return 0
 
@@ -161,6 +167,7 @@ class MemoryMoves:
         if total > source[2] or total > target[2] or count < 0:
             self.report("PG834", f"{count} elements reach beyond the array")
             return
+        self.count(total)
         if source[0] is not None and target[0] is not None:
             target[0][target[1] : target[1] + total] = source[0][source[1] : source[1] + total]
 
@@ -172,7 +179,21 @@ class MemoryMoves:
         if total > target[2] or count < 0:
             self.report("PG834", f"{count} elements reach beyond the array")
         elif target[0] is not None:
+            self.count(total)
             target[0][target[1] : target[1] + total] = bytes(scratch) * count
+
+    def count(self, size: int) -> None:
+        """Add to the bytes moved in this scan; AccessFaultError if they are too many."""
+        self.moved += size
+        if self.moved > MOVE_LIMIT:
+            raise AccessFaultError("PG835", f"one scan moved more than {MOVE_LIMIT} bytes")
+
+    def copy(
+        self, target: bytearray, at: int, source: bytearray, start: int, size: int, between: Between = _nothing
+    ) -> None:
+        """Copy a structure, as an assignment does."""
+        self.count(size)
+        self.cp(target, at, source, start, size, between)
 
     @staticmethod
     def cp(target: bytearray, at: int, source: bytearray, start: int, size: int, between: Between = _nothing) -> None:
@@ -220,6 +241,7 @@ class MemoryMoves:
         code, number, offset, to_code, to_number, to_offset, count = numbers
         source = self.memory(code, number, offset, count)
         target = self.memory(to_code, to_number, to_offset, count)
+        self.count(count)
         target[to_offset : to_offset + count] = source[offset : offset + count]
 
     # --- READ_BIG -------------------------------------------------------------------------------------

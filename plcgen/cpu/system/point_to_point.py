@@ -1,24 +1,49 @@
-"""Blocks of serial modules: Send_P2P, Receive_P2P, Receive_Reset, Port_Config (S7-1200/1500), P_SND_RK, P_RCV_RK.
+"""Blocks of serial modules: Send_P2P, Receive_P2P, Receive_Reset, Port_Config, Receive_Config (S7-1200/1500), P_SND_RK,
+P_RCV_RK (S7-300).
 
-Sources: TIA Portal information system, "Point-to-point" (S7-1200/1500) and "PtP data link CP 341" (S7-300/400).
+Sources: TIA Portal information system, "Point-to-point" (parameters, "Error messages") and "PtP data link CP 341";
+manual "CP 341, Installation and Parameter Assignment", A5E02191071-01, table 6-15 (calls of a job, RESET).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 
 from plcgen.cpu.memory import Memory, Reference
 from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.cpu.system.port import BAUD, Port
 from plcgen.cpu.system.timers import Fields
+from plcgen.s7.layout import layout_block, locate
+from plcgen.s7.serial_blocks import RECEIVE_CONDITIONS
 from plcgen.s7.shapes import Shape
 
 IDLE, FIRST, RUNNING = 0x7000, 0x7001, 0x7002
-NO_PORT, BAD_LENGTH, STILL_SENDING = 0x8080, 0x8088, 0x80D0
-WRONG_VALUES = {"BAUD": 0x80A1, "PARITY": 0x80A2, "DATABITS": 0x80A3, "STOPBITS": 0x80A4, "FLOWCTRL": 0x80A5}
-ALLOWED = {"BAUD": range(1, 12), "PARITY": range(1, 6), "DATABITS": (1, 2), "STOPBITS": (1, 2), "FLOWCTRL": range(1, 5)}
+NO_PORT, BAD_LENGTH, STILL_SENDING = 0x8080, 0x8088, 0x81D0
+ALLOWED = {
+    "PROTOCOL": (range(2), 0x81A0),
+    "BAUD": (range(1, 12), 0x81A1),
+    "PARITY": (range(1, 7), 0x81A2),
+    "DATABITS": (range(1, 3), 0x81A3),
+    "STOPBITS": (range(1, 3), 0x81A4),
+    "FLOWCTRL": (range(1, 6), 0x81A5),
+    "MODE": (range(5), 0x81AA),
+    "LINE_PRE": (range(3), 0x81AB),
+    "BRK_DET": (range(2), 0x81AC),
+}
+"""Values of the parameters of Port_Config, and the STATUS of all others."""
+BREAK_LINE, BREAK_MODES = 1, (1, 3)
+"""LINE_PRE 1, R(A) 5 V and R(B) 0 V, exists with four wires only, point-to-point or as a slave."""
+ANY_CHARACTER, IDLE_LINE = 0x02, 0x08
+GAP_ENDS, LENGTH_ENDS, ALL_ENDS = 0x04, 0x08, 0x7F
+MOST_LENGTH = 4096
+BAD_START, BAD_END, BAD_MAXLEN, BAD_GAP = 0x81C0, 0x81C1, 0x81C3, 0x81C9
+CP_PIECE, CP_MORE_CALLS, CP_RESET_CALLS = 32, 2, 4
+"""Bytes that a CP 341 moves in a program cycle; calls of a job beside those, three for up to 32 bytes; least calls of a
+RESET.
+"""
 CP_NO_MODULE, CP_BAD_LENGTH, CP_NO_DB = 0x1E0E, 0x1E41, 0x1E0F
 
 Report = Callable[[str, str], None]
@@ -28,7 +53,7 @@ Key = tuple[int, int]
 
 @dataclass(slots=True)
 class Transfer:
-    """A running job: ``calls`` is how many calls it takes at least."""
+    """A running job: ``calls`` is how many calls it takes at least, ``settings`` gap and length of a Receive_Config."""
 
     port: Port
     place: tuple[int, int]
@@ -36,6 +61,7 @@ class Transfer:
     data: bytes
     calls: int
     length: int = 0
+    settings: tuple[int, int] = (0, 0)
 
 
 class PortBlock:
@@ -77,8 +103,9 @@ class PortBlock:
     def start(self, memory: Memory, offset: int, key: Key, _buffer: Reference) -> None:
         """Take a job over."""
         port = self.find(memory, offset)
-        if port is None:
-            self.finish(memory, offset, (False, True), NO_PORT)
+        status = NO_PORT if port is None else port.refusals.get(self.kind.upper(), 0)
+        if port is None or status:
+            self.finish(memory, offset, (False, True), status)
             return
         self.jobs[key] = Transfer(port, (0, 0), None, b"", port.calls)
         self.go_on(memory, offset, key, self.jobs[key], FIRST)
@@ -173,12 +200,16 @@ class Sender(PortBlock):
             self.finish(memory, offset, (False, True), STILL_SENDING)
             return
         data = bytes(area[first : first + (length or room)])
-        status = port.transmit(data)
+        self.take(memory, offset, key, Transfer(port, (id(area), first), area, data, port.calls, length))
+
+    def take(self, memory: Memory, offset: int, key: Key, job: Transfer) -> None:
+        """The module takes all bytes at once and begins to send them."""
+        status = job.port.transmit(job.data)
         if status:
             self.finish(memory, offset, (False, True), status)
             return
-        self.jobs[key] = Transfer(port, (id(area), first), area, data, port.calls, length)
-        self.go_on(memory, offset, key, self.jobs[key], FIRST)
+        self.jobs[key] = job
+        self.go_on(memory, offset, key, job, FIRST)
 
     def check(self, job: Transfer, memory: Memory, offset: int, buffer: Reference) -> None:
         """The bytes and where they lie must not change while they are sent."""
@@ -216,6 +247,10 @@ class Receiver(PortBlock):
         """Whether the call may receive."""
         return True
 
+    def needed(self, port: Port) -> int:
+        """Calls that hand over the message that waits."""
+        return port.calls
+
     def __call__(self, memory: Memory, offset: int, buffer: Reference = (None, 0, 0)) -> None:
         """One call of the block."""
         key = id(memory), offset
@@ -236,7 +271,9 @@ class Receiver(PortBlock):
             self.jobs.pop(key, None)
             self.finish(memory, offset, (False, False), self.idle)
             return
-        job = self.jobs.setdefault(key, Transfer(port, (id(area), first), area, b"", port.calls))
+        job = self.jobs.setdefault(key, Transfer(port, (id(area), first), area, b"", self.needed(port)))
+        if (id(area), first) != job.place:
+            self.report("PG830", f"{self.area} of {self.kind} changed while it receives")
         job.calls -= 1
         if job.calls > 0:
             self.finish(memory, offset, (False, False), self.idle)
@@ -255,59 +292,143 @@ class Receiver(PortBlock):
 class Reset(PortBlock):
     """Receive_Reset: what was received is thrown away."""
 
-    def start(self, memory: Memory, offset: int, key: Key, buffer: Reference) -> None:
-        """Fail at once if the module does."""
-        port = self.find(memory, offset)
-        if port is not None and port.reset_fault:
-            self.finish(memory, offset, (False, True), port.reset_fault)
-            return
-        super().start(memory, offset, key, buffer)
-
     def act(self, _memory: Memory, _offset: int, job: Transfer) -> None:
         """Empty the buffer of the module."""
         job.port.clear()
 
 
 class Configuration(PortBlock):
-    """Port_Config: speed and parity of the port until the next power-up."""
+    """Port_Config: speed, parity and wiring of the port until the module gets power again."""
 
     def start(self, memory: Memory, offset: int, key: Key, buffer: Reference) -> None:
         """Check the parameters first."""
-        for name, status in WRONG_VALUES.items():
-            if self.number(memory, offset, name) not in ALLOWED[name]:
-                self.finish(memory, offset, (False, True), status)
-                return
+        found = {name: self.number(memory, offset, name) for name in ALLOWED}
+        wrong = [status for name, (values, status) in ALLOWED.items() if found[name] not in values]
+        if found["LINE_PRE"] == BREAK_LINE and found["MODE"] not in BREAK_MODES:
+            wrong.append(ALLOWED["LINE_PRE"][1])
+        if wrong:
+            self.finish(memory, offset, (False, True), wrong[0])
+            return
         super().start(memory, offset, key, buffer)
 
-    def act(self, _memory: Memory, _offset: int, job: Transfer) -> None:
+    def act(self, memory: Memory, offset: int, job: Transfer) -> None:
         """Set the port."""
-        job.port.baud = BAUD[self.number(_memory, _offset, "BAUD")]
-        job.port.even = (self.number(_memory, _offset, "PARITY"), self.number(_memory, _offset, "DATABITS")) == (2, 1)
+        value = {name: self.number(memory, offset, name) for name in ALLOWED}
+        settings = replace(
+            job.port.settings,
+            baud=BAUD[value["BAUD"]],
+            even=(value["PARITY"], value["DATABITS"], value["STOPBITS"]) == (2, 1, 1),
+            mode=value["MODE"],
+            clear=(value["PROTOCOL"], value["FLOWCTRL"], value["BRK_DET"]) == (0, 1, 0),
+        )
+        job.port.set(settings)
         job.port.configured += 1
 
 
+@cache
+def conditions() -> dict[str, int]:
+    """Where the members of Receive_Conditions lie that are looked at; all of them are words."""
+    layout = layout_block(RECEIVE_CONDITIONS, {})
+    names = ("START.STARTCOND", "END.ENDCOND", "END.MAXLEN", "END.CHARGAP")
+    return {name: locate(layout, name).byte for name in names}
+
+
+class ReceiveConfiguration(PortBlock):
+    """Receive_Config: what begins and ends a message, until the module gets power again.
+
+    Any character or an idle line may begin one, a gap between characters or a number of bytes end it. With other
+    conditions nothing is received here.
+    """
+
+    def start(self, memory: Memory, offset: int, key: Key, buffer: Reference) -> None:
+        """Read the conditions and check them."""
+        area, first, room = buffer
+        if area is None or room < layout_block(RECEIVE_CONDITIONS, {}).size:
+            self.report("PG834", f"RECEIVE_CONDITIONS of {self.kind} is no Receive_Conditions")
+            self.finish(memory, offset, (False, True), BAD_START)
+            return
+        start, end, most, gap = (int.from_bytes(area[first + at : first + at + 2]) for at in conditions().values())
+        wrong = 0
+        if not 0 < start <= 0xFF or (start & ANY_CHARACTER and start != ANY_CHARACTER):
+            wrong = BAD_START
+        elif not 0 < end <= ALL_ENDS:
+            wrong = BAD_END
+        elif end & LENGTH_ENDS and not 0 < most <= MOST_LENGTH:
+            wrong = BAD_MAXLEN
+        elif end & GAP_ENDS and not gap:
+            wrong = BAD_GAP
+        if wrong:
+            self.finish(memory, offset, (False, True), wrong)
+            return
+        super().start(memory, offset, key, buffer)
+        job = self.jobs.get(key)
+        if job is not None:
+            known = start in {ANY_CHARACTER, IDLE_LINE} and not end & ~(GAP_ENDS | LENGTH_ENDS)
+            job.settings = gap if known and end & GAP_ENDS else 0, most if known and end & LENGTH_ENDS else 0
+
+    def act(self, _memory: Memory, _offset: int, job: Transfer) -> None:
+        """Set the port."""
+        gap_bits, max_length = job.settings
+        job.port.set(replace(job.port.settings, gap_bits=gap_bits, max_length=max_length))
+        job.port.conditioned += 1
+
+
 class CpSender(Sender):
-    """P_SND_RK of the CP 341: DB_NO, DBB_NO and LEN name the bytes; R cancels."""
+    """P_SND_RK of the CP 341: DB_NO, DBB_NO and LEN name the bytes, 32 go to the CP with each call; R cancels."""
 
     port = "LADDR"
     area, length = "DB_NO, DBB_NO", "LEN"
     too_long, no_port = CP_BAD_LENGTH, CP_NO_MODULE
     queues = True
 
+    def __init__(self, system: SystemFb, shape: Shape, bus: Periphery, report: Report, locate: Locate) -> None:
+        super().__init__(system, shape, bus, report, locate)
+        self.resets: dict[Key, int] = {}
+
     def source(self, memory: Memory, offset: int, _buffer: Reference) -> Reference:
         """Bytes of a data block by its number, to its end."""
         return data_block(self, memory, offset)
 
+    def take(self, memory: Memory, offset: int, key: Key, job: Transfer) -> None:
+        """The bytes go to the CP piece by piece; it sends when it has them all."""
+        job.calls = CP_MORE_CALLS + -(-len(job.data) // CP_PIECE)
+        self.jobs[key] = job
+        self.go_on(memory, offset, key, job, FIRST)
+
+    def go_on(self, memory: Memory, offset: int, key: Key, job: Transfer, status: int) -> None:
+        """One more piece; the CP sends in the call in which it has all of them."""
+        job.calls -= 1
+        fault = job.port.transmit(job.data) if job.calls == 1 else 0
+        if fault:
+            del self.jobs[key]
+            self.finish(memory, offset, (False, True), fault)
+        elif job.calls > 0 or self.working(job):
+            self.finish(memory, offset, (False, False), status)
+        else:
+            del self.jobs[key]
+            self.finish(memory, offset, (True, False), 0)
+
     def __call__(self, memory: Memory, offset: int, buffer: Reference = (None, 0, 0)) -> None:
         """One call of the block; without a job STATUS is 0."""
-        if self.bit(memory, offset, "R"):
-            key = id(memory), offset
-            self.jobs.pop(key, None)
-            self.called[key] = self.scan
-            self.old[key] = self.bit(memory, offset, "REQ")
-            self.finish(memory, offset, (False, False), 0)
+        key = id(memory), offset
+        if not self.bit(memory, offset, "R"):
+            self.resets.pop(key, None)
+            super().__call__(memory, offset, buffer)
             return
-        super().__call__(memory, offset, buffer)
+        self.jobs.pop(key, None)
+        self.called[key] = self.scan
+        self.old[key] = self.bit(memory, offset, "REQ")
+        port = self.find(memory, offset)
+        if port is None:
+            self.finish(memory, offset, (False, True), self.no_port)
+            return
+        self.resets[key] = self.resets.get(key, 0) + (not port.stuck)
+        self.finish(memory, offset, (self.resets[key] == CP_RESET_CALLS, False), 0)
+
+    def drop(self) -> None:
+        """Forget every job and every RESET."""
+        super().drop()
+        self.resets.clear()
 
     def finish(self, memory: Memory, offset: int, flags: tuple[bool, bool], status: int) -> None:
         """Set the outputs of this call: STATUS counts with ERROR only."""
@@ -326,6 +447,10 @@ class CpReceiver(Receiver):
         """Bytes of a data block by its number, to its end."""
         return data_block(self, memory, offset)
 
+    def needed(self, port: Port) -> int:
+        """32 bytes with each call."""
+        return CP_MORE_CALLS + -(-port.size // CP_PIECE)
+
     def enabled(self, memory: Memory, offset: int) -> bool:
         """EN_R without R."""
         return self.bit(memory, offset, "EN_R") and not self.bit(memory, offset, "R")
@@ -343,6 +468,7 @@ PORT_BLOCKS: dict[str, type[PortBlock]] = {
     "RECEIVE_P2P": Receiver,
     "RECEIVE_RESET": Reset,
     "PORT_CONFIG": Configuration,
+    "RECEIVE_CONFIG": ReceiveConfiguration,
     "P_SND_RK": CpSender,
     "P_RCV_RK": CpReceiver,
 }

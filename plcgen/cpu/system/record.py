@@ -88,8 +88,11 @@ class RecordJobs:
     ``ended`` is told of every job that the drive has answered.
     """
 
-    def __init__(self, bus: Periphery, clock: list[int], places: RecordPlaces, *, idle_needs_place: bool) -> None:
+    def __init__(
+        self, bus: Periphery, clock: list[int], eno: list[bool], places: RecordPlaces, *, idle_needs_place: bool
+    ) -> None:
         self.bus = bus
+        self.eno = eno
         self.clock = clock
         self.places = places
         self.idle_needs_place = idle_needs_place
@@ -255,7 +258,8 @@ class RecordBlock:
         return shown if shown <= 0xFF else 0
 
     def finish(self, memory: Memory, offset: int, flags: tuple[bool, bool, bool], status: int) -> None:
-        """Set the outputs of this call."""
+        """Set the outputs of this call; ENO is FALSE with an error (help, "Overview" of asynchronous instructions)."""
+        self.cpu.eno[0] = not flags[2]
         for (byte, mask), value in zip(self.flags, flags, strict=True):
             if value:
                 memory[offset + byte] |= mask

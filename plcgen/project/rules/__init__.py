@@ -18,6 +18,7 @@ RULES: tuple[Callable[[Project], Iterator[Diagnostic]], ...] = (
     languages.comment_languages,
     numbers.used_twice,
     numbers.out_of_range,
+    numbers.too_many,
     flags.overlap,
     flags.out_of_range,
     names.names,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, Note
+from plcgen.diagnostics import Diagnostic, Note, Severity
 from plcgen.project.rules.places import key_or_value, number_span
 
 if TYPE_CHECKING:
@@ -56,6 +56,27 @@ def out_of_range(project: Project) -> Iterator[Diagnostic]:
                 key_or_value(project, ("plc", "numbers", key)),
                 help=f"let plc.numbers.{key} begin lower, or divide the spec",
             )
+
+
+def too_many(project: Project) -> Iterator[Diagnostic]:
+    """PG411, a warning: more blocks than the CPU holds that the spec names."""
+    cpu = project.target.cpu
+    if cpu is None:
+        return
+    held = [block for block in project.blocks if block.kind != "UDT"]
+    counts = {kind: sum(block.kind == kind for block in held) for kind in cpu.counts}
+    rows = [(f"{kind}s", counts[kind], fact) for kind, fact in cpu.counts.items()]
+    rows += [("blocks", len(held), cpu.blocks)] if cpu.blocks is not None else []
+    for what, count, most in rows:
+        if count > most.value:
+            yield Diagnostic(
+                "PG411",
+                f"{count} {what}: a CPU {cpu.name} holds {most.value}{most.remark}",
+                key_or_value(project, ("plc", "cpu")),
+                Severity.WARNING,
+                help="divide the spec among CPUs, or take another CPU; the rest of the program has blocks, too",
+            )
+            return
 
 
 def _numbered(project: Project) -> Iterator[BlockRef]:

@@ -17,7 +17,7 @@ from plcgen.project.schema import (
     trigger_short,
 )
 
-Module = Literal["cm1241", "cm-ptp", "cp341"]
+Module = Literal["cm1241", "cb1241", "cm-ptp", "cp341"]
 VERBS = ("read", "write", "run", "stop")
 
 
@@ -102,7 +102,12 @@ class MasterJob(StrictModel):
 class PpiMaster(StrictModel):
     """One serial port as PPI master."""
 
-    module: Module = Field(description="cm1241 or cm-ptp (S7-1200/1500), cp341 (S7-300/400)")
+    module: Module = Field(description="cm1241, cb1241 (S7-1200), cm-ptp (S7-1200/1500) or cp341 (S7-300)")
+    firmware: Annotated[str, BeforeValidator(str)] | None = Field(
+        None,
+        pattern=r"^[Vv]?[0-9]{1,2}\.[0-9]{1,2}(\.[0-9]{1,2})?$",
+        description="firmware of the module, to be checked",
+    )
     port: int | None = Field(None, ge=1, le=65535, description="hardware identifier of the port (S7-1200/1500)")
     address: int | None = Field(None, ge=0, le=32767, description="logical address of the CP 341 (S7-300/400)")
     own_address: int = Field(0, ge=0, le=126, description="PPI address of this master; 0 is that of a PC")
@@ -111,8 +116,9 @@ class PpiMaster(StrictModel):
     jobs: dict[str, MasterJob] = Field(min_length=1)
     block: BlockName = Field(BlockName(), description="the master's function block")
     instance: BlockName = Field(BlockName(), description="the function block's instance DB")
-    ack_timeout: Duration = Field(250, description="waiting for E5 after a request")
-    reply_timeout: Duration = Field(600, description="waiting for the reply after a poll")
+    ob1_cycle: Duration = Field(50, ge=1, description="longest cycle time of OB1; the timeouts are computed with it")
+    ack_timeout: Duration | None = Field(None, description="waiting for E5 after a request; absent: computed")
+    reply_timeout: Duration | None = Field(None, description="waiting for the reply after a poll; absent: computed")
     retry_pause: Duration = Field(50, description="pause before a telegram is repeated")
     poll_pause: Duration = Field(20, description="pause before the next poll of a station that is not ready")
     retries: int = Field(3, ge=0, le=20, description="repetitions of one telegram that is not answered")
@@ -134,6 +140,8 @@ def complete(schema: dict[str, Any]) -> None:
     entry = {**definitions["PpiWriteItem"], "required": [], "title": "PpiWriteEntry"}
     entry["properties"] = {name: what for name, what in entry["properties"].items() if name != "item"}
     definitions["PpiWriteEntry"] = entry
+    definitions["PpiMaster"]["properties"]["firmware"]["type"] = ["string", "number"]
+    definitions["PpiMaster"]["properties"]["firmware"].pop("anyOf", None)
     job = definitions["MasterJob"]["properties"]
     job["read"] = {"type": "array", "items": {"anyOf": [text, items]}, "description": job["read"]["description"]}
     job["write"] = {

@@ -17,6 +17,7 @@ STATES: tuple[tuple[str, int, str], ...] = (
     ("STATE_REPLY", 7, "waiting for the reply"),
     ("STATE_WAIT", 8, "pause before a retry or the next poll"),
     ("STATE_DRAIN", 9, "ending: no report before the module has finished"),
+    ("STATE_CONDITIONS", 10, "Receive_Config sets what begins and ends a message"),
 )
 
 STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
@@ -28,7 +29,11 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_DRAIN_TIMEOUT", 0x8102, "a block of the module still active after DRAIN_LIMIT"),
     ("STATUS_PORT_OCCUPIED", 0x8104, "other jobs kept the port for the whole timeout"),
     ("STATUS_SEND_ERROR", 0x8201, "sending failed for good, see diagnostics.moduleStatus"),
-    ("STATUS_CONFIG_ERROR", 0x8202, "Port_Config or Receive_Reset failed, see diagnostics.moduleStatus"),
+    (
+        "STATUS_CONFIG_ERROR",
+        0x8202,
+        "Port_Config, Receive_Config or Receive_Reset failed, see diagnostics.moduleStatus",
+    ),
     ("STATUS_NO_ANSWER", 0x8203, "the station did not answer MAX_RETRIES repetitions"),
     ("STATUS_WRONG_DB", 0x8204, "the buffer DB has another number than the block expects"),
     ("STATUS_NOT_READY", 0x8205, "the station was not ready after MAX_POLLS polls"),
@@ -40,8 +45,8 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
 """Name, value, meaning."""
 
 ONLY_CLASSIC = frozenset({"STATUS_WRONG_DB"})
-ONLY_NEW = frozenset({"STATUS_DRAIN_TIMEOUT", "STATUS_CONFIG_ERROR", "STATE_CONFIGURE", "STATE_RESET"})
-"""What the other targets do not have: a CP 341 is configured in the hardware and its sending can be cancelled."""
+ONLY_NEW = frozenset({"STATUS_CONFIG_ERROR", "STATE_CONFIGURE", "STATE_CONDITIONS", "STATE_RESET"})
+"""What the other targets do not have: a CP 341 is configured in the hardware."""
 
 DRAIN_MS = 5000
 """DRAIN_LIMIT of every master in milliseconds."""
@@ -60,7 +65,7 @@ DIAGNOSTICS: tuple[tuple[str, str, str], ...] = (
     ("polls", "INT", "polls of this telegram"),
     ("failedItem", "INT", "first address of the job that the station refused, 0 = none"),
     ("ignoredFrames", "INT", "good frames that were not ours or too old"),
-    ("damagedFrames", "INT", "frames with a wrong checksum, length or end"),
+    ("damagedFrames", "INT", "frames with a wrong checksum, length or end, or broken off"),
     ("functionCode", "BYTE", "function code of the last frame sent"),
 )
 """Members of the diagnostics structure: name, type, text."""

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.review.memory import costs
 from plcgen.review.memory.code import CodeSize
 from plcgen.review.memory.names import BlockNames
@@ -103,17 +103,21 @@ def estimate(what: Path | str | Sources, dialect: Dialect) -> Estimate:
     for source in sources.blocks:
         if source.block.kind in _CODE:
             names = BlockNames(source, blocks, sources.types, classic=classic)
-            found.append(_code_size(source, names))
+            found.append(_code_size(source, names, problems))
         else:
             found.append(_data_size(source.block, sources.types, problems))
     return Estimate(tuple(found), not classic, tuple(problems))
 
 
-def _code_size(source: SourceBlock, names: BlockNames) -> BlockSize:
+def _code_size(source: SourceBlock, names: BlockNames, problems: list[Diagnostic]) -> BlockSize:
     block = source.block
     body = source.unit.statements if source.unit is not None else ()
     lines, code_lines = _line_counts(source)
-    size = costs.HEADER + CodeSize(names).block(body)
+    size = 0
+    try:
+        size = costs.HEADER + CodeSize(names).block(body)
+    except RecursionError:
+        problems.append(Diagnostic("PG802", f"{block.name} is nested too deeply", block.span or Span(source.file)))
     return BlockSize(block.kind.value, block.name, block.number, size, 0, lines, code_lines)
 
 

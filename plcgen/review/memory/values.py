@@ -162,7 +162,16 @@ class ValueSize:
         return LoadedValue(value.size + first + costs.OPERATION, value.width, value.type)
 
     def _binary(self, node: ast.Binary) -> LoadedValue:
-        left, right = self.load(node.left), self.load(node.right)
+        chain = [node]
+        while isinstance(chain[-1].left, ast.Binary):
+            chain.append(chain[-1].left)
+        value = self.load(chain[-1].left)
+        for joined in reversed(chain):  # a long sum is as deep as it is long
+            value = self._joined(joined, value)
+        return value
+
+    def _joined(self, node: ast.Binary, left: LoadedValue) -> LoadedValue:
+        right = self.load(node.right)
         if node.operator in _LOGIC and left.width == _BIT:
             return self._logic(node, left, right)
         if left.literal != right.literal:
@@ -177,14 +186,16 @@ class ValueSize:
 
     def _logic(self, node: ast.Binary, left: LoadedValue, right: LoadedValue) -> LoadedValue:
         size = left.size + (costs.FIRST_BIT if left.bit else 0) + right.size
-        if not (right.bit and node.operator in {"AND", "&"}):
-            negated = isinstance(node.right, ast.Unary) and node.operator in {"AND", "&"}
-            inner = self.load(node.right.operand) if isinstance(node.right, ast.Unary) and negated else None
-            if inner is not None and inner.bit:
-                size += inner.size - right.size  # AN: the negation is part of the instruction
-            else:
-                size += costs.TERM
+        if node.operator in {"AND", "&"} and self._negated_bit(node.right):
+            size -= costs.FIRST_BIT + costs.OPERATION  # AN: the negation is part of the instruction
+        elif not (right.bit and node.operator in {"AND", "&"}):
+            size += costs.TERM
         return LoadedValue(size, _BIT, "BOOL")
+
+    def _negated_bit(self, node: ast.Expression) -> bool:
+        """Whether a term is NOT before a plain variable."""
+        operand = self.names.place(node.operand) if isinstance(node, ast.Unary) and node.operator == "NOT" else None
+        return operand is not None and self.names.width(operand.type) == _BIT
 
     # --- functions -------------------------------------------------------------------------------------------
 

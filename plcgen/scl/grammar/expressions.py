@@ -34,9 +34,10 @@ _SPACED = frozenset(area + width for area in ("I", "Q", "E", "A", "M", "D", "DB"
 
 @dataclass(slots=True, eq=False)
 class Expressions:
-    """Operands, operators and calls."""
+    """Operands, operators and calls; ``sign_first`` says that a sign binds more tightly than ``**``, as in TIA."""
 
     cursor: Cursor
+    sign_first: bool = False
     operators: int = 0
     call_depth: int = 0
 
@@ -126,7 +127,8 @@ class Expressions:
         if kind in {"-", "+", "NOT"}:
             cursor.enter()
             cursor.pos += 1
-            operand = self.operand() if cursor.kinds[cursor.pos] in {"-", "+", "NOT"} else self.binary(_POWER - 1)
+            alone = cursor.kinds[cursor.pos] in {"-", "+", "NOT"} or (kind != "NOT" and self.sign_first)
+            operand = self.operand() if alone else self.binary(_POWER - 1)
             cursor.depth -= 1
             return ast.Unary(start, operand.end, kind, operand)
         if kind == "(":
@@ -218,8 +220,9 @@ class Expressions:
         if kind == TYPED:
             cursor.pos = pos + 1
             return ast.Literal(base.start, end, cursor.tokens.source[base.start : end], "typed")
-        if kind == LOCAL:
-            raise cursor.fault("'#' after a dot", text="only the first name of a path has a '#'")
+        if kind == LOCAL:  # the TIA Portal takes it, and leaves it in the sources that it writes
+            cursor.pos = pos + 1
+            return ast.Member(base.start, end, base, text[1:].strip('"'))
         raise cursor.expected("a member name")
 
     def indices(self) -> tuple[ast.Expression, ...]:

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types import ArrayType, Member
-from plcgen.simaticml.reading.interface import InterfaceReader, parse_datatype
+from plcgen.simaticml.reading.interface import InterfaceReader
 from plcgen.simaticml.reading.structured_text import CodeReader
 from plcgen.simaticml.reading.tables import Tag, TagTable, UserConstant, WatchEntry, WatchTable, tag_table, watch_table
+from plcgen.simaticml.reading.types import parse_datatype
 from plcgen.simaticml.reading.xml import child, children, load, local, parse_xml, span, text
 from plcgen.simaticml.writing.documents import HEADER
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from lxml.etree import _Element as Element
@@ -41,6 +44,9 @@ KINDS = {
 }
 """Objects with an Interface, by tag."""
 
+_WHOLE = "WithDefaults"
+"""Documents that were exported with this setting write used types out with all their members."""
+
 _CODE_BLOCKS = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
 _LANGUAGES = {"FlgNet": "LAD or FBD", "StatementList": "STL", "Graph": "GRAPH"}
 
@@ -54,9 +60,15 @@ _OWN = frozenset(
 
 
 def read_simaticml(
-    source: Path | str | bytes, file: str | None = None, *, classic: bool = False
+    source: Path | str | bytes,
+    file: str | None = None,
+    *,
+    classic: bool = False,
+    constants: Mapping[str, int | None] | None = None,
 ) -> tuple[list[Block], list[Diagnostic]]:
     """Blocks and types of one document and everything wrong with it; ``file`` is the name for messages.
+
+    ``constants`` are those of the project by upper-case name, for bounds and lengths.
 
     A missing MemoryLayout means optimized access, as on S7-1200/1500; ``classic`` says the document is for
     S7-300/400, where it means standard access. Types and instance DBs have no layout of their own (None).
@@ -64,15 +76,21 @@ def read_simaticml(
     kind, missing attribute or unusable data type.
     """
     root, name, diagnostics = _open(source, file)
-    return ([] if root is None else _blocks(root, name, diagnostics, classic=classic)), diagnostics
+    if root is None:
+        return [], diagnostics
+    return _blocks(root, name, diagnostics, constants or {}, classic=classic), diagnostics
 
 
-def _blocks(root: Element, name: str, diagnostics: list[Diagnostic], *, classic: bool) -> list[Block]:
+def _blocks(
+    root: Element, name: str, diagnostics: list[Diagnostic], constants: Mapping[str, int | None], *, classic: bool
+) -> list[Block]:
     blocks = []
+    whole = text(child(child(root, "DocumentInfo"), "ExportSetting")).strip() == _WHOLE
     for element in children(root):
         tag = local(element)
         if tag in KINDS:
-            block = _block(element, name, diagnostics, classic=classic)
+            reader = InterfaceReader(name, diagnostics, constants=constants, whole=whole)
+            block = _block(element, reader, classic=classic)
             if block is not None:
                 blocks.append(block)
         elif tag.startswith(("SW.Blocks.", "SW.Types.")):
@@ -106,7 +124,8 @@ def _open(source: Path | str | bytes, file: str | None) -> tuple[Element | None,
     return root, name, []
 
 
-def _block(element: Element, file: str, diagnostics: list[Diagnostic], *, classic: bool) -> Block | None:
+def _block(element: Element, reader: InterfaceReader, *, classic: bool) -> Block | None:
+    file, diagnostics = reader.file, reader.diagnostics
     tag, kind = local(element), KINDS[local(element)]
     place = span(element, file)
     found = child(element, "AttributeList")
@@ -118,11 +137,12 @@ def _block(element: Element, file: str, diagnostics: list[Diagnostic], *, classi
     diagnostics.extend(Diagnostic("PG812", message, place) for message in missing)
     if "Name" not in attributes:
         return None
-    reader = InterfaceReader(file, diagnostics)
     interface = child(found, "Interface")
     sections = reader.sections(interface) if interface is not None else ()
-    if tag == "SW.Blocks.ArrayDB":
+    if tag == "SW.Blocks.ArrayDB" and (interface is None or "ArrayLimit" in attributes):
         sections = _array(attributes, place, diagnostics)
+    elif tag == "SW.Blocks.ArrayDB":
+        sections = _one_array(sections, place, diagnostics)
     elif interface is None:
         diagnostics.append(Diagnostic("PG812", f"{tag} needs the attribute Interface", place))
     return Block(
@@ -139,6 +159,7 @@ def _block(element: Element, file: str, diagnostics: list[Diagnostic], *, classi
         span=place,
         code=_code(element, file, diagnostics) if kind in _CODE_BLOCKS else None,
         non_retain=kind is BlockKind.DB and not any(s.retain for s in sections),
+        inline=tuple(reader.inline.values()),
     )
 
 
@@ -173,6 +194,15 @@ def _array(attributes: dict[str, str], place: Span, diagnostics: list[Diagnostic
         diagnostics.append(Diagnostic("PG812", message, place))
         return ()
     return (Section(SectionKind.STATIC, (Member("THIS", ArrayType(((0, int(limit)),), element)),)),)
+
+
+def _one_array(sections: tuple[Section, ...], place: Span, diagnostics: list[Diagnostic]) -> tuple[Section, ...]:
+    """The one array of an array DB that has it as a member of its Interface."""
+    members = [member for section in sections for member in section.members]
+    if len(members) != 1 or not isinstance(members[0].type, ArrayType):
+        diagnostics.append(Diagnostic("PG812", "an array DB has one member, its array", place))
+        return ()
+    return (Section(SectionKind.STATIC, (replace(members[0], name="THIS"),)),)
 
 
 def _number(digits: str, place: Span, diagnostics: list[Diagnostic]) -> int | None:

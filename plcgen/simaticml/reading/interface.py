@@ -8,24 +8,24 @@ from functools import lru_cache
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from plcgen.diagnostics import Diagnostic, Note, Span
-from plcgen.s7.blocks import Assignment, Section, SectionKind
+from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind
+from plcgen.s7.literals import LiteralError, parse_literal
 from plcgen.s7.types import (
     ArrayType,
     DataType,
     Elementary,
     Member,
     NamedType,
-    StringType,
     StructType,
-    elementary,
 )
 from plcgen.simaticml.datatypes import default_literal, innermost
+from plcgen.simaticml.reading.types import checked_datatype, has_constants, parse_datatype, with_values
 from plcgen.simaticml.reading.values import is_plain_value, is_start_value
 from plcgen.simaticml.reading.xml import TAGS, child, children, namespace, parts, span, text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from lxml.etree import _Element as Element
 
@@ -35,57 +35,43 @@ VERSIONS = frozenset({"2", "3", "4", "5"})
 
 MAX_DEPTH = 64
 MAX_LISTED = 10_000
-MAX_SPELLING = 1000
-"""Characters of a Datatype: names have 128 at most, arrays six dimensions."""
+MAX_DUPLICATES = 10
+"""So many members of one structure with the name of another one are named one by one."""
+
+LOOK_BACK = 1024
+"""After so many members reading ends if more than those of them have the same names."""
+
+MAX_PROBLEMS = 1000
+"""Problems of one document that are told."""
 
 Steps = tuple[tuple[str, int], ...]
 """The way to a member: names, and how many dimensions each has."""
 
+_INHERITED = frozenset({"Base"})
+"""What a GRAPH block takes over from its base type, which has no memory of its own."""
+
+_CONSTANT_HELP = "name the tag table with the constant, or the folder of the PLC"
 _SECTIONS = {kind.value: kind for kind in SectionKind} | {"None": SectionKind.STATIC}
-_ARRAY = re.compile(r"Array\s*\[(?P<bounds>[^\]]*)\]\s*of\s+(?P<element>.+)", re.IGNORECASE | re.DOTALL)
-_BOUNDS = re.compile(r"\s*(-?\d{1,10})\s*\.\.\s*(-?\d{1,10})\s*", re.ASCII)
-_STRING = re.compile(r"(W?String)(?:\[\s*(\d{1,10})\s*\])?", re.IGNORECASE | re.ASCII)
-_QUOTED = re.compile(r'"[^"\r\n]+"')
+_UNKNOWN = -1_000_000
 _PLAIN = re.compile(r"[^\W\d]\w*")
-
-
-@lru_cache(maxsize=4096)
-def parse_datatype(spelling: str) -> DataType | None:
-    """Type of a Datatype attribute, without the members of a Struct; None if it has no fixed size.
-
-    ``"Udt"`` in quotes is a user type, ``Array[0..9] of Word``, ``String[16]``; a version as in ``dtl:v1.0``
-    is dropped.
-    """
-    spelling = spelling.strip()
-    if len(spelling) > MAX_SPELLING:
-        return None
-    array = _ARRAY.fullmatch(spelling)
-    if array:
-        bounds = [_BOUNDS.fullmatch(part) for part in array["bounds"].split(",")]
-        element = parse_datatype(array["element"])
-        if element is None or not all(bounds):
-            return None
-        return ArrayType(tuple((int(b[1]), int(b[2])) for b in bounds if b), element)
-    string = _STRING.fullmatch(spelling)
-    if string:
-        return StringType(string[1].upper(), int(string[2] or 254))
-    if _QUOTED.fullmatch(spelling):
-        return NamedType(spelling[1:-1], quoted=True)
-    name = spelling.partition(":")[0].strip()
-    if name.upper() == "STRUCT":
-        return StructType(())
-    if not _PLAIN.fullmatch(name):
-        return None
-    return elementary(name) or NamedType(name)
 
 
 @dataclass(slots=True)
 class InterfaceReader:
-    """Reads the sections of one block; start values inside arrays and user types become assignments."""
+    """Reads the sections of one block; start values inside arrays and user types become assignments.
+
+    ``constants`` are the known ones by upper-case name, for bounds and lengths. ``whole`` says that the document writes
+    used types out with all their members: then ``inline`` has them.
+    """
 
     file: str
     diagnostics: list[Diagnostic]
     assignments: list[Assignment] = field(default_factory=list)
+    constants: Mapping[str, int | None] = field(default_factory=dict)
+    whole: bool = False
+    inline: dict[str, Block] = field(default_factory=dict)
+    types: dict[str, DataType] = field(default_factory=dict)
+    """Types by their spelling in this block."""
 
     def sections(self, interface: Element) -> tuple[Section, ...]:
         """All sections below an Interface element, in document order."""
@@ -96,9 +82,12 @@ class InterfaceReader:
         uri = namespace(root)
         if not uri.startswith(NAMESPACE) or uri.removeprefix(NAMESPACE) not in VERSIONS:
             self.report(f"unknown Interface namespace {uri or '(none)'}", root)
+        self.constants = {**self.constants, **_own_constants(root)}
         found = []
         for section in children(root, "Section"):
             name = section.get("Name", "")
+            if name in _INHERITED:
+                continue
             kind = _SECTIONS.get(name)
             if kind is None:
                 self.report(f"unknown section {name or '(no Name)'}", section)
@@ -109,26 +98,34 @@ class InterfaceReader:
 
     def duplicates(self, members: Sequence[Member]) -> None:
         """PG805: names are unique within a block and within a structure, whatever their case."""
-        if len({m.name.upper() for m in members}) != len(members):
-            first: dict[str, Member] = {}
-            for member in members:
-                known = first.setdefault(member.name.upper(), member)
-                if known is not member:
-                    notes = (Note("first declared here", known.span),) if known.span else ()
-                    message, place = f'"{member.name}" is declared twice', member.span or Span(self.file)
-                    self.diagnostics.append(Diagnostic("PG805", message, place, notes=notes))
+        if len({m.name.upper() for m in members}) == len(members):
+            return
+        first: dict[str, Member] = {}
+        again = [m for m in members if first.setdefault(m.name.upper(), m) is not m]
+        more = f", as are {len(again) - 1} more members" if len(again) > MAX_DUPLICATES else ""
+        for member in again[:1] if more else again:
+            known = first[member.name.upper()]
+            notes = (Note("first declared here", known.span),) if known.span else ()
+            message, place = f'"{member.name}" is declared twice{more}', member.span or Span(self.file)
+            self.diagnostics.append(Diagnostic("PG805", message, place, notes=notes))
 
-    def groups(self, section: Element, kind: SectionKind) -> list[Section]:
+    def groups(self, section: Element, kind: SectionKind, depth: int = 0) -> list[Section]:
         """Members of one section; a source declares retentive ones in a section of their own, with their views."""
         groups: list[tuple[str, list[Member]]] = []
-        for element in section:
-            member = self.member(element, ()) if TAGS[element.tag] == "Member" else None
+        above = (("", 0),) * depth
+        for element in section.iterchildren("{*}Member"):
+            member = self.member(element, above)
             if member is None:
                 continue
             retain = "RETAIN" if element.get("Remanence") == "Retain" else ""
             if not groups or (groups[-1][0] != retain and member.at is None):
                 groups.append((retain, []))
-            groups[-1][1].append(member)
+            last = groups[-1][1]
+            last.append(member)
+            if not len(last) % LOOK_BACK:
+                names = {m.name.upper() for m in last[-LOOK_BACK:]}
+                if len(names) < LOOK_BACK - MAX_DUPLICATES:
+                    break
         return [Section(kind, tuple(members), retain) for retain, members in groups or [("", [])]]
 
     def member(self, element: Element, parents: Steps) -> Member | None:
@@ -140,18 +137,24 @@ class InterfaceReader:
         if len(parents) >= MAX_DEPTH:
             self.report(f"{name}: nested more than {MAX_DEPTH} levels deep", element)
             return None
-        type_ = parse_datatype(spelling)
+        type_ = self.types.get(spelling) or self.data_type(name, spelling, element)
         if type_ is None:
-            self.report(f"{name}: the data type {spelling} has no fixed size", element)
             return None
+        line: Any = element.sourceline
+        place = Span(self.file, line or 1, 1)
+        version = element.get("Version")
+        if not version and not len(element):
+            return Member(name, type_, None, "", None, place)
         comment = ""
         literal: str | None = None
         listed: Element | None = None
         rest: dict[str, list[Element]] = {}
+        tags = TAGS
         for sub in element:
-            tag = TAGS[sub.tag]
+            tag = tags[sub.tag]
             if tag == "Comment":
-                comment = comment or _comment(sub)
+                for item in sub:
+                    comment = comment or (item.text or "").strip()
             elif tag == "StartValue":
                 literal = literal or self.value(sub)
             elif tag == "AttributeList":
@@ -160,10 +163,23 @@ class InterfaceReader:
                 rest.setdefault(tag, []).append(sub)
         if rest or not isinstance(type_, Elementary):
             type_, literal = self.inside(type_, literal, rest, (*parents, (name, _dimensions(type_))))
-        version = element.get("Version")
         at, attributes = _attributes(version, listed, type_) if version or listed is not None else (None, ())
-        line: Any = element.sourceline
-        return Member(name, type_, literal, comment, at, Span(self.file, line or 1, 1), attributes)
+        return Member(name, type_, literal, comment, at, place, attributes)
+
+    def data_type(self, name: str, spelling: str, element: Element) -> DataType | None:
+        """Type of a member, with the values of constants; one that is not known is a warning, as in texts."""
+        spelled, unknown = with_values(spelling, self.constants) if has_constants(spelling) else (spelling, "")
+        type_, wrong = checked_datatype(spelled)
+        if wrong:
+            self.report(f"{name}: {wrong}", element)
+            return None
+        if unknown:
+            message = f"the constant {unknown} has its value outside this document"
+            place = span(element, self.file)
+            self.diagnostics.append(Diagnostic("PG806", message, place, Severity.WARNING, help=_CONSTANT_HELP))
+        elif type_ is not None:
+            self.types[spelling] = type_
+        return type_
 
     def inside(
         self,
@@ -177,14 +193,37 @@ class InterfaceReader:
         members = [m for m in found if m is not None]
         type_ = _with_members(type_, tuple(members))
         self.duplicates(members)
-        if "Sections" in rest and _is_user_type(type_):
-            self._expanded(rest["Sections"], path)
+        if "Sections" in rest:
+            if self.whole:
+                self._written_out(innermost(type_), rest["Sections"], len(path))
+            if _is_user_type(type_):
+                self._expanded(rest["Sections"], path)
         if "Subelement" in rest:
-            if isinstance(type_, ArrayType) and literal is None and not any(dimensions for _, dimensions in path[:-1]):
+            if (
+                _dimensions(type_) > 0
+                and isinstance(type_, ArrayType)
+                and literal is None
+                and not any(dimensions for _, dimensions in path[:-1])
+            ):
                 literal = self._listed(rest["Subelement"], type_, path)
             else:
                 self._subelements(rest["Subelement"], path)
         return type_, literal
+
+    def _written_out(self, type_: DataType, groups: Sequence[Element], depth: int) -> None:
+        """Keep the type that a document writes out at a member, and those inside; start values are the member's."""
+        if not isinstance(type_, NamedType) or type_.name.upper() in self.inline or depth >= MAX_DEPTH:
+            return
+        sections = [part for group in groups for part in children(group, "Section")]
+        if not any(len(part) for part in sections):
+            return
+        self.inline[type_.name.upper()] = Block(BlockKind.UDT, type_.name, ())  # it may be inside itself
+        reader = InterfaceReader(self.file, [], constants=self.constants, whole=True, inline=self.inline)
+        named = [(part.get("Name", ""), part) for part in sections if part.get("Name") not in _INHERITED]
+        found = [s for name, part in named if name in _SECTIONS for s in reader.groups(part, _SECTIONS[name], depth)]
+        kind = BlockKind.UDT if all(name == "None" for name, _ in named) else BlockKind.FB
+        place = span(groups[0], self.file)
+        self.inline[type_.name.upper()] = Block(kind, type_.name, tuple(found), span=place)
 
     def value(self, element: Element) -> str | None:
         """Text of a StartValue; None if it is empty, or no value at all."""
@@ -228,7 +267,10 @@ class InterfaceReader:
             indices = sub.get("Path", "").replace(";", ",").split(",")
             if not literal:
                 continue
-            if len(indices) != sum(dimensions for _, dimensions in path):
+            expected = sum(dimensions for _, dimensions in path)
+            if expected < 0:
+                continue
+            if len(indices) != expected:
                 self.report(f"Subelement Path {sub.get('Path')} does not fit the arrays of {path[-1][0]}", sub)
                 continue
             self._assign(path, indices, literal, sub)
@@ -261,12 +303,37 @@ class InterfaceReader:
         return "[" + ", ".join(values.get(n, default) for n in range(max(values) + 1)) + "]"
 
     def report(self, message: str, element: Element) -> None:
-        """Add one PG812."""
+        """Add one PG812, up to a bound."""
+        if len(self.diagnostics) >= MAX_PROBLEMS:
+            return
         self.diagnostics.append(Diagnostic("PG812", message, span(element, self.file)))
 
 
+def _own_constants(root: Element) -> dict[str, int]:
+    """Whole numbers among the constants that a block declares itself, by upper-case name with #."""
+    found = {}
+    for section in children(root, "Section"):
+        if section.get("Name") == SectionKind.CONSTANT.value:
+            for member in children(section, "Member"):
+                number = whole_number(text(child(member, "StartValue")))
+                if number is not None:
+                    found[f"#{member.get('Name', '').upper()}"] = number
+    return found
+
+
+def whole_number(literal: str) -> int | None:
+    """Value of a whole number as constants have it: ``10``, ``16#A``, ``INT#10``; None if it is no such number."""
+    try:
+        value = parse_literal(literal.strip(), "DINT")
+    except LiteralError:
+        return None
+    return value if isinstance(value, int) and not isinstance(value, bool) else None
+
+
 def _dimensions(type_: DataType) -> int:
-    """How many indices an element of an array has; 0 if the type is none."""
+    """How many indices an element of an array has; 0 if the type is none, far below 0 if nobody knows."""
+    if isinstance(type_, ArrayType) and not type_.bounds:
+        return _UNKNOWN
     return len(type_.bounds) + _dimensions(type_.element) if isinstance(type_, ArrayType) else 0
 
 
@@ -296,14 +363,6 @@ def _is_user_type(type_: DataType) -> bool:
     if isinstance(type_, ArrayType):
         return _is_user_type(type_.element)
     return isinstance(type_, NamedType) and type_.quoted
-
-
-def _comment(element: Element) -> str:
-    """First text of a comment that is not empty."""
-    for item in element:
-        if TAGS[item.tag] == "MultiLanguageText" and (found := (item.text or "").strip()):
-            return found
-    return ""
 
 
 def _attributes(

@@ -95,6 +95,9 @@ class CodeReader:
     def access(self, element: Element) -> None:
         """Write one operand or call."""
         scope = element.get("Scope", "")
+        if scope not in _SCOPES:
+            self.report(f"the Scope {scope[:40] or '(none)'} is unknown", element)
+            return
         children = list(element)
         if len(children) == 1 and self.simple(children[0], scope):
             return
@@ -160,6 +163,8 @@ class CodeReader:
         dotted = True
         peripheral = False
         local_variable = scope not in _GLOBAL
+        if self.numbered(element):
+            return
         for part in element:
             name = local(part)
             if name == "Component":
@@ -185,6 +190,17 @@ class CodeReader:
         if first:
             self.report("a Symbol without Component", element)
 
+    def numbered(self, element: Element) -> bool:
+        """Write an operand in a data block that is known by its name here: by its number, ``%DB2.DBW4``."""
+        parts = [part for part in element if local(part) == "Address"]
+        if len(parts) != 2 or len(element) != 3 or parts[1].get("BlockNumber") is not None:
+            return False
+        number = parts[0].get("BlockNumber")
+        if number is None or parts[0].get("Area") != "DB":
+            return False
+        self.address(parts[1], number)
+        return True
+
     def component(self, element: Element, *, first: bool, always: bool) -> None:
         """Write one name with quotes where it has or needs them, its indices and its slice."""
         out = self.out
@@ -194,8 +210,7 @@ class CodeReader:
         for part in children:
             if local(part) == "Token" and part.get("Text") == "[":
                 bracket = True
-        out.append("#" if not first and _has(element, "HasHash") else "")
-        out.append(_name(name, quoted=always or _has(element, "HasQuotes")))
+        out.append(_name(name, quoted=always or _has_quotes(element)))
         if bracket:
             self.elements(element)
         elif any(local(part) == "Access" for part in children):
@@ -215,7 +230,7 @@ class CodeReader:
         name = element.get("Name")
         if name is not None and scope not in _CONSTANTS:
             prefix = "#" if scope == "LocalConstant" else ""
-            self.out.append(prefix + _name(name, quoted=scope == "GlobalConstant" or _has(element, "HasQuotes")))
+            self.out.append(prefix + _name(name, quoted=scope == "GlobalConstant" or _has_quotes(element)))
             return
         value = name or ""
         for part in element:
@@ -228,9 +243,9 @@ class CodeReader:
             return
         self.out.append(value)
 
-    def address(self, element: Element) -> None:
-        """Write an absolute operand."""
-        area, bits, block = element.get("Area", ""), element.get("BitOffset", ""), element.get("BlockNumber")
+    def address(self, element: Element, block: str | None = None) -> None:
+        """Write an absolute operand; ``block`` is the number of its data block where that stands beside it."""
+        area, bits, block = element.get("Area", ""), element.get("BitOffset", ""), element.get("BlockNumber", block)
         if area not in _AREAS or not _NUMBER.fullmatch(bits) or (block is not None and not _NUMBER.fullmatch(block)):
             self.report(f"an address in {area or '(no area)'} cannot be written in SCL", element)
             return
@@ -277,7 +292,7 @@ class CodeReader:
 
     def parameter(self, element: Element) -> None:
         """Write ``name := value`` or ``name => value``."""
-        self.out.append(_name(element.get("Name", ""), quoted=_has(element, "HasQuotes")))
+        self.out.append(_name(element.get("Name", ""), quoted=_has_quotes(element)))
         if len(element) and not _is_assigned(element):
             self.out.append(" := ")
         self.elements(element)
@@ -286,6 +301,21 @@ class CodeReader:
 _IGNORED = frozenset({"TemplateValue", "AbsoluteOffset", "Instance", "ConstantType"})
 _CALL_HEAD = frozenset({"Instance", "TemplateValue", "IntegerAttribute", "DateAttribute", "BooleanAttribute"})
 _AREAS = frozenset({"Input", "Output", "Memory", "PeripheryInput", "PeripheryOutput", "DB", "Timer", "Counter"})
+_SCOPES = frozenset(
+    {"LocalVariable", "GlobalVariable", "LocalConstant", "GlobalConstant", "LiteralConstant", "TypedConstant", "Call"}
+    | {
+        "AddressConstant",
+        "AlarmConstant",
+        "NamedValueConstant",
+        "Address",
+        "Label",
+        "PredefinedVariable",
+        "Instruction",
+    }
+    | {"Statusword", "Expression", "Unnamed", "CallWithType", "UserType", "SystemType", "Reference", "Undef"}
+)
+"""Values of Scope in the schema of Siemens."""
+
 _CONTENT = frozenset(
     {"Symbol", "Constant", "CallInfo", "Instruction", "Address", "Label", "PredefinedVariable", "DataType"}
     | {"Expression", "Reference", "Indirect", "Statusword"}
@@ -297,10 +327,10 @@ def _is_assigned(parameter: Element) -> bool:
     return any(TAGS[part.tag] == "Token" and part.get("Text") in {":=", "=>"} for part in parameter)
 
 
-def _has(element: Element, flag: str) -> bool:
-    """Whether a name stands in quotes though it would need none (HasQuotes), or behind a # (HasHash)."""
+def _has_quotes(element: Element) -> bool:
+    """Whether a name stands in quotes though it would need none."""
     for part in element:
-        if local(part) == "BooleanAttribute" and part.get("Name") == flag:
+        if local(part) == "BooleanAttribute" and part.get("Name") == "HasQuotes":
             return (part.text or "").strip() == "true"
     return False
 

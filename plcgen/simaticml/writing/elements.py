@@ -19,9 +19,6 @@ UID = f'UId="{SLOT}"'
 HAS_QUOTES = f'<BooleanAttribute Name="HasQuotes" {UID}>true</BooleanAttribute>'
 """Says of a name that it stands in quotes though it would need none."""
 
-HAS_HASH = HAS_QUOTES.replace("HasQuotes", "HasHash")
-"""Says of a member that it stands behind a # of its own: ``#a.#b``."""
-
 TAB = "    "
 """What a tab becomes: StructuredText has blanks only."""
 

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 from plcgen.s7.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.system import system_block
-from plcgen.s7.types import ArrayType, DataType, NamedType, StructType
+from plcgen.s7.types import DataType, NamedType, StructType
 from plcgen.scl.system_types import SYSTEM_TYPES
+from plcgen.simaticml.datatypes import innermost
 
 if TYPE_CHECKING:
     from plcgen.s7.types import Member
@@ -20,7 +21,8 @@ class BlockScope:
     """Names in upper case.
 
     ``types`` are the local variables, ``constants`` the local constants, ``instances`` the instance DBs of the
-    project with the block they are made from, ``functions`` its FCs, ``global_constants`` its user constants.
+    project with the block they are made from, ``functions`` its FCs, ``global_constants`` its user constants,
+    ``blocks`` all of its blocks.
     """
 
     types: Mapping[str, DataType] = field(default_factory=dict)
@@ -28,6 +30,7 @@ class BlockScope:
     instances: Mapping[str, str] = field(default_factory=dict)
     functions: frozenset[str] = frozenset()
     global_constants: frozenset[str] = frozenset()
+    blocks: Mapping[str, Block] = field(default_factory=dict)
 
     @classmethod
     def of(cls, block: Block, known: Iterable[Block] = (), constants: Iterable[str] = ()) -> BlockScope:
@@ -47,6 +50,7 @@ class BlockScope:
             {b.name.upper(): b.instance_of for b in known if b.kind is BlockKind.DB and b.instance_of},
             frozenset(b.name.upper() for b in known if b.kind is BlockKind.FC),
             frozenset(name.upper() for name in constants),
+            {b.name.upper(): b for b in known},
         )
 
     def is_local(self, name: str) -> bool:
@@ -56,25 +60,31 @@ class BlockScope:
 
     def block_of(self, path: tuple[str, ...]) -> tuple[str, bool] | None:
         """Name of the block that a local instance is made from, and whether it is a system block."""
-        found = self.types.get(path[0].upper()) if path else None
-        for name in path[1:]:
-            found = _member(found, name)
-        while isinstance(found, ArrayType):
-            found = found.element
+        return self._named(self.types.get(path[0].upper()) if path else None, path[1:])
+
+    def global_block_of(self, path: tuple[str, ...]) -> tuple[str, bool] | None:
+        """The same of an instance inside a data block, which is the first of the names."""
+        block = self.blocks.get(path[0].upper())
+        if block is None or block.kind is not BlockKind.DB:
+            return None
+        return self._named(NamedType(block.instance_of or block.name, quoted=True), path[1:])
+
+    def _named(self, found: DataType | None, path: tuple[str, ...]) -> tuple[str, bool] | None:
+        for name in path:
+            found = next((m.type for m in self._members(found) if m.name.upper() == name.upper()), None)
+        found = innermost(found) if found is not None else None
         if not isinstance(found, NamedType):
             return None
         return found.name, not found.quoted and is_system(found.name)
+
+    def _members(self, type_: DataType | None) -> tuple[Member, ...]:
+        type_ = innermost(type_) if type_ is not None else None
+        if isinstance(type_, StructType):
+            return type_.members
+        block = self.blocks.get(type_.name.upper()) if isinstance(type_, NamedType) else None
+        return () if block is None else tuple(m for s in block.sections for m in s.members)
 
 
 def is_system(name: str) -> bool:
     """Whether a block belongs to the CPU or to a library of the TIA Portal."""
     return name.upper() in SYSTEM_TYPES or system_block(name) is not None
-
-
-def _member(type_: DataType | None, name: str) -> DataType | None:
-    while isinstance(type_, ArrayType):
-        type_ = type_.element
-    if not isinstance(type_, StructType):
-        return None
-    members: tuple[Member, ...] = type_.members
-    return next((m.type for m in members if m.name.upper() == name.upper()), None)

@@ -28,7 +28,6 @@ from plcgen.scl.lexer import (
 from plcgen.simaticml.addresses import address
 from plcgen.simaticml.escape import attribute, content
 from plcgen.simaticml.writing.elements import (
-    HAS_HASH,
     HAS_QUOTES,
     SLOT,
     UID,
@@ -54,7 +53,6 @@ _CONSTANTS = {
 }  # fmt: skip
 _PATH = frozenset({".", "[", "(", "^", ":"})
 _PLAIN = re.compile(r"[^\W\d]\w*")
-_INSTANCE_DB = re.compile(r"(.+?)_DB(?:_\d+)?", re.IGNORECASE)
 _OPERAND_ENDS = frozenset(
     {INT, REAL, STRING, TYPED, POINTER, ADDRESS, LOCAL, NAME, QUOTED, "TRUE", "FALSE", ")", "]", "^"}
 )
@@ -65,9 +63,23 @@ _ASSIGNS = frozenset({":=", "=>"})
 _NO_TITLE = frozenset({".", "[", "(", ":", ";", ",", ")", ":=", "+=", "-=", "*=", "/=", "&=", "**=", "?="})
 
 
-def elements(tokens: Tokens, begin: int, stop: int, scope: BlockScope, setting: Setting) -> str:
-    """Elements for the source between two offsets, with ``SLOT`` for every UId."""
-    return _Writer(tokens, begin, stop, scope, setting).write(stop)
+def elements(
+    tokens: Tokens,
+    begin: int,
+    stop: int,
+    scope: BlockScope,
+    setting: Setting,
+    unknown: dict[str, None] | None = None,
+) -> str:
+    """Elements for the source between two offsets, with ``SLOT`` for every UId.
+
+    ``unknown`` gets what is called and of which the scope does not know what it is: the call is that of an FC then.
+    """
+    writer = _Writer(tokens, begin, stop, scope, setting)
+    text = writer.write(stop)
+    if unknown is not None:
+        unknown.update(writer.unknown)
+    return text
 
 
 def numbered(elements: str) -> str:
@@ -98,6 +110,7 @@ class _Writer:
         self.end = begin
         """Offset up to which the source is written."""
         self.out: list[str] = []
+        self.unknown: dict[str, None] = {}
         jumps = (n + 1 for n, kind in enumerate(self.kinds) if kind == "GOTO")
         self.labels = frozenset(self.texts[n].upper() for n in jumps)
 
@@ -188,7 +201,12 @@ class _Writer:
         stop = line_end if line_end >= 0 else len(self.source)
         line = self.source[self.end : stop].partition("//")[0]
         code = self.pos < self.last and self.kinds[self.pos] in KEYWORDS
-        if self.pos < self.last and self.starts[self.pos] < stop and not code and ";" not in line:
+        if (
+            self.pos < self.last
+            and self.starts[self.pos] < stop
+            and not code
+            and not (";" in line and line.strip(" \t\r;"))
+        ):
             self.title(self.end + len(line))
 
     # --- operands ---------------------------------------------------------------------------------------
@@ -284,10 +302,6 @@ class _Writer:
     def member(self) -> str:
         """Write what stands behind a dot and return its name."""
         kind, text = self.kinds[self.pos], self.texts[self.pos]
-        if kind == LOCAL:
-            name = unquote(text[1:])
-            self.component(name, quoted=text[1] == '"' and is_plain(name), peripheral=False, hashed=True)
-            return name
         if (kind == INT and text.isdigit()) or (kind in WORDS and text[0] != "%"):
             name = unquote(text)
             self.component(name, quoted=kind == QUOTED and is_plain(name), peripheral=text.endswith('":P'))
@@ -295,17 +309,17 @@ class _Writer:
         self.token()
         return ""
 
-    def component(self, name: str, *, quoted: bool, peripheral: bool, hashed: bool = False) -> None:
+    def component(self, name: str, *, quoted: bool, peripheral: bool) -> None:
         """Write one component with its indices."""
         self.step()
         indexed = self.pos < self.last and self.kinds[self.pos] == "["
         modifier = ' SimpleAccessModifier="Periphery"' if peripheral or self.is_peripheral() else ""
         head = f'<Component Name="{attribute(name)}"{modifier} {UID}'
-        flags = HAS_QUOTES * quoted + HAS_HASH * hashed
-        if not indexed and not flags:
+        flag = HAS_QUOTES if quoted else ""
+        if not indexed and not flag:
             self.out.append(f"{head} />")
         else:
-            self.out.append(f"{head}>{flags}")
+            self.out.append(f"{head}>{flag}")
             while self.pos < self.last and self.kinds[self.pos] == "[":
                 self.gap()
                 self.token()
@@ -353,7 +367,9 @@ class _Writer:
         elif len(names) == 1 and "<Token" not in symbol:
             made = self.global_block(names[0])
         else:
-            made = None
+            made = self.scope.global_block_of(names)
+        if made is None:
+            self.unknown["#" + ".".join(names) if where == "Local" else f'"{names[0]}".{".".join(names[1:])}'] = None
         if made is not None and made[1]:
             self.variable(where, symbol)
             self.call(f"<Instruction {UID}>", "</Instruction>")
@@ -369,16 +385,13 @@ class _Writer:
             )
 
     def global_block(self, name: str) -> tuple[str, bool]:
-        """Block behind a quoted name that is called, and whether it is a system block; an FC has no name.
-
-        Without a declaration the name must tell: the TIA Portal calls the instance DB of an FB ``X_DB``.
-        """
-        upper = name.upper()
-        made = self.scope.instances.get(upper)
+        """Block behind a quoted name that is called, and whether it is a system block; an FC has no name."""
+        made = self.scope.instances.get(name.upper())
         if made is not None:
             return made, is_system(made)
-        guess = _INSTANCE_DB.fullmatch(name) if upper not in self.scope.functions else None
-        return (guess[1] if guess else ""), False
+        if name.upper() not in self.scope.functions:
+            self.unknown[f'"{name}"'] = None
+        return "", False
 
     def call(self, head: str, tail: str) -> None:
         """Write the arguments of a call between ``head`` and ``tail``."""
@@ -413,5 +426,5 @@ class _Writer:
 
 
 def is_plain(name: str) -> bool:
-    """Whether a name needs no quotes."""
-    return _PLAIN.fullmatch(name) is not None and name.upper() not in KEYWORDS
+    """Whether a name needs no quotes; VAR is a keyword of declarations only."""
+    return _PLAIN.fullmatch(name) is not None and (name.upper() not in KEYWORDS or name.upper() == "VAR")

@@ -12,7 +12,7 @@ from plcgen.s7.image import image
 from plcgen.s7.layout import layout_block
 from plcgen.s7.types import ELEMENTARY, ArrayType, Member, NamedType, StringType, StructType
 from plcgen.simaticml.reading.documents import Tag, WatchEntry, read_simaticml, read_tag_table, read_watch_table
-from plcgen.simaticml.reading.interface import parse_datatype
+from plcgen.simaticml.reading.types import parse_datatype
 from plcgen.simaticml.reading.xml import MAX_BYTES
 
 
@@ -67,7 +67,9 @@ def test_without_memory_layout_access_is_optimized_except_on_s7_300(layout, clas
         ("Array[0..9] of Word", ArrayType(((0, 9),), ELEMENTARY["WORD"])),
         ("Array[-1..1, 2..3] of String[4]", ArrayType(((-1, 1), (2, 3)), StringType("STRING", 4))),
         ('Array[1..2] of "U"', ArrayType(((1, 2),), NamedType("U", quoted=True))),
-        ("Array[*] of Int", None),
+        ("Array[*] of Int", ArrayType((), ELEMENTARY["INT"])),
+        ("Array[*, *] of Int", ArrayType((), ELEMENTARY["INT"])),
+        ('"typeMotor":v1.0.2', NamedType("typeMotor", quoted=True)),
         ('Array[0.."N"] of Int', None),
         ("", None),
         ("a b", None),
@@ -205,7 +207,7 @@ def test_malformed_documents_are_refused_with_line_and_column(data, line):
         document(global_db("").replace("GlobalDB", "InstanceDB")),
         document(global_db('<Member Datatype="Int" />')),
         document(global_db('<Member Name="a" />')),
-        document(global_db('<Member Name="a" Datatype="Array[*] of Int" />')),
+        document(global_db('<Member Name="a" Datatype="Array[] of Int" />')),
         document(global_db("").replace("Interface/v5", "Interface/v9")),
         document(global_db("").replace('Name="Static"', 'Name="Statik"')),
         document(global_db('<Member Name="a" Datatype="Array[0..1] of Int"><Subelement Path="7"><StartValue>1'

@@ -17,9 +17,9 @@ import plcgen
 from plcgen.diagnostics import DiagnosticError, Severity
 from plcgen.s7.layout import layout_block
 from plcgen.simaticml.reading.documents import read_simaticml, read_tag_table, read_watch_table
-from plcgen.simaticml.reading.interface import parse_datatype
 from plcgen.simaticml.reading.invariants import check_invariants
 from plcgen.simaticml.reading.source import source
+from plcgen.simaticml.reading.types import parse_datatype
 from plcgen.simaticml.reading.xml import MAX_TAGS, TAGS
 
 EXAMPLE = (ROOT / "examples/s7-300_6ra80_dp_tia/expected/xml/WriteRampDown.xml").read_bytes()

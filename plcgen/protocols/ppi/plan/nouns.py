@@ -168,6 +168,7 @@ class PlannedMaster:
     port: int
     own_address: int
     baud: int
+    ob1_cycle: int
     ack_timeout: int
     reply_timeout: int
     retry_pause: int

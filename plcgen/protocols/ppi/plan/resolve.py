@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
@@ -12,6 +13,7 @@ from plcgen.input.files import below
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec
 from plcgen.protocols.base import Protocol
+from plcgen.protocols.ppi.plan import times
 from plcgen.protocols.ppi.plan.jobs import JobPlanner
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PlannedStation, PpiPlan
 from plcgen.protocols.ppi.schema import PpiMaster, PpiSection, PpiStation
@@ -22,6 +24,10 @@ from plcgen.s7.names import camel_case, pascal_case
 
 BAUD_RATES = (9600, 19200)
 CLASSIC_MODULES = frozenset({"cp341"})
+BY_THE_CPU = {"cm1241": "CM 1241", "cb1241": "CB 1241"}
+"""Modules that sit beside or in an S7-1200."""
+LEAST_FIRMWARE = {"cm1241": (2, 1)}
+"""From here on a module knows Send_P2P and the like (TIA Portal information system, "Use with CM1241")."""
 
 
 def pinned(spec: PpiSection) -> Iterator[tuple[str, int]]:
@@ -68,17 +74,21 @@ def _master(key: str, master: PpiMaster, loaded: LoadedSpec, numbering: Numberin
     instance = numbering.block("DB", own or f"{block.name}_DB", (*path, "instance"), number, given=bool(own))
     classic = numbering.where.classic
     extra = None
-    if numbering.where.v5:
+    if classic:
         extra = (numbering.block("DB", f"{name}Ppi_Send", path), numbering.block("DB", f"{name}Ppi_Receive", path))
+    baud = _baud(key, master, loaded, report)
+    heard = partial(times.heard_ms, baud=baud, ob1=master.ob1_cycle, classic=classic)
+    longest = times.longest_reply(jobs)
     return PlannedMaster(
         key=key,
         member=camel_case(key),
         module=_module(key, master, loaded, report, classic=classic),
         port=_port(key, master, loaded, report, classic=classic),
         own_address=master.own_address,
-        baud=_baud(key, master, loaded, report),
-        ack_timeout=master.ack_timeout,
-        reply_timeout=master.reply_timeout,
+        baud=baud,
+        ob1_cycle=master.ob1_cycle,
+        ack_timeout=master.ack_timeout or times.chosen(times.ACK_LEAST, heard(times.E5), times.ACK_STATION),
+        reply_timeout=master.reply_timeout or times.chosen(times.REPLY_LEAST, heard(longest), times.REPLY_STATION),
         retry_pause=master.retry_pause,
         poll_pause=master.poll_pause,
         retries=master.retries,
@@ -98,19 +108,33 @@ def _master(key: str, master: PpiMaster, loaded: LoadedSpec, numbering: Numberin
 def _module(key: str, master: PpiMaster, loaded: LoadedSpec, report: Report, *, classic: bool) -> str:
     if (master.module in CLASSIC_MODULES) != classic:
         family = loaded.spec.plc.family.upper()
-        fitting = "cp341" if classic else "cm1241 or cm-ptp"
+        fitting = "cp341" if classic else "cm1241, cb1241 or cm-ptp"
         message = f"an {family} cannot use {master.module}"
         report.add(
             Diagnostic("PG233", message, loaded.span(("ppi", key, "module")), help=f"module: {fitting} for an {family}")
         )
-    elif loaded.spec.plc.family == "s7-1500" and master.module == "cm1241":
-        message = "the CM 1241 belongs to an S7-1200"
+    elif loaded.spec.plc.family == "s7-1500" and master.module in BY_THE_CPU:
+        message = f"the {BY_THE_CPU[master.module]} belongs to an S7-1200"
         report.add(Diagnostic("PG233", message, loaded.span(("ppi", key, "module")), help="module: cm-ptp"))
     elif loaded.spec.plc.family == "s7-400":
         message = "the CP 341 belongs to an S7-300"
         help_ = "an S7-400 reaches it through an ET 200M only, which this generator does not know"
         report.add(Diagnostic("PG233", message, loaded.span(("ppi", key, "module")), help=help_))
+    _firmware(key, master, loaded, report)
     return master.module
+
+
+def _firmware(key: str, master: PpiMaster, loaded: LoadedSpec, report: Report) -> None:
+    """PG233: the module is too old for the blocks."""
+    least = LEAST_FIRMWARE.get(master.module)
+    if least is None or master.firmware is None:
+        return
+    found = tuple(int(part) for part in master.firmware.lstrip("Vv").split("."))
+    if found < least:
+        name, wanted = BY_THE_CPU[master.module], ".".join(map(str, least))
+        message = f"a {name} with firmware {master.firmware} does not know Send_P2P, Receive_P2P and Port_Config"
+        help_ = f"they need firmware {wanted} or later: update the module"
+        report.add(Diagnostic("PG233", message, loaded.span(("ppi", key, "firmware")), help=help_))
 
 
 def _port(key: str, master: PpiMaster, loaded: LoadedSpec, report: Report, *, classic: bool) -> int:

@@ -10,17 +10,23 @@ from plcgen.protocols.ppi.proof.end import End
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import PpiScenario
 from plcgen.protocols.ppi.proof.tables import litter
-from plcgen.protocols.ppi.proof.words import CLOCK_END, DRAIN_MS, WORDS
+from plcgen.protocols.ppi.proof.words import CLOCK_END, DONE, DRAIN_MS, WORDS
 
 LATE_CALLS = 15
 
 
 class MasterConduct:
-    """The jobs of one master, run by run; ``rig.job`` is the one that runs, ``codes`` the last code of each station."""
+    """The jobs of one master, run by run; ``rig.job`` is the one that runs, ``codes`` the last code of each station.
+
+    ``configured`` says that the block need not set the port again, ``longest`` is how many statements it executed in
+    one call of a run that is measured.
+    """
 
     def __init__(self, rig: MasterRig) -> None:
         self.rig = rig
         self.codes: dict[int, int] = {}
+        self.configured = False
+        self.longest = 0
 
     def plain(self, name: str) -> PpiScenario:
         """A run of which only the result counts."""
@@ -48,20 +54,25 @@ class MasterConduct:
         if scenario.fresh:
             rig.cpu.restart("cold")
             self.codes.clear()
+            self.configured = False
         rig.new_values(rig.job)
         litter(rig)
         rig.line.faults[:] = [replace(fault) for fault in scenario.faults]
         rig.line.journal.clear()
         rig.executed.clear()
         port.sent.clear()
-        port.faults, port.hang, port.reset_fault = dict(scenario.port), scenario.hang, scenario.reset
-        rig.edited.edit = scenario.edit
-        port.transmissions = 0
+        port.faults, port.hang, port.refusals = dict(scenario.port), scenario.hang, dict(scenario.refusals)
+        rig.edited.edit, rig.edited.bend = scenario.edit, scenario.bend
+        rig.edited.broken, rig.edited.rest = scenario.broken, scenario.rest
+        port.echo, port.stuck = scenario.echo, scenario.stuck
+        port.transmissions = port.configured = port.conditioned = 0
+        if scenario.forgets:
+            port.power_up()
         if scenario.gone:
             rig.bus.ports.pop(rig.master.port, None)
         if scenario.clock is not None:
             self.set_clock(scenario.clock)
-        slack = 8 * (50 if scenario.jitter else scenario.scan)
+        slack = 8 * max(scenario.scan, rig.master.ob1_cycle)
         return rig.job.timeout * (1 + len(scenario.happens)) + DRAIN_MS + slack
 
     def set_clock(self, clock: int) -> None:
@@ -77,11 +88,13 @@ class MasterConduct:
     def happen(self, run: Run[PpiScenario], happening: str) -> None:
         """A restart: the frame count begins again."""
         self.codes.clear()
+        self.configured = False
 
     def scan(self, run: Run[PpiScenario]) -> int:
-        """Inputs are supplied in every scan."""
-        self.rig.put_inputs(self.rig.job)
-        return run.scenario.scan
+        """Inputs count in the call that starts the job; later they are something else."""
+        self.rig.put_inputs(self.rig.job, wrong=not run.fresh)
+        longest = self.rig.master.ob1_cycle
+        return run.random.randint(1, longest) if run.scenario.wild else min(run.scenario.scan, longest)
 
     def start(self, run: Run[PpiScenario]) -> None:
         """Everything of the job before is gone."""
@@ -90,6 +103,8 @@ class MasterConduct:
 
     def observe(self, run: Run[PpiScenario]) -> None:
         """No other job moves."""
+        if run.scenario.measured:
+            self.longest = max(self.longest, self.rig.statements(run.before))
         db = self.rig.db
         for other in self.rig.master.jobs:
             if other is self.rig.job:
@@ -99,13 +114,30 @@ class MasterConduct:
 
     def end(self, run: Run[PpiScenario], status: int) -> None:
         """Values, diagnostics, frames, tables."""
+        if (
+            not self.rig.plan.target.classic
+            and not run.scenario.happens
+            and not run.scenario.gone
+            and not run.scenario.refusals
+        ):
+            self.check_settings()
+        self.configured = status in {DONE, WORDS["ITEM_ERROR"], WORDS["REFUSED"]}
         End(self.rig, run.scenario, self.codes).check(status)
+
+    def check_settings(self) -> None:
+        """Port_Config and Receive_Config run behind power-up and behind a failure, once, and not again."""
+        wanted, port = int(not self.configured), self.rig.port
+        if port.configured != wanted or port.conditioned != wanted:
+            found = f"Port_Config set the port {port.configured} times, Receive_Config {port.conditioned} times"
+            raise ScenarioError(f"{found}, not {wanted}")
 
     def behind(self, run: Run[PpiScenario]) -> None:
         """The line and the module are well again."""
         rig = self.rig
-        rig.port.hang, rig.port.faults, rig.port.reset_fault = False, {}, 0
-        rig.edited.edit = None
+        rig.port.hang, rig.port.faults, rig.port.refusals = False, {}, {}
+        rig.edited.edit = rig.edited.bend = None
+        rig.edited.broken = 0
+        rig.port.echo = rig.port.stuck = False
         rig.line.faults.clear()
         rig.bus.ports[rig.master.port] = rig.port
 

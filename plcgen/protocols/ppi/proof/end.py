@@ -72,13 +72,14 @@ class End:
     def check_diagnostics(self, status: int) -> None:
         """Errors per address and the details for the maintenance engineer."""
         rig, scenario, job = self.rig, self.scenario, self.job
+        errors = scenario.errors if status == WORDS["ITEM_ERROR"] else {}
         for position, word in enumerate(rig.errors(), 1):
-            wanted = scenario.errors.get(position, 0)
+            wanted = errors.get(position, 0)
             if word != wanted:
                 raise ScenarioError(f"errors[{position}] is 16#{word:04X} instead of 16#{wanted:04X}")
         expected = {
-            "failedItem": min(scenario.errors, default=0),
-            "headerError": scenario.header,
+            "failedItem": min(errors, default=0),
+            "headerError": scenario.header if status == WORDS["REFUSED"] else 0,
             "moduleStatus": scenario.module,
             "job": job.number,
             "state": 0,

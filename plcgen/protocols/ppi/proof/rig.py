@@ -9,10 +9,10 @@ from dataclasses import replace
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery
-from plcgen.cpu.system.port import Port
+from plcgen.cpu.system.port import UNSET, Port, PortSettings
 from plcgen.proof.rig import Members, Source
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue
-from plcgen.protocols.ppi.proof.scenario import Edit
+from plcgen.protocols.ppi.proof.scenario import Bend, Edit
 from plcgen.protocols.ppi.sim import Bus as Line
 from plcgen.protocols.ppi.sim import Station
 from plcgen.protocols.ppi.sim.cpu import Session, StationCpu
@@ -20,6 +20,8 @@ from plcgen.protocols.ppi.wire.areas import Area
 from plcgen.protocols.ppi.wire.fdl import encode_frame, examine_frame
 from plcgen.protocols.ppi.wire.model import Item, VariableFrame
 
+CHARACTER_MS = 2
+"""More than a character takes at 9600 bit/s, 11 bits."""
 SIGNALS = ("execute", "busy", "done", "error", "status")
 DETAILS = (
     "moduleStatus", "headerError", "pduReference", "state", "job", "telegram", "retries", "polls", "failedItem",
@@ -43,11 +45,17 @@ class RecordingStation(StationCpu):
 
 
 class EditedLine:
-    """A line on which the PDUs of replies are changed; their frames are made anew around them."""
+    """A line on which replies are changed: ``edit`` every PDU, with a new frame around it, ``bend`` the first frame.
+
+    ``broken`` cuts the first one behind so many bytes, the others come ``rest`` ms later.
+    """
 
     def __init__(self, line: Line) -> None:
         self.line = line
         self.edit: Edit | None = None
+        self.bend: Bend | None = None
+        self.broken = self.rest = 0
+        self._held: tuple[int, bytes] | None = None
 
     def receive(self, data: bytes, now: int) -> None:
         """Hand bytes on to the stations."""
@@ -55,15 +63,28 @@ class EditedLine:
 
     def due(self) -> int | None:
         """When the next bytes come."""
-        return self.line.due()
+        due = self.line.due()
+        return due if self._held is None else self._held[0] if due is None else min(due, self._held[0])
 
     def transmit(self, now: int) -> bytes:
-        """Bytes of the stations, edited if they are one reply."""
+        """Bytes of the stations, changed if they are one reply."""
+        if self._held is not None and self._held[0] <= now:
+            held, self._held = self._held[1], None
+            return held
         data = self.line.transmit(now)
-        frame = examine_frame(data)[0] if self.edit is not None and data else None
-        if self.edit is None or not isinstance(frame, VariableFrame):
+        if self.edit is None and self.bend is None and not self.broken:
             return data
-        return encode_frame(replace(frame, pdu=self.edit(frame.pdu)))
+        frame = examine_frame(data)[0] if data else None
+        if not isinstance(frame, VariableFrame):
+            return data
+        if self.edit is not None:
+            data = encode_frame(replace(frame, pdu=self.edit(frame.pdu)))
+        if self.bend is not None:
+            data, self.bend = self.bend(data), None
+        if self.broken:
+            data, rest, self.broken = data[: self.broken], data[self.broken :], 0
+            self._held = now + self.rest + len(data) * CHARACTER_MS, rest
+        return data
 
 
 class MasterRig:
@@ -78,9 +99,8 @@ class MasterRig:
         self.line = Line(self.stations.values())
         self.bus = Periphery()
         self.edited = EditedLine(self.line)
-        self.port = Port(peer=self.edited, line_baud=master.baud)
-        if plan.target.classic:
-            self.port.baud = master.baud  # a CP 341 is configured in the hardware
+        hardware = PortSettings(baud=master.baud) if plan.target.classic else UNSET  # a CP 341 is set in the hardware
+        self.port = Port(peer=self.edited, line_baud=master.baud, hardware=hardware)
         self.bus.ports[master.port] = self.port
         self.cpu = Cpu(program, self.bus)
         self.cpu.restart("cold")
@@ -90,15 +110,41 @@ class MasterRig:
             names = [*SIGNALS, *(value.member for value in (*job.inputs, *job.outputs))]
             paths += [job.pin(name) for name in (*names, *(["errors"] if job.values else []))]
         self.db = Members(self.cpu, program, master.instance.name, paths, "diagnostics.")
+        self._ranges, self._bits = self._shown()
         self.source = Source(program, master.block)
         self.place = (self.source.file, 1)
+        own = program.probes[self.source.probes]
+        self._statements = [number for number, probe in enumerate(own) if probe.kind == "statement"]
         self.draw = random.Random(master.key)  # noqa: S311 - test values
         self.inputs: dict[str, bytes] = {}
+
+    def _shown(self) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
+        """Where the value outputs lie: ranges of bytes, and bytes with a mask for bits."""
+        spots = [
+            (self.db.spots[job.pin(value.member)], value.count * value.size)
+            for job in self.master.jobs
+            for value in job.outputs
+        ]
+        masks: dict[int, int] = {}
+        ranges: list[tuple[int, int]] = []
+        for spot, size in sorted(spots, key=lambda entry: entry[0].byte):
+            if spot.flag:
+                masks[spot.byte] = masks.get(spot.byte, 0) | 1 << spot.bit
+            elif ranges and ranges[-1][1] == spot.byte:
+                ranges[-1] = ranges[-1][0], spot.byte + size
+            else:
+                ranges.append((spot.byte, spot.byte + size))
+        return ranges, list(masks.items())
 
     @property
     def scans(self) -> int:
         """Scans of OB1 so far."""
         return self.cpu.scans
+
+    def statements(self, before: list[int]) -> int:
+        """Statements of the block that were executed since its counters of coverage were ``before``."""
+        now = self.cpu.coverage[self.source.probes]
+        return sum(now[number] - before[number] for number in self._statements)
 
     def pin(self, name: str) -> str:
         """Name at the block of a signal of the job that runs."""
@@ -112,9 +158,11 @@ class MasterRig:
         """Bytes of an output."""
         return self.db.bytes(job.pin(value.member), value.count * value.size)
 
-    def outputs(self) -> list[bytes]:
-        """Bytes of every value output of the master."""
-        return [self.shown(job, value) for job in self.master.jobs for value in job.outputs]
+    def outputs(self) -> list[bytes | int]:
+        """Bytes of every value output of the master: neighbours together, bits alone. Asked in every scan."""
+        memory = self.db.memory
+        found: list[bytes | int] = [bytes(memory[first:end]) for first, end in self._ranges]
+        return found + [memory[byte] & mask for byte, mask in self._bits]
 
     # --- stations -------------------------------------------------------------------------------------
 
@@ -135,11 +183,12 @@ class MasterRig:
             self.inputs[job.pin(value.member)] = data
             self.db.put(job.pin(value.member), data)
 
-    def put_inputs(self, job: PpiJob) -> None:
-        """Supply the inputs again, as a main program does in every scan."""
+    def put_inputs(self, job: PpiJob, *, wrong: bool = False) -> None:
+        """Supply the inputs again, as a main program does in every scan, or the opposite of every bit."""
         for value in job.inputs:
             name = job.pin(value.member)
-            self.db.put(name, self.inputs.get(name, value.data))
+            data = self.inputs.get(name, value.data)
+            self.db.put(name, bytes(octet ^ 0xFF for octet in data) if wrong else data)
 
     def random_bytes(self, value: PpiValue) -> bytes:
         """Wire bytes of a value that its type takes."""

@@ -11,35 +11,57 @@ from typing import Any
 
 from plcgen.proof.scenario import Scenario
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob
-from plcgen.protocols.ppi.proof.words import CLOCK_END, DONE, WORDS
+from plcgen.protocols.ppi.proof.words import CLOCK_END, CP_RESET_CALLS, DONE, DRAIN_MS, WORDS
 from plcgen.protocols.ppi.sim import Fault, FaultKind
 from plcgen.protocols.ppi.sim.faults import At
 
 RETURN_CODES = (0x01, 0x03, 0x05, 0x06, 0x07, 0x0A, 0x42)
 """Return codes of items: those of the S7-200 and one that nobody knows."""
+PAUSE = 40
+"""Milliseconds between the two parts of a reply: many times the gap that ends a message."""
+POLL_MS = 60
+"""Milliseconds that a poll and E5 take in scans of 2 ms."""
+FRAME_MS = 300
+"""Milliseconds that the longest frame takes at 9600 bit/s: 255 characters of 11 bits."""
 HEADER_ERRORS = (0x8001, 0x8104, 0x8404, 0x8500, 0xD602)
 
 Edit = Callable[[bytes], bytes]
 """What becomes of the PDU of a reply on its way; its frame is made anew around it."""
+Bend = Callable[[bytes], bytes]
+"""What becomes of the bytes of a reply on its way."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PpiScenario(Scenario):
     """One run of a job of a PPI master.
 
-    ``faults`` are those of the simulated line. ``port`` maps the n-th transmission (0: every one) to a STATUS it fails
-    with, ``hang`` keeps transmissions busy, ``reset`` is what Receive_Reset fails with, ``gone`` takes the module away.
-    ``edit`` changes the PDU of every reply, whose frame stays right. ``fresh`` restarts the CPU first. ``polls`` is
-    what the diagnostics must say (None: not checked), ``errors`` those of the addresses by position, ``header`` and
-    ``module`` the error words. ``pace`` are the ms behind the first frame, behind every other one but the last, and
-    from the last to the end of the job.
+    The line: ``faults`` of the simulated stations; ``edit`` changes the PDU of every reply, whose frame stays right,
+    ``bend`` the bytes of the first one, which is ``broken`` behind so many bytes (from the end if negative) and goes on
+    ``rest`` ms later; ``echo`` lets the module hear what it sends while it sends it.
+
+    The module: ``port`` maps the n-th transmission (0: every one) to a STATUS it fails with, ``hang`` keeps
+    transmissions busy, ``stuck`` a RESET, too; ``refusals`` are what its other blocks fail with, ``gone`` takes it
+    away, ``forgets``: it has been without power, but not the CPU.
+
+    The CPU: ``fresh`` restarts it first, ``wild`` scans take anything up to the longest cycle of OB1, ``measured`` runs
+    tell their longest scan.
+
+    Expected: ``polls`` is what the diagnostics must say (None: not checked), ``errors`` those of the addresses by
+    position, ``header`` and ``module`` the error words, ``pace`` the ms behind the first frame, behind every other one
+    but the last, and from the last to the end of the job.
     """
 
     faults: tuple[Fault, ...] = ()
     port: Mapping[int, int] = field(default_factory=dict)
     hang: bool = False
-    reset: int = 0
+    stuck: bool = False
+    refusals: Mapping[str, int] = field(default_factory=dict)
     edit: Edit | None = None
+    bend: Bend | None = None
+    broken: int = 0
+    rest: int = PAUSE
+    echo: bool = False
+    forgets: bool = False
     gone: bool = False
     fresh: bool = False
     polls: int | None = 1
@@ -47,6 +69,8 @@ class PpiScenario(Scenario):
     header: int = 0
     module: int = 0
     pace: tuple[int, int, int] | None = None
+    wild: bool = False
+    measured: bool = False
 
 
 def fault(kind: str, at: At = "any", times: int | None = 1, **more: int) -> Fault:
@@ -69,6 +93,21 @@ def _repeated(master: PlannedMaster, polls: int = 1) -> dict[str, Any]:
     }
 
 
+def in_time(master: PlannedMaster, job: PpiJob, scenario: PpiScenario) -> PpiScenario:
+    """The same scenario; if all that it may take does not surely fit the timeout of the job, it may end so, too."""
+    retries = master.retries if scenario.retries is None else scenario.retries
+    polls = master.polls if scenario.polls is None else scenario.polls
+    length = master.ob1_cycle if scenario.wild else scenario.scan
+    once = FRAME_MS * 9600 // master.baud + 8 * length
+    wait = max(master.ack_timeout, master.reply_timeout) + master.retry_pause
+    slow = len(job.telegrams) * 2 * once + sum(
+        each.milliseconds for each in scenario.faults if each.kind is FaultKind.LATE
+    )
+    if slow + once + retries * (wait + once) + polls * (master.poll_pause + once) < job.timeout or scenario.took:
+        return scenario
+    return replace(scenario, status=(*scenario.status, WORDS["TIMEOUT"]), retries=None, polls=None)
+
+
 def line_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     """Everything a line and a station can do wrong."""
     most, polls = master.retries, master.polls
@@ -89,10 +128,23 @@ def line_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
         stale = (fault("stale", "poll", number),)
         yield PpiScenario(name=f"an old answer {how}", faults=stale, retries=min(1, most), status=again)
     yield from _ready(polls)
-    in_front: tuple[tuple[str, At], ...] = (("echo", "any"), ("token", "any"), ("foreign", "any"), ("noise", "poll"))
+    yield PpiScenario(name="the module hears what it sends", echo=True)
+    for name, bend in _bends():
+        yield PpiScenario(name=f"reply with {name}", bend=bend, **_repeated(master))
+    in_front: tuple[tuple[str, At], ...] = (("token", "any"), ("foreign", "any"), ("noise", "poll"))
     for kind, at in in_front:
         yield PpiScenario(name=f"{kind} in front of every answer", faults=(fault(kind, at, None),))
-    yield PpiScenario(name="noise in front of E5", faults=(fault("noise", "request"),), **_repeated(master, polls=0))
+    yield PpiScenario(name="noise in front of E5", faults=(fault("noise", "request"),), retries=min(1, most))
+    for octets in (1, 3, 4, 20, -1):
+        yield PpiScenario(name=f"reply that breaks off behind {octets} bytes and goes on", broken=octets)
+    yield PpiScenario(
+        name="reply that breaks off, its rest after the next poll",
+        broken=20,
+        rest=master.reply_timeout,
+        retries=None,
+        polls=None,
+        status=(*again, WORDS["NO_ANSWER"]),
+    )
     for kind in ("count", "length"):
         if job.kind == "read" or (kind == "count" and job.kind == "write"):
             yield PpiScenario(
@@ -105,6 +157,13 @@ def line_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
             status=(WORDS[word],),
             polls=0,
         )
+    refused = fault("nack", "request", None, value=2)
+    yield PpiScenario(name="refused with 02h forever", faults=(refused,), status=silent, retries=most, polls=0)
+    yield PpiScenario(
+        name="refused with 02h forever behind noise, and no reply",
+        faults=(refused, fault("noise", "request", None), fault("deaf", "poll", None)),
+        status=silent, retries=most, polls=1,
+    )  # fmt: skip
     yield PpiScenario(
         name="refused with 02h once", faults=(fault("nack", "request", value=2),), **_repeated(master, polls=0)
     )
@@ -132,7 +191,7 @@ def pace_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
                     status=(none,), retries=most, polls=None if at == "poll" else 0,
                     pace=(first, later, end), scan=2, clock=clock,
                 )  # fmt: skip
-    if master.polls * (master.poll_pause + 100) + ack < job.timeout:
+    if master.polls * (master.poll_pause + POLL_MS) < job.timeout:
         yield PpiScenario(
             name="pace of the polls", faults=(fault("not_ready", times=None),), status=(WORDS["NOT_READY"],),
             polls=master.polls, pace=(0, master.poll_pause if master.polls > 1 else 0, 0), scan=2,
@@ -160,14 +219,19 @@ def _spoilt(master: PlannedMaster) -> Iterator[PpiScenario]:
                 if times <= most:
                     name = f"{kind} at the {at}, {times} times"
                     yield PpiScenario(name=name, faults=(fault(kind, at, times),), retries=times)
-            name = f"{kind} at the {at}, forever"
+            doubtful = at == "request" and kind in {"garbage", "clipped"}  # it may have been E5: the station is asked
             yield PpiScenario(
-                name=name,
+                name=f"{kind} at the {at}, forever",
                 faults=(fault(kind, at, None),),
-                status=(WORDS["NO_ANSWER"],),
+                status=(DONE,) if doubtful else (WORDS["NO_ANSWER"],),
                 retries=most,
-                polls=None if at == "poll" else 0,
+                polls=None if at == "poll" else int(doubtful),
             )
+    yield PpiScenario(
+        name="clipped at the request, forever, and no reply",
+        faults=(fault("clipped", "request", None), fault("deaf", "poll", None)),
+        status=(WORDS["NO_ANSWER"],), retries=most, polls=1,
+    )  # fmt: skip
 
 
 def _late(master: PlannedMaster) -> Iterator[PpiScenario]:
@@ -225,6 +289,24 @@ def _edits(job: PpiJob) -> Iterator[tuple[str, Edit]]:
         yield "half an item", lambda pdu: _data(pdu, pdu[14:16])
         yield "another size code", lambda pdu: pdu[:15] + bytes((pdu[15] ^ 0x0F,)) + pdu[16:]
         yield "another value length", lambda pdu: pdu[:17] + bytes((pdu[17] ^ 0x08,)) + pdu[18:]
+
+
+def _bends() -> Iterator[tuple[str, Bend]]:
+    """Replies whose frame is wrong at one place, or not for this master, and otherwise right to the last bit."""
+
+    def changed(at: int, bits: int, sums: int = 0) -> Bend:
+        def bend(data: bytes) -> bytes:
+            found = bytearray(data)
+            found[at] ^= bits
+            found[-2] = sum(found[4:-2]) & 0xFF if sums else found[-2]
+            return bytes(found)
+
+        return bend
+
+    yield "another destination", changed(4, 0x40, sums=1)
+    yield "another repeated length", changed(2, 0x01)
+    yield "another second start byte", changed(3, 0x01)
+    yield "another end byte", changed(-1, 0x01)
 
 
 def _first_read(job: PpiJob) -> Iterator[PpiScenario]:
@@ -318,16 +400,31 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
     )  # fmt: skip
     if not classic:
         yield PpiScenario(
-            name="Receive_Reset fails", reset=0x8085, status=(WORDS["CONFIG_ERROR"],), polls=0, module=0x8085
+            name="the module forgets its settings", forgets=True, status=(WORDS["NO_ANSWER"],), retries=most, polls=0
         )
-    drain = 0 if classic else 5000
+        for block, fresh in (("Port_Config", True), ("Receive_Config", True), ("Receive_Reset", False)):
+            refused = 0x81C1 if block == "Receive_Config" else 0x81A1
+            yield PpiScenario(
+                name=f"{block} fails", refusals={block.upper(): refused}, fresh=fresh,
+                status=(WORDS["CONFIG_ERROR"],), polls=0, retries=None, module=refused,
+            )  # fmt: skip
+    drain, cancelled = DRAIN_MS, CP_RESET_CALLS * 10 if classic else DRAIN_MS
     yield PpiScenario(
         name="module hangs",
         hang=True,
         status=(WORDS["TIMEOUT"] if classic else WORDS["DRAIN_TIMEOUT"],),
         polls=0,
-        took=(job.timeout + drain, job.timeout + drain + 50),
+        took=(job.timeout + cancelled - 10, job.timeout + cancelled + 50),
     )
+    if classic:
+        yield PpiScenario(
+            name="module hangs, and RESET too",
+            hang=True,
+            stuck=True,
+            status=(WORDS["DRAIN_TIMEOUT"],),
+            polls=0,
+            took=(job.timeout + drain, job.timeout + drain + 50),
+        )
 
 
 def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int) -> Iterator[PpiScenario]:
@@ -349,10 +446,10 @@ def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int) -> Iterator[P
         )
     yield PpiScenario(name="execute dropped", happens={scans // 2: "drop"})
     yield PpiScenario(name="cold restart", happens={scans // 2: "cold"}, retries=None, polls=None)
-    yield PpiScenario(name="scans of random length", jitter=True, retries=None, polls=None)
+    yield PpiScenario(name="scans of random length", wild=True, retries=None, polls=None)
 
 
-def cpu_scenarios(scans: int, clock_end: int, *, retentive: bool) -> Iterator[PpiScenario]:
+def cpu_scenarios(scans: int, clock_end: int, ob1: int, *, retentive: bool) -> Iterator[PpiScenario]:
     """Everything the CPU can do: execute dropped, restarts, scan times, the clock starting again."""
     for scan in range(2, scans + 1):
         yield PpiScenario(name=f"execute dropped in scan {scan}", happens={scan: "drop"})
@@ -362,9 +459,9 @@ def cpu_scenarios(scans: int, clock_end: int, *, retentive: bool) -> Iterator[Pp
         yield PpiScenario(
             name=f"warm restart in scan {scan}", happens={scan: "warm"}, retries=None, polls=None, status=status
         )
-    for length in (1, 3, 20, 50):
+    for length in sorted({1, min(3, ob1), min(20, ob1), ob1}):
         yield PpiScenario(name=f"scans of {length} ms", scan=length, retries=None, polls=None)
     for number in range(5):
-        yield PpiScenario(name=f"scans of random length {number}", jitter=True, retries=None, polls=None)
+        yield PpiScenario(name=f"scans of random length {number}", wild=True, retries=None, polls=None)
     for before in (5, 60, 150):
         yield PpiScenario(name=f"the clock starts again after {before} ms", clock=clock_end - before)

@@ -19,9 +19,11 @@ from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.protocols.ppi.proof.conduct import MasterConduct
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import (
+    POLL_MS,
     PpiScenario,
     core_scenarios,
     cpu_scenarios,
+    in_time,
     line_scenarios,
     module_scenarios,
     pace_scenarios,
@@ -107,11 +109,18 @@ class PpiSuite:
         kinds = {t.number: t.kind for t in master.telegrams if t.response is not None}
         found = [
             Premise(NO_OTHER, never="STATUS_TIMEOUT", among=frozenset({State.IDLE})),
-            known(NO_OTHER, "statTelegram", kinds, waiting),
+            *([known(NO_OTHER, "statTelegram", kinds, waiting)] if kinds else []),
         ]
         for function, kind in ((Function.READ, "read"), (Function.WRITE, "write")):
             numbers = [number for number, asked in kinds.items() if asked == kind]
             found.append(known(NO_OTHER, "statService", (function,), numbers, "statTelegram"))
+        longest, soon = max(job.timeout for job in master.jobs), "every job ends by its timeout before that"
+        for word, times, pause in (
+            ("STATUS_NOT_READY", master.polls, master.poll_pause),
+            ("STATUS_NO_ANSWER", master.retries, master.retry_pause),
+        ):
+            if times * (pause + POLL_MS) >= longest:
+                found.append(Premise(soon, never=word))
         if len(master.jobs) == 1 and self.plan.target.classic:
             found.append(Premise("a single job never waits for the port", never="STATUS_PORT_OCCUPIED"))
         if not master.retries:
@@ -136,7 +145,7 @@ class PpiSuite:
 
     def nominal(self, runner: Runner[PpiScenario]) -> PpiScenario:
         """A run without any fault."""
-        return PpiScenario(name="nominal run", follow=False)
+        return PpiScenario(name="nominal run", follow=False, measured=True)
 
     def shown(self, runner: Runner[PpiScenario], scans: int) -> tuple[str, str]:
         """Scans and frames; the values read."""
@@ -145,6 +154,8 @@ class PpiSuite:
         polls = sum(len(data) == 6 for _, data in sent)
         requests = len(sent) - polls
         frames = f"{requests} request{'s' * (requests != 1)}, {polls} poll{'s' * (polls != 1)}"
+        if isinstance(runner.conduct, MasterConduct):
+            frames += f", longest scan {runner.conduct.longest:,} statements"
         if job.kind in {"run", "stop"}:
             return f"{scans} scans, {frames}", f"{job.station.key} in {job.kind.upper()}"
         name = self.master.instance.name
@@ -155,14 +166,20 @@ class PpiSuite:
 
     def matrix(self, runner: Runner[PpiScenario], scans: int, level: Level) -> Iterator[PpiScenario]:
         """All of it, or what depends on the job itself and one of each kind of the rest."""
-        job, master, target = rig_of(runner).job, self.master, self.plan.target
+        job = rig_of(runner).job
+        for scenario in self.everything(job, scans, level):
+            yield in_time(self.master, job, scenario)
+
+    def everything(self, job: PpiJob, scans: int, level: Level) -> Iterator[PpiScenario]:
+        """All scenarios of a job, as if it had all the time in the world."""
+        master, target = self.master, self.plan.target
         if level != "full" and job is not next(j for j in self.jobs if SHAPES[j.kind] == SHAPES[job.kind]):
             yield from core_scenarios(master, job, scans)
             return
         yield from line_scenarios(master, job)
         yield from pace_scenarios(master, job)
         yield from module_scenarios(master, job, classic=target.classic)
-        yield from cpu_scenarios(scans, CLOCK_END, retentive=target.v5)
+        yield from cpu_scenarios(scans, CLOCK_END, master.ob1_cycle, retentive=target.v5)
 
     def behind(
         self, program: Program, runner: Runner[PpiScenario]

@@ -13,13 +13,20 @@ from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.protocols.ppi.proof.conduct import MasterConduct
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import PpiScenario
-from plcgen.protocols.ppi.proof.words import DONE, WORDS
+from plcgen.protocols.ppi.proof.words import DONE, WORDS, State
+from plcgen.protocols.ppi.sim import Fault, FaultKind
 from plcgen.protocols.ppi.wire.fdl import examine_frame
 from plcgen.protocols.ppi.wire.model import VariableFrame
 
 ROW = 600
 ROUNDS = 4
 UNUSED_NUMBER = 59_998
+LONGEST = 512
+"""Bytes of the longest message."""
+NOISE = (LONGEST // 4, LONGEST // 2, LONGEST)
+START = 0x68
+SLACK = 1.2
+"""Statements of a call that does not search besides."""
 
 
 def procedures(plan: PpiPlan, program: Program, master: PlannedMaster) -> Iterator[Procedure]:
@@ -30,9 +37,17 @@ def procedures(plan: PpiPlan, program: Program, master: PlannedMaster) -> Iterat
 
     yield Procedure("all jobs at once", bed, together)
     yield Procedure("jobs behind each other", bed, behind)
+    if any(job.cycle for job in master.jobs):
+        yield Procedure("jobs with a cycle", bed, cycles)
+    yield Procedure("longest scan", bed, longest_scan)
     yield Procedure(f"{ROW} jobs in a row", bed, row)
     if plan.target.classic:
         yield Procedure("buffer DB with a wrong number", lambda: misnumbered(plan, program, master), wrong_number)
+
+
+def step(rig: MasterRig) -> int:
+    """Milliseconds of a scan."""
+    return min(10, rig.master.ob1_cycle)
 
 
 # --- all jobs at once, through OB1 ----------------------------------------------------------------------------
@@ -71,8 +86,8 @@ def _round(rig: MasterRig, number: int) -> None:
     rig.port.sent.clear()
     ended: dict[str, int] = {}
     longest = sum(job.timeout for job in jobs)
-    for scan in range(longest // 10 + 100):
-        cpu.scan(10)
+    for scan in range(longest // step(rig) + 100):
+        cpu.scan(step(rig))
         if cpu.misuses:
             raise ScenarioError("misuse")
         for job in jobs:
@@ -88,7 +103,7 @@ def _round(rig: MasterRig, number: int) -> None:
     else:
         waiting = [job.key for job in jobs if job.key not in ended]
         raise ScenarioError(f"round {number}: {', '.join(waiting)} never ended")
-    cpu.scan(10, 3)
+    cpu.scan(step(rig), 3)
     for job in jobs:
         if cpu[_control(rig, job, "status")] != WORDS["IDLE"]:
             raise ScenarioError(f"round {number}: {job.key} is not idle after execute has fallen")
@@ -108,23 +123,23 @@ def _occupied(rig: MasterRig) -> None:
     """A job that waits for the port for its whole timeout says so; afterwards everything works."""
     jobs, cpu = rig.master.jobs, rig.cpu
     rig.port.hang = True
-    words: list[object] = []
+    words: set[int] = set()
     for _ in range(2):  # on an S7-1200/1500 even a single job waits the second time: the module is still sending
         for job in jobs:
             cpu[_control(rig, job, "execute")] = True
         slowest = max(job.timeout for job in jobs)
         for _ in range(slowest // 50 + 200):
             cpu.scan(50)
-        words += [cpu[_control(rig, job, "status")] for job in jobs]
+            words |= {int(str(cpu[_control(rig, job, "status")])) for job in jobs}  # a job with a cycle soon runs again
         for job in jobs:
             cpu[_control(rig, job, "execute")] = False
         cpu.scan(50, 2)
     allowed = {WORDS[name] for name in ("TIMEOUT", "DRAIN_TIMEOUT", "PORT_OCCUPIED", "RUNNING", "STARTED")}
-    if not allowed.issuperset(words) or WORDS["PORT_OCCUPIED"] not in words:
-        raise ScenarioError(f"a port that hangs gives {', '.join(f'16#{word:04X}' for word in words)}")
+    if not words <= allowed or WORDS["PORT_OCCUPIED"] not in words:
+        raise ScenarioError(f"a port that hangs gives {', '.join(f'16#{word:04X}' for word in sorted(words))}")
     rig.port.hang = False
     for _ in range(2000):
-        cpu.scan(10)
+        cpu.scan(step(rig))
         if all(cpu[_control(rig, job, "status")] == WORDS["IDLE"] for job in jobs):
             break
     _round(rig, ROUNDS)
@@ -141,6 +156,96 @@ def behind(rig: MasterRig) -> None:
                 Run(PpiScenario(name=name, fresh=fresh, retries=None, polls=None), conduct, Statistics()).go()
 
 
+# --- again and again ------------------------------------------------------------------------------------------
+
+
+def cycles(rig: MasterRig) -> None:
+    """While execute is TRUE a job with a cycle starts again when it is over; its result stays until then."""
+    for job in (job for job in rig.master.jobs if job.cycle):
+        rig.job = job
+        rig.cpu.restart("cold")
+        rig.new_values(rig.job)
+        _repeat(rig)
+        rig.cpu.restart("cold")
+        module = rig.bus.ports.pop(rig.master.port)
+        _stay(rig)
+        rig.bus.ports[rig.master.port] = module
+
+
+def _repeat(rig: MasterRig) -> None:
+    """The job starts ``ROUNDS`` times, each a cycle after the start before or as soon as that has ended."""
+    job, cpu = rig.job, rig.cpu
+    rig.db.set(rig.pin("execute"), 1)
+    starts: list[int] = []
+    ends: list[int] = []
+    for _ in range((job.cycle + job.timeout) * ROUNDS // step(rig)):
+        before = rig.db.get(rig.pin("status"))
+        cpu.call(rig.db.block, step(rig))
+        status = rig.db.get(rig.pin("status"))
+        if status == WORDS["STARTED"]:
+            starts.append(cpu.clock)
+        elif not rig.db.flag(rig.pin("busy")):
+            if status != DONE:
+                raise ScenarioError(f"{job.key}: 16#{status:04X} instead of 16#0000 between two cycles")
+            if before != DONE:
+                ends.append(cpu.clock)
+        if len(starts) == ROUNDS:
+            break
+    for start, end, again in zip(starts, ends, starts[1:], strict=False):
+        wanted = max(start + job.cycle, end + step(rig))
+        if not wanted <= again < wanted + step(rig):
+            raise ScenarioError(f"{job.key} starts again after {again - start} ms, not {wanted - start}")
+    if len(starts) < ROUNDS:
+        raise ScenarioError(f"{job.key} starts {len(starts)} times, not {ROUNDS}")
+
+
+def _stay(rig: MasterRig) -> None:
+    """A job that fails early, as its module is missing, keeps its error until the cycle is over."""
+    begin = rig.cpu.clock
+    status = _once(rig, rig.job.timeout // step(rig), step(rig))
+    while rig.cpu.clock + step(rig) < begin + rig.job.cycle:
+        rig.cpu.call(rig.db.block, step(rig))
+        if rig.db.get(rig.pin("status")) != status or not rig.db.flag(rig.pin("error")):
+            raise ScenarioError(f"{rig.job.key}: the error 16#{status:04X} does not stay until the next cycle")
+
+
+# --- the longest scan -----------------------------------------------------------------------------------------
+
+
+def longest_scan(rig: MasterRig) -> None:
+    """A message twice as long takes twice as many statements, even if a frame may begin at each of its bytes."""
+    costs = [_noise(rig, octets) for octets in NOISE]
+    for (short, less), (long, more) in itertools.pairwise(zip(NOISE, costs, strict=True)):
+        if more * short > less * long * SLACK:
+            raise ScenarioError(f"{short} bytes of noise take {less} statements, {long} bytes {more}")
+
+
+def _noise(rig: MasterRig, octets: int) -> int:
+    """Most statements of one call while so many start bytes come instead of a reply; the job works nevertheless."""
+    rig.cpu.restart("cold")
+    rig.line.faults[:] = [Fault(FaultKind.SILENCE, times=1, at="poll")]
+    rig.port.sent.clear()
+    rig.db.set(rig.pin("execute"), 1)
+    noise = bytes((START,)) * octets
+    most = 0
+    for _ in range(rig.job.timeout // step(rig)):
+        if noise and rig.db.get("state") == State.REPLY:
+            rig.port.deliver(noise)
+            noise = b""
+        before = rig.cpu.coverage[rig.source.probes]
+        rig.cpu.call(rig.db.block, step(rig))
+        most = max(most, rig.statements(before))
+        if not rig.db.flag(rig.pin("busy")):
+            break
+    status = rig.db.get(rig.pin("status"))
+    rig.db.set(rig.pin("execute"), 0)
+    if rig.cpu.misuses:
+        raise ScenarioError("misuse")
+    if status not in {DONE, WORDS["NO_ANSWER"], WORDS["TIMEOUT"]}:
+        raise ScenarioError(f"{octets} bytes of noise end the job with 16#{status:04X}")
+    return most
+
+
 # --- many in a row --------------------------------------------------------------------------------------------
 
 
@@ -151,11 +256,11 @@ def row(rig: MasterRig) -> None:
         if number == ROW // 2:
             rig.cpu[f'"{rig.db.block}".statReference'] = 32_766  # the reference starts again
         rig.port.sent.clear()
-        ended = _once(rig, rig.job.timeout // 20, 20)
+        ended = _once(rig, rig.job.timeout // step(rig), step(rig))
         if ended != DONE or rig.db.get("retries"):
             raise ScenarioError(f"job {number + 1} in a row ends with 16#{ended:04X}")
         rig.db.set(rig.pin("execute"), 0)
-        rig.cpu.call(rig.db.block, 20)
+        rig.cpu.call(rig.db.block, step(rig))
         frames = (examine_frame(data)[0] for _, data in rig.port.sent)
         references += [int.from_bytes(frame.pdu[4:6]) for frame in frames if isinstance(frame, VariableFrame)]
     twice = any(a == b for a, b in itertools.pairwise(references))
@@ -194,6 +299,8 @@ def misnumbered(plan: PpiPlan, program: Program, master: PlannedMaster) -> Maste
 
 def wrong_number(rig: MasterRig) -> None:
     """The buffer DB has another number than the block expects: nothing is sent."""
-    status = _once(rig, 20, 10)
+    rig.job = next((job for job in rig.master.jobs if job.cycle), rig.job)
+    status = _once(rig, 20, step(rig))
+    rig.cpu.call(rig.db.block, 1)
     if status != WORDS["WRONG_DB"] or rig.port.sent:
         raise ScenarioError(f"the wrong number gives 16#{status:04X}, not 16#8204")

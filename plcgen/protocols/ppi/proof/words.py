@@ -8,7 +8,7 @@ from enum import IntEnum
 
 
 class State(IntEnum):
-    """States of the block, in the order of the drawing."""
+    """States of the block, in the order of the drawing but for the last one."""
 
     IDLE = 0
     CONFIGURE = 1
@@ -20,6 +20,7 @@ class State(IntEnum):
     REPLY = 7
     WAIT = 8
     DRAIN = 9
+    CONDITIONS = 10
 
 
 WORDS = {
@@ -35,3 +36,5 @@ DRAIN_MS = 5000
 """DRAIN_LIMIT: that long a job may last beyond its timeout if the module hangs."""
 CLOCK_END = 864_000_000
 """Time in ms after which the clock of a master on S7-1200/1500 starts again: ten days."""
+CP_RESET_CALLS = 4
+"""Calls that a RESET of P_SND_RK takes at least (manual of the CP 341, A5E02191071-01, table 6-15)."""

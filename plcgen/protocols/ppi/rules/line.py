@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.project.rules.places import key_or_value, node_at
+from plcgen.protocols.ppi.plan.times import E5, heard_ms, longest_reply
 from plcgen.s7.durations import spelled
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ def checks(plan: PpiPlan) -> Iterator[Diagnostic]:
     for master in plan.masters:
         yield from _addresses(plan, master)
         yield from _pins(plan, master)
+        yield from _waits(plan, master)
         for job in master.jobs:
             yield from _members(plan, job)
             yield from _times(plan, master, job)
@@ -154,6 +156,23 @@ def _times(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Iterator[Diagno
                 key_or_value(plan, (*job.path, key)),
                 severity,
                 help=f"at {master.baud} bit/s: allow more time, or read less",
+            )
+
+
+def _waits(plan: PpiPlan, master: PlannedMaster) -> Iterator[Diagnostic]:
+    """PG311: a timeout is over before an answer that comes at once can have been received."""
+    longest = longest_reply(master.jobs)
+    waits = (("ack_timeout", master.ack_timeout, E5, "E5"), ("reply_timeout", master.reply_timeout, longest, "a reply"))
+    for key, value, characters, what in waits:
+        least = heard_ms(characters, master.baud, master.ob1_cycle, classic=plan.target.classic)
+        if value < least:
+            more = f" of {characters} bytes" if characters > E5 else ""
+            yield Diagnostic(
+                "PG311",
+                f"{key} is over after {spelled(value)}, before {what}{more} can have been received",
+                key_or_value(plan, (*master.path, key)),
+                help=f"at least {spelled(least)}, at {master.baud} bit/s with cycles of OB1 of up to "
+                f"{spelled(master.ob1_cycle)}; without the key it is computed",
             )
 
 

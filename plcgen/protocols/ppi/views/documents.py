@@ -8,10 +8,11 @@ from typing import Any
 
 from plcgen.documents.control import place
 from plcgen.documents.members import fixed
-from plcgen.documents.nouns import Contribution, GuidePart, LibraryInstance, TypeBlock
+from plcgen.documents.nouns import Contribution, GuidePart, TypeBlock
 from plcgen.documents.spelling import literal
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
-from plcgen.protocols.ppi.views.program import MODULES, command, program
+from plcgen.protocols.ppi.plan.times import GAP_BITS
+from plcgen.protocols.ppi.views.program import MAX_MESSAGE, MODULES, command, program
 from plcgen.protocols.ppi.words import DIAGNOSTICS
 from plcgen.s7.types import Elementary
 
@@ -24,13 +25,7 @@ def contribution(plan: PpiPlan) -> Contribution:
         family="PPI",
         jobs="jobs",
         types=(TypeBlock(plan.diagnostics_type, fixed(plan, DIAGNOSTICS)),),
-        data=[
-            LibraryInstance(block, *name)
-            for master in plan.masters
-            for block, name in zip(
-                master.module_instances or (), (('"P_SND_RK"', "FB 8"), ('"P_RCV_RK"', "FB 7")), strict=False
-            )
-        ],
+        data=(),
         programs=(program(plan, master) for master in plan.masters),
         control=plan.control_db,
         control_title="Commands and results of all PPI jobs",
@@ -60,6 +55,8 @@ def _guide(plan: PpiPlan) -> tuple[list[GuidePart], list[GuidePart]]:
             }
             for master in plan.masters
         ],
+        "gap_bits": GAP_BITS,
+        "most": MAX_MESSAGE,
         "writes": [row for master in plan.masters for row in _writes(plan, master)],
         "numbered": [master.buffer for master in plan.masters if master.buffer is not None],
     }

@@ -6,10 +6,11 @@ from typing import Any
 
 from plcgen.documents.control import signals
 from plcgen.documents.members import initializer, plain
-from plcgen.documents.nouns import CallerValue, Command, DataBlock, FunctionBlock, MemberRow
+from plcgen.documents.nouns import CallerValue, Command, DataBlock, FunctionBlock, LibraryInstance, MemberRow
 from plcgen.documents.spelling import clean_title, comment_text, type_text, type_words
 from plcgen.protocols.ppi.plan.fields import value_length
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue, WireItem
+from plcgen.protocols.ppi.plan.times import GAP_BITS
 from plcgen.protocols.ppi.views.rows import buffer_blocks, value_text
 from plcgen.protocols.ppi.views.values import into_response, into_table, output_moves, stat_name
 from plcgen.protocols.ppi.words import CLOCK_END, DRAIN_MS, ONLY_CLASSIC, ONLY_NEW, STATES, STATUS_WORDS
@@ -19,10 +20,13 @@ SERIAL_NOTE = (
     "the call form of the blocks for serial modules is inferred; no genuine export was at hand to compare with"
 )
 MAX_MESSAGE = 512
-"""Bytes of one message that are looked at, and the length at which the module ends one."""
-RECEIVE_LAST = MAX_MESSAGE + 23
+"""The length at which the module ends a message."""
+MAX_BYTES = MAX_MESSAGE + 260
+"""Bytes that are looked at: a message behind all of a frame but its last byte."""
+RECEIVE_LAST = MAX_BYTES + 23
+"""Last place of what was received; the codes of 19 items may be looked for behind the end."""
 SEND_BYTES = 256
-MODULES = {"cm1241": "CM 1241", "cm-ptp": "CM PtP", "cp341": "CP 341"}
+MODULES = {"cm1241": "CM 1241", "cb1241": "CB 1241", "cm-ptp": "CM PtP", "cp341": "CP 341"}
 BAUD_CODES = {9600: 6, 19200: 7}
 _FORMATS = {"REAL": "FloatingPoint", "BOOL": "Bool", "BYTE": "Hex", "WORD": "Hex", "DWORD": "Hex"}
 """Display format of a value in a watch table, by type."""
@@ -42,7 +46,6 @@ def program(plan: PpiPlan, master: PlannedMaster) -> FunctionBlock:
         template="ppi/master.scl.j2",
         view={
             "m": _Views(plan, master).view() | {"title": label},
-            "receive": f"{buffer}.receive" if buffer else "#statReceive",
             "table": f"{buffer}.send" if buffer else "#statTable",
         },
         note=SERIAL_NOTE,
@@ -53,9 +56,19 @@ def program(plan: PpiPlan, master: PlannedMaster) -> FunctionBlock:
             f"({len(t.request.data)} bytes; function code, reference, FCS and inputs change)"
             for t in master.telegrams
         ],
-        data=[DataBlock(master.buffer, f"Frames: {label}", _frames(plan))] if master.buffer else [],
+        data=_stored(plan, master, label),
         open_call="\n    ",
     )
+
+
+def _stored(plan: PpiPlan, master: PlannedMaster, label: str) -> list[DataBlock | LibraryInstance]:
+    """The frames of a CP 341 and the instances of its blocks, which STEP 7 V5 knows as symbols."""
+    mark = '"' if plan.target.v5 else ""
+    libraries = ((f"{mark}P_SND_RK{mark}", "FB 8"), (f"{mark}P_RCV_RK{mark}", "FB 7"))
+    found: list[DataBlock | LibraryInstance] = [
+        LibraryInstance(block, *names) for block, names in zip(master.module_instances or (), libraries, strict=False)
+    ]
+    return found + ([DataBlock(master.buffer, f"Frames: {label}", _frames(plan))] if master.buffer else [])
 
 
 def command(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Command:
@@ -100,7 +113,7 @@ def _frames(plan: PpiPlan) -> list[MemberRow]:
     kind = f"{t['ARRAY']}[0..{{}}] {t['OF']} {t['BYTE']}"
     return [
         plain(plan, "send", kind.format(SEND_BYTES - 1), "length and frame that P_SND_RK sends"),
-        plain(plan, "receive", kind.format(RECEIVE_LAST), "frame that P_RCV_RK received"),
+        plain(plan, "receive", kind.format(MAX_MESSAGE - 1), "message that P_RCV_RK received"),
     ]
 
 
@@ -144,6 +157,8 @@ class _Views:
             "send_instance": extra[0].name if extra else "",
             "receive_instance": extra[1].name if extra else "",
             "receive_last": RECEIVE_LAST,
+            "piece_last": MAX_MESSAGE - 1,
+            "gap_bits": GAP_BITS,
             "job_count": len(master.jobs),
             "station_count": len(master.stations),
         }
@@ -165,6 +180,7 @@ class _Views:
             "many": any(len(job.telegrams) > 1 for job in master.jobs),
             "reads": any(job.kind == "read" for job in master.jobs),
             "writes": any(job.kind == "write" for job in master.jobs),
+            "pads": any(wire.item.octets % 2 for t in master.telegrams if t.kind == "read" for wire in t.items[:-1]),
             "services": any(job.kind in {"run", "stop"} for job in master.jobs),
             "syncs": bool(master.syncs),
             "telegrams": telegrams,
@@ -250,8 +266,7 @@ class _Views:
 
     def rx(self, index: str) -> str:
         """A byte of what was received."""
-        buffer = self.master.buffer
-        return f"#statReceive[{index}]" if buffer is None else f'"{buffer.name}".receive[{index}]'
+        return f"#statReceive[{index}]"
 
     def temps(self) -> list[tuple[str, str]]:
         """Local data: name, type."""
@@ -260,7 +275,7 @@ class _Views:
             t["BOOL"]: "Done Fault New Execute Trigger Retry Finished Clean Mine",
             t["BYTE"]: "Byte Check Code",
             t["WORD"]: "Status Word Result Error",
-            t["INT"]: "Job Next Index Length First Count Size Sum Position Event At End Item LastItem Failed",
+            t["INT"]: "Job Next Index Length First Count Size Sum Position Tail Event At End Item LastItem Failed",
             t["DINT"]: "Now Elapsed Timeout",
         }
         unused = set()
@@ -282,7 +297,6 @@ class _Views:
         if new:
             rows += [
                 ("BAUD_CODE", "UInt", BAUD_CODES[master.baud], f"{master.baud} bit/s"),
-                ("DRAIN_LIMIT", t["DINT"], f"L#{DRAIN_MS}", "ms, waiting for the module after a failure"),
                 ("CLOCK_PERIOD", "Time", "T#10D", "the clock starts again after this time"),
             ]
         else:
@@ -300,9 +314,9 @@ class _Views:
         rows += [
             ("MAX_RETRIES", t["INT"], master.retries, "repetitions of one telegram"),
             ("MAX_POLLS", t["INT"], master.polls, "polls of one request"),
-            ("MAX_MESSAGE", t["INT"], MAX_MESSAGE, "bytes of one message that are looked at"),
+            ("DRAIN_LIMIT", t["DINT"], f"L#{DRAIN_MS}", "ms, waiting for the module after a failure"),
         ]
-        calls = ("NONE", "SEND", "CONFIG", "RESET") if new else ("NONE", "SEND")
+        calls = ("NONE", "SEND", "CONFIG", "CONDITIONS", "RESET") if new else ("NONE", "SEND")
         rows += [(f"CALL_{name}", t["INT"], n, "block of the module that is working") for n, name in enumerate(calls)]
         rows += [
             (f"PHASE_{name}", t["INT"], n, text)

@@ -12,7 +12,7 @@ from pathlib import Path
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
-from plcgen.proof.rig import layout_of, with_garbage
+from plcgen.proof.rig import layout_of
 from plcgen.protocols.ds47.proof.engine.stimulus import Sizes, stimulus
 from plcgen.s7.layout import locate
 from plcgen.s7.types import ArrayType
@@ -67,7 +67,10 @@ class Engine:
     def program(self) -> Program:
         """The engine with the stimulus around it, compiled. Raises DiagnosticError."""
         text = stimulus(self.dialect, self.names, self.sizes)
-        return with_garbage(Program.load([*self.sources, ("stimulus.scl", text)], self.dialect, coverage=True))
+        program = Program.load([*self.sources, ("stimulus.scl", text)], self.dialect, coverage=True, litter=True)
+        if not program.ok:
+            raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
+        return program
 
     @cached_property
     def sizes(self) -> Sizes:

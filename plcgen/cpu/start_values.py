@@ -1,0 +1,49 @@
+"""Start values that name a constant of the block: ``state : Int := #IDLE``, ``last : INT := COUNT - 1``."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from plcgen.diagnostics import Diagnostic, Span
+from plcgen.s7.blocks import Block, Section, SectionKind
+from plcgen.s7.types import Member
+from plcgen.scl.constants import evaluate, integer
+from plcgen.scl.parser import parse_value
+
+_NAMED = re.compile(r"""[#"]?[^\W\d]\w*"?(?!#)(?:\s*[-+*/].*)?|.*[-+*/]\s*[#"]?[^\W\d]\w*"?""")
+_WORDS = frozenset({"TRUE", "FALSE", "NULL", "NIL"})
+
+
+def with_constants(block: Block) -> tuple[Block, list[Diagnostic]]:
+    """The block with every start value written out; PG827 for a constant whose value stands elsewhere."""
+    texts = {m.name.upper(): m.start for m in block.section(SectionKind.CONSTANT) if m.start is not None}
+    numbers = {name: value for name, text in texts.items() if (value := integer(text)) is not None}
+    found: list[Diagnostic] = []
+    sections = tuple(
+        section
+        if section.kind is SectionKind.CONSTANT
+        else Section(
+            section.kind, tuple(_written_out(m, texts, numbers, found) for m in section.members), section.retain
+        )
+        for section in block.sections
+    )
+    return (replace(block, sections=tuple(sections)), found) if tuple(sections) != block.sections else (block, found)
+
+
+def _written_out(member: Member, texts: dict[str, str], numbers: dict[str, int], found: list[Diagnostic]) -> Member:
+    text = (member.start or "").strip()
+    if not _NAMED.fullmatch(text) or text.upper() in _WORDS or "'" in text:
+        return member
+    name = text.strip('#"').upper()
+    if name in texts:
+        return replace(member, start=texts[name])
+    node = parse_value(text)
+    value = evaluate(node, numbers) if node is not None else None
+    if value is not None:
+        return replace(member, start=str(value))
+    if text.startswith('"'):
+        message = f"the constant {text} has its value outside of these sources"
+        found.append(Diagnostic("PG827", message, member.span or Span("")))
+        return replace(member, start=None)
+    return member

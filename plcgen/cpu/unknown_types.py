@@ -1,0 +1,75 @@
+"""Types that no source of a program declares: each is reported once, and stands for whatever it may hold."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from plcgen.cpu.linkage import Linkage
+from plcgen.diagnostics import Diagnostic, Span
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.shapes import NO_MEMORY
+from plcgen.s7.system import system_block
+from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, NamedType, StructType, elementary
+from plcgen.scl.instructions import INSTRUCTIONS
+from plcgen.scl.system_types import SYSTEM_TYPES
+
+_LIBRARY = re.compile(
+    r"SF[BC][0-9]{1,3}|IEC_\w+|CT(?:U|D|UD)_\w+|T(?:ON|OF|P|ONR)_\w+|(?:PID|MC|TO|MB|HW|OB|DB)_\w+"
+    r"|T(?:CON|SEND|RCV|DISCON|USEND|URCV)(?:_\w+)?|TMAIL_C|CTRL_\w+|(?:SEND|RECEIVE)_\w+|REF_TO .+|.+\..+",
+    re.IGNORECASE,
+)
+_TYPES = frozenset({BlockKind.UDT, BlockKind.FB})
+
+
+def add_unknown_types(link: Linkage) -> list[Diagnostic]:
+    """Declare every missing type as one without members; PG806 for a name nobody knows, at its first use.
+
+    PG827 tells of a type of the system libraries whose members are not known here.
+    """
+    found: list[Diagnostic] = []
+    for block in [entry.block for entry in link.blocks.values()]:
+        for type_, span in _used(block):
+            key = type_.name.upper()
+            if key in link.opaque or _is_known(type_, link):
+                continue
+            link.opaque.add(key)
+            link.types[key] = Block(BlockKind.UDT, type_.name, ())
+            found.append(_report(type_, span or block.span or Span(""), link))
+    return found
+
+
+def _is_known(type_: NamedType, link: Linkage) -> bool:
+    key = type_.name.upper()
+    declared = link.types.get(key)
+    if declared is not None and declared.kind in _TYPES:
+        return True
+    if not type_.quoted and (elementary(type_.name) is not None or key in NO_MEMORY):
+        return True
+    known = system_block(type_.name, classic=type_.quoted)
+    return known is not None and known.kind in _TYPES
+
+
+def _report(type_: NamedType, span: Span, link: Linkage) -> Diagnostic:
+    name = type_.name
+    if name.upper() in SYSTEM_TYPES | INSTRUCTIONS or _LIBRARY.fullmatch(name):
+        return Diagnostic("PG827", f"the members of {name} are not known to plcgen", span)
+    near = did_you_mean(name, [*(block.name for block in link.types.values()), *ELEMENTARY])
+    return Diagnostic("PG806", f"unknown data type {name}", span, help=near or "name the file that declares it, too")
+
+
+def _used(block: Block) -> Iterator[tuple[NamedType, Span | None]]:
+    """Named types of the members of a block and of what it is an instance of."""
+    if block.instance_of is not None:
+        yield NamedType(block.instance_of, quoted=True), block.span
+    pending: list[tuple[DataType, Span | None]] = [(m.type, m.span) for s in block.sections for m in s.members]
+    pending.reverse()
+    while pending:
+        type_, span = pending.pop()
+        while isinstance(type_, ArrayType):
+            type_ = type_.element
+        if isinstance(type_, StructType):
+            pending += [(member.type, member.span or span) for member in reversed(type_.members)]
+        elif isinstance(type_, NamedType):
+            yield type_, span
