@@ -16,7 +16,7 @@ def state_name(state: int) -> str:
 
 TRANSITIONS = frozenset(
     {
-        (IDLE, HOLD), (HOLD, IDLE), (HOLD, BUILD), (HOLD, DRAIN), (BUILD, GATE), (BUILD, DRAIN), (GATE, WRITE),
+        (IDLE, HOLD), (HOLD, IDLE), (HOLD, BUILD), (BUILD, GATE), (BUILD, DRAIN), (GATE, WRITE),
         (GATE, READ), (GATE, DRAIN), (WRITE, READ), (WRITE, PAUSE), (WRITE, DRAIN), (READ, CHECK), (READ, PAUSE),
         (READ, DRAIN), (CHECK, PAUSE), (CHECK, DRAIN), (PAUSE, BUILD), (PAUSE, GATE), (PAUSE, DRAIN), (DRAIN, HOLD),
     }
