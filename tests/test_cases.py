@@ -50,7 +50,7 @@ def _generated(parameters: int = 1, split: str = "auto", jobs: int = 1, cpu: str
         shape = f"parameters: {{P2900: {{type: FloatingPoint, array: {jobs}}}}}"
         axes = "".join(f"  d{n}: {{device: sinamics-dcm, address: {256 + 4 * n}, {shape}}}\n" for n in drives)
         rows = "".join(f'  j{n}: {{drive: d{n // 64}, read: ["P2900[{n}]"]}}\n' for n in range(jobs))
-        head = f"plc: {{name: a, family: s7-300, toolchain: tia-v16, cpu: \"{cpu}\"}}\n"
+        head = f'plc: {{name: a, family: s7-300, toolchain: tia-v16, cpu: "{cpu}"}}\n'
         return f"{head}drives:\n{axes}jobs:\n{rows}"
     items = ", ".join(f'"R945[{index}]"' for index in range(parameters))
     return (
