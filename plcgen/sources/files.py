@@ -15,6 +15,7 @@ from plcgen.s7.system import system_block
 from plcgen.s7.types import ELEMENTARY, HARDWARE, ArrayType, StructType
 from plcgen.scl.declarations import recursive_types
 from plcgen.scl.parser import ParseResult
+from plcgen.sources.plcs import by_plc, plc_names
 from plcgen.sources.symbols import SUFFIXES as SYMBOL_SUFFIXES
 from plcgen.sources.symbols import read_symbols
 from plcgen.sources.text import read_source
@@ -51,13 +52,15 @@ class Files:
     """Blocks in the order of the files, every type known to them, and everything that could not be read.
 
     ``types`` also has the blocks of files that stand beside the named ones; ``modern`` says that a type is used
-    which only the S7-1200/1500 have.
+    which only the S7-1200/1500 have. Of a folder with several PLCs ``parts`` has each of them by its name, with
+    types of its own.
     """
 
     blocks: list[Block] = field(default_factory=list)
     types: TypeTable = field(default_factory=TypeTable)
     diagnostics: list[Diagnostic] = field(default_factory=list)
     modern: bool = False
+    parts: dict[str, Files] = field(default_factory=dict)
 
 
 def read_files(
@@ -68,10 +71,34 @@ def read_files(
     Of a block that is there as text and as SimaticML the text counts. Types that are missing are looked for in
     UDT and SCL files beside the named files, or in ``../udt`` and ``../scl``. Symbol tables of STEP 7 V5
     (``.sdf``, ``.asc``) give blocks their numbers. ``classic``: the documents are for S7-300/400.
-    ``keep`` gets the syntax tree of every text.
+    ``keep`` gets the syntax tree of every text. Where a folder has the exports of several PLCs, names mean something
+    else in each of them; files that belong to none are there for all.
     """
+    problems: list[Diagnostic] = []
+    files = list(source_files(paths, problems))
+    groups = by_plc(file.path for file in files)
+    if len(groups) == 1:
+        found = _read_group(files, classic=classic, keep=keep)
+        found.diagnostics = list(dict.fromkeys([*problems, *found.diagnostics]))
+        return found
+    called, whole = plc_names(groups), Files(diagnostics=problems)
+    for folder in sorted(groups, key=lambda folder: called[folder]):
+        own = set(groups[folder])
+        part = _read_group([file for file in files if file.path in own], classic=classic, keep=keep)
+        for name, block in whole.parts[""].types.items() if "" in whole.parts else ():
+            part.types.setdefault(name, block)
+        whole.parts[called[folder]] = part
+        whole.blocks += part.blocks
+        whole.diagnostics += part.diagnostics
+        whole.modern = whole.modern or part.modern
+        for name, block in part.types.items():
+            whole.types.setdefault(name, block)
+    return whole
+
+
+def _read_group(files: Sequence[SourceFile], *, classic: bool, keep: Callable[[ParseResult], object] | None) -> Files:
+    """Read the files of one PLC."""
     found = Files()
-    files = list(source_files(paths, found.diagnostics))
     symbols: dict[str, str] = {}
     read: list[tuple[Block, SourceFile]] = []
     for file in files:
