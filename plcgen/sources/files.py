@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
@@ -36,10 +35,15 @@ MAX_SEEN = 200_000
 
 @dataclass(frozen=True, slots=True)
 class SourceFile:
-    """One file to read; ``listed`` files come from a folder, where strangers are no mistake."""
+    """One file to read; ``listed`` files come from the folder ``root``, where strangers are no mistake."""
 
     path: Path
-    listed: bool = False
+    root: Path | None = None
+
+    @property
+    def listed(self) -> bool:
+        """Whether the file was found, not named."""
+        return self.root is not None
 
     @property
     def is_xml(self) -> bool:
@@ -117,7 +121,7 @@ def _read_group(files: Sequence[SourceFile], *, classic: bool, keep: Callable[[P
     used = _used(found.blocks)
     found.modern = not used.isdisjoint(_MODERN)
     if any(name not in found.types and name not in ELEMENTARY for name in used):
-        _add_neighbours([file.path for file in files if not file.listed], found.types)
+        _add_neighbours(files, found.types)
     _add_written_out(found.blocks, found.types)
     found.diagnostics = list(dict.fromkeys([*found.diagnostics, *recursive_types(found.types.values())]))
     return found
@@ -141,7 +145,7 @@ def _walk(folder: Path, diagnostics: list[Diagnostic]) -> list[SourceFile]:
     for where, folders, names in os.walk(folder):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         shown = sorted(name for name in names if not name.startswith("."))
-        found += [SourceFile(Path(where) / name, listed=True) for name in shown if Path(name).suffix.lower() in wanted]
+        found += [SourceFile(Path(where) / name, folder) for name in shown if Path(name).suffix.lower() in wanted]
         looked_at += len(names) + len(folders)
         if len(found) > MAX_FILES or looked_at > MAX_SEEN:
             message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"
@@ -274,15 +278,16 @@ def _used(blocks: Iterable[Block]) -> set[str]:
     return names
 
 
-def _add_neighbours(paths: Iterable[Path], types: TypeTable) -> None:
+def _add_neighbours(files: Iterable[SourceFile], types: TypeTable) -> None:
     """Types from UDT and SCL files beside the sources, or one folder over, that the sources lack."""
-    named = set(paths)
+    read = {file.path for file in files}
     near: set[Path] = set()
-    for path in named:
-        for folder, suffix in product((path.parent, path.parent.parent), (".udt", ".scl")):
-            where = folder if folder == path.parent else folder / suffix[1:]
-            near.update(where.glob(f"*{suffix}") if path.is_file() else ())
-    for path in sorted(near - named)[:MAX_FILES]:
+    for folder in {file.path.parent if file.root is None else file.root for file in files}:
+        for suffix in (".udt", ".scl"):
+            near.update(folder.glob(f"*{suffix}"))
+            parent = folder.parent if folder.name not in {"", ".."} else folder.resolve().parent
+            near.update((parent / suffix[1:]).glob(f"*{suffix}"))
+    for path in sorted(near - read)[:MAX_FILES]:
         _add_types(read_source(path)[0], types)
 
 
