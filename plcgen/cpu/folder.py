@@ -6,6 +6,7 @@ import csv
 from pathlib import Path
 
 from plcgen.cpu.program import Program
+from plcgen.cpu.type_rules import IecCheck
 from plcgen.diagnostics import DiagnosticError, Severity
 from plcgen.s7.blocks import BlockKind
 from plcgen.scl.dialect import Dialect
@@ -15,7 +16,14 @@ from plcgen.sources.generated import generated_documents, generated_sources
 Tags = dict[str, str | tuple[str, str]]
 
 
-def load_folder(folder: Path | str, dialect: Dialect, *, coverage: bool = False, litter: bool = False) -> Program:
+def load_folder(
+    folder: Path | str,
+    dialect: Dialect,
+    *,
+    coverage: bool = False,
+    litter: bool = False,
+    iec_check: IecCheck = IecCheck.AS_STATED,
+) -> Program:
     """Load the generated sources of a folder; symbols come from ``*.sdf``, tags and numbers from ``xml/*.xml``."""
     folder = Path(folder)
     sources = generated_sources(folder)
@@ -35,7 +43,9 @@ def load_folder(folder: Path | str, dialect: Dialect, *, coverage: bool = False,
         for block in read_simaticml(document, classic=classic)[0]:
             if block.kind is BlockKind.DB and block.number is not None:
                 numbers[block.name] = block.number
-    return Program.load(sources, dialect, tags=tags, numbers=numbers, coverage=coverage, litter=litter)
+    return Program.load(
+        sources, dialect, tags=tags, numbers=numbers, coverage=coverage, litter=litter, iec_check=iec_check
+    )
 
 
 def read_tag_file(path: Path | str) -> Tags:
