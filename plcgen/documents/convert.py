@@ -130,10 +130,11 @@ def _read(files: Sequence[SourceFile], found: Converted, *, classic: bool, encod
         if file.path.suffix.lower() in _SYMBOLS:
             continue
         if file.is_xml:
-            blocks, problems = read_simaticml(file.path, classic=classic, constants=constants)
+            blocks, problems = read_simaticml(file.path, classic=classic or None, constants=constants)
             if not blocks and file.listed and all(problem.code == "PG812" for problem in problems):
                 continue  # another kind of document that lies in the folder
             problems = [problem for problem in problems if problem.code != "PG814"]
+            blocks = [_laid_out(block, found) for block in blocks]
         else:
             blocks, problems = read_source(file.path, dialect, encoding=encoding)
             problems = [problem for problem in problems if not _about_encoding(problem)]
@@ -145,6 +146,16 @@ def _read(files: Sequence[SourceFile], found: Converted, *, classic: bool, encod
 def _without_value(problem: Diagnostic) -> Diagnostic:
     unknown = problem.code == "PG806" and problem.severity is Severity.WARNING
     return replace(problem, severity=Severity.ERROR) if unknown else problem
+
+
+def _laid_out(block: Block, found: Converted) -> Block:
+    """The block with the access that is meant where its document says none: those of S7-300/400 never do."""
+    if block.optimized is not None or block.kind is BlockKind.UDT or block.instance_of:
+        return block
+    message = f'{block.kind} "{block.name}" has no MemoryLayout: its access is taken as optimized, as on S7-1200/1500'
+    help_ = "for blocks of an S7-300/400: --classic"
+    found.diagnostics.append(Diagnostic("PG815", message, block.span or Span(""), Severity.WARNING, help=help_))
+    return replace(block, optimized=True)
 
 
 def _about_encoding(problem: Diagnostic) -> bool:

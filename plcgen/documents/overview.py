@@ -14,7 +14,8 @@ class Overview:
     """All blocks of a project by group, in import order.
 
     ``types`` and ``data`` are names; ``tags`` the rows of each tag table that has any; ``symbols`` what an instance DB
-    is in a symbol table; ``sheets`` the parts of the layout sheet, one a function block.
+    is in a symbol table; ``notes`` why the documents of function blocks are experimental, with their names;
+    ``sheets`` the parts of the layout sheet, one a function block.
     """
 
     types: list[str] = field(default_factory=list)
@@ -22,6 +23,7 @@ class Overview:
     calls: list[Call] = field(default_factory=list)
     tags: dict[str, list[TagRow]] = field(default_factory=dict)
     symbols: dict[BlockRef, str] = field(default_factory=dict)
+    notes: dict[str, list[str]] = field(default_factory=dict)
     sheets: list[dict[str, Any]] = field(default_factory=list)
     contributions: list[Contribution] = field(default_factory=list)
 
@@ -34,6 +36,7 @@ class Overview:
     def program(self, made: FunctionBlock, call: Call) -> None:
         """Remember a function block; its buffers are remembered by :meth:`stored`."""
         self.calls.append(call)
+        self.notes.setdefault(made.note, []).append(made.block.name)
         self.symbols[made.instance] = f"FB {made.block.number}"
         blocks = [
             {"db": data.block, "rows": type_.members, "size": type_.members[-1].offset + type_.members[-1].size}

@@ -50,7 +50,7 @@ class End:
         rig = self.rig
         for use in rig.job.outputs:
             expected = rig.expected(use)
-            found = rig.db.bytes(use.member, len(expected))
+            found = rig.values.bytes(use.member, len(expected))
             if found != expected:
                 raise ScenarioError(f"{use.member} is {found.hex(' ')}, the drive has {expected.hex(' ')}")
         for telegram, answer in zip(rig.job.telegrams, self.answers(), strict=False):

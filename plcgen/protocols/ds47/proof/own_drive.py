@@ -52,7 +52,7 @@ def _run(rig: JobRig, drive: Drive) -> int:
     number = drive.behaviour.aliases.get(job.drive.drive_object, job.drive.drive_object)
     for use in job.uses:
         expected = held(drive, number, use)
-        found = use.data if job.writes else rig.db.bytes(use.member, len(expected))
+        found = use.data if job.writes else rig.values.bytes(use.member, len(expected))
         if found != expected:
             raise ScenarioError(f"{use.label} is {found.hex(' ')}, your drive has {expected.hex(' ')}")
     return scans

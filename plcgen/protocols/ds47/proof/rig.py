@@ -86,9 +86,11 @@ class JobRig:
         self.cpu = Cpu(program, self.bus)
         self.cpu.restart("cold")
         self.limits = TimeLimits(job.timeout, job.retry_pause, job.retries, DRAIN_MS, LEASE_MS, int(plan.target.t15))
-        values = (use.member for use in (*job.inputs, *job.outputs))
-        paths = (*SIGNALS, *(f"diagnostics.{name}" for name in DETAILS), *values)
+        paths = (*SIGNALS, *(f"diagnostics.{name}" for name in DETAILS))
         self.db = Members(self.cpu, program, job.instance.name, paths, "diagnostics.")
+        values = [use.member for use in (*job.inputs, *job.outputs)]
+        self.values = Members(self.cpu, program, job.instance.name, values)
+        """Apart from the rest: a value may be called as a member of the diagnostics is."""
         self.token = Members(self.cpu, program, job.drive.token.name, ("owner", "heartbeat", "requestReference"))
         first, last = self.db.spots["status"], self.db.spots["errors"]
         self.values_range = slice(first.byte + first.size, last.byte)
@@ -136,7 +138,7 @@ class JobRig:
     def put_inputs(self) -> None:
         """Supply the inputs, as a main program does in every scan."""
         for member, data in self.sets[self.set_number][1]:
-            self.db.put(member, data)
+            self.values.put(member, data)
 
     def requests(self) -> list[bytes]:
         """The telegrams this run must send, reference 0."""
