@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.line import Line
-from plcgen.protocols.ppi.client.heard import Heard, Outcome
-from plcgen.protocols.ppi.client.layouts import Layouts
+from plcgen.protocols.ppi.client.heard import Heard, HeardKind
+from plcgen.protocols.ppi.client.known import KnownReplies
 from plcgen.protocols.ppi.wire.areas import Area, Function
 from plcgen.protocols.ppi.wire.codes import function_text, header_error
 from plcgen.protocols.ppi.wire.errors import TOLERABLE
@@ -115,7 +115,7 @@ class Exchange:
         self._frames: list[Frame] = []
         self._splitter = Splitter(tolerant=True)
         self._heard = Heard()
-        self._layouts = Layouts()
+        self._known = KnownReplies()
         self._asked = False
 
     def run(self, request: Request, *, experimental: bool = False) -> Pdu:
@@ -194,7 +194,7 @@ class Exchange:
         status = frame.function & 0x0F
         if status in {0x00, _NO_RESOURCE, _NO_DATA}:
             if status == _NO_RESOURCE:
-                self._heard.outcomes.append(Outcome.BUSY)
+                self._heard.outcomes.append(HeardKind.BUSY)
             return status == _NO_RESOURCE
         text = f"station {self.settings.station} refuses the telegram: {function_text(frame.function)}"
         raise RefusedError(self.line.name, text)
@@ -215,7 +215,7 @@ class Exchange:
                 reply, heard.other = self._reply(request, reference, frame)
                 if reply is not None:
                     return reply
-                heard.outcomes.append(Outcome.OTHER)
+                heard.outcomes.append(HeardKind.OTHER)
                 listened = not listened
                 frame = self._receive() if listened else frame
                 if listened and frame is not None:
@@ -223,7 +223,7 @@ class Exchange:
                 again = listened
             elif frame is not None and number > 0:
                 if not self._try_again(frame):
-                    heard.outcomes.append(Outcome.NOT_READY)
+                    heard.outcomes.append(HeardKind.NOT_READY)
                 self._wait(settings.pause)
             if number < settings.polls:
                 frame = self._ask(again=again)
@@ -247,14 +247,14 @@ class Exchange:
 
     def _reply(self, request: bytes, reference: int, frame: VariableFrame) -> tuple[Pdu | None, str]:
         """Return the PDU if it is the answer to the request, otherwise why not."""
-        layout = self._layouts.find(request)
+        layout = self._known.find(request)
         if layout is not None and frame.pdu[4:6] == request[4:6]:
             known = layout.read(frame.pdu, reference)
             if known is not None:
                 return known, ""
         pdu, found = examine_pdu(frame.pdu)
         if isinstance(pdu, ReadReply) and not found:
-            self._layouts.keep(request, frame.pdu, pdu)
+            self._known.keep(request, frame.pdu, pdu)
         wrong = [violation for violation in found if violation.kind not in TOLERABLE]
         if pdu is None or wrong:
             self.count.skipped += 1

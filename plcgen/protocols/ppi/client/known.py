@@ -17,7 +17,7 @@ _VALUES = frozenset({SizeCode.WORDS, SizeCode.OCTETS})
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class KnownReply:
     """An answer without reference and values: ``fixed`` are places and bytes of the rest, ``values`` lie between."""
 
     size: int
@@ -33,13 +33,13 @@ class Layout:
         )
 
 
-class Layouts:
-    """Layouts by the request without its reference."""
+class KnownReplies:
+    """Layouts of answers by the request without its reference."""
 
     def __init__(self) -> None:
-        self._known: dict[bytes, Layout] = {}
+        self._known: dict[bytes, KnownReply] = {}
 
-    def find(self, request: bytes) -> Layout | None:
+    def find(self, request: bytes) -> KnownReply | None:
         """What the answer to a request looked like."""
         return self._known.get(request[6:])
 
@@ -58,4 +58,4 @@ class Layouts:
             fixed.append((before, len(pdu), pdu[before:]))
         if len(self._known) >= _MOST:
             self._known.clear()
-        self._known[request[6:]] = Layout(len(pdu), tuple(fixed), tuple(values))
+        self._known[request[6:]] = KnownReply(len(pdu), tuple(fixed), tuple(values))
