@@ -299,3 +299,20 @@ def test_every_buffer_is_in_all_sources(spec: Path) -> None:
     if project.target.xml_version is None:
         expected = "2 sources agree: telegram, text source; no SimaticML"
     assert {c.verdict for c in checks} == {expected}
+
+
+def test_a_value_may_be_called_as_a_member_of_the_diagnostics_is(tmp_path: Path) -> None:
+    """An output ``state`` and an input ``telegram`` are pins of their own beside diagnostics.state and .telegram."""
+    spec = tmp_path / "job.yaml"
+    spec.write_text(
+        "plc: {name: T, family: s7-1500, toolchain: tia-v19}\n"
+        "drives: {axis: {device: sinamics-s120, hardware_id: 256, drive_object: 3}}\n"
+        "jobs:\n"
+        "  read_it: {drive: axis, read: [{parameter: r21, as: state}]}\n"
+        "  write_it: {drive: axis, write: {P1120: {as: telegram}}}\n",
+        "utf-8",
+    )
+    assert api.generate(spec).ok
+    result = api.verify(spec, faults="none")
+    assert codes(result) == set()
+    assert result.ok
