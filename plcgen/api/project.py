@@ -217,19 +217,15 @@ def verify(
     *,
     drive: Path | str | None = None,
     faults: Literal["none", "quick", "full"] = "quick",
-    engine: bool = False,
     progress: Progress | None = None,
 ) -> Verification:
     """Verify what lies in a folder against its spec, DS47 and a simulated drive (optionally from a drive file).
 
-    The generated SCL is executed; ``faults`` is how much of the fault matrix runs. Blocks that all projects share are
-    known by their hash; ``engine`` runs their proof again.
+    The generated SCL is executed; ``faults`` is how much of the fault matrix runs.
     """
     from plcgen.proof import verify as run
 
-    return run(
-        Path(spec), _folder(spec, folder), Path(drive) if drive is not None else None, progress, faults, engine=engine
-    )
+    return run(Path(spec), _folder(spec, folder), Path(drive) if drive is not None else None, progress, faults)
 
 
 def simulate(

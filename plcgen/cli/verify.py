@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     show_default=True,
     help="How many faults the generated SCL runs through.",
 )
-@click.option("--engine", is_flag=True, help="Run the proof of the shared blocks too, even if they are known.")
 @format_option("verification")
 @output_option
 def command(
@@ -40,7 +39,6 @@ def command(
     folder: Path | None,
     drive: Path | None,
     faults: Literal["none", "quick", "full"],
-    engine: bool,
     format_: OutputFormat,
     output: Path | None,
 ) -> int:
@@ -53,6 +51,5 @@ def command(
 
     out = console()
     with out.progress() as progress:
-        where = folder or default_folder(spec)
-        result = api.verify(spec, where, drive=drive, faults=faults, engine=engine, progress=progress)
+        result = api.verify(spec, folder or default_folder(spec), drive=drive, faults=faults, progress=progress)
     return out.verification(format_, result, output)

@@ -19,17 +19,14 @@ def verify(
     drive: Path | None = None,
     progress: Callable[[str, int, int], None] | None = None,
     faults: Literal["none", "quick", "full"] = "quick",
-    *,
-    engine: bool = False,
 ) -> Verification:
     """Verify a folder against its spec; ``drive`` is a drive file that replaces the profile's simulated drive.
 
-    ``faults`` is how much of the fault matrix the generated SCL runs through; ``engine`` runs the proof of the blocks
-    that all projects share, even if they are known.
+    ``faults`` is how much of the fault matrix the generated SCL runs through.
     """
     report = Report()
     try:
-        return _verify(spec, folder, drive, progress, report, faults, engine=engine)
+        return _verify(spec, folder, drive, progress, report, faults)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
     return Verification(str(spec), str(folder), "", "", (), tuple(report))
@@ -42,8 +39,6 @@ def _verify(
     progress: Callable[[str, int, int], None] | None,
     report: Report,
     faults: Literal["none", "quick", "full"],
-    *,
-    engine: bool,
 ) -> Verification:
     from plcgen.project.opening import open_spec
     from plcgen.proof.execution import check_execution
@@ -62,14 +57,12 @@ def _verify(
     proofs = [plan.protocol.proof(plan) for plan in project.plans]
     layouts = (check_layout(project, files, laid) for proof in proofs for laid in proof.layouts())
     telegrams = (check for proof in proofs for check in proof.telegrams(files))
-    shared = [proof.shared(folder, engine, progress) for proof in proofs] if faults != "none" else []
     exchanges = [proof.exchanges(files, partner, progress) for proof in proofs]
     groups = [
         CheckGroup("files", "Files", (*check_files(project, files), *check_twins(project, files))),
         CheckGroup("layout", "Layout", tuple(layouts)),
         CheckGroup("telegrams", "Telegrams", tuple(telegrams)),
         *(group for group in exchanges if group is not None),
-        *(group for group in shared if group is not None),
         CheckGroup(
             "execution", "Execution", tuple(check_execution(project, folder, faults, progress, partner=partner))
         ),

@@ -149,8 +149,5 @@ class Proof(Protocol):
     def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:
         """Telegrams against a simulated partner, or the one in a file; None if there is nothing like that."""
 
-    def shared(self, folder: Path, run: bool, progress: Progress | None) -> CheckGroup | None:  # noqa: FBT001 - of a command
-        """Blocks that every project of a target has: known, or run here if they are not or ``run`` says so."""
-
     def suites(self) -> Sequence[Suite[Any]]:
         """What is executed."""

@@ -84,9 +84,6 @@ class BeaconProof:
         """None."""
         return ()
 
-    def shared(self, folder, run, progress) -> None:
-        """None."""
-
     def layouts(self) -> Iterator[LaidOut]:
         """One buffer a lamp."""
         for job in self.plan.jobs:

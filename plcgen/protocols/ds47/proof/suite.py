@@ -21,8 +21,6 @@ from plcgen.proof.suite import CodeBlock, LaidOut, Level, Procedure, Progress
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof import stimulus
 from plcgen.protocols.ds47.proof.conduct import JobConduct
-from plcgen.protocols.ds47.proof.engine.checks import engine_checks
-from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
 from plcgen.protocols.ds47.proof.exchanges import check_drive, check_telegrams
 from plcgen.protocols.ds47.proof.own_drive import own_checks
 from plcgen.protocols.ds47.proof.plant import Plant
@@ -31,7 +29,6 @@ from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.scenarios import STATE_CONFLICT, matrix, polls
 from plcgen.protocols.ds47.proof.together import procedures
 from plcgen.protocols.ds47.sim.drive import Drive
-from plcgen.sources.generated import generated_sources
 
 SHOWN_VALUES = 3
 TELEGRAM = ("statTicket.ask.telegram", "tempSeen.telegram")
@@ -51,13 +48,6 @@ class DriveProof:
     def stimulus(self) -> tuple[tuple[str, str], ...]:
         """Callers of every job block."""
         return ((stimulus.FILE, stimulus.stimulus(self.plan)),) if self.plan.jobs else ()
-
-    def shared(self, folder: Path, run: bool, progress: Progress | None) -> CheckGroup | None:  # noqa: FBT001 - of a command
-        """The engine as it lies in the folder."""
-        if not self.plan.jobs:
-            return None
-        engine = DriveEngine.of(generated_sources(folder), self.plan.target.dialect)
-        return CheckGroup("engine", "Engine", tuple(engine_checks(engine, run=run, progress=progress)))
 
     def layouts(self) -> Iterator[LaidOut]:
         """Request and response of every telegram."""

@@ -56,9 +56,6 @@ class PpiProof:
         """None: the block is called as it lies in the folder."""
         return ()
 
-    def shared(self, folder: Path, run: bool, progress: Progress | None) -> None:  # noqa: FBT001 - the face
-        """None: every block is made for its master."""
-
     def layouts(self) -> Iterator[LaidOut]:
         """Table and response DB of every telegram."""
         for master in self.plan.masters:
