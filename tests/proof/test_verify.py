@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from projects import FAQ, MM4, ROOT, SPECS, generated_example
+from projects import FAQ, MM4, SPECS, generated_example
 
 from plcgen import api
 from plcgen.project.nouns import Plan

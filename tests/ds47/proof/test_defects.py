@@ -104,7 +104,9 @@ def test_a_job_in_a_fast_ob_does_not_starve_another(generate, target) -> None:
     call = '"Get"."Fast"' if v5 else '"Fast"'
     text = CALLER.replace("CALL;", f'{call}(unit := "MmUnit".unit);')
     if v5:
-        text = respell(text, Spelling.STEP7_V5).replace("BEGIN\n", "VAR_TEMP\n i : ARRAY[0..19] OF BYTE;\nEND_VAR\nBEGIN\n", 1)
+        text = respell(text, Spelling.STEP7_V5).replace(
+            "BEGIN\n", "VAR_TEMP\n i : ARRAY[0..19] OF BYTE;\nEND_VAR\nBEGIN\n", 1
+        )
         text = text.replace('DATA_BLOCK "Fast"\n"Get"', 'DATA_BLOCK "Fast" "Get"')
     program = load_folder(made.folder, dialect, more=[("fast.scl", text)])
     assert program.ok, program.diagnostics
