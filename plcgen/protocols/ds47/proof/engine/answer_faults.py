@@ -349,7 +349,7 @@ def _refused(form: AnswerForm) -> Iterator[EngineScenario]:
     for more in (1, 2):
         block = bytes.fromhex("44020011 0007") + bytes(more)
         edit = lambda a, block=block: bytes((a[0], 0x80 | form.good, *a[2:4])) + block  # type: ignore[misc] # noqa: E731
-        yield form.broken(f"one error block and {more} bytes behind it", edit)
+        yield form.broken(f"one error block and {more} bytes after it", edit)
 
 
 def _formats(form: AnswerForm) -> Iterator[EngineScenario]:

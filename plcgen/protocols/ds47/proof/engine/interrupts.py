@@ -94,7 +94,7 @@ def _all_levels(field: JobField) -> None:
 
 
 def _scan(field: JobField, at: int, inner: int, second: int) -> None:
-    """OB35 at one point, OB82 at one of it and at another one of OB1; what did not come comes behind it."""
+    """OB35 at one point, OB82 at one of it and at another one of OB1; what did not come comes after it."""
     came = {"OB35": False, "OB82": False}
 
     def chosen(point: Point) -> Chosen | None:

@@ -23,7 +23,7 @@ def places() -> Iterator[tuple[str, Run]]:
         for calls in (CALLS, CALLS[::-1], (5, 2, 1, 8, 3, 9, 4)):
             yield f"{count} places for three channels, called in the order {calls}", partial(_never_more, count, calls)
     for gate in ("OB1", "OB35"):
-        yield f"a channel in OB35 starves none in OB1, the gate is in {gate}", partial(_fair, gate)
+        yield f"channels in OB1 get their turns beside one in OB35, the gate is in {gate}", partial(_fair, gate)
     for state in (GATE, WRITE, READ):
         yield f"a channel that is not called any more in state {state}", partial(_dead, state)
     yield "the gate is not called", _no_gate

@@ -162,7 +162,7 @@ def _busy() -> Iterator[EngineScenario]:
         calls = (0, -1) if write else (0, 0)
         # 220 calls of 50 ms are 11,000 ms: the end comes when the record call does
         yield EngineScenario(
-            name=f"{name} busy beyond the time-out",
+            name=f"{name} busy beyond the timeout",
             status=(WORDS["TIMEOUT"],),
             busy=(220, 0) if write else (0, 220),
             scan=50,
@@ -191,7 +191,7 @@ def _late(errand: Errand) -> Iterator[EngineScenario]:
         yield EngineScenario(
             name=f"answer after {late} ms", processing=late, retries=None, calls=None, again=0, follow=False
         )
-    # a third of the time-out without an answer, 3000 ms: the request counts as lost, as the next try notices
+    # a third of the timeout without an answer, 3000 ms: the request counts as lost, as the next try notices
     word, took = ("UNKNOWN", (3000, 4000)) if errand.once else ("TIMEOUT", (9000, 9060))
     yield EngineScenario(
         name="the drive never answers", status=(WORDS[word],), swallowed=ALWAYS, telegram=1, calls=None, retries=None,
@@ -217,7 +217,7 @@ def _lost(errand: Errand) -> Iterator[EngineScenario]:
             errand, f"a foreign answer to request {number}, then none", number,
             reads={number: next_reference}, retries=retries, calls=(1, 2),
         )  # fmt: skip
-    # each loss is noticed after a third of the time-out
+    # each loss is noticed after a third of the timeout
     for times in (1, 2):
         if not errand.once:
             yield EngineScenario(
@@ -307,7 +307,7 @@ def cpu_faults(errand: Errand, scans: int) -> Iterator[EngineScenario]:
     ends_ = tuple(WORDS[word] for word in ("TIMEOUT", "NO_PLACE"))
     for late in range(0, 600, 10):  # in the first call in which the time is over, in whatever state it is
         yield EngineScenario(
-            name=f"time-out of {late} ms", timeout=late, status=(*ends_, DONE), reads={1: STATE_CONFLICT}, again=None,
+            name=f"timeout of {late} ms", timeout=late, status=(*ends_, DONE), reads={1: STATE_CONFLICT}, again=None,
             follow=False, **LOOSE,
         )  # fmt: skip
 
@@ -321,6 +321,6 @@ def _clock() -> Iterator[EngineScenario]:
     # calls every 5000 ms count for 1000 ms each: 20 s and 5 s last for 25 of them
     yield EngineScenario(name="calls far apart", scan=5000, busy=(1, 1), timeout=20_000)
     yield EngineScenario(
-        name="calls far apart, busy for ever", scan=5000, busy=(60, 1), timeout=20_000,
+        name="calls far apart, busy forever", scan=5000, busy=(60, 1), timeout=20_000,
         status=(WORDS["DRAIN_TIMEOUT"],), telegram=1, calls=None, took=(125_000, 135_000), leftover=True,
     )  # fmt: skip

@@ -180,7 +180,7 @@ class EngineRig:
             memory[spot.byte + 2 * first : spot.byte + 2 * first + 20] = data
 
     def begin(self, scenario: EngineScenario) -> None:
-        """A scenario for every drive and the bus."""
+        """A scenario forevery drive and the bus."""
         for drive in self.drives:
             drive.begin(scenario)
         self.bus.write_busy, self.bus.read_busy = scenario.busy
