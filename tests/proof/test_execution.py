@@ -136,7 +136,7 @@ DAMAGE = {
     "expected number": ("Get", "", "DW#16#06080010", "DW#16#06070010", "expected of r945"),
     "swapped outputs": ("Get", "", "View.rampUpTime", "View.rampDownTime", "rampUpTime is"),
     "output of another parameter": ("Get", "", "#unit.errors[2]", "#unit.errors[1]", "is .* instead of"),
-    "drive object is the one of the spec": (
+    "drive object of the spec": (
         "Get",
         "",
         "#statRequest[2] := #driveObject;",
@@ -153,7 +153,7 @@ DAMAGE = {
         "IF #busy OR #statTicket.start THEN",
         "all inputs change",
     ),
-    "errors of the job before": (
+    "errors kept": (
         "Get",
         "",
         "#errors[#tempIndex] := #unit",
