@@ -33,7 +33,8 @@ def in_its_language(frame: Frame, text: str) -> tuple[tuple[str, str], ...]:
     return ((language, one_line(text)),) if language else ()
 
 
-_KNOWN: WeakKeyDictionary[Frame, Callable[[str], str]] = WeakKeyDictionary()
+_LANGUAGES: WeakKeyDictionary[Frame, Callable[[str], str]] = WeakKeyDictionary()
+"""Made once for each plan, kept as long as the plan is."""
 
 
 def languages_of(frame: Frame) -> Callable[[str], str]:
@@ -41,9 +42,9 @@ def languages_of(frame: Frame) -> Callable[[str], str]:
 
     It is empty if the project has no such language.
     """
-    if frame not in _KNOWN:
-        _KNOWN[frame] = _languages(frame)
-    return _KNOWN[frame]
+    if frame not in _LANGUAGES:
+        _LANGUAGES[frame] = _languages(frame)
+    return _LANGUAGES[frame]
 
 
 def _languages(frame: Frame) -> Callable[[str], str]:
@@ -109,7 +110,7 @@ def display_format(type_: Elementary) -> str:
 
 def buffer_member(
     frame: Frame,
-    db: BlockRef | None,
+    db: BlockRef,
     field: BufferField,
     texts: Mapping[str, str],
     text: str,
@@ -142,14 +143,12 @@ def buffer_member(
         offset=field.offset,
         size=field.size,
         address=_address(db, type_, field.offset),
-        watch=tuple(_watch(db, field, path, shown, modify)) if shown and db is not None else (),
+        watch=tuple(_watch(db, field, path, shown, modify)) if shown else (),
     )
 
 
-def _address(db: BlockRef | None, type_: DataType, offset: int) -> str:
-    """Absolute address of a member, ``DB3.DBW6``; others by their first byte; none inside an instance."""
-    if db is None:
-        return ""
+def _address(db: BlockRef, type_: DataType, offset: int) -> str:
+    """Absolute address of a member, ``DB3.DBW6``; wider or array members by their first byte."""
     width = type_.bits if isinstance(type_, Elementary) else 8
     return f"DB{db.number}.{_LETTER.get(width, 'DBB')}{offset}"
 
