@@ -110,6 +110,7 @@ def check_execution(
             continue
         together = next(found)
         yield together_check(suite, together)
+        yield from suite.left_out()
         if not any(result.failures for result in (*results.values(), together)):
             counts = added([result.counts for result in (*results.values(), together)])
             for block in suite.blocks():

@@ -127,6 +127,9 @@ class Suite(Protocol[S]):
     def together(self, procedures: int) -> Check:
         """The check of the procedures, if all went well."""
 
+    def left_out(self) -> Iterator[Check]:
+        """What is not run because the project is large."""
+
     def own(self, program: Program, partner: Path) -> Iterator[Check]:
         """Every job against a partner that a file of the user describes."""
 

@@ -30,7 +30,7 @@ from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.scenarios import STATE_CONFLICT, matrix, polls
-from plcgen.protocols.ds47.proof.together import procedures
+from plcgen.protocols.ds47.proof.together import left_out, procedures
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.sources.generated import generated_sources
 
@@ -185,6 +185,13 @@ class DriveSuite:
         units = len(self.plan.units)
         text = f"{len(self.plan.jobs)} jobs on {units} units through OB1: {procedures} scenarios"
         return Check("together", "all jobs", text, Outcome.OK, "never two requests at once, every job gets its turn")
+
+    def left_out(self) -> Iterator[Check]:
+        """Points of time, OBs and masters."""
+        missing = left_out(self.plan)
+        if missing:
+            subject = f"{len(self.plan.jobs)} jobs"
+            yield Check("together.rest", subject, "", Outcome.NOT_RUN, f"not run: {'; '.join(missing)}")
 
     def own(self, program: Program, partner: Path) -> Iterator[Check]:
         """Every job against the drive of a drive file."""

@@ -74,6 +74,20 @@ def points(plan: DrivePlan) -> tuple[int, ...]:
     return POINTS if len(plan.jobs) <= SOME else POINTS[1::2] if len(plan.jobs) <= MANY else POINTS[2:3]
 
 
+def left_out(plan: DrivePlan) -> list[str]:
+    """What is not run in a large plan."""
+    tried, blocks = points(plan), len(plan.shapes)
+    found = []
+    if tried != POINTS:
+        shown = ", ".join(map(str, tried))
+        found.append(f"restarts, downloads and lost drives only {shown} scans behind the start of all jobs")
+    if blocks > FEW:
+        found.append(f"other instances of {blocks - FEW} job blocks at {FEW} of {len(OFFSETS)} start offsets")
+    if len(plan.jobs) > MANY:
+        found.append("another caller in OB35; two masters")
+    return found
+
+
 def may_be_unknown(job: DriveJob, status: int) -> bool:
     """Well, or a trigger of which nobody knows whether the drive took it."""
     return status == DONE or (job.once and status == WORDS["UNKNOWN"])

@@ -206,6 +206,10 @@ class PpiSuite:
         name, subject = f"together.{self.master.key}", f"jobs of {self.master.key}"
         return Check(name, subject, text, Outcome.OK, "round robin, one frame at a time, every job gets its turn")
 
+    def left_out(self) -> Iterator[Check]:
+        """Nothing."""
+        return iter(())
+
     def own(self, program: Program, partner: Path) -> Iterator[Check]:
         """There are no files of stations here."""
         yield from ()
