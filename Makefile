@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test fast coverage lint bench mutate deletions examples example-diff docs lock clean
+.PHONY: demo test fast coverage lint bench engine mutate deletions examples example-diff docs lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -27,6 +27,12 @@ lint: $(READY)
 
 bench: $(READY)
 	$(BIN)/python -m bench
+
+# Proves every engine there is, for every target in every size, and records it: after a change of its templates.
+engine: $(READY)
+	@rm -rf .engine && mkdir .engine
+	$(BIN)/python tests/ds47/engine_folders.py .engine > .engine/list
+	$(BIN)/python -m plcgen.protocols.ds47.proof.engine $(EFFORT) `grep S$$ .engine/list` `grep -v S$$ .engine/list`
 
 mutate: $(READY)
 	$(BIN)/python -m mutation

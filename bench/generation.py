@@ -129,6 +129,8 @@ from pathlib import Path
 from typing import Any
 import tempfile
 from plcgen import api
+from plcgen.__main__ import collect_rarely
+collect_rarely()
 jobs = int(sys.argv[1])
 with tempfile.TemporaryDirectory() as folder:
     spec = Path(folder) / "job.yaml"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 
 from plcgen._version import __version__
@@ -17,9 +18,15 @@ def main() -> int:
             pass
         else:
             return 0
+    collect_rarely()
     from plcgen.cli.main import run
 
     return run()
+
+
+def collect_rarely() -> None:
+    """Look for circles of garbage seldom, in a process of one's own: most of what a run makes is needed to its end."""
+    gc.set_threshold(100_000, 50, 100)
 
 
 if __name__ == "__main__":

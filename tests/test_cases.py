@@ -45,14 +45,13 @@ def _unmarked(text: str) -> tuple[str, dict[str, tuple[int, int]]]:
 
 def _generated(parameters: int = 1, split: str = "auto", jobs: int = 1, cpu: str = "") -> str:
     """A job that reads ``parameters`` fault codes, or that many different jobs for a CPU."""
-    if jobs > 1:
-        rows = "".join(f'  j{index}: {{drive: d, read: ["P2900[{index}]"]}}\n' for index in range(jobs))
-        return (
-            f'plc: {{name: a, family: s7-300, toolchain: tia-v16, cpu: "{cpu}"}}\n'
-            "drives: {d: {device: sinamics-g120, address: 256,\n"
-            f"  parameters: {{P2900: {{type: FloatingPoint, array: {jobs}}}}}}}}}\n"
-            f"jobs:\n{rows}"
-        )
+    if jobs > 1:  # at most 64 on one drive
+        drives = range(-(-jobs // 64))
+        shape = f"parameters: {{P2900: {{type: FloatingPoint, array: {jobs}}}}}"
+        axes = "".join(f"  d{n}: {{device: sinamics-dcm, address: {256 + 4 * n}, {shape}}}\n" for n in drives)
+        rows = "".join(f'  j{n}: {{drive: d{n // 64}, read: ["P2900[{n}]"]}}\n' for n in range(jobs))
+        head = f'plc: {{name: a, family: s7-300, toolchain: tia-v16, cpu: "{cpu}"}}\n'
+        return f"{head}drives:\n{axes}jobs:\n{rows}"
     items = ", ".join(f'"R945[{index}]"' for index in range(parameters))
     return (
         "plc: {name: a, family: s7-300, toolchain: tia-v16}\n"

@@ -72,7 +72,7 @@ def test_a_toy_stands_beside_drives(toy: Path, tmp_path: Path) -> None:
     assert api.generate(toy, tmp_path / "out").ok
     assert api.verify(toy, tmp_path / "out", faults="none").ok
     main = (tmp_path / "out" / "scl" / "Main.scl").read_text("latin-1")
-    assert main.index("Ramps_DB") < main.index("Red_DB")
+    assert main.index("DriveCalls_DB") < main.index("Red_DB")
 
 
 def plans() -> list[tuple[str, Plan]]:

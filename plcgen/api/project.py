@@ -217,15 +217,18 @@ def verify(
     *,
     drive: Path | str | None = None,
     faults: Literal["none", "quick", "full"] = "quick",
+    engine: bool = False,
     progress: Progress | None = None,
 ) -> Verification:
     """Verify what lies in a folder against its spec, DS47 and a simulated drive (optionally from a drive file).
 
-    The generated SCL is executed; ``faults`` is how much of the fault matrix runs.
+    The generated SCL is executed; ``faults`` is how much of the fault matrix runs. The engine of drive jobs is known by
+    its hash; ``engine`` runs its proof all the same.
     """
     from plcgen.proof import verify as run
 
-    return run(Path(spec), _folder(spec, folder), Path(drive) if drive is not None else None, progress, faults)
+    own = Path(drive) if drive is not None else None
+    return run(Path(spec), _folder(spec, folder), own, progress, faults, engine=engine)
 
 
 def simulate(

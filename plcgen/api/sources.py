@@ -78,14 +78,16 @@ def _source_tables(
     report.extend(files.diagnostics)
     known = {(d.code, d.span) for d in files.diagnostics}
     circles = any(d.code == "PG807" for d in files.diagnostics)
-    types = files.types
     if family is None and files.modern:
         family = "s7-1500"
-    for name, system in family_types(family).items():
-        types.setdefault(name, system)
-    chosen = [b for b in files.blocks if not block or _is_called(b.name, b.kind.value, b.number, block)]
-    tables, problems = block_tables(chosen, types, expand=expand)
-    report.extend(d for d in problems if (d.code, d.span) not in known and not (circles and d.code == "PG807"))
+    tables: list[BlockTable] = []
+    for plc, part in (files.parts or {"": files}).items():
+        for name, system in family_types(family).items():
+            part.types.setdefault(name, system)
+        chosen = [b for b in part.blocks if not block or _is_called(b.name, b.kind.value, b.number, block)]
+        found, problems = block_tables(chosen, part.types, expand=expand)
+        tables += [replace(table, name=f"{plc}/{table.name}") if plc else table for table in found]
+        report.extend(d for d in problems if (d.code, d.span) not in known and not (circles and d.code == "PG807"))
     return [replace(table, unsaid=False) for table in tables] if classic else tables
 
 

@@ -42,10 +42,10 @@ Subject = tuple[str, Sequence["Diagnostic"]]
 )
 @click.option(
     "--iec-check",
-    type=click.Choice(IEC_CHECKS),
-    metavar="WHEN",
-    help="With --program: IEC check of the blocks, on, off or as-stated: that of the tool, on for tia-1500, off for "
-    "tia-300.  [default: as-stated]",
+    multiple=True,
+    metavar="WHEN[:BLOCK]",
+    help="With --program: IEC check of the blocks or of one, on, off or as-stated: that of the tool, on for tia-1500, "
+    "off for tia-300.  [default: as-stated]",
 )
 @click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")
 @format_option("findings")
@@ -56,7 +56,7 @@ def command(
     target: str | None,
     program: bool,
     tags: tuple[Path, ...],
-    iec_check: str | None,
+    iec_check: tuple[str, ...],
     encoding: str | None,
     format_: OutputFormat,
     output: Path | None,
@@ -77,10 +77,11 @@ def command(
     for option, given in (("--tags", tags), ("--iec-check", iec_check)):
         if given and not program:
             raise click.UsageError(f"{option} belongs to --program")
+    checks = _iec_checks(iec_check)
     subjects: list[Subject] = _specs(specs)
     blocks = 0
     if program and target is not None:
-        found_sources, blocks = _program(sources, target, tags, iec_check, encoding)
+        found_sources, blocks = _program(sources, target, tags, checks, encoding)
         subjects += found_sources
     elif sources:
         found_sources, blocks = _files(sources, target, encoding, out)
@@ -91,6 +92,17 @@ def command(
     if format_.name == "text":
         _summary(out, found, blocks if sources else None)
     return PROBLEMS if any(d.severity.label == "error" for d in found.diagnostics) else OK
+
+
+def _iec_checks(values: tuple[str, ...]) -> dict[str, str]:
+    """``off`` and ``on:BLOCK`` by block, an empty name for all others."""
+    found: dict[str, str] = {}
+    for value in values:
+        when, _, block = value.partition(":")
+        if when not in IEC_CHECKS:
+            raise click.UsageError(f"--iec-check is {', '.join(IEC_CHECKS)}, or one of them with :BLOCK, not {value}")
+        found[block.strip('"')] = when
+    return found
 
 
 def _sorted(paths: tuple[Path, ...]) -> tuple[list[Path], list[Path]]:
@@ -144,7 +156,7 @@ def _files(sources: list[Path], target: str | None, encoding: str | None, out: C
 
 
 def _program(
-    sources: list[Path], target: str, tags: tuple[Path, ...], iec_check: str | None, encoding: str | None
+    sources: list[Path], target: str, tags: tuple[Path, ...], checks: dict[str, str], encoding: str | None
 ) -> tuple[list[Subject], int]:
     """All sources together; what has no place belongs to the first one."""
     from plcgen.cpu.folder import Tags, read_tag_file
@@ -155,8 +167,9 @@ def _program(
     known: Tags = {}
     for path in tags:
         known |= read_tag_file(path)
-    check = IecCheck(iec_check or IecCheck.AS_STATED)
-    result = check_program(sources, BY_NAME[target], known, iec_check=check, encoding=encoding)
+    check = IecCheck(checks.pop("", IecCheck.AS_STATED))
+    stated = {block: when == IecCheck.ON for block, when in checks.items() if when != IecCheck.AS_STATED}
+    result = check_program(sources, BY_NAME[target], known, iec_check=check, stated=stated, encoding=encoding)
     by_file: dict[str, list[Diagnostic]] = {str(path): [] for path in sources}
     for diagnostic in result.diagnostics:
         by_file.setdefault(diagnostic.span.file or str(sources[0]), []).append(diagnostic)

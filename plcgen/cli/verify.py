@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     "verify",
     "plcgen verify job.yaml",
     "plcgen verify job.yaml --drive press3.yaml",
-    "plcgen verify job.yaml --faults full",
+    "plcgen verify job.yaml --faults full --engine",
     "plcgen verify job.yaml --format junit --output verify.xml",
 )
 @click.argument("spec", type=PATH)
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="How many faults the generated SCL runs through.",
 )
+@click.option("--engine", is_flag=True, help="Run the proof of the drive engine, even of one that is known.")
 @format_option("verification")
 @output_option
 def command(
@@ -39,6 +40,7 @@ def command(
     folder: Path | None,
     drive: Path | None,
     faults: Literal["none", "quick", "full"],
+    engine: bool,
     format_: OutputFormat,
     output: Path | None,
 ) -> int:
@@ -51,5 +53,6 @@ def command(
 
     out = console()
     with out.progress() as progress:
-        result = api.verify(spec, folder or default_folder(spec), drive=drive, faults=faults, progress=progress)
+        target = folder or default_folder(spec)
+        result = api.verify(spec, target, drive=drive, faults=faults, engine=engine, progress=progress)
     return out.verification(format_, result, output)

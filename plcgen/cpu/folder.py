@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from plcgen.cpu.program import Program, Source
+from plcgen.cpu.type_rules import IecCheck
 from plcgen.diagnostics import DiagnosticError, Severity
 from plcgen.s7.blocks import BlockKind
 from plcgen.scl.dialect import Dialect
@@ -22,6 +23,7 @@ def load_folder(
     *,
     coverage: bool = False,
     litter: bool = False,
+    iec_check: IecCheck = IecCheck.AS_STATED,
     constants: Mapping[str, int] | None = None,
     more: Iterable[Source] = (),
 ) -> Program:
@@ -48,7 +50,14 @@ def load_folder(
             if block.kind is BlockKind.DB and block.number is not None:
                 numbers[block.name] = block.number
     return Program.load(
-        sources, dialect, tags=tags, numbers=numbers, constants=constants, coverage=coverage, litter=litter
+        sources,
+        dialect,
+        tags=tags,
+        numbers=numbers,
+        constants=constants,
+        coverage=coverage,
+        litter=litter,
+        iec_check=iec_check,
     )
 
 

@@ -78,6 +78,7 @@ class Linkage:
     local data holds garbage at the start of a call. ``probes`` grows while blocks are compiled for coverage, ``points``
     while they are compiled for preemption; the preemptive form counts with the ``counters`` of the plain one.
 
+    ``stated`` says of single blocks whether their IEC check is on, ``iec_check`` of all others.
     ``opaque`` are the types that nobody declares: they are reported once, and nothing is said about what they hold.
     ``unknown`` are the names that were reported as unknown, with the code; ``guessed_bounds`` says that an array has a
     bound whose value stands elsewhere: then one of a single element may have more.
@@ -98,6 +99,7 @@ class Linkage:
     points: list[Probe] = field(default_factory=list)
     counters: dict[tuple[Probe, bool], int] = field(default_factory=dict)
     iec_check: IecCheck = IecCheck.AS_STATED
+    stated: Mapping[str, bool] = field(default_factory=dict)
     opaque: set[str] = field(default_factory=set)
     unknown: set[tuple[str, str]] = field(default_factory=set)
     guessed_bounds: bool = False
@@ -107,9 +109,9 @@ class Linkage:
         """Whether the target is an S7-300/400."""
         return self.dialect is not Dialect.TIA_1200_1500
 
-    def rules(self) -> TypeRules:
-        """What the blocks of the program may mix."""
-        return TypeRules.of(self.dialect, self.iec_check)
+    def rules(self, block: str) -> TypeRules:
+        """What a block may mix."""
+        return TypeRules.of(self.dialect, self.iec_check, stated=self.stated.get(block.upper()))
 
     def is_opaque(self, shape: Shape) -> bool:
         """Whether nobody knows what a variable of this shape holds."""

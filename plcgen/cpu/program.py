@@ -74,6 +74,7 @@ class Program:
         coverage: bool = False,
         litter: bool = False,
         iec_check: IecCheck = IecCheck.AS_STATED,
+        stated: Mapping[str, bool] | None = None,
         encoding: str | None = None,
     ) -> Program:
         """Read, check and compile sources in any order.
@@ -81,10 +82,12 @@ class Program:
         ``tags`` maps names to addresses (``M50.0``, or with a type ``("MW22", "INT")``), or block symbols to
         numbers (``DB 471``); ``numbers`` maps names of data blocks to their numbers, ``constants`` names of system
         constants to theirs. ``coverage`` counts statements and branches; with ``litter`` local data holds garbage at
-        the start of a call. ``encoding`` names the code page of ANSI files.
+        the start of a call. ``iec_check`` says which implicit conversions are right, ``stated`` the same of single
+        blocks; ``encoding`` names the code page of ANSI files.
         """
         program = cls(Linkage(dialect, coverage=coverage, litter=litter, iec_check=iec_check))
         program.link.constants = {name.upper(): number for name, number in (constants or {}).items()}
+        program.link.stated = {name.upper(): checked for name, checked in (stated or {}).items()}
         for source in sources:
             program.read(source, encoding)
         for name in program.link.add_tags(tags or {}):
@@ -182,7 +185,8 @@ class Program:
         except DiagnosticError as problem:
             self.diagnostics += (d for d in problem.diagnostics if d.code != "PG807" or not self.circles)
         except StartValueError as problem:
-            if self.link.guessed_bounds and _ONE_ELEMENT.search(str(problem)):
+            inside = bool(self.link.opaque) and "there is no member" in str(problem)
+            if inside or (self.link.guessed_bounds and _ONE_ELEMENT.search(str(problem))):
                 self.report("PG827", str(problem), problem.span or block.span)
             else:
                 self.report("PG824", str(problem), problem.span or block.span)

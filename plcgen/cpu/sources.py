@@ -9,15 +9,15 @@ from pathlib import Path
 
 from plcgen.cpu.program import Program
 from plcgen.cpu.type_rules import IecCheck
-from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Severity, Span
 from plcgen.input.files import read_bounded
 from plcgen.scl.dialect import Dialect
+from plcgen.sources.files import MAX_FILES, MAX_SEEN
 from plcgen.sources.text import is_binary, load_text, read_source
 
 SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".st"})
 """What counts as a PLC source when a folder is searched."""
 
-MAX_FILES = 100_000
 _HEAD = 4096
 """So many bytes of a file tell whether it is text."""
 
@@ -67,6 +67,7 @@ def check_program(
     tags: Mapping[str, str | tuple[str, str]] | None = None,
     *,
     iec_check: IecCheck = IecCheck.AS_STATED,
+    stated: Mapping[str, bool] | None = None,
     encoding: str | None = None,
 ) -> SourceCheck:
     """Compile files that together are a program: names, types, calls, assignments and start values as well.
@@ -74,7 +75,8 @@ def check_program(
     ``tags`` maps names to address and type, see ``Program.load``. What the soft CPU cannot execute (PG827) is no
     mistake here: nothing is run.
     """
-    program = Program.load([Path(path) for path in paths], target, tags=tags, iec_check=iec_check, encoding=encoding)
+    files = [Path(path) for path in paths]
+    program = Program.load(files, target, tags=tags, iec_check=iec_check, stated=stated, encoding=encoding)
     found = [problem for problem in program.diagnostics if problem.code != "PG827"]
     loaded = [load_text(path, target, encoding=encoding) for path in paths]
     refused = [problem for text in loaded if not isinstance(text, Diagnostic) for problem in text[1]]
@@ -82,12 +84,19 @@ def check_program(
 
 
 def find_sources(path: Path | str) -> list[Path]:
-    """Return the sources below a folder, sorted, without binary files of such names; a file is returned as it is."""
+    """Return the sources below a folder, sorted, without binary files of such names; a file is returned as it is.
+
+    Raises DiagnosticError (PG802) for a folder with more than ``MAX_FILES`` of them.
+    """
     path = Path(path)
     if not path.is_dir():
         return [path]
-    found = (entry for entry in path.rglob("*") if entry.suffix.lower() in SUFFIXES and entry.is_file())
-    return [entry for entry in sorted(islice(found, MAX_FILES)) if not _is_binary(entry)]
+    seen = list(islice(path.rglob("*"), MAX_SEEN + 1))
+    found = [entry for entry in seen if entry.suffix.lower() in SUFFIXES and entry.is_file()]
+    if len(seen) > MAX_SEEN or len(found) > MAX_FILES:
+        message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"
+        raise DiagnosticError([Diagnostic("PG802", message, Span(str(path)), help="name a smaller folder")])
+    return [entry for entry in sorted(found) if not _is_binary(entry)]
 
 
 def _is_binary(path: Path) -> bool:

@@ -7,11 +7,13 @@ from dataclasses import replace
 
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.s7.blocks import Block, Section, SectionKind
-from plcgen.s7.types import Member
+from plcgen.s7.types import Member, StructType
 from plcgen.scl.constants import evaluate, integer
 from plcgen.scl.parser import parse_value
 
 _NAMED = re.compile(r"""[#"]?[^\W\d]\w*"?(?!#)(?:\s*[-+*/].*)?|.*[-+*/]\s*[#"]?[^\W\d]\w*"?""")
+_APART = re.compile(r"[-+]\s+[0-9][0-9.eE_]*")
+"""A number with a blank behind its sign."""
 _WORDS = frozenset({"TRUE", "FALSE", "NULL", "NIL"})
 
 
@@ -32,7 +34,12 @@ def with_constants(block: Block) -> tuple[Block, list[Diagnostic]]:
 
 
 def _written_out(member: Member, texts: dict[str, str], numbers: dict[str, int], found: list[Diagnostic]) -> Member:
+    if isinstance(member.type, StructType):
+        members = tuple(_written_out(inner, texts, numbers, found) for inner in member.type.members)
+        member = replace(member, type=StructType(members)) if members != member.type.members else member
     text = (member.start or "").strip()
+    if _APART.fullmatch(text):
+        return replace(member, start="".join(text.split()))
     if not _NAMED.fullmatch(text) or text.upper() in _WORDS or "'" in text:
         return member
     name = text.strip('#"').upper()

@@ -13,6 +13,7 @@ from plcgen.cpu.cpu import Cpu, Family
 from plcgen.cpu.folder import load_folder
 from plcgen.cpu.program import Program, Source
 from plcgen.cpu.system.bus import Periphery, RecordServer
+from plcgen.cpu.type_rules import IecCheck
 from plcgen.diagnostics import DiagnosticError, PlcgenError
 from plcgen.scl.dialect import BY_NAME, Dialect
 
@@ -66,17 +67,20 @@ def load_scl(
     drives: Mapping[int, RecordServer] | None = None,
     family: Family | None = None,
     coverage: bool = False,
+    iec_check: str = "as-stated",
 ) -> Bench:
     """Load files or texts and switch the CPU on.
 
-    A single folder is loaded as ``plcgen generate`` writes it. Raises DiagnosticError if the sources are wrong.
+    A single folder is loaded as ``plcgen generate`` writes it. ``iec_check`` is on, off or as-stated: as the tool sets
+    it. Raises DiagnosticError if the sources are wrong.
     """
     target = BY_NAME.get(dialect) or Dialect(dialect)
+    check = IecCheck(iec_check)
     only = sources[0] if len(sources) == 1 else None
     if isinstance(only, Path) and only.is_dir():
-        program = load_folder(only, target, coverage=coverage)
+        program = load_folder(only, target, coverage=coverage, iec_check=check)
     else:
-        program = Program.load(sources, target, tags=tags, numbers=numbers, coverage=coverage)
+        program = Program.load(sources, target, tags=tags, numbers=numbers, coverage=coverage, iec_check=check)
     if not program.ok:
         raise DiagnosticError(program.diagnostics)
     return Bench(program, drives, family)

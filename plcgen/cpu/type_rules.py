@@ -13,7 +13,7 @@ from plcgen.scl.dialect import Dialect
 
 
 class IecCheck(enum.StrEnum):
-    """Who decides about the IEC check of a block: nobody, or the block itself and otherwise the tool that compiles."""
+    """IEC check of the blocks about which nothing is stated: on, off, or as the tool sets it that compiles them."""
 
     ON = "on"
     OFF = "off"
@@ -115,13 +115,17 @@ class TypeRules:
 
     @classmethod
     def of(cls, dialect: Dialect, check: IecCheck = IecCheck.AS_STATED, *, stated: bool | None = None) -> TypeRules:
-        """Rules of one block; where nothing is said, the check is on for S7-1200/1500 and off for S7-300/400.
+        """Rules of one block: what is ``stated`` about it, otherwise ``check`` of all blocks.
+
+        Where nothing is said, the check is on for S7-1200/1500 and off for S7-300/400.
 
         Source of the default: help of the TIA Portal, "Overview of data type conversion" of both families.
         """
+        if stated is not None:
+            return cls(dialect, stated)
         if check is not IecCheck.AS_STATED:
             return cls(dialect, check is IecCheck.ON)
-        return cls(dialect, stated if stated is not None else dialect is Dialect.TIA_1200_1500)
+        return cls(dialect, dialect is Dialect.TIA_1200_1500)
 
 
 @cache

@@ -11,7 +11,7 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import NO_MEMORY
 from plcgen.s7.system import system_block
-from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, NamedType, StructType, elementary
+from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, Member, NamedType, StructType, elementary
 from plcgen.scl.instructions import INSTRUCTIONS
 from plcgen.scl.system_types import SYSTEM_TYPES
 
@@ -20,6 +20,8 @@ _LIBRARY = re.compile(
     r"|T(?:CON|SEND|RCV|DISCON|USEND|URCV)(?:_\w+)?|TMAIL_C|CTRL_\w+|(?:SEND|RECEIVE)_\w+|REF_TO .+|.+\..+",
     re.IGNORECASE,
 )
+_LIBRARY_MARKS = frozenset({"InstructionName", "OriginalPartName"})
+"""Attributes of what comes from a library of the TIA Portal."""
 _TYPES = frozenset({BlockKind.UDT, BlockKind.FB})
 
 
@@ -30,13 +32,13 @@ def add_unknown_types(link: Linkage) -> list[Diagnostic]:
     """
     found: list[Diagnostic] = []
     for block in [entry.block for entry in link.blocks.values()]:
-        for type_, span in _used(block):
+        for type_, span, library in _used(block):
             key = type_.name.upper()
             if key in link.opaque or _is_known(type_, link):
                 continue
             link.opaque.add(key)
             link.types[key] = Block(BlockKind.UDT, type_.name, ())
-            found.append(_report(type_, span or block.span or Span(""), link))
+            found.append(_report(type_, span or block.span or Span(""), link, library=library))
     return found
 
 
@@ -51,25 +53,29 @@ def _is_known(type_: NamedType, link: Linkage) -> bool:
     return known is not None and known.kind in _TYPES
 
 
-def _report(type_: NamedType, span: Span, link: Linkage) -> Diagnostic:
+def _report(type_: NamedType, span: Span, link: Linkage, *, library: bool) -> Diagnostic:
     name = type_.name
-    if name.upper() in SYSTEM_TYPES | INSTRUCTIONS or _LIBRARY.fullmatch(name):
+    if library or name.upper() in SYSTEM_TYPES | INSTRUCTIONS or _LIBRARY.fullmatch(name):
         return Diagnostic("PG827", f"the members of {name} are not known to plcgen", span)
     near = did_you_mean(name, [*(block.name for block in link.types.values()), *ELEMENTARY])
     return Diagnostic("PG806", f"unknown data type {name}", span, help=near or "name the file that declares it, too")
 
 
-def _used(block: Block) -> Iterator[tuple[NamedType, Span | None]]:
-    """Named types of the members of a block and of what it is an instance of."""
+def _used(block: Block) -> Iterator[tuple[NamedType, Span | None, bool]]:
+    """Named types of the members of a block and of what it is an instance of, and whether a library has them."""
     if block.instance_of is not None:
-        yield NamedType(block.instance_of, quoted=True), block.span
-    pending: list[tuple[DataType, Span | None]] = [(m.type, m.span) for s in block.sections for m in s.members]
+        yield NamedType(block.instance_of, quoted=True), block.span, not _LIBRARY_MARKS.isdisjoint(block.attributes)
+    pending = [_row(member, None) for section in block.sections for member in section.members]
     pending.reverse()
     while pending:
-        type_, span = pending.pop()
+        type_, span, library = pending.pop()
         while isinstance(type_, ArrayType):
             type_ = type_.element
         if isinstance(type_, StructType):
-            pending += [(member.type, member.span or span) for member in reversed(type_.members)]
+            pending += [_row(member, span) for member in reversed(type_.members)]
         elif isinstance(type_, NamedType):
-            yield type_, span
+            yield type_, span, library
+
+
+def _row(member: Member, span: Span | None) -> tuple[DataType, Span | None, bool]:
+    return member.type, member.span or span, any(name in _LIBRARY_MARKS for name, _ in member.attributes)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -21,6 +21,7 @@ from plcgen.simaticml.writing.documents import Setting, document
 from plcgen.simaticml.writing.scope import BlockScope, is_system
 from plcgen.simaticml.writing.structured_text import elements, numbered
 from plcgen.sources.files import SourceFile, project_constants, source_files
+from plcgen.sources.plcs import by_plc, plc_names
 from plcgen.sources.text import read_source
 
 Target = Literal["scl", "xml"]
@@ -57,6 +58,14 @@ class _Read:
     is_xml: bool
 
 
+@dataclass(frozen=True, slots=True)
+class _Sources:
+    """Blocks of one PLC, and the names of its user constants."""
+
+    blocks: Sequence[_Read]
+    constants: frozenset[str]
+
+
 def convert(
     paths: Sequence[Path],
     to: Target,
@@ -75,63 +84,78 @@ def convert(
     """
     found = Converted()
     named = list(source_files(paths, found.diagnostics))
-    constants = project_constants(named)
-    read = _read(named, constants, found, classic=classic, encoding=encoding)
-    bad = {d.span.file for d in found.diagnostics if d.severity is Severity.ERROR}
-    blocks = _unique([one for one in read if str(one.place.file) not in bad], to, found)
-    found.diagnostics += recursive_types(block for block, _ in blocks)
-    types = {block.name.upper(): block for block, _ in blocks}
-    setting = Setting(VERSIONS[version], classic, (culture,))
-    names: dict[str, Block] = {}
+    groups = by_plc(file.path for file in named)
+    called, setting = plc_names(groups), Setting(VERSIONS[version], classic, (culture,))
     files = []
-    for block, place in blocks:
-        if to == "scl":
-            file = _to_text(block, place, types, found)
-        else:
-            file = _to_document(block, place, types, frozenset(constants), setting, found)
-        if file is None:
-            continue
-        first = names.setdefault(file.path.upper(), block)
-        if first is not block:
-            message = f'"{block.name}" and "{first.name}" would both become {file.path}'
-            found.diagnostics.append(Diagnostic("PG805", message, place, help="convert them one after the other"))
-        files.append(file)
-    if not blocks and found.ok:
+    for folder, own in groups.items():
+        shared = own if folder is None else [*own, *groups.get(None, ())]
+        read = _read([file for file in named if file.path in shared], found, classic=classic, encoding=encoding)
+        made = [file for file, place in _group(read, to, setting, found) if place in map(str, own)]
+        prefix = called[folder]
+        files += [replace(file, path=f"{prefix}/{file.path}") if prefix else file for file in made]
+    found.diagnostics = list(dict.fromkeys(found.diagnostics))
+    if not files and found.ok and not any(d.code == "PG815" for d in found.diagnostics):
         found.diagnostics.append(Diagnostic("PG804", "there is no block in these files", Span(str(paths[0]))))
     found.files = files if found.ok or keep_going else []
     return found
 
 
-def _read(
-    files: Iterable[SourceFile],
-    constants: Mapping[str, int | None],
-    found: Converted,
-    *,
-    classic: bool,
-    encoding: str | None,
-) -> list[_Read]:
+def _group(read: _Sources, to: Target, setting: Setting, found: Converted) -> Iterator[tuple[RenderedFile, str]]:
+    """The files of one PLC, and where the block of each stands."""
+    bad = {d.span.file for d in found.diagnostics if d.severity is Severity.ERROR}
+    blocks = _unique([one for one in read.blocks if str(one.place.file) not in bad], to, found)
+    found.diagnostics += recursive_types(block for block, _ in blocks)
+    types = {block.name.upper(): block for block, _ in blocks}
+    taken: dict[str, Block] = {}
+    for block, place in blocks:
+        if to == "scl":
+            file = _to_text(block, place, types, found)
+        else:
+            file = _to_document(block, place, types, read.constants, setting, found)
+        if file is None:
+            continue
+        first = taken.setdefault(file.path.upper(), block)
+        if first is not block:
+            message = f'"{block.name}" and "{first.name}" would both become {file.path}'
+            found.diagnostics.append(Diagnostic("PG805", message, place, help="convert them one after the other"))
+        yield file, str(place.file)
+
+
+def _read(files: Sequence[SourceFile], found: Converted, *, classic: bool, encoding: str | None) -> _Sources:
     """Blocks with their places; a bound or length that nobody knows is an error: it cannot be written."""
+    constants = project_constants(files)
     dialect = Dialect.TIA_300_400 if classic else Dialect.TIA_1200_1500
     read: list[_Read] = []
     for file in files:
         if file.path.suffix.lower() in _SYMBOLS:
             continue
         if file.is_xml:
-            blocks, problems = read_simaticml(file.path, classic=classic, constants=constants)
+            blocks, problems = read_simaticml(file.path, classic=classic or None, constants=constants)
             if not blocks and file.listed and all(problem.code == "PG812" for problem in problems):
                 continue  # another kind of document that lies in the folder
             problems = [problem for problem in problems if problem.code != "PG814"]
+            blocks = [_laid_out(block, found) for block in blocks]
         else:
             blocks, problems = read_source(file.path, dialect, encoding=encoding)
             problems = [problem for problem in problems if not _about_encoding(problem)]
         found.diagnostics += [_without_value(problem) for problem in problems]
         read += [_Read(block, block.span or Span(str(file.path)), file.is_xml) for block in blocks]
-    return read
+    return _Sources(read, frozenset(constants))
 
 
 def _without_value(problem: Diagnostic) -> Diagnostic:
     unknown = problem.code == "PG806" and problem.severity is Severity.WARNING
     return replace(problem, severity=Severity.ERROR) if unknown else problem
+
+
+def _laid_out(block: Block, found: Converted) -> Block:
+    """The block with the access that is meant where its document says none: those of S7-300/400 never do."""
+    if block.optimized is not None or block.kind is BlockKind.UDT or block.instance_of:
+        return block
+    message = f'{block.kind} "{block.name}" has no MemoryLayout: its access is taken as optimized, as on S7-1200/1500'
+    help_ = "for blocks of an S7-300/400: --classic"
+    found.diagnostics.append(Diagnostic("PG815", message, block.span or Span(""), Severity.WARNING, help=help_))
+    return replace(block, optimized=True)
 
 
 def _about_encoding(problem: Diagnostic) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache, partial
 from typing import Any
+from weakref import WeakKeyDictionary
 
 from plcgen.documents.nouns import MemberRow, StartAssignment, WatchRow
 from plcgen.documents.spelling import clean_title, culture, elements, literal, one_line, type_text, type_words
@@ -32,12 +33,20 @@ def in_its_language(frame: Frame, text: str) -> tuple[tuple[str, str], ...]:
     return ((language, one_line(text)),) if language else ()
 
 
-@lru_cache(maxsize=8)
+_KNOWN: WeakKeyDictionary[Frame, Callable[[str], str]] = WeakKeyDictionary()
+
+
 def languages_of(frame: Frame) -> Callable[[str], str]:
     """What tells the culture of a text of the sources: that of a comment of the spec inside it, else that of English.
 
     It is empty if the project has no such language.
     """
+    if frame not in _KNOWN:
+        _KNOWN[frame] = _languages(frame)
+    return _KNOWN[frame]
+
+
+def _languages(frame: Frame) -> Callable[[str], str]:
     cultures = dict.fromkeys(map(culture, frame.languages))
     english = next((name for name in cultures if name.startswith("en-")), "")
     said = {text: name for text, name in _comments(frame.loaded.spec.model_dump(exclude_none=True)) if name != english}

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from plcgen.documents.document import Document
 from plcgen.documents.overview import Overview
-from plcgen.documents.simaticml import RECORD_NOTE, VERSION_NOTE, WATCH_NOTE
+from plcgen.documents.simaticml import VERSION_NOTE, WATCH_NOTE
 from plcgen.project.nouns import Project
 
 SCRIPT_NOTE = "the script was not run against a TIA Portal"
@@ -27,7 +27,7 @@ def openness_documents(project: Project, seen: Overview, note: str) -> Iterator[
         "version": version,
         "t15": project.target.t15,
         "steps": steps,
-        "experimental": _experimental(version, steps, note),
+        "experimental": _experimental(version, steps, seen.notes, note),
     }
     yield Document("xml/IMPORT.md", "text/xml_import.md.j2", view)
     if project.target.t15:
@@ -50,12 +50,18 @@ def _steps(seen: Overview) -> list[dict[str, Any]]:
 
 
 def _step(title: str, kind: str, names: Sequence[str], switch: str = "") -> dict[str, Any]:
-    return {"title": title, "kind": kind, "switch": switch, "files": [f"{name}.xml" for name in names]}
+    return {"title": title, "kind": kind, "switch": switch, "files": _documents(names)}
 
 
-def _experimental(version: str | None, steps: list[dict[str, Any]], note: str) -> list[tuple[str, list[str]]]:
-    by_title = {step["title"]: step["files"] for step in steps}
-    found = [(RECORD_NOTE, by_title["function blocks"]), (WATCH_NOTE, by_title["watch tables"])]
+def _experimental(
+    version: str | None, steps: list[dict[str, Any]], notes: Mapping[str, Sequence[str]], note: str
+) -> list[tuple[str, list[str]]]:
+    watches = [file for step in steps if step["title"] == "watch tables" for file in step["files"]]
+    found = [*((why, _documents(blocks)) for why, blocks in notes.items()), (WATCH_NOTE, watches)]
     if note:
         found.append((VERSION_NOTE, ["all other documents" if version != "V20" else "Main.xml"]))
-    return found
+    return [(why, files) for why, files in found if why and files]
+
+
+def _documents(names: Sequence[str]) -> list[str]:
+    return [f"{name}.xml" for name in names]

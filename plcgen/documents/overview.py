@@ -13,9 +13,9 @@ from plcgen.project.nouns import BlockRef
 class Overview:
     """All blocks of a project by group, in import order.
 
-    ``types``, ``data`` and ``programs`` are names, ``watched`` those of the programs with a watch table;
-    ``tags`` the rows of each tag table that has any; ``symbols`` what an instance DB
-    is in a symbol table; ``sheets`` the parts of the layout sheet, one a function block.
+    ``types``, ``data`` and ``programs`` are names, ``watched`` those of the programs with a watch table; ``tags``
+    the rows of each tag table that has any; ``symbols`` what an instance DB is in a symbol table; ``notes`` why the
+    documents of function blocks are experimental, with their names; ``sheets`` the parts of the layout sheet.
     """
 
     types: list[str] = field(default_factory=list)
@@ -25,6 +25,7 @@ class Overview:
     calls: list[Call] = field(default_factory=list)
     tags: dict[str, list[TagRow]] = field(default_factory=dict)
     symbols: dict[BlockRef, str] = field(default_factory=dict)
+    notes: dict[str, list[str]] = field(default_factory=dict)
     sheets: list[dict[str, Any]] = field(default_factory=list)
     contributions: list[Contribution] = field(default_factory=list)
 
@@ -37,6 +38,7 @@ class Overview:
     def program(self, made: FunctionBlock, call: Call | None) -> None:
         """Remember a function block and the call of its instance; its buffers are remembered by :meth:`stored`."""
         self.programs.append(made.block.name)
+        self.notes.setdefault(made.note, []).append(made.block.name)
         if call is not None:
             self.calls.append(call)
         if made.instance is not None:

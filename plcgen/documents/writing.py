@@ -122,7 +122,8 @@ class _Stage:
         if not self.moves and not removed:
             return
         stage, journal = self._made(), self.folder / JOURNAL
-        for parent in {_inside(self.folder, path).parent for path in self.moves}:
+        bounds = _Bounds(self.folder)
+        for parent in {bounds.inside(path).parent for path in self.moves}:
             parent.mkdir(parents=True, exist_ok=True)
         plan = _Plan(stage.name, self.moves, list(removed), self.before | dict(removed))
         draft = stage / "journal"
@@ -217,13 +218,14 @@ class _Plan:
         When recovering, only a file that still is what the interrupted run found is replaced or removed, and only by
         a staged file with the bytes that were staged.
         """
+        bounds = _Bounds(folder)
         for number, (path, expected) in enumerate(self.moves.items()):
-            source, target = folder / self.stage / str(number), _inside(folder, path)
+            source, target = folder / self.stage / str(number), bounds.inside(path)
             if not recovering or (_hash(source) == expected and self._untouched(path, target)):
                 target.parent.mkdir(parents=True, exist_ok=True)
                 source.replace(target)
         for path in self.removals:
-            target = _inside(folder, path)
+            target = bounds.inside(path)
             if recovering and not self._untouched(path, target):
                 continue
             target.unlink(missing_ok=True)
@@ -238,19 +240,37 @@ def _hash(path: Path) -> str | None:
     return digest(path.read_bytes()) if path.is_file() and not path.is_symlink() else None
 
 
-def _inside(folder: Path, path: str) -> Path:
-    """The path inside the folder; nothing written leaves it, not even through a symbolic link."""
-    pure = PurePosixPath(path)
-    target = folder / path
-    if pure.is_absolute() or ".." in pure.parts or "\\" in path or ":" in path or not pure.parts:
-        raise DiagnosticError([_escapes(folder, path)])
-    try:
-        leaves = target.is_symlink() or not target.parent.resolve().is_relative_to(folder.resolve())
-    except RuntimeError as problem:
-        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(folder)) from problem
-    if leaves:
-        raise DiagnosticError([_escapes(folder, path)])
-    return target
+class _Bounds:
+    """Where paths lie in a folder; nothing written leaves it, not even through a symbolic link.
+
+    A folder below is followed once; between two looks at the disk, whoever asks again takes new bounds.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._holds: dict[PurePosixPath, bool] = {}
+
+    def inside(self, path: str) -> Path:
+        """The path inside the folder.
+
+        Raises:
+            DiagnosticError: PG506 if it leaves the folder.
+        """
+        pure = PurePosixPath(path)
+        if pure.is_absolute() or ".." in pure.parts or "\\" in path or ":" in path or not pure.parts:
+            raise DiagnosticError([_escapes(self.folder, path)])
+        if pure.parent not in self._holds:
+            self._holds[pure.parent] = self._held(self.folder / pure.parent)
+        target = self.folder / path
+        if not self._holds[pure.parent] or target.is_symlink():
+            raise DiagnosticError([_escapes(self.folder, path)])
+        return target
+
+    def _held(self, parent: Path) -> bool:
+        try:
+            return parent.resolve().is_relative_to(self.folder.resolve())
+        except RuntimeError as problem:
+            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(self.folder)) from problem
 
 
 def _escapes(folder: Path, path: str) -> Diagnostic:
@@ -276,9 +296,10 @@ def _staged(files: Iterable[RenderedFile], stage: _Stage, known: dict[str, str] 
     """Stage what differs from the folder and return the rest; every conflict with the user's files is told at once."""
     problems: list[Diagnostic] = []
     unchanged: list[str] = []
+    bounds = _Bounds(stage.folder)
     for file in files:
         try:
-            target = _inside(stage.folder, file.path)
+            target = bounds.inside(file.path)
         except DiagnosticError as problem:
             problems.extend(problem.diagnostics)
             continue
@@ -333,11 +354,12 @@ def _obsolete(wanted: set[str], folder: Path, known: dict[str, str]) -> tuple[di
     """Files of the last generation that are no longer generated: unchanged ones (path -> hash), and edited ones."""
     removed: dict[str, str] = {}
     kept: list[str] = []
+    bounds = _Bounds(folder)
     for path, expected in known.items():
         if path in wanted:
             continue
         try:
-            target = _inside(folder, path)
+            target = bounds.inside(path)
         except DiagnosticError:
             continue
         if target.is_file():

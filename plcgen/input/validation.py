@@ -34,9 +34,9 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 class StrictModel(BaseModel):
-    """What every part of a file is: known keys only, no conversions, unchangeable."""
+    """What every part of a file is: known keys only, no conversions, unchangeable; built when first used."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, protected_namespaces=())
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, protected_namespaces=(), defer_build=True)
 
 
 @dataclass(frozen=True, slots=True)

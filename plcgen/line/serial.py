@@ -17,7 +17,7 @@ _WRITE_SECONDS = 10.0
 
 
 class SerialLine:
-    """A serial port with 8 data bits, even parity and 1 stop bit, as PPI needs it."""
+    """A serial port with 8 data bits, even parity and 1 stop bit, as PPI needs it; also one behind RFC 2217."""
 
     def __init__(self, port: str, rate: int = 9600) -> None:
         try:
@@ -36,14 +36,18 @@ class SerialLine:
         self._name = port
         # Linux refuses to change nothing but the parity of a pseudo terminal, which has none.
         parity = serial.PARITY_NONE if _is_pseudo_terminal(port) else serial.PARITY_EVEN
+        settings = rate, serial.EIGHTBITS, parity, serial.STOPBITS_ONE
+        remote = "://" in port
         try:
-            self._port: Any = serial.Serial(
-                port, rate, serial.EIGHTBITS, parity, serial.STOPBITS_ONE, timeout=0, exclusive=True
+            self._port: Any = (
+                serial.serial_for_url(port, *settings, timeout=0)
+                if remote
+                else serial.Serial(port, *settings, timeout=0, exclusive=True)
             )
         except self._failures as problem:
             raise _refused(port, problem) from problem
         self._pseudo = _is_pseudo_terminal(port)
-        self._descriptor: Any = self._port.fileno() if os.name == "posix" else None
+        self._descriptor: Any = self._port.fileno() if os.name == "posix" and not remote else None
 
     @property
     def name(self) -> str:
@@ -114,6 +118,10 @@ def _is_pseudo_terminal(port: str) -> bool:
 
 
 def _refused(port: str, problem: Exception) -> LineError:
+    if "://" in port:
+        return LineError(
+            CANNOT_OPEN, port, f"cannot be opened: {_reason(problem)}", "is the serial server switched on?"
+        )
     number = getattr(problem, "errno", None)
     if number in {errno.ENOENT, errno.ENXIO, errno.ENODEV}:
         return LineError(CANNOT_OPEN, port, "there is no such port", _known())

@@ -46,6 +46,49 @@ def trigger_short(value: object) -> object:
     return {"execute": value} if isinstance(value, str) else value
 
 
+def short_item(key: str) -> BeforeValidator:
+    """Widens what names one thing: ``P50`` to ``{key: P50}``."""
+    return BeforeValidator(lambda value: {key: value} if isinstance(value, str) else value)
+
+
+def short_items(key: str) -> BeforeValidator:
+    """Widens a mapping to a list: ``{P50: 1, P51: {as: x}}`` to ``[{key: P50, value: 1}, {key: P51, as: x}]``."""
+
+    def widen(value: object) -> object:
+        if not isinstance(value, dict):
+            return value
+        return tuple(
+            {**entry, key: str(name)} if isinstance(entry, dict) else {key: str(name), "value": entry}
+            for name, entry in value.items()
+        )
+
+    return BeforeValidator(widen)
+
+
+def short_item_schema(item: str) -> dict[str, Any]:
+    """JSON schema of a list of what :func:`short_item` widens to the definition ``item``."""
+    return {"type": "array", "items": {"anyOf": [{"type": "string"}, {"$ref": f"#/$defs/{item}"}]}}
+
+
+def short_items_schema(definitions: dict[str, Any], item: str, key: str, *, lists: bool) -> dict[str, Any]:
+    """JSON schema of what :func:`short_items` widens to ``item``; ``lists``: a value may be a list of values.
+
+    What stands below a name, ``WriteEntry`` of ``WriteItem``, becomes a definition of its own.
+    """
+    name = f"{item.removesuffix('Item')}Entry"
+    entry = {**definitions[item], "required": [], "title": name}
+    entry["properties"] = {each: what for each, what in entry["properties"].items() if each != key}
+    definitions[name] = entry
+    value = {"type": ["boolean", "integer", "number", "string", "null"]}
+    below = [value, *([{"type": "array", "items": value}] if lists else []), {"$ref": f"#/$defs/{name}"}]
+    return {
+        "anyOf": [
+            {"type": "object", "additionalProperties": {"anyOf": below}},
+            {"type": "array", "items": {"$ref": f"#/$defs/{item}"}},
+        ]
+    }
+
+
 Duration = Annotated[
     int,
     BeforeValidator(_duration),

@@ -26,5 +26,5 @@ def json_schema(known: tuple[Protocol, ...]) -> dict[str, Any]:
     for protocol in known:
         protocol.complete(schema)
     schema["required"] = ["plc"]
-    schema["anyOf"] = [{"required": list(protocol.sections)} for protocol in known]
+    schema["anyOf"] = [{"required": [protocol.sections[0]]} for protocol in known]
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "plcgen job spec"}

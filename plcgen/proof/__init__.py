@@ -19,14 +19,17 @@ def verify(
     drive: Path | None = None,
     progress: Callable[[str, int, int], None] | None = None,
     faults: Literal["none", "quick", "full"] = "quick",
+    *,
+    engine: bool = False,
 ) -> Verification:
     """Verify a folder against its spec; ``drive`` is a drive file that replaces the profile's simulated drive.
 
-    ``faults`` is how much of the fault matrix the generated SCL runs through.
+    ``faults`` is how much of the fault matrix the generated SCL runs through. ``engine`` runs the blocks that are the
+    same in every project even if they are known to hold.
     """
     report = Report()
     try:
-        return _verify(spec, folder, drive, progress, report, faults)
+        return _verify(spec, folder, drive, progress, report, faults, engine=engine)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
     return Verification(str(spec), str(folder), "", "", (), tuple(report))
@@ -39,6 +42,8 @@ def _verify(
     progress: Callable[[str, int, int], None] | None,
     report: Report,
     faults: Literal["none", "quick", "full"],
+    *,
+    engine: bool,
 ) -> Verification:
     from plcgen.project.opening import open_spec
     from plcgen.proof.execution import check_execution
@@ -58,14 +63,13 @@ def _verify(
     layouts = (check_layout(project, files, laid) for proof in proofs for laid in proof.layouts())
     telegrams = (check for proof in proofs for check in proof.telegrams(files))
     exchanges = [proof.exchanges(files, partner, progress) for proof in proofs]
+    executed = check_execution(project, folder, faults, progress, partner=partner, engine=engine)
     groups = [
         CheckGroup("files", "Files", (*check_files(project, files), *check_twins(project, files))),
         CheckGroup("layout", "Layout", tuple(layouts)),
         CheckGroup("telegrams", "Telegrams", tuple(telegrams)),
         *(group for group in exchanges if group is not None),
-        CheckGroup(
-            "execution", "Execution", tuple(check_execution(project, folder, faults, progress, partner=partner))
-        ),
+        CheckGroup("execution", "Execution", tuple(executed)),
     ]
     target = f"{project.target.family} / {project.target.toolchain}"
     return Verification(str(spec), str(folder), project.name, target, tuple(groups), tuple(report))

@@ -81,10 +81,13 @@ def check_execution(
     progress: Progress | None = None,
     workers: int | None = None,
     partner: Path | None = None,
+    *,
+    engine: bool = False,
 ) -> Iterator[Check]:
     """Run every job of the files on disk; ``workers`` None uses every core.
 
-    ``partner`` is the user's file of a partner: every job runs once against it too.
+    ``partner`` is the user's file of a partner: every job runs once against it too. ``engine`` runs what is the same in
+    every project even if it is known to hold.
     """
     work = Work(ProgramBench(project, folder), level)
     try:
@@ -93,6 +96,9 @@ def check_execution(
         first = problem.diagnostics[0]
         yield Check("execution.scl", "sources", "SCL in the simulated CPU", Outcome.ERROR, first.message, first)
         return
+    if level != "none" or engine:
+        for plan in project.plans:
+            yield from plan.protocol.proof(plan).foundation(folder, run=engine, progress=progress)
     found = iter(shared_out(work, len(work.pieces), progress, workers if level != "none" else 1))
     for suite in work.suites:
         results = {job.key: next(found) for job in suite.jobs}

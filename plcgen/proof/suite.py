@@ -146,6 +146,9 @@ class Proof(Protocol):
     def telegrams(self, folder: Folder) -> Iterator[Check]:
         """Start values against the spec and the standard."""
 
+    def foundation(self, folder: Path, *, run: bool, progress: Progress | None) -> Iterator[Check]:
+        """What is the same in every project and known by its hash; ``run`` executes it even if it is known."""
+
     def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:
         """Telegrams against a simulated partner, or the one in a file; None if there is nothing like that."""
 

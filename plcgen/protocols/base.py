@@ -61,7 +61,7 @@ class Protocol(typing.Protocol):
 
     @property
     def sections(self) -> tuple[str, ...]:
-        """The keys of a spec that belong to the protocol."""
+        """The keys of a spec that belong to the protocol, the one that is always there first."""
 
     def section(self, *, alone: bool) -> type[BaseModel]:
         """Shape of these keys; ``alone`` if the spec uses no other protocol."""

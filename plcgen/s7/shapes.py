@@ -357,7 +357,8 @@ class ShapeBuilder:
         elif name.startswith("REF_TO "):
             self.report("PG806", f"{name}: references exist in blocks with optimized access only", span)
         else:
-            near = did_you_mean(name, [*self._types, *ELEMENTARY])
+            known = (other for other, block in self._types.items() if block.kind in (BlockKind.UDT, BlockKind.FB))
+            near = did_you_mean(name, [*known, *ELEMENTARY])
             help_text = near or "name the file that declares it, too; several files and folders can be given"
             self.report("PG806", f"unknown data type {name}", span, help_text)
 

@@ -47,11 +47,15 @@ class SourceBlock:
 
 @dataclass(slots=True)
 class Sources:
-    """Blocks in the order of the files, every type known to them, and everything that could not be read."""
+    """Blocks in the order of the files, every type known to them, and everything that could not be read.
+
+    Of several PLCs ``parts`` has the blocks and types of each by its name.
+    """
 
     blocks: list[SourceBlock]
     types: TypeTable
     diagnostics: list[Diagnostic]
+    parts: dict[str, Sources] = field(default_factory=dict)
 
 
 def read_sources(paths: Iterable[Path], *, classic: bool = False) -> Sources:
@@ -74,6 +78,9 @@ def read_texts(texts: Iterable[tuple[str, str]]) -> Sources:
 
 
 def _sources(files: Files, parsed: Sequence[ParseResult]) -> Sources:
+    if files.parts:
+        parts = {name: _sources(part, parsed) for name, part in files.parts.items()}
+        return Sources([b for part in parts.values() for b in part.blocks], files.types, files.diagnostics, parts)
     units = {
         (result.tokens.file, unit.keyword, unit.name.upper()): (unit, result)
         for result in reversed(parsed)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
@@ -15,6 +14,7 @@ from plcgen.s7.system import system_block
 from plcgen.s7.types import ELEMENTARY, HARDWARE, ArrayType, StructType
 from plcgen.scl.declarations import recursive_types
 from plcgen.scl.parser import ParseResult
+from plcgen.sources.plcs import by_plc, plc_names
 from plcgen.sources.symbols import SUFFIXES as SYMBOL_SUFFIXES
 from plcgen.sources.symbols import read_symbols
 from plcgen.sources.text import read_source
@@ -35,10 +35,15 @@ MAX_SEEN = 200_000
 
 @dataclass(frozen=True, slots=True)
 class SourceFile:
-    """One file to read; ``listed`` files come from a folder, where strangers are no mistake."""
+    """One file to read; ``listed`` files come from the folder ``root``, where strangers are no mistake."""
 
     path: Path
-    listed: bool = False
+    root: Path | None = None
+
+    @property
+    def listed(self) -> bool:
+        """Whether the file was found, not named."""
+        return self.root is not None
 
     @property
     def is_xml(self) -> bool:
@@ -51,13 +56,15 @@ class Files:
     """Blocks in the order of the files, every type known to them, and everything that could not be read.
 
     ``types`` also has the blocks of files that stand beside the named ones; ``modern`` says that a type is used
-    which only the S7-1200/1500 have.
+    which only the S7-1200/1500 have. Of a folder with several PLCs ``parts`` has each of them by its name, with
+    types of its own.
     """
 
     blocks: list[Block] = field(default_factory=list)
     types: TypeTable = field(default_factory=TypeTable)
     diagnostics: list[Diagnostic] = field(default_factory=list)
     modern: bool = False
+    parts: dict[str, Files] = field(default_factory=dict)
 
 
 def read_files(
@@ -68,10 +75,34 @@ def read_files(
     Of a block that is there as text and as SimaticML the text counts. Types that are missing are looked for in
     UDT and SCL files beside the named files, or in ``../udt`` and ``../scl``. Symbol tables of STEP 7 V5
     (``.sdf``, ``.asc``) give blocks their numbers. ``classic``: the documents are for S7-300/400.
-    ``keep`` gets the syntax tree of every text.
+    ``keep`` gets the syntax tree of every text. Where a folder has the exports of several PLCs, names mean something
+    else in each of them; files that belong to none are there for all.
     """
+    problems: list[Diagnostic] = []
+    files = list(source_files(paths, problems))
+    groups = by_plc(file.path for file in files)
+    if len(groups) == 1:
+        found = _read_group(files, classic=classic, keep=keep)
+        found.diagnostics = list(dict.fromkeys([*problems, *found.diagnostics]))
+        return found
+    called, whole = plc_names(groups), Files(diagnostics=problems)
+    for folder in sorted(groups, key=lambda folder: called[folder]):
+        own = set(groups[folder])
+        part = _read_group([file for file in files if file.path in own], classic=classic, keep=keep)
+        for name, block in whole.parts[""].types.items() if "" in whole.parts else ():
+            part.types.setdefault(name, block)
+        whole.parts[called[folder]] = part
+        whole.blocks += part.blocks
+        whole.diagnostics += part.diagnostics
+        whole.modern = whole.modern or part.modern
+        for name, block in part.types.items():
+            whole.types.setdefault(name, block)
+    return whole
+
+
+def _read_group(files: Sequence[SourceFile], *, classic: bool, keep: Callable[[ParseResult], object] | None) -> Files:
+    """Read the files of one PLC."""
     found = Files()
-    files = list(source_files(paths, found.diagnostics))
     symbols: dict[str, str] = {}
     read: list[tuple[Block, SourceFile]] = []
     for file in files:
@@ -90,7 +121,7 @@ def read_files(
     used = _used(found.blocks)
     found.modern = not used.isdisjoint(_MODERN)
     if any(name not in found.types and name not in ELEMENTARY for name in used):
-        _add_neighbours([file.path for file in files if not file.listed], found.types)
+        _add_neighbours(files, found.types)
     _add_written_out(found.blocks, found.types)
     found.diagnostics = list(dict.fromkeys([*found.diagnostics, *recursive_types(found.types.values())]))
     return found
@@ -114,7 +145,7 @@ def _walk(folder: Path, diagnostics: list[Diagnostic]) -> list[SourceFile]:
     for where, folders, names in os.walk(folder):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         shown = sorted(name for name in names if not name.startswith("."))
-        found += [SourceFile(Path(where) / name, listed=True) for name in shown if Path(name).suffix.lower() in wanted]
+        found += [SourceFile(Path(where) / name, folder) for name in shown if Path(name).suffix.lower() in wanted]
         looked_at += len(names) + len(folders)
         if len(found) > MAX_FILES or looked_at > MAX_SEEN:
             message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"
@@ -247,15 +278,16 @@ def _used(blocks: Iterable[Block]) -> set[str]:
     return names
 
 
-def _add_neighbours(paths: Iterable[Path], types: TypeTable) -> None:
+def _add_neighbours(files: Iterable[SourceFile], types: TypeTable) -> None:
     """Types from UDT and SCL files beside the sources, or one folder over, that the sources lack."""
-    named = set(paths)
+    read = {file.path for file in files}
     near: set[Path] = set()
-    for path in named:
-        for folder, suffix in product((path.parent, path.parent.parent), (".udt", ".scl")):
-            where = folder if folder == path.parent else folder / suffix[1:]
-            near.update(where.glob(f"*{suffix}") if path.is_file() else ())
-    for path in sorted(near - named)[:MAX_FILES]:
+    for folder in {file.path.parent if file.root is None else file.root for file in files}:
+        for suffix in (".udt", ".scl"):
+            near.update(folder.glob(f"*{suffix}"))
+            parent = folder.parent if folder.name not in {"", ".."} else folder.resolve().parent
+            near.update((parent / suffix[1:]).glob(f"*{suffix}"))
+    for path in sorted(near - read)[:MAX_FILES]:
         _add_types(read_source(path)[0], types)
 
 

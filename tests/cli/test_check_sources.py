@@ -99,6 +99,7 @@ def test_specs_and_sources_together(plcgen, good, sources):
         (["job.yaml", "--program", "--target", "v5"], "--program needs PLC sources"),
         (["src", "--tags", "x.csv"], "--tags belongs to --program"),
         (["src", "--iec-check", "off"], "--iec-check belongs to --program"),
+        (["src", "--program", "--target", "v5", "--iec-check", "no"], "--iec-check is on, off, as-stated"),
         (["empty"], "there is no PLC source (.scl .udt .db .awl) below empty"),
     ],
 )
@@ -159,6 +160,18 @@ def test_the_iec_check_is_that_of_the_tool_unless_somebody_says_more(plcgen, tmp
     assert ("without IEC check" in result.out) is bool(code)
 
 
+def test_the_iec_check_of_one_block(plcgen, tmp_path):
+    """It is a property of a block in the TIA Portal: what is said of one counts more than what is said of all."""
+    (tmp_path / "mixed.scl").write_text(MIXED + MIXED.replace('"Add"', '"Other"'))
+    call = ["check", "mixed.scl", "--program", "--target", "tia-1500", "--json", "--iec-check"]
+    lines = {when: json.loads(plcgen(*call, when).out)["diagnostics"] for when in ("off:Add", 'off:"ADD"', "off:None")}
+    assert {when: [d["line"] for d in found] for when, found in lines.items()} == {
+        "off:Add": [21], 'off:"ADD"': [21], "off:None": [10, 21],
+    }  # fmt: skip
+    found = json.loads(plcgen(*call, "off", "--iec-check", "on:Other").out)["diagnostics"]
+    assert [d["line"] for d in found] == [21]
+
+
 STATEMENT_LIST = """\
 FUNCTION_BLOCK "Add"
 VAR_INPUT
@@ -217,3 +230,15 @@ def test_the_code_page_can_be_named(plcgen, tmp_path):
     more = ["--program", "--target", "tia-1500", "--encoding"]
     assert plcgen("check", "pump.scl", *more, "cp932").code == 0
     assert "unknown code page cp9999" in plcgen("check", "pump.scl", *more, "cp9999").out
+
+
+def test_a_folder_with_too_many_sources_is_refused(plcgen, tmp_path, monkeypatch):
+    """Nothing is left out in silence: PG802 with the bound."""
+    monkeypatch.setattr("plcgen.cpu.sources.MAX_FILES", 1)
+    folder = tmp_path / "many"
+    folder.mkdir()
+    for name in ("a.scl", "b.scl"):
+        (folder / name).write_text(GOOD)
+    result = plcgen("check", "many")
+    assert result.code == 1
+    assert "PG802" in result.out + result.err

@@ -144,3 +144,24 @@ def test_a_file_without_blocks_says_so(plcgen, tmp_path):
     assert (result.code, result.out) == (0, "")
     assert "no data block, type or function block in" in result.err
     assert result.err.endswith("x.txt is not written\n")
+
+
+def test_a_folder_of_data_blocks_finds_the_types_in_the_folders_beside_it(plcgen, tmp_path):
+    """As its files do when they are named: ../udt and ../scl."""
+    for name, text in (
+        ("db/A_DB.db", 'DATA_BLOCK "A_DB"\nVERSION : 0.1\n"A"\nBEGIN\nEND_DATA_BLOCK\n'),
+        ("scl/A.scl", 'FUNCTION_BLOCK "A"\nVAR\n  u : "U";\nEND_VAR\nBEGIN\nEND_FUNCTION_BLOCK\n'),
+        ("udt/U.udt", 'TYPE "U"\nSTRUCT\n x : Int;\nEND_STRUCT;\nEND_TYPE\n'),
+    ):
+        (tmp_path / name).parent.mkdir()
+        (tmp_path / name).write_text(text, "utf-8")
+    assert plcgen("layout", tmp_path / "db").code == 0
+    assert plcgen("layout", tmp_path / "db" / "A_DB.db").code == 0
+
+
+def test_an_instance_is_not_suggested_for_its_unknown_block(plcgen, tmp_path):
+    """What is no type helps nobody."""
+    (tmp_path / "Motor_DB.db").write_text('DATA_BLOCK "Motor_DB"\n"Motor"\nBEGIN\nEND_DATA_BLOCK\n', "utf-8")
+    result = plcgen("layout", tmp_path)
+    assert result.code == 1
+    assert "did you mean" not in result.err

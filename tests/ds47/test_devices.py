@@ -228,7 +228,7 @@ def test_a_profile_says_everything_that_a_shipped_one_says(tmp_path: Path) -> No
         key="./acme.yaml", title="Acme Turbo", source="Acme manual 12", record_index={"profinet-global": 0xB02F},
         default_index="profinet-global", drive_object=7, drive_objects=(7, 8), drive_object_rule="7 is the motor",
         record_limit=100, max_parameters=5, max_elements=7, answer_format="size", error_words=1, scalar_elements=(0, 1),
-        strict_length=False, bico="drive-object", error_table="profidrive", parameters={},
+        strict_length=False, bases=(), bico="drive-object", error_table="profidrive", parameters={},
     )  # fmt: skip
     assert device.parameters[20] == Parameter(
         20, "FloatingPoint", "ramp", "Ramp time", "s", "rw", 3, 0.0, 10.0, 1.5, source="Acme manual 12"

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from projects import FAQ, MM4, ROOT, SPECS, generated_example
+from projects import FAQ, MM4, SPECS, generated_example
 
 from plcgen import api
 from plcgen.project.nouns import Plan
@@ -21,7 +21,7 @@ from plcgen.protocols.ds47.proof import exchanges
 from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
 
-GOLDEN = ROOT / "examples" / FAQ.stem / "expected"
+GOLDEN = generated_example(FAQ.stem)
 
 
 def edit(path: Path, old: str, new: str) -> None:
@@ -69,7 +69,7 @@ EDITS = {
     "gap": ("udt/typeWR_DataBuffer.udt", "Axis : Byte;", "Axis : Byte; gap : Byte;", "PG603", "layout.WR_DataBuffer"),
     "reference 0": (WR, "Request_Ref : Byte := 16#03", "Request_Ref : Byte", "PG604", "telegram.WR_DataBuffer"),
     "value": (WR_1, "Value : Real := 100.0", "Value : Real := 10.0", "PG604", "telegram.WR_DataBuffer_1"),
-    "syntax": ("scl/ReadRampUp.scl", "END_CASE;\n\nIF", "END_CASES;\n\nIF", "PG801", "files.syntax"),
+    "syntax": ("scl/ReadRampUp.scl", "    END_FOR;\n  END_IF;", "    END_FORS;\n  END_IF;", "PG801", "files.syntax"),
     "type in XML": (
         "xml/RD_DataBuffer.xml", f'{VALUE_XML}"Real"', f'{VALUE_XML}"Int"', "PG603", "layout.RD_DataBuffer",
     ),
@@ -226,8 +226,8 @@ def test_the_refused_parameter_is_named(tmp_path: Path) -> None:
     drive.write_text("objects: [{number: 0, parameters: [{pnu: 1120, type: FloatingPoint, value: 1.0}]}]\n")
     golden = generated_example(MM4.stem)
     verdicts = {c.id: c.verdict for c in api.verify(MM4, golden, drive=drive).checks()}
-    assert "P2155[1..2]: error 00h" in verdicts["drive.ReadParams_Request"]
-    assert "P1121: error 00h" in verdicts["drive.WriteParams_Request"]
+    assert "P2155[1..2]: error 00h" in verdicts["drive.typeReadParams_Request"]
+    assert "P1121: error 00h" in verdicts["drive.typeWriteParams_Request"]
 
 
 def shifted(project: DrivePlan) -> DrivePlan:
@@ -293,9 +293,26 @@ def test_every_buffer_is_in_all_sources(spec: Path) -> None:
     assert project is not None
     files = read_folder(folder, project.target)
     checks = [check for plan in project.plans for check in layouts(plan, files)]
-    buffers = [buffer.db.name for plan in project.plans for buffer, _ in plan.protocol.buffers(plan)]
+    buffers = [buffer.home.name for plan in project.plans for buffer, _ in plan.protocol.buffers(plan)]
     assert [c.id for c in checks] == [f"layout.{name}" for name in buffers]
     expected = "3 sources agree"
     if project.target.xml_version is None:
         expected = "2 sources agree: telegram, text source; no SimaticML"
     assert {c.verdict for c in checks} == {expected}
+
+
+def test_a_value_may_be_called_as_a_member_of_the_diagnostics_is(tmp_path: Path) -> None:
+    """An output ``state`` and an input ``telegram`` are pins of their own beside diagnostics.state and .telegram."""
+    spec = tmp_path / "job.yaml"
+    spec.write_text(
+        "plc: {name: T, family: s7-1500, toolchain: tia-v19}\n"
+        "drives: {axis: {device: sinamics-s120, hardware_id: 256, drive_object: 3}}\n"
+        "jobs:\n"
+        "  read_it: {drive: axis, read: [{parameter: r21, as: state}]}\n"
+        "  write_it: {drive: axis, write: {P1120: {as: telegram}}}\n",
+        "utf-8",
+    )
+    assert api.generate(spec).ok
+    result = api.verify(spec, faults="none")
+    assert codes(result) == set()
+    assert result.ok

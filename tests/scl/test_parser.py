@@ -242,3 +242,23 @@ def test_a_sign_binds_more_tightly_than_a_power_in_tia(dialect: Dialect | None, 
     (statement,) = result.units[0].statements
     assert isinstance(statement, ast.Assign)
     assert sexpr.expression(statement.value) == tree
+
+
+@pytest.mark.parametrize(
+    ("code", "help_"),
+    [
+        ("VAR w : SFB53; END_VAR\nBEGIN\n;", "{InstructionName := 'WRREC'; LibVersion := '1.1'} WRREC"),
+        ("VAR w : SFB52; END_VAR\nBEGIN\n;", "{InstructionName := 'RDREC'; LibVersion := '1.0'} RDREC"),
+        ("VAR w : SFB4; END_VAR\nBEGIN\n;", "name the instruction: TON"),
+        ("VAR w : SFB2; END_VAR\nBEGIN\n;", "name the instruction: CTUD"),
+        ("VAR w : SFB99; END_VAR\nBEGIN\n;", "name the instruction that replaces it"),
+        ("BEGIN\n#n := SFC20(SRCBLK := #a, DSTBLK := #b);", "write BLKMOV(..)"),
+        ("BEGIN\n#n := SFC64();", "write TIME_TCK(..)"),
+        ("BEGIN\n#n := SFC199();", "write the name of the instruction"),
+    ],
+)
+def test_a_system_block_by_number_is_named_by_its_instruction(code: str, help_: str) -> None:
+    """Numbers of "System and Standard Functions for S7-300/400"; the TIA Portal for S7-1500 has names only."""
+    (found,) = parse(f"FUNCTION_BLOCK a\n{code}\nEND_FUNCTION_BLOCK", "t.scl", Dialect.TIA_1200_1500).diagnostics
+    assert found.code == "PG803"
+    assert help_ in found.help

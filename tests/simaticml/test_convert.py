@@ -322,3 +322,17 @@ def test_other_documents_in_a_folder_are_left_alone(tmp_path: Path) -> None:
     put(tmp_path, a_scl=FB, b_xml="<project />")
     assert plcgen.convert(tmp_path, to="xml", out=tmp_path / "out").diagnostics == ()
     assert not plcgen.convert(tmp_path / "b.xml", to="scl", out=tmp_path / "out2").ok
+
+
+def test_a_document_of_s7_300_needs_classic(tmp_path: Path) -> None:
+    """It says nothing about its access, so what is taken for granted is told, and ``classic`` says otherwise."""
+    there = plcgen.convert(*put(tmp_path, a_scl=FB, b_db=INSTANCE), to="xml", out=tmp_path / "xml", classic=True)
+    assert there.diagnostics == ()
+    assert "MemoryLayout" not in (tmp_path / "xml/Motor.xml").read_text("utf-8-sig")
+    guessed = plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "guessed")
+    assert [(d.code, d.severity.label, "--classic" in (d.help or "")) for d in guessed.diagnostics] == [
+        ("PG815", "warning", True)
+    ]
+    assert 'FB "Motor" has no MemoryLayout' in guessed.diagnostics[0].message
+    assert plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl", classic=True).diagnostics == ()
+    assert "S7_Optimized_Access := 'FALSE'" in (tmp_path / "scl/Motor.scl").read_text("utf-8-sig")

@@ -157,6 +157,16 @@ def test_import_script_names_every_document_once_in_order(generated: dict[str, P
     assert "no script" in (generated["s7-300_6ra80_dp_tia"] / "xml/IMPORT.md").read_text("utf-8")
 
 
+def test_the_page_says_of_each_block_why_it_is_experimental(generated: dict[str, Path]) -> None:
+    """A PPI master calls no WRREC: its note is that of the blocks for serial modules."""
+    masters, drives = (
+        (generated[name] / "xml/IMPORT.md").read_text("utf-8") for name in ("s7-1200_s7-200_ppi", "s7-1500_g120_pn")
+    )
+    assert "`PumpsPpiMaster.xml`: the call form of the blocks for serial modules is inferred" in masters
+    assert "WRREC" not in masters
+    assert "the call form of WRREC and RDREC is inferred" in drives
+
+
 @pytest.mark.parametrize("quote", ["'", "\u2018", "\u2019", "\u201a", "\u201b", "\u201c", "`", "$"])
 def test_no_name_reaches_the_import_script(quote: str, tmp_path: Path) -> None:
     """PowerShell ends a string at typographic quotes too: the script is the same bytes whatever blocks are called."""

@@ -70,7 +70,7 @@ def test_two_jobs_take_turns(run: Run) -> None:
 
 
 def test_b5_twice_is_two_retries(run: Run) -> None:
-    """RDREC fails in scans 11 and 35: 200 ms, a scan for the place and three for RDREC lie between; the third succeeds."""
+    """RDREC fails in scans 11 and 35: 200 ms, one for the place and three of RDREC lie between; the third succeeds."""
     trace = run(jobs=["read_ramp_up"], faults=["busy:times=2"])
     assert history(trace, "read_ramp_up.RDREC.ERROR") == [(11, True), (12, False), (35, True), (36, False)]
     assert [(s.scan, c.status) for s in trace.steps for c in s.contacts if c.direction == "read"] == [
@@ -110,8 +110,8 @@ def test_a_refused_parameter(run: Run) -> None:
 def test_a_lost_request_is_sent_again(run: Run) -> None:
     """B5 for a third of the timeout of 10 s: the request is lost, and a new one does.
 
-    WRREC is done at 80 ms. RDREC ends in B5 at 110 ms and then every 240 ms (a pause of 200 ms, one call for the place,
-    three of RDREC); at 110 + 14 x 240 = 3,470 ms more than 3,333 ms have passed. A pause of 200 ms, then a request takes
+    WRREC is done at 80 ms. RDREC ends in B5 at 110 ms and then every 240 ms (a pause of 200 ms, one call for the
+    place, three of RDREC); at 110 + 14 x 240 = 3,470 ms more than 3,333 ms have passed. A pause, then a request takes
     its 10 calls from BUILD to the end: 3,770 ms, with 15 retries.
     """
     (job,) = run(jobs=["read_ramp_up"], faults=["silence"]).jobs

@@ -28,7 +28,7 @@ def line_options(verb: Callback) -> Callback:
             required=True,
             envvar="PLCGEN_PORT",
             metavar="PORT",
-            help="/dev/ttyUSB0, COM3, a pseudo terminal or socket://HOST:PORT; or PLCGEN_PORT.",
+            help="/dev/ttyUSB0, COM3, a pseudo terminal, socket://HOST:PORT, rfc2217://HOST:PORT; or PLCGEN_PORT.",
         ),
         click.option(
             "--baud",

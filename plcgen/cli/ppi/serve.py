@@ -38,10 +38,17 @@ if TYPE_CHECKING:
 @click.option(
     "--baud", type=click.IntRange(300), default=9600, metavar="RATE", help="Speed of --port.  [default: 9600]"
 )
+@click.option(
+    "--idle",
+    type=click.FloatRange(0),
+    default=600.0,
+    metavar="SECONDS",
+    help="End a connection that is silent so long; 0: never.  [default: 600]",
+)
 @click.option("--fault", "faults", multiple=True, metavar="KIND[:KEY=VALUE,...]", help="Let the line go wrong.")
 @click.option("--log", is_flag=True, help="Show every frame, decoded.")
 @stream_option
-def command(*, as_json: bool, log: bool, baud: int, **given: Any) -> int:
+def command(*, as_json: bool, log: bool, baud: int, idle: float, **given: Any) -> int:
     """Simulate one or more S7-200 stations until Ctrl-C.
 
     The first line of the output is the name of the line to open: a pseudo terminal, unless --tcp or --port is given.
@@ -54,7 +61,7 @@ def command(*, as_json: bool, log: bool, baud: int, **given: Any) -> int:
     show = _Show(out, as_json=as_json, log=log)
     bus.listener = show.frame
     try:
-        _serve(bus, line, show)
+        _serve(bus, line, show, idle)
     finally:
         line.close()
     show.ended(bus)
@@ -115,7 +122,7 @@ def _line(tcp: str | None, port: str | None, baud: int) -> Line | TcpServer:
     return PtyLine()
 
 
-def _serve(bus: Bus, line: Line | TcpServer, show: _Show) -> None:
+def _serve(bus: Bus, line: Line | TcpServer, show: _Show, idle: float) -> None:
     """Serve until SIGINT or SIGTERM; a second signal ends at once."""
     from plcgen.line.tcp import TcpServer
     from plcgen.protocols.ppi.sim.serve import serve_line, serve_tcp
@@ -132,7 +139,7 @@ def _serve(bus: Bus, line: Line | TcpServer, show: _Show) -> None:
     try:
         show.opened(bus, line)
         if isinstance(line, TcpServer):
-            serve_tcp(bus, line, lambda: ended, tell=show.tell)
+            serve_tcp(bus, line, lambda: ended, tell=show.tell, idle=idle)
         else:
             serve_line(bus, line, lambda: ended)
     finally:

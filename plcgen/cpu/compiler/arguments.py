@@ -200,6 +200,10 @@ class Arguments:
     ) -> None:
         """Store one input; a structured IN_OUT of ``called`` may be lent as a copy."""
         type_ = scalar_name(target.shape)
+        if type_ == "VARIANT":
+            self.context.error("PG827", "the soft CPU knows no VARIANT in a function block", argument)
+            self.references.reference(argument.value)
+            return
         if type_ in {"POINTER", "ANY"} and not (
             isinstance(argument.value, ast.Name) and type_ == self.kind_of(argument)
         ):

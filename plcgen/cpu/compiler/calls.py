@@ -99,7 +99,7 @@ class Calls:
     def call_statement(self, statement: ast.CallStatement) -> None:
         """Compile a call that stands alone."""
         node, target = statement.call, statement.call.target
-        if isinstance(target, ast.Name) and self.places.symbol(target) is None:
+        if isinstance(target, ast.Name) and not self.is_instance(target):
             found = self.context.link.find(target.name)
             if found is None and (target.scope == "bare" or target.name.upper() not in self.context.link.tags):
                 self.plain_call(node, target)
@@ -281,7 +281,7 @@ class Calls:
             if how == "reference":
                 code = self.arguments.structured(argument, kind)
                 codes.append(self.arguments.lend(code, found, lent) if kind is _INOUT else code)
-            elif how == "pointer":
+            elif how == "pointer" or (type_ == "ANY" and kind is _IN and self.arguments.kind_of(argument) != "ANY"):
                 codes.append(self.references.reference(argument.value))
             elif kind is not _OUT:
                 codes.append(coerce(self.context, self.expressions.value(argument.value), type_, argument.value))

@@ -75,7 +75,8 @@ class Context:
     """One block on its way to Python: ``dynamic`` adds a base offset ``o`` to every access to the instance.
 
     ``preemptive`` adds points at which another OB may run (``Z``), and nothing is known from one access to the next.
-    ``run_tags`` are the places of the variables that the loops around count with.
+    ``names`` of the diagnostics are about unknown names; ``run_tags`` are the places of the variables that the loops
+    around count with.
     ``calls`` are the blocks it calls by upper-case name, ``calling`` how many calls it has; ``moving`` says that it has
     multi-instances; ``leave`` is the code that ends the block, ``uses_eno`` says that it needs an ENO of its own.
     """
@@ -96,11 +97,12 @@ class Context:
     calling: int = 0
     leave: str = "return"
     uses_eno: bool = False
+    names: int = 0
     run_tags: list[tuple[str, int, str, str]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.classic = self.link.classic
-        self.rules = self.link.rules()
+        self.rules = self.link.rules(self.owner.name)
 
     def move_to(self, node: ast.Node) -> None:
         """What is generated from here on comes from the line of a node."""
@@ -114,15 +116,18 @@ class Context:
         self, code: str, message: str, node: ast.Node, text: str = "", severity: Severity = Severity.ERROR
     ) -> None:
         """Report a problem at a node."""
-        if len(self.diagnostics) < MAX_DIAGNOSTICS:
+        if len(self.diagnostics) - self.names < MAX_DIAGNOSTICS:
             self.diagnostics.append(Diagnostic(code, message, self.span(node), severity, help=text))
 
     def unknown(self, code: str, message: str, name: str, node: ast.Node, text: str = "") -> None:
         """Report a name that nobody knows, at the first of its uses in the program."""
         key = code, name.upper()
-        if key not in self.link.unknown:
-            self.link.unknown.add(key)
-            self.error(code, message, node, text)
+        if key in self.link.unknown:
+            return
+        self.link.unknown.add(key)
+        if self.names < MAX_DIAGNOSTICS:  # many unknown tags hide no mistake of another kind
+            self.names += 1
+            self.diagnostics.append(Diagnostic(code, message, self.span(node), help=text))
 
     def text(self, node: ast.Node) -> str:
         """Source text of a node on one line."""

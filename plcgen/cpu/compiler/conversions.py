@@ -21,6 +21,7 @@ from plcgen.cpu.type_rules import (
     remedy,
     widens,
 )
+from plcgen.diagnostics import Severity
 from plcgen.s7.types import HARDWARE
 from plcgen.scl import ast
 
@@ -94,6 +95,11 @@ def integer_constant(context: Context, const: int, target: str, node: ast.Expres
     low, high = limits(target) or (0, 0)
     if target in BITS:
         low = -(1 << BITS[target] - 1)
+    if low == 0 and target in INTEGERS and -(high + 1) // 2 <= const < 0 and context.rules.dialect.is_tia:
+        # exports of the TIA Portal have it: -1 as a mark in an unsigned variable
+        message = f"{context.text(node)} becomes {const + high + 1} in {target} ({low}..{high})"
+        context.error("PG824", message, node, "write the value that is meant", Severity.WARNING)
+        return source_of(const + high + 1)
     if not low <= const <= high:
         context.error("PG824", f"{context.text(node)} is outside {target} ({low}..{high})", node)
         return "0"

@@ -25,7 +25,7 @@ class Ds47:
     """The face of the parameter channel, see ``protocols.base``."""
 
     key = "ds47"
-    sections = ("drives", "jobs")
+    sections = ("jobs", "drives", "units")
     length_note = " (LEN of WRREC)"
 
     def section(self, *, alone: bool) -> type[BaseModel]:

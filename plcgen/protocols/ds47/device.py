@@ -65,7 +65,8 @@ class Device:
     ``record_index`` maps access points to data record indexes; ``default_index`` names the default one.
     ``drive_objects`` is None when every number is possible. ``answer_format`` is ``exact`` (the parameter's
     type) or ``size`` (41h/42h/43h). ``scalar_elements`` is the number of elements this device wants in a
-    request without an index: (read, write). ``bico`` says whether BICO values carry the drive object.
+    request without an index: (read, write). ``bases`` are the numbers of limits and references, which other values
+    are measured by. ``bico`` says whether BICO values carry the drive object.
     """
 
     key: str
@@ -83,6 +84,7 @@ class Device:
     error_words: Literal[1, 2]
     scalar_elements: tuple[int, int]
     strict_length: bool
+    bases: tuple[int, ...]
     bico: Layout
     error_table: Table
     parameters: dict[int, Parameter]

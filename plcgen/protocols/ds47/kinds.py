@@ -11,11 +11,19 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from plcgen.input.validation import StrictModel
 from plcgen.plugins import plugins
-from plcgen.project.schema import OF_AN_INPUT, Text, Value
+from plcgen.project.schema import (
+    OF_AN_INPUT,
+    Text,
+    Value,
+    short_item,
+    short_item_schema,
+    short_items,
+    short_items_schema,
+)
 from plcgen.protocols.ds47.wire.model import RequestId
 
 GROUP = "plcgen.kinds"
@@ -66,56 +74,22 @@ class JobKind:
         return RequestId.CHANGE if self.writes else RequestId.READ
 
 
-def _read_item(value: object) -> object:
-    return {"parameter": value} if isinstance(value, str) else value
-
-
-def _write_items(value: object) -> object:
-    if not isinstance(value, dict):
-        return value
-    items: list[dict[str, Any]] = []
-    for key, entry in value.items():
-        if isinstance(entry, dict):
-            items.append({**entry, "parameter": str(key)})
-        else:
-            items.append({"parameter": str(key), "value": entry})
-    return tuple(items)
-
-
-def _read_schema(definitions: dict[str, Any]) -> dict[str, Any]:  # noqa: ARG001 - needs none of them
-    return {"type": "array", "items": {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/ReadItem"}]}}
-
-
-def _write_schema(definitions: dict[str, Any]) -> dict[str, Any]:
-    value = {"type": ["boolean", "integer", "number", "string", "null"]}
-    entry = {**definitions["WriteItem"], "required": [], "title": "WriteEntry"}
-    entry["properties"] = {name: what for name, what in entry["properties"].items() if name != "parameter"}
-    definitions["WriteEntry"] = entry
-    by_parameter = {"anyOf": [value, {"type": "array", "items": value}, {"$ref": "#/$defs/WriteEntry"}]}
-    return {
-        "anyOf": [
-            {"type": "object", "additionalProperties": by_parameter},
-            {"type": "array", "items": {"$ref": "#/$defs/WriteItem"}},
-        ]
-    }
-
-
 SHIPPED = (
     JobKind(
         key="read",
         writes=False,
-        shape=tuple[Annotated[ReadItem, BeforeValidator(_read_item)], ...],
+        shape=tuple[Annotated[ReadItem, short_item("parameter")], ...],
         description="parameters to read",
         example="read: [P50303]",
-        short=_read_schema,
+        short=lambda _: short_item_schema("ReadItem"),
     ),
     JobKind(
         key="write",
         writes=True,
-        shape=Annotated[tuple[WriteItem, ...], BeforeValidator(_write_items)],
+        shape=Annotated[tuple[WriteItem, ...], short_items("parameter")],
         description="parameter: value, parameter: {value, as, type, start}, or a list of such",
         example="write: {P50303: 10.0}",
-        short=_write_schema,
+        short=lambda definitions: short_items_schema(definitions, "WriteItem", "parameter", lists=True),
     ),
 )
 

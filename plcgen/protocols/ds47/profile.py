@@ -199,6 +199,9 @@ class DeviceProfile(StrictModel):
     answers: Answers = Field(Answers(), description="how the device answers")
     scalar_elements: ScalarElements = Field(ScalarElements(), description="elements in a request without an index")
     strict_length: bool = Field(default=True, description="a request of another length than its contents is refused")
+    bases: tuple[Annotated[int, Field(ge=1, le=0xFFFF)], ...] = Field(
+        (), description="numbers of limits and references: an input of a job needs a start value for them"
+    )
     bico: Layout = Field("drive-object", description="BICO values carry the drive object, or zeros in its place")
     error_table: Literal["sinamics", "profidrive"] = Field("sinamics", description="meaning of error numbers")
     parameters: dict[ParameterNumber, ParameterEntry] = Field(default_factory=dict, description="the catalogue")
@@ -245,6 +248,7 @@ class DeviceProfile(StrictModel):
             error_words=self.answers.error_words,
             scalar_elements=(self.scalar_elements.read, self.scalar_elements.write),
             strict_length=self.strict_length,
+            bases=self.bases,
             bico=self.bico,
             error_table=self.error_table,
             parameters={found.pnu: found for found in itertools.starmap(self._parameter, self.parameters.items())},

@@ -14,27 +14,15 @@ from plcgen.project.schema import (
     Text,
     Trigger,
     Value,
+    short_item,
+    short_item_schema,
+    short_items,
+    short_items_schema,
     trigger_short,
 )
 
 Module = Literal["cm1241", "cb1241", "cm-ptp", "cp341"]
 VERBS = ("read", "write", "run", "stop")
-
-
-def _read_item(value: object) -> object:
-    return {"item": value} if isinstance(value, str) else value
-
-
-def _write_items(value: object) -> object:
-    if not isinstance(value, dict):
-        return value
-    items: list[dict[str, Any]] = []
-    for key, entry in value.items():
-        if isinstance(entry, dict):
-            items.append({**entry, "item": str(key)})
-        else:
-            items.append({"item": str(key), "value": entry})
-    return tuple(items)
 
 
 class PpiBuffer(StrictModel):
@@ -79,10 +67,10 @@ class MasterJob(StrictModel):
     """One job: read or write some addresses of one station, or switch it to RUN or STOP."""
 
     station: str = Field(description="key of a station of this master")
-    read: tuple[Annotated[PpiReadItem, BeforeValidator(_read_item)], ...] | None = Field(
+    read: tuple[Annotated[PpiReadItem, short_item("item")], ...] | None = Field(
         None, description="addresses or symbols to read"
     )
-    write: Annotated[tuple[PpiWriteItem, ...], BeforeValidator(_write_items)] | None = Field(
+    write: Annotated[tuple[PpiWriteItem, ...], short_items("item")] | None = Field(
         None, description="address: value, address: {value, as, type, start}, or a list of such"
     )
     run: Literal[True] | None = Field(None, description="true: switch the CPU to RUN")
@@ -135,20 +123,11 @@ class PpiSection(StrictModel):
 def complete(schema: dict[str, Any]) -> None:
     """Put the short forms of masters' jobs into the JSON schema of a spec."""
     definitions = schema["$defs"]
-    items, text = {"$ref": "#/$defs/PpiReadItem"}, {"type": "string"}
-    value = {"type": ["boolean", "integer", "number", "string", "null"]}
-    entry = {**definitions["PpiWriteItem"], "required": [], "title": "PpiWriteEntry"}
-    entry["properties"] = {name: what for name, what in entry["properties"].items() if name != "item"}
-    definitions["PpiWriteEntry"] = entry
-    definitions["PpiMaster"]["properties"]["firmware"]["type"] = ["string", "number"]
-    definitions["PpiMaster"]["properties"]["firmware"].pop("anyOf", None)
     job = definitions["MasterJob"]["properties"]
-    job["read"] = {"type": "array", "items": {"anyOf": [text, items]}, "description": job["read"]["description"]}
-    job["write"] = {
-        "anyOf": [
-            {"type": "object", "additionalProperties": {"anyOf": [value, {"$ref": "#/$defs/PpiWriteEntry"}]}},
-            {"type": "array", "items": {"$ref": "#/$defs/PpiWriteItem"}},
-        ],
-        "description": job["write"]["description"],
+    shapes = {
+        "read": short_item_schema("PpiReadItem"),
+        "write": short_items_schema(definitions, "PpiWriteItem", "item", lists=False),
+        "trigger": {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/Trigger"}]},
     }
-    job["trigger"] = {"anyOf": [text, {"$ref": "#/$defs/Trigger"}], "description": job["trigger"]["description"]}
+    for key, shape in shapes.items():
+        job[key] = {**shape, "description": job[key]["description"]}

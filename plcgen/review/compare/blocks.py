@@ -162,6 +162,8 @@ class _Pair:
             self.add("block-attribute", f"{name} {was or '(absent)'} -> {now or '(absent)'}", was, now)
         if self.comments:
             for name, was, now in _differences(dict(old.texts), dict(new.texts)):
+                if _mixed(old, new) and not (was and now):
+                    continue  # not every text has a place in both spellings
                 self.add("block-text", f"{name} {text_change(was, now)}", was, now)
 
     def assignments(self) -> None:

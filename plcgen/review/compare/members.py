@@ -67,7 +67,20 @@ class MemberComparison:
             self.found.append(Found("internal-changed", "", message, "", "", *places, details))
         if not (self.old.optimized and self.new.optimized):
             self.moved()
+        elif self.new.kind == "DB" and not self.new.instance_of:
+            self.reordered()
         return self.found
+
+    def reordered(self) -> None:
+        """Members of an optimized DB that stand before others than they did: the CPU gets the block anew."""
+        old = [m.path.upper() for m in self.old.members]
+        new = [m.path.upper() for m in self.new.members]
+        kept = set(old) & set(new)
+        before, after = [p for p in old if p in kept], [m for m in self.new.members if m.path.upper() in kept]
+        moved = next((m for was, m in zip(before, after, strict=True) if m.path.upper() != was), None)
+        if moved is not None:
+            message = "is at another place among the members"
+            self.add("member-reordered", moved, message)
 
     def moved(self) -> None:
         """Moves: of static variables in one change, in a DB made from a type in one change, else run by run."""

@@ -55,7 +55,18 @@ _TABLE = (
     ChangeKind(
         "member-renamed", _B, "member renamed, at the same place", "symbolic references break, absolute ones do not"
     ),
-    ChangeKind("member-spelling", _D, "letter case of a name", "S7 names do not tell cases apart"),
+    ChangeKind(
+        "member-spelling",
+        _D,
+        "letter case of a name",
+        "S7 names do not tell cases apart, OPC UA clients do: breaking there",
+    ),
+    ChangeKind(
+        "member-reordered",
+        _C,
+        "order of members with optimized access",
+        "the next download sets the block to start values",
+    ),
     ChangeKind("member-moved", _B, "member lies at another offset", "absolute readers and the drive read other bytes"),
     ChangeKind("section-changed", _B, "parameter changed its section", "calls pass it in another direction"),
     ChangeKind("type-changed", _B, "data type changed", "the same bytes mean something else"),

@@ -63,8 +63,9 @@ def _both(old: Sequence[Path], new: Sequence[Path], *, classic: bool) -> tuple[S
     before, after = read_sources(old, classic=classic), read_sources(new, classic=classic)
     lent = dict(before.types)
     for side, other in ((before, after.types), (after, lent)):
-        for name, block in other.items():
-            side.types.setdefault(name, block)
+        for part in (side, *side.parts.values()):
+            for name, block in other.items():
+                part.types.setdefault(name, block)
     return snapshot_of(before, _label(old)), snapshot_of(after, _label(new))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.review.compare.instances import instance_starts
@@ -27,10 +28,12 @@ _IGNORED = frozenset({"PROGRAMMINGLANGUAGE", "AUTONUMBER", "NAMESPACE", "INSTANC
 
 
 def snapshot_of(sources: Sources, label: str) -> Snapshot:
-    """States of all blocks of the sources, sorted by kind and name."""
+    """States of all blocks of the sources, sorted by kind and name; of several PLCs named ``PLC_1/Motor``."""
     snapshot = Snapshot(label, diagnostics=list(sources.diagnostics))
-    for found in sources.blocks:
-        snapshot.blocks.append(_State(found, sources.types, snapshot.diagnostics).block())
+    for plc, part in (sources.parts or {"": sources}).items():
+        for found in part.blocks:
+            state = _State(found, part.types, snapshot.diagnostics).block()
+            snapshot.blocks.append(replace(state, name=f"{plc}/{state.name}") if plc else state)
     snapshot.blocks.sort(key=lambda block: (block.kind, block.name.upper()))
     return snapshot
 

@@ -22,6 +22,12 @@ def document_attributes(root: Element) -> dict[str, dict[str, dict[str, str]]]:
     }
 
 
+def innermost_name(spelling: str) -> str:
+    """Name of a library type, also in an array; empty if the type is one of the user's."""
+    name = spelling.rpartition(" of ")[2].strip()
+    return "" if '"' in name else name
+
+
 def _block(element: Element) -> dict[str, dict[str, str]]:
     found: dict[str, dict[str, str]] = {}
     interface = child(child(child(element, "AttributeList"), "Interface"), "Sections")
@@ -39,6 +45,9 @@ def _block(element: Element) -> dict[str, dict[str, str]]:
 
 def _own(member: Element) -> dict[str, str]:
     own: dict[str, str] = {}
+    version, type_ = member.get("Version"), innermost_name(member.get("Datatype", ""))
+    if version and type_ and type_.upper() != "DTL":
+        own |= {"INSTRUCTIONNAME": type_.upper(), "LIBVERSION": version.upper()}
     remanence = member.get("Remanence")
     if remanence:
         own["RETAIN"] = remanence.upper()

@@ -63,7 +63,7 @@ def read_simaticml(
     source: Path | str | bytes,
     file: str | None = None,
     *,
-    classic: bool = False,
+    classic: bool | None = False,
     constants: Mapping[str, int | None] | None = None,
 ) -> tuple[list[Block], list[Diagnostic]]:
     """Blocks and types of one document and everything wrong with it; ``file`` is the name for messages.
@@ -71,7 +71,8 @@ def read_simaticml(
     ``constants`` are those of the project by upper-case name, for bounds and lengths.
 
     A missing MemoryLayout means optimized access, as on S7-1200/1500; ``classic`` says the document is for
-    S7-300/400, where it means standard access. Types and instance DBs have no layout of their own (None).
+    S7-300/400, where it means standard access, None that nobody knows: then it stays unsaid. Types and instance DBs
+    have no layout of their own (None).
     Diagnostics: PG802 too large, PG804 unreadable, PG810 document type, PG811 not well formed, PG812 unknown
     kind, missing attribute or unusable data type.
     """
@@ -82,7 +83,12 @@ def read_simaticml(
 
 
 def _blocks(
-    root: Element, name: str, diagnostics: list[Diagnostic], constants: Mapping[str, int | None], *, classic: bool
+    root: Element,
+    name: str,
+    diagnostics: list[Diagnostic],
+    constants: Mapping[str, int | None],
+    *,
+    classic: bool | None,
 ) -> list[Block]:
     blocks = []
     whole = text(child(child(root, "DocumentInfo"), "ExportSetting")).strip() == _WHOLE
@@ -124,7 +130,7 @@ def _open(source: Path | str | bytes, file: str | None) -> tuple[Element | None,
     return root, name, []
 
 
-def _block(element: Element, reader: InterfaceReader, *, classic: bool) -> Block | None:
+def _block(element: Element, reader: InterfaceReader, *, classic: bool | None) -> Block | None:
     file, diagnostics = reader.file, reader.diagnostics
     tag, kind = local(element), KINDS[local(element)]
     place = span(element, file)
@@ -213,11 +219,10 @@ def _number(digits: str, place: Span, diagnostics: list[Diagnostic]) -> int | No
     return None
 
 
-def _optimized(tag: str, memory_layout: str | None, *, classic: bool) -> bool | None:
-    if tag in ("SW.Types.PlcStruct", "SW.Blocks.InstanceDB") and memory_layout is None:
-        return None
+def _optimized(tag: str, memory_layout: str | None, *, classic: bool | None) -> bool | None:
     if memory_layout is None:
-        return not classic
+        said = classic is not None and tag not in ("SW.Types.PlcStruct", "SW.Blocks.InstanceDB")
+        return not classic if said else None
     return memory_layout != "Standard"
 
 

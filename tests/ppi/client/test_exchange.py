@@ -8,6 +8,7 @@ from ppi.client.support import connect, scripted
 from plcgen.line.endpoint import EndpointLine
 from plcgen.line.model import LineLostError
 from plcgen.protocols.ppi.client import Client, ClientError, NoAnswerError, RefusedError, Settings
+from plcgen.protocols.ppi.sim import Fault, FaultKind
 from plcgen.protocols.ppi.wire.fdl import encode_frame
 from plcgen.protocols.ppi.wire.model import VariableFrame
 
@@ -95,12 +96,15 @@ def test_what_a_line_does_for_a_while(fault):
     [
         ("silence:times=always", "station 2 does not answer (3 times sent)"),
         ("deaf:times=always", "station 2 does not answer (3 times sent)"),
-        ("garbage:data=11,times=always", "station 2 does not answer (3 times sent)"),
-        ("silence:at=poll,times=always", "no answer from station 2 after 10 polls: silence"),
-        ("not_ready:times=always", "no answer from station 2 after 10 polls: E5 without end, the CPU is not ready"),
-        ("fcs:times=always", "no answer from station 2 after 10 polls: silence"),
-        ("reference:times=always,value=9", "no answer from station 2 after 10 polls: an answer to request 0009h"),
-        ("nack:times=always", "station 2 does not answer"),
+        ("garbage:data=11,times=always", "3 damaged frames instead of an answer of station 2 (3 times sent)"),
+        ("silence:at=poll,times=always", "station 2 does not answer (10 polls)"),
+        ("not_ready:times=always", "station 2 is not ready: E5 without end (10 polls)"),
+        ("fcs:times=always", "10 damaged frames instead of an answer of station 2 (10 polls)"),
+        ("cut:value=20,at=poll,times=always", "a frame of station 2 broke off after 20 bytes (10 polls)"),
+        ("cut:value=3,at=poll,times=always", "10 damaged frames instead of an answer of station 2 (10 polls)"),
+        ("reference:times=always,value=9", "no answer from station 2 (10 polls): an answer to request 0009h"),
+        ("nack:times=always", "station 2 has no resource (NACK 02h, 3 times sent)"),
+        ("nack:at=poll,times=always", "station 2 has no resource (NACK 02h, 10 polls)"),
     ],
 )
 def test_what_a_line_does_for_ever(fault, message):
@@ -111,7 +115,7 @@ def test_what_a_line_does_for_ever(fault, message):
     (diagnostic,) = caught.value.diagnostics
     assert diagnostic.code == "PG718"
     assert diagnostic.message.startswith(message)
-    assert len([entry for entry in bus.journal if entry.direction == ">"]) <= 13
+    assert len([entry for entry in bus.journal if entry.direction == ">"]) <= 2 * 13  # a read that was damaged, twice
     assert line.clock.now < 20_000
     bus.faults.clear()
     assert client.read("VB100")[0].ok
@@ -220,7 +224,7 @@ def test_stations_and_bounds():
     """Station, own address, number of sends and polls are settings."""
     settings = Settings(station=5, own=3, sends=1, polls=2)
     client, _, bus, _ = connect(["not_ready:times=always"], address=5, settings=settings)
-    with pytest.raises(NoAnswerError, match="station 5 after 2 polls"):
+    with pytest.raises(NoAnswerError, match=r"station 5 is not ready: E5 without end \(2 polls\)"):
         client.read("VB0")
     assert [(e.frame.destination, e.frame.source) for e in bus.journal if e.direction == ">"] == [(5, 3)] * 3
     assert client.exchange.count.polls == 2
@@ -243,3 +247,62 @@ def test_the_wait_for_a_frame_that_has_begun():
     assert client.read("VB100")[0].value == 0x22
     assert isinstance(line, EndpointLine)
     assert isinstance(client, Client)
+
+
+@pytest.mark.parametrize(
+    ("fault", "help_"),
+    [
+        ("fcs:times=always", "check baud rate, parity and wiring"),
+        ("cut:value=20,at=poll,times=always", "raise --timeout"),
+        ("nack:times=always", "try again later"),
+        ("deaf:times=always", "check station address, baud rate, cable and adapter"),
+    ],
+)
+def test_what_to_do_about_it(fault, help_):
+    """Each cause has its own remedy."""
+    client, _, _, _ = connect([fault])
+    with pytest.raises(NoAnswerError) as caught:
+        client.read("VB100")
+    assert help_ in caught.value.diagnostics[0].help
+
+
+def test_the_first_frame_of_a_session_is_a_read():
+    """A lost E5 of 6Ch is executed twice, as the station cannot see the repetition: so SMB0 is read before a write."""
+    client, plc, bus, _ = connect(["silence:at=request"])
+    client.write({"VB100": 7})
+    requests = [e.frame for e in bus.journal if e.direction == ">" and isinstance(e.frame, VariableFrame)]
+    assert [frame.function for frame in requests] == [0x6C, 0x6C, 0x7C]
+    assert [frame.pdu[10] for frame in requests] == [4, 4, 5]
+    assert plc["VB100"] == 7
+
+
+def test_a_lost_e5_never_writes_twice():
+    """The write is the second frame: its repetition has the same frame count bit, the station only answers again."""
+    client, plc, _, _ = connect(["silence:at=request,after=1"])
+    client.write({"VB100": 7})
+    assert plc.executed == 2
+
+
+def test_a_read_is_sent_again_if_its_answer_was_damaged():
+    """Ten damaged answers, then a good one to the same read sent as a whole; a write is never sent again."""
+    client, _, bus, _ = connect(["fcs:times=10,at=poll"], values={"VB100": 7})
+    assert client.read("VB100")[0].value == 7
+    requests = [e.frame for e in bus.journal if e.direction == ">" and isinstance(e.frame, VariableFrame)]
+    assert [frame.function for frame in requests] == [0x6C, 0x6C]
+    client, plc, _, _ = connect(["fcs:times=10,at=poll,after=1"])
+    with pytest.raises(NoAnswerError):
+        client.write({"VB100": 7})
+    assert plc.executed == 2
+
+
+def test_an_answer_that_looks_like_the_one_before_is_compared_with_it():
+    """The same read again takes its value; a return code, length or count that differs is examined and refused."""
+    client, plc, bus, _ = connect(values={"VW100": 1, "VB103": 5})
+    for value in (1, 2, 3):
+        plc["VW100"] = value
+        assert [reading.value for reading in client.read("VW100", "T32", "VB103")] == [value, 0, 5]
+    bus.faults.append(Fault(FaultKind.ITEM, item=1, code=5))
+    assert [reading.code for reading in client.read("VW100", "T32", "VB103")][1] == 0xFF
+    bus.faults.append(Fault(FaultKind.COUNT, times=None))
+    with pytest.raises(NoAnswerError, match="no valid PDU"):
+        client.read("VW100", "T32", "VB103")

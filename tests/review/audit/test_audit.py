@@ -502,3 +502,14 @@ def test_a_variable_is_not_a_constant(project):
     (project / "Talk.scl").write_text(text, encoding="utf-8")
     (project / "OB1.awl").unlink()
     assert findings(project) == []
+
+
+def test_two_reads_into_one_db_are_an_error(project):
+    """The answer that comes later overwrites the other; it is the second request whose answer nobody fetches."""
+    edit(project / "OB1.awl", "P#DB6.DBX0.0 BYTE 10", "P#DB4.DBX0.0 BYTE 10")
+    found = [d for d in findings(project) if d.code == "PG659"]
+    assert [d.message for d in found] == [
+        'DB "RD_DataBuffer_1" is read by nobody: its request is sent, but no RDREC fetches the answer',
+        "RDREC in OB1 fills P#DB4.DBX0.0 BYTE 10, which RDREC in OB1 fills already",
+    ]
+    assert found[1].notes[0].span.line < found[1].span.line

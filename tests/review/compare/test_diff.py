@@ -599,3 +599,45 @@ def test_attributes_are_named_as_the_source_spells_them(tmp_path):
         shutil.rmtree(tmp_path / side)
     (change,) = diff(tmp_path, old, new.replace("1.0", "1.1")).changes
     assert (change.kind, change.message) == ("member-attribute", "A.Id 1.0 -> 1.1")
+
+
+OPTIMIZED = """DATA_BLOCK "D"
+{{ S7_Optimized_Access := 'TRUE' }}
+VERSION : 0.1
+  STRUCT
+    {members}
+  END_STRUCT;
+BEGIN
+END_DATA_BLOCK
+"""
+
+
+@pytest.mark.parametrize(
+    ("members", "kinds"),
+    [
+        ("time : Real; speed : Int;", ["member-reordered"]),
+        ("speed : Int; more : Int; time : Real;", ["member-added"]),
+        ("time : Real;", ["member-removed"]),
+        ("speed : Int; Time : Real;", ["member-spelling"]),
+    ],
+)
+def test_order_in_an_optimized_db_is_a_change(members: str, kinds: list[str], tmp_path: Path) -> None:
+    """Symbols reach the members all the same; the CPU gets the block anew, with its start values."""
+    paths = []
+    for name, inner in (("old", "speed : Int; time : Real;"), ("new", members)):
+        paths.append(tmp_path / f"{name}.db")
+        paths[-1].write_text(OPTIMIZED.format(members=inner), "utf-8")
+    result = plcgen.diff(*paths)
+    assert [change.kind for change in result.changes if change.kind.startswith("member")] == kinds
+    as_opc = plcgen.diff(*paths, policy=["member-spelling=breaking"])
+    assert bool(as_opc.failing("breaking")) is (kinds[0] in {"member-spelling", "member-removed"})
+
+
+def test_text_and_document_of_a_block_are_equal(tmp_path: Path) -> None:
+    """Types, data blocks, function blocks with instances of library blocks, OBs: no change, not even of a text."""
+    expected = ROOT / "examples" / "s7-1500_g120_pn" / "expected"
+    for folder in ("scl", "udt", "db"):
+        shutil.copytree(expected / folder, tmp_path / "text" / folder)
+    result = plcgen.diff(tmp_path / "text", expected / "xml")
+    assert result.diagnostics == ()
+    assert [(change.subject, change.kind, change.message) for change in result.changes] == []

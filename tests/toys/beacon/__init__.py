@@ -76,6 +76,14 @@ class BeaconProof:
     def __init__(self, plan: BeaconPlan) -> None:
         self.plan = plan
 
+    def constants(self) -> dict[str, int]:
+        """None."""
+        return {}
+
+    def stimulus(self) -> tuple[tuple[str, str], ...]:
+        """None."""
+        return ()
+
     def layouts(self) -> Iterator[LaidOut]:
         """One buffer a lamp."""
         for job in self.plan.jobs:

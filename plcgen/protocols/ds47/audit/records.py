@@ -43,7 +43,38 @@ def check_calls(plan: DrivePlan, calls: Sequence[FoundCall], matches: Sequence[M
         else:
             _alone(audit, plan)
         audits.append(audit)
+    _fetched_twice(audits)
+    _never_fetched(audits, matches)
     return audits
+
+
+def _fetched_twice(audits: Sequence[CallAudit]) -> None:
+    """One response DB for each RDREC: the answer that comes later overwrites the other."""
+    first: dict[int, CallAudit] = {}
+    for audit in audits:
+        if audit.call.writes or audit.match is None or audit.match.role != "response" or audit.call.record is None:
+            continue
+        other = first.setdefault(id(audit.match), audit)
+        if other is not audit:
+            message = f"{audit.call.title} fills {audit.call.record.text}, which {other.call.title} fills already"
+            notes = (Note("the other call", other.call.span),)
+            audit.report("PG659", message, audit.call.span, "give each RDREC a response DB of its own", notes=notes)
+
+
+def _never_fetched(audits: Sequence[CallAudit], matches: Sequence[Match]) -> None:
+    """A request that is sent has an answer; if every RDREC is known and none fetches it, nobody does.
+
+    Sources without any RDREC are a part of a program.
+    """
+    reads = [audit.match for audit in audits if not audit.call.writes]
+    if not reads or None in reads:
+        return
+    sent = {id(audit.match.telegram) for audit in audits if audit.match is not None and audit.call.writes}
+    fetched = {id(audit.match.telegram) for audit in audits if audit.match is not None and not audit.call.writes}
+    for match in matches:
+        if match.role == "response" and match.buffer is not None and id(match.telegram) in sent - fetched:
+            message = f"{match.buffer.title} is read by nobody: its request is sent, but no RDREC fetches the answer"
+            match.report("PG659", message, match.buffer.span, "call RDREC with this DB as RECORD after WRREC")
 
 
 def _match(record: Record | None, matches: Sequence[Match]) -> Match | None:

@@ -45,6 +45,8 @@ class JobConduct:
         rig.put_inputs(scenario.slot)
         rig.drive.begin(scenario)
         rig.bus.write_busy, rig.bus.read_busy = scenario.busy
+        if scenario.occupied:
+            rig.occupy()
         self.before, self.wanted, self.requests = rig.delivered(), rig.wanted(), rig.requests()
         return rig.job.timeout + DRAIN_MS + 12 * scenario.scan
 
@@ -59,7 +61,11 @@ class JobConduct:
             self.rig.drive.switch_off()
 
     def scan(self, run: Run[DriveScenario]) -> int:
-        """Inputs change behind the first call."""
+        """Inputs change behind the first call; the job of another slot leaves."""
+        if run.scenario.occupied:
+            self.rig.alive()
+            if run.scans == run.scenario.occupied // run.scenario.scan:
+                self.rig.leave()
         if run.scenario.meddle and run.scans > 1:
             self.rig.meddle()
         return run.scenario.scan
@@ -110,6 +116,8 @@ class JobConduct:
 
     def rest(self, run: Run[DriveScenario]) -> None:
         """An idle job does nothing: values stay behind the end."""
+        if run.scenario.occupied:
+            self.rig.leave()
         run.fall()
         if self.rig.delivered() != self.before:
             raise ScenarioError("a value output changed after the end of the job")

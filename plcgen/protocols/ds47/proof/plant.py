@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import Any
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
@@ -29,7 +30,8 @@ class Plant:
 
     def __init__(self, plan: DrivePlan, program: Program) -> None:
         self.plan, self.program = plan, program
-        self.cpu = Cpu(program, Periphery(), family=plan.target.family)
+        family: Any = plan.target.family
+        self.cpu = Cpu(program, Periphery(), family=family)
         self.units = {unit.key: self._build(unit) for unit in plan.units}
         members = [f"{job.member}.{name}" for job in plan.jobs for name in self._signals(job)]
         self.control = Members(self.cpu, program, plan.control_db.name, members)

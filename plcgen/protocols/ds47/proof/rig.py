@@ -13,14 +13,16 @@ from plcgen.protocols.ds47.proof.contents import ValueSet, held, piece, value_se
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.scenario import Contents
 from plcgen.protocols.ds47.proof.stimulus import SLOTS, UNITS, shape_fb
-from plcgen.protocols.ds47.proof.words import BUILD
+from plcgen.protocols.ds47.proof.words import BUILD, COUNTERS
 from plcgen.protocols.ds47.sim.bench import build_unit
 
 SIGNALS = ("execute", "busy", "done", "error", "status", "errors", "errorInfos", "driveObject", "slot")
 ORDER = ("length", "retries", "timeout", "pause", "once", "pinned", "requestDb", "responseDb", "responseSize")
 VALUE_SETS = 3
-SLOT = 1
-"""Slot of the job in the proof's unit."""
+SLOT, OTHER = 1, 2
+"""Slots of the job in the proof's unit, and of one that has the unit in between."""
+WAIT_MS, WAIT_LIMIT_MS = 500, 60_000
+"""How long a job waits for its unit: where another job has it, and usually."""
 
 
 class JobRig:
@@ -38,6 +40,7 @@ class JobRig:
         self.cpu.misuses.clear()
         self.cpu.coverage[:] = bytes(len(self.cpu.coverage))
         self.id_name = "hardwareId" if plan.target.t15 else "driveAddress"
+        self.channel = Members(self.cpu, program, f"{shape_fb(number)}_DB", ["channel0.waitLimit"], "channel0.")
         values = [use.member for use in (*job.inputs, *job.outputs)]
         paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values)]
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
@@ -51,6 +54,7 @@ class JobRig:
         self.order_id = "order.hardwareId" if self.plan.target.t15 else "order.address"
         names = ["state", "telegram", "expected", self.order_id, *(f"order.{name}" for name in ORDER)]
         names += [f"asks[{slot}].telegram" for slot in range(1, SLOTS + 1)]
+        names += [f"asks[{OTHER}].want", f"asks[{OTHER}].mark"]
         return Members(self.cpu, self.program, name, [f"unit.{name}" for name in names], "unit.")
 
     @staticmethod
@@ -120,6 +124,25 @@ class JobRig:
         """The telegram that the job has handed over last; 0 without one."""
         slot = self.db.get("slot")
         return self.unit.get(f"asks[{slot}].telegram") if 0 < slot <= SLOTS else 0
+
+    # --- another job ------------------------------------------------------------------------------
+
+    def occupy(self) -> None:
+        """The job of another slot gets the unit, and others wait for ``WAIT_MS`` at most."""
+        self.channel.set("waitLimit", WAIT_MS)
+        self.unit.set(f"asks[{OTHER}].want", -self.unit.get(f"asks[{OTHER}].want", signed=True) % COUNTERS + 1)
+        self.cpu.call(self.db.block, 10)
+
+    def alive(self) -> None:
+        """The other job gives a sign of life."""
+        name = f"asks[{OTHER}].mark"
+        self.unit.set(name, self.unit.get(name) % COUNTERS + 1)
+
+    def leave(self) -> None:
+        """The other job gives the unit back."""
+        self.unit.set(f"asks[{OTHER}].want", -abs(self.unit.get(f"asks[{OTHER}].want", signed=True)))
+        self.channel.set("waitLimit", WAIT_LIMIT_MS)
+        self.cpu.call(self.db.block, 10)
 
     # --- what the job hands over ----------------------------------------------------------------------
 

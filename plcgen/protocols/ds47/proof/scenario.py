@@ -21,7 +21,8 @@ class DriveScenario(Scenario):
 
     ``writes`` and ``reads`` act on the n-th WRREC or RDREC (0: on every one): a STATUS, or for a read an edit of the
     answer. ``busy`` is how many calls of WRREC and RDREC answer BUSY, ``generic`` lets the drive answer 41h to 43h.
-    ``meddle`` changes every input behind the first call, ``slot`` is another slot than the job's own.
+    ``meddle`` changes every input behind the first call, ``slot`` is another slot than the job's own, ``occupied`` for
+    how many ms the job of another slot has the unit.
 
     ``telegram`` is the one that ends the job, 0 the last; ``answered`` says that it had an answer. ``errors`` are those
     stated by hand: (error, info) by number of the telegram and place in it, all others of an answered telegram are 0.
@@ -36,6 +37,7 @@ class DriveScenario(Scenario):
     values: Contents = "next"
     meddle: bool = False
     slot: int | None = None
+    occupied: int = 0
     telegram: int = 0
     answered: bool = True
     errors: Mapping[tuple[int, int], tuple[int, int]] = field(default_factory=dict)

@@ -213,6 +213,14 @@ def _signals(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
     for at in points[:-1]:
         happens = {at: "drop", at + 1: "rise"}
         yield DriveScenario(name=f"execute falls before scan {at} and rises", happens=happens, follow=False)
+    yield DriveScenario(name="another job has the unit for a while", occupied=200, follow=False)
+    yield DriveScenario(
+        name="another job has the unit for too long",
+        occupied=10_000,
+        status=(WORDS["OCCUPIED"],),
+        checked=False,
+        took=(490, 520),
+    )
     for slot in WRONG_SLOTS:
         last = slot == 3
         yield DriveScenario(

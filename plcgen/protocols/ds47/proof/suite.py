@@ -21,6 +21,9 @@ from plcgen.proof.suite import CodeBlock, LaidOut, Level, Procedure, Progress
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof import stimulus
 from plcgen.protocols.ds47.proof.conduct import JobConduct
+from plcgen.protocols.ds47.proof.engine.checks import engine_checks
+from plcgen.protocols.ds47.proof.engine.known import proven
+from plcgen.protocols.ds47.proof.engine.sources import NAMES, SHORT, DriveEngine
 from plcgen.protocols.ds47.proof.exchanges import check_drive, check_telegrams
 from plcgen.protocols.ds47.proof.own_drive import own_checks
 from plcgen.protocols.ds47.proof.plant import Plant
@@ -29,8 +32,11 @@ from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.scenarios import STATE_CONFLICT, matrix, polls
 from plcgen.protocols.ds47.proof.together import procedures
 from plcgen.protocols.ds47.sim.drive import Drive
+from plcgen.sources.generated import generated_sources
 
 SHOWN_VALUES = 3
+ROLES = {"gate_data": "gate_type"}
+"""Blocks of the engine that its proof and the plan call differently."""
 TELEGRAM = ("statTicket.ask.telegram", "tempSeen.telegram")
 """Where a job block looks which telegram it is."""
 
@@ -68,6 +74,17 @@ class DriveProof:
             return None
         own = drive_maker(partner)() if partner is not None else None
         return CheckGroup("drive", "Simulated drive", tuple(check_drive(self.plan, folder, own, progress)))
+
+    def foundation(self, folder: Path, *, run: bool, progress: Progress | None) -> Iterator[Check]:
+        """The engine: channel, ticket and gate."""
+        if self.plan.jobs:
+            names = {role: getattr(self.plan.engine, ROLES.get(role, role)).name for role in NAMES}
+            engine = DriveEngine.of(generated_sources(folder), self.plan.target.dialect, names)
+            if proven() or run:
+                yield from engine_checks(engine, run=run, progress=progress)
+            else:
+                verdict = "not run: this copy of plcgen has no record of proven engines (--engine runs it)"
+                yield Check("engine", f"engine {engine.hash[:SHORT]}", "", Outcome.NOT_RUN, verdict)
 
     def suites(self) -> list[DriveSuite]:
         """All jobs are one suite: they may share units."""

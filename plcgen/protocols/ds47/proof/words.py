@@ -16,7 +16,7 @@ def state_name(state: int) -> str:
 
 TRANSITIONS = frozenset(
     {
-        (IDLE, HOLD), (HOLD, IDLE), (HOLD, BUILD), (HOLD, DRAIN), (BUILD, GATE), (BUILD, DRAIN), (GATE, WRITE),
+        (IDLE, HOLD), (HOLD, IDLE), (HOLD, BUILD), (BUILD, GATE), (BUILD, DRAIN), (GATE, WRITE),
         (GATE, READ), (GATE, DRAIN), (WRITE, READ), (WRITE, PAUSE), (WRITE, DRAIN), (READ, CHECK), (READ, PAUSE),
         (READ, DRAIN), (CHECK, PAUSE), (CHECK, DRAIN), (PAUSE, BUILD), (PAUSE, GATE), (PAUSE, DRAIN), (DRAIN, HOLD),
     }
@@ -28,13 +28,13 @@ MEANINGS = {
     0x7000: ("IDLE", "no job active"),
     0x7001: ("STARTED", "job started"),
     0x7002: ("RUNNING", "job running"),
-    0x8101: ("TIMEOUT", "not finished within its time-out"),
+    0x8101: ("TIMEOUT", "not finished within its timeout"),
     0x8102: ("DRAIN_TIMEOUT", "a record call still active after DRAIN_LIMIT"),
     0x8103: ("STILL_DRAINING", "refused: a record call of an earlier job is still active"),
     0x8104: ("OCCUPIED", "waited for the unit for waitLimit"),
     0x8105: ("LOST", "not called for LEASE, or channel or unit loaded again: what the drive did is not known"),
     0x8106: ("NOT_CALLED", "the channel gives no sign of life"),
-    0x8107: ("NO_PLACE", "no place for a record job within the time-out"),
+    0x8107: ("NO_PLACE", "no place for a record job within the timeout"),
     0x8108: ("NO_SLOT", "the unit has no such slot"),
     0x8109: ("SLOT_TAKEN", "another job uses the slot"),
     0x8201: ("WRITE_ERROR", "WRREC failed for good, see recordStatus"),

@@ -17,6 +17,7 @@ RULES = Rules(
         parameters.repeated,
         parameters.dangerous,
         parameters.only_bytes,
+        parameters.unconnected,
         telegrams.response_buffer,
         telegrams.request_buffer,
         telegrams.reference,

@@ -79,7 +79,7 @@ def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
         "drive": job.drive.key,
         "label": use.label,
         "title": use.parameter.title,
-        "value": _values(plan, use) if use.constant else "block input",
+        "value": _values(plan, use) if use.constant else f"input, {_values(plan, use)} if nothing is connected",
         "note": f"{danger}; signed off: {signed}".replace("|", "\\|") if danger else "",
         "safety": use.parameter.pnu in guards.SAFETY,
     }

@@ -14,6 +14,9 @@ from dataclasses import dataclass
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.line import Line
+from plcgen.protocols.ppi.client.heard import Heard, HeardKind
+from plcgen.protocols.ppi.client.known import KnownReplies
+from plcgen.protocols.ppi.wire.areas import Area, Function
 from plcgen.protocols.ppi.wire.codes import function_text, header_error
 from plcgen.protocols.ppi.wire.errors import TOLERABLE
 from plcgen.protocols.ppi.wire.fdl import encode_frame, found_frame, sd2
@@ -24,7 +27,10 @@ from plcgen.protocols.ppi.wire.model import (
     FixedFrame,
     Frame,
     FrameCount,
+    Item,
     Pdu,
+    ReadReply,
+    ReadRequest,
     Request,
     VariableFrame,
 )
@@ -33,6 +39,11 @@ from plcgen.protocols.ppi.wire.stream import Chunk, Splitter
 
 NO_ANSWER, REFUSED = "PG718", "PG719"
 _NO_DATA, _NO_RESOURCE = 0x09, 0x02
+_FUNCTION = 10
+"""Place of the function in the PDU of a job."""
+_HARMLESS = frozenset({int(Function.READ), int(Function.SETUP)})
+_FIRST = encode_pdu(ReadRequest(0, (Item.memory(Area.SM, 0),)))
+"""A read of SMB0: every S7-200 has it, and reading it changes nothing."""
 _FRESH = 0.005
 """Seconds behind a smooth exchange in which nothing can have arrived that is worth looking for."""
 
@@ -103,6 +114,9 @@ class Exchange:
         self._clean_until = -math.inf
         self._frames: list[Frame] = []
         self._splitter = Splitter(tolerant=True)
+        self._heard = Heard()
+        self._known = KnownReplies()
+        self._asked = False
 
     def run(self, request: Request, *, experimental: bool = False) -> Pdu:
         """Return the answer to a request, see ``run_encoded``. Raises PpiError if the request makes no PDU."""
@@ -111,25 +125,48 @@ class Exchange:
     def run_encoded(self, pdu: bytes, reference: int) -> Pdu:
         """Return the answer to a request whose PDU has this reference.
 
+        The very first frame, 6Ch, is the one of which a station cannot see a repetition: if its E5 is lost, it is
+        executed twice. So what is more than a read comes second, behind a read of SMB0. A read whose answer does not
+        arrive undamaged is sent once more as a whole: reading twice does no harm.
+
         Raises NoAnswerError, RefusedError (an error in the header, or a negative answer of the line) and LineError.
         """
+        harmless = pdu[_FUNCTION] in _HARMLESS
+        if self._frame_count.last is None and not harmless:
+            self._one(_FIRST, 0)
+        reply = self._twice(pdu, reference) if harmless else self._one(pdu, reference)
+        if isinstance(reply, ErrorReply):
+            meaning = header_error(reply.code)
+            text = f"station {self.settings.station} refuses the job: {reply.code:04X}h, {meaning.text}"
+            raise RefusedError(self.line.name, text, meaning.help, reply.code)
+        return reply
+
+    def _twice(self, pdu: bytes, reference: int) -> Pdu:
+        """One exchange, and another one if the answer of the first was damaged."""
+        try:
+            return self._one(pdu, reference)
+        except NoAnswerError:
+            if not self._heard.garbled or not self._asked:
+                raise
+        self.count.repeats += 1
+        return self._one(pdu, reference)
+
+    def _one(self, pdu: bytes, reference: int) -> Pdu:
+        """Request, E5, poll, answer."""
         count = self.count
         count.exchanges += 1
         if self._now() > self._clean_until:
             self._drain()
         odd = count.repeats + count.skipped
+        self._heard, self._asked = Heard(), False
         try:
-            reply = self._poll(reference, self._send(pdu))
+            reply = self._poll(pdu, reference, self._send(pdu))
         except ClientError:
             self._frame_count.restart()
             self._clean_until = -math.inf
             raise
         clean = odd == count.repeats + count.skipped and not self._frames and not self._splitter.pending
         self._clean_until = self._now() + _FRESH if clean else -math.inf
-        if isinstance(reply, ErrorReply):
-            meaning = header_error(reply.code)
-            text = f"station {self.settings.station} refuses the job: {reply.code:04X}h, {meaning.text}"
-            raise RefusedError(self.line.name, text, meaning.help, reply.code)
         return reply
 
     def _send(self, pdu: bytes) -> Frame:
@@ -144,9 +181,11 @@ class Exchange:
             frame = self._receive()
             if frame is not None and not self._try_again(frame):
                 return frame
-        text = f"station {settings.station} does not answer ({settings.sends} times sent)"
-        help_ = "check station address, baud rate, cable and adapter, and that the CPU is on"
-        raise NoAnswerError(self.line.name, text, help_)
+        raise self._silent(f"{settings.sends} times sent")
+
+    def _silent(self, tries: str) -> NoAnswerError:
+        text, help_ = self._heard.text(self.settings.station, tries)
+        return NoAnswerError(self.line.name, text, help_)
 
     def _try_again(self, frame: Frame) -> bool:
         """Whether a short answer asks for a repetition; one that refuses for good raises RefusedError."""
@@ -154,39 +193,41 @@ class Exchange:
             return False
         status = frame.function & 0x0F
         if status in {0x00, _NO_RESOURCE, _NO_DATA}:
+            if status == _NO_RESOURCE:
+                self._heard.outcomes.append(HeardKind.BUSY)
             return status == _NO_RESOURCE
         text = f"station {self.settings.station} refuses the telegram: {function_text(frame.function)}"
         raise RefusedError(self.line.name, text)
 
-    def _poll(self, reference: int, frame: Frame | None) -> Pdu:
+    def _poll(self, request: bytes, reference: int, frame: Frame | None) -> Pdu:
         """Poll until the answer to the request comes, a bounded number of times.
 
         E5 (not ready) is followed by a new poll with the other frame count bit, silence by the same poll again. After
         an answer to something else the right one may be on its way, so the line is listened to before that.
         """
-        settings = self.settings
-        refused = quiet = ""
+        settings, heard = self.settings, self._heard
         listened = False
+        heard.outcomes.clear()  # the station has answered: what counts is what it says to polls
+        self._asked = True
         for number in range(settings.polls + 1):
             again = frame is None
             if isinstance(frame, VariableFrame):
-                reply, refused = self._reply(reference, frame)
+                reply, heard.other = self._reply(request, reference, frame)
                 if reply is not None:
                     return reply
+                heard.outcomes.append(HeardKind.OTHER)
                 listened = not listened
                 frame = self._receive() if listened else frame
                 if listened and frame is not None:
                     continue
                 again = listened
-            elif frame is None:
-                quiet = "silence"
-            elif number > 0:
-                quiet = "E5 without end, the CPU is not ready"
+            elif frame is not None and number > 0:
+                if not self._try_again(frame):
+                    heard.outcomes.append(HeardKind.NOT_READY)
                 self._wait(settings.pause)
             if number < settings.polls:
                 frame = self._ask(again=again)
-        text = f"no answer from station {settings.station} after {settings.polls} polls: {refused or quiet}"
-        raise NoAnswerError(self.line.name, text, "try again; plcgen ppi decode explains a capture of the line")
+        raise self._silent(f"{settings.polls} polls")
 
     def _ask(self, *, again: bool) -> Frame | None:
         """Send a poll, or the last one once more, and return what comes back."""
@@ -195,10 +236,7 @@ class Exchange:
         self.count.polls += 1
         self.count.repeats += again
         self.line.write(self._poll_frame(function))
-        frame = self._receive()
-        if frame is not None:
-            self._try_again(frame)
-        return frame
+        return self._receive()
 
     def _poll_frame(self, function: int) -> bytes:
         found = self._polls.get(function)
@@ -207,9 +245,16 @@ class Exchange:
             found = self._polls.setdefault(function, encode_frame(frame))
         return found
 
-    def _reply(self, reference: int, frame: VariableFrame) -> tuple[Pdu | None, str]:
+    def _reply(self, request: bytes, reference: int, frame: VariableFrame) -> tuple[Pdu | None, str]:
         """Return the PDU if it is the answer to the request, otherwise why not."""
+        layout = self._known.find(request)
+        if layout is not None and frame.pdu[4:6] == request[4:6]:
+            known = layout.read(frame.pdu, reference)
+            if known is not None:
+                return known, ""
         pdu, found = examine_pdu(frame.pdu)
+        if isinstance(pdu, ReadReply) and not found:
+            self._known.keep(request, frame.pdu, pdu)
         wrong = [violation for violation in found if violation.kind not in TOLERABLE]
         if pdu is None or wrong:
             self.count.skipped += 1
@@ -225,6 +270,7 @@ class Exchange:
         """Return the next frame of the station; None if none comes in time."""
         settings = self.settings
         deadline = self._now() + settings.answer
+        damaged = self._heard.damaged
         extended = False
         while True:
             while self._frames:
@@ -237,20 +283,26 @@ class Exchange:
                 extended = True
             left = deadline - self._now()
             if left <= 0:
-                self._take(self._splitter.finish())
+                rest = self._splitter.rest
+                chunks = self._splitter.finish()
+                self._take(chunks, last=True)
                 if not self._frames:
+                    garbage = any(not chunk.frame for chunk in chunks)
+                    self._heard.nothing(damaged, rest, settings.own, settings.station, garbage=garbage)
                     return None
                 continue
             data = self.line.read(timeout=left)
             if data:
                 self._take(self._splitter.feed(data))
 
-    def _take(self, chunks: list[Chunk]) -> None:
+    def _take(self, chunks: list[Chunk], *, last: bool = False) -> None:
+        """Keep frames and count the rest; what is left at the end is judged by itself."""
         for chunk in chunks:
             if chunk.frame:
                 self._frames.append(found_frame(chunk.data))
             else:
                 self.count.skipped += 1
+                self._heard.damaged += not last
 
     def _is_ours(self, frame: Frame) -> bool:
         """Whether a frame can answer us: E5, or a frame from the station to us that is no request."""

@@ -68,6 +68,10 @@ class PpiProof:
         """Start values of the tables."""
         return check_telegrams(self.plan, folder)
 
+    def foundation(self, folder: Path, *, run: bool, progress: Progress | None) -> Iterator[Check]:
+        """Nothing: a block is made for its master."""
+        return iter(())
+
     def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:
         """Stations are only met by the block as a whole."""
 

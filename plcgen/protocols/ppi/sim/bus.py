@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from plcgen.protocols.ppi.sim.cpu import BUSY
 from plcgen.protocols.ppi.sim.faults import BEFORE, DAMAGING, Fault, FaultKind, before, can_damage, damage
 from plcgen.protocols.ppi.sim.station import Interference, Station
-from plcgen.protocols.ppi.wire.fdl import encode_frame, examine_frame
+from plcgen.protocols.ppi.wire.fdl import encode_frame, found_frame
 from plcgen.protocols.ppi.wire.model import Acknowledgement, FixedFrame, Frame, VariableFrame
 from plcgen.protocols.ppi.wire.stream import Splitter
 
@@ -19,6 +18,7 @@ GAP = 200
 """Milliseconds of silence after which the rest of a frame is not waited for any more."""
 
 _JOURNAL = 10_000
+_ACKNOWLEDGED = b"\xe5"
 _REFUSED_ITEM, _NO_RESOURCE = 0x05, 0x02
 _REFUSALS = frozenset({0x01, 0x02, 0x03})
 
@@ -30,8 +30,7 @@ def _fault(text: str) -> Fault:
     return parse_fault(text)
 
 
-@dataclass(frozen=True, slots=True)
-class Traffic:
+class Traffic(NamedTuple):
     """Bytes on the line: when (ms), ``>`` from the masters or ``<`` from the stations, and the fault behind it.
 
     ``frame`` is None for bytes that are no frame, and for everything that a fault changed.
@@ -85,7 +84,7 @@ class Bus:
         if not self._splitter.pending:
             chunks += self._splitter.finish()  # what is no frame is told at once, not with the next frame
         for chunk in chunks:
-            frame = examine_frame(chunk.data)[0] if chunk.frame else None
+            frame = found_frame(chunk.data) if chunk.frame else None
             self._note(Traffic(now, ">", chunk.data, frame, "" if frame else "no frame"))
             station = self._addressed(frame)
             if frame is not None and station is not None:
@@ -93,6 +92,8 @@ class Bus:
 
     def transmit(self, now: int) -> bytes:
         """Hand out the bytes that have been sent up to ``now`` milliseconds."""
+        if not self._queue:
+            return b""
         ready = [entry for entry in self._queue if entry.time <= now]
         if not ready:
             return b""
@@ -103,7 +104,7 @@ class Bus:
 
     def due(self) -> int | None:
         """When the next bytes will be sent, None if nothing is under way."""
-        return min((entry.time for entry in self._queue), default=None)
+        return min(entry.time for entry in self._queue) if self._queue else None
 
     def exchange(self, data: bytes, now: int = 0) -> bytes:
         """Receive and transmit at once: the answer to bytes, without anything that comes late."""
@@ -121,6 +122,14 @@ class Bus:
 
     def _deliver(self, station: Station, raw: bytes, frame: Frame, now: int) -> None:
         """Let a station answer a frame, and the faults damage the answer."""
+        if not self.faults:
+            answer = station.receive(frame)
+            if answer is not None:
+                sent = _ACKNOWLEDGED if isinstance(answer, Acknowledgement) else encode_frame(answer)
+                if sent is not _ACKNOWLEDGED:
+                    self._previous[station.address] = sent
+                self._queue.append(Traffic(now, "<", sent, answer))
+            return
         if self._strike(FaultKind.DEAF, station, frame):
             return
         answer = self._refusal(station, frame) or station.receive(frame, lambda: self._interference(station, frame))

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from plcgen.protocols.ppi.sim.memory import StationMemory
+from plcgen.protocols.ppi.sim.reading import KnownReads
 from plcgen.protocols.ppi.wire.areas import JOB_HEADER, PDU_LIMIT, Area, Function, ReturnCode, Rosctr
 from plcgen.protocols.ppi.wire.errors import Kind, Violation
 from plcgen.protocols.ppi.wire.model import (
@@ -94,6 +95,10 @@ class StationCpu:
     pdu_limit: int = PDU_LIMIT
     protected: frozenset[Service] = frozenset()
     jobs: int = 0
+    _reads: KnownReads = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._reads = KnownReads(self.memory)
 
     def answer(
         self, data: bytes, session: Session, *, refuse: int | None = None, items: Mapping[int, int] | None = None
@@ -106,9 +111,15 @@ class StationCpu:
         self.jobs += 1
         if len(data) < JOB_HEADER or data[0] != PROTOCOL or data[1] not in {Rosctr.JOB, Rosctr.USERDATA}:
             return None
-        reference = data[4] << 8 | data[5]
         limit = session.limit or self.pdu_limit
+        plain = not refuse and not items and len(data) <= limit and Service.READ not in self.protected
+        known = self._reads.find(data) if plain else None
+        if known is not None and known.size <= limit:
+            return known.answer(data[4:6])
+        reference = data[4] << 8 | data[5]
         pdu, found = examine_pdu(data)
+        if plain and not found and isinstance(pdu, ReadRequest):
+            self._reads.keep(data, pdu)
         code = refuse or _header_error(found) or (LENGTH_ERROR if len(data) > limit else 0)
         if code or pdu is None:
             return encode_pdu(_error(reference, code or LENGTH_ERROR))

@@ -33,7 +33,7 @@ class StationMemory:
         self._bytes = {area: bytearray(size * _width(area)) for area, size in profile.sizes.items()}
         text = profile.type if type_ is None else type_
         self._bytes[Area.SM][0] = _ALWAYS_ON
-        self._bytes[Area.SYS][:] = text.encode("ascii", "replace")[:TYPE_LENGTH].ljust(TYPE_LENGTH)
+        self._bytes[Area.SYS][:TYPE_LENGTH] = text.encode("ascii", "replace")[:TYPE_LENGTH].ljust(TYPE_LENGTH)
 
     def read(self, item: Item) -> ItemResult:
         """Answer one item of a read."""
@@ -85,8 +85,12 @@ class StationMemory:
             return ReturnCode.NOT_AVAILABLE
         if not _suits(item):
             return ReturnCode.TYPE_NOT_SUPPORTED
-        if item.count == 0 or (item.size == TransportSize.BIT and item.count != 1):
+        if item.count == 0:
             return ReturnCode.SIZE_MISMATCH
+        if item.size == TransportSize.BIT and item.count != 1:
+            return (
+                ReturnCode.TYPE_NOT_SUPPORTED
+            )  # libnodave, nodave.h: what a CPU 200 says to a bit block longer than 1
         plain = not item.by_element and item.size != TransportSize.BIT
         if plain and (item.bit_number or (area in _ANALOG and item.byte % 2)):
             return ReturnCode.OUT_OF_RANGE
@@ -108,6 +112,10 @@ class StationMemory:
             return bytes((cell[item.byte] >> item.bit_number & 1,))
         start = self._start(item)
         return bytes(cell[start : start + item.octets])
+
+    def locate(self, item: Item) -> tuple[bytearray, int]:
+        """The area of an item that is in range, and where it begins there."""
+        return self._bytes[Area(item.area)], item.byte if item.size == TransportSize.BIT else self._start(item)
 
     def _start(self, item: Item) -> int:
         """Where an item lies in the bytes of its area."""

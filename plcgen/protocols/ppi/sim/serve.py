@@ -22,6 +22,9 @@ _PATIENCE = 0.25
 MOST_CONNECTIONS = 64
 """One more connection ends the one that was silent longest: nobody keeps others out by doing nothing."""
 
+IDLE = 600.0
+"""Seconds of silence after which a connection is ended: its client may be gone without a word."""
+
 Ended = Callable[[], bool]
 
 
@@ -58,14 +61,16 @@ def serve_tcp(
     clock: Stopwatch | None = None,
     tell: Callable[[str], None] | None = None,
     patience: float = _PATIENCE,
+    idle: float = IDLE,
 ) -> None:
     """Serve connections, one after the other or several at once, until ``ended()`` is true.
 
     Every connection is a line of its own to the same CPUs: it begins with fresh frame counts, and nobody waits because
-    another client holds its connection, or many of them.
+    another client holds its connection, or many of them. One that is silent for ``idle`` seconds is ended, 0: none is.
     """
     clock, tell = clock or Stopwatch(), tell or _quiet
     branches: dict[TcpLine, Bus] = {}
+    heard: dict[TcpLine, int] = {}
     try:
         while not ended():
             dues = [due for due in (branch.due() for branch in branches.values()) if due is not None]
@@ -77,6 +82,7 @@ def serve_tcp(
                 if len(branches) >= MOST_CONNECTIONS:
                     _leave(next(iter(branches)), branches, tell)
                 branches[fresh] = bus.branch()
+                heard[fresh] = clock.now
                 tell(f"{fresh.name} connected")
             for line, branch in list(branches.items()):
                 try:
@@ -86,15 +92,18 @@ def serve_tcp(
                     continue
                 if line in ready:
                     branches[line] = branches.pop(line)  # the order is that of silence
+                    heard[line] = clock.now
+                elif idle and clock.now - heard[line] >= idle * 1000:
+                    _leave(line, branches, tell, "silent for too long")
     finally:
         for line in branches:
             line.close()
 
 
-def _leave(line: TcpLine, branches: dict[TcpLine, Bus], tell: Callable[[str], None]) -> None:
+def _leave(line: TcpLine, branches: dict[TcpLine, Bus], tell: Callable[[str], None], why: str = "") -> None:
     del branches[line]
     line.close()
-    tell(f"{line.name} disconnected")
+    tell(f"{line.name} disconnected{f', {why}' if why else ''}")
 
 
 def _attend(bus: Bus, line: Line, clock: Stopwatch, *, readable: bool) -> None:

@@ -6,13 +6,12 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
-from plcgen.documents.control import place
 from plcgen.documents.members import fixed
 from plcgen.documents.nouns import Contribution, GuidePart, TypeBlock
 from plcgen.documents.spelling import literal
-from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
+from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiPlan
 from plcgen.protocols.ppi.plan.times import GAP_BITS
-from plcgen.protocols.ppi.views.program import MAX_MESSAGE, MODULES, command, program
+from plcgen.protocols.ppi.views.program import MAX_MESSAGE, MODULES, program
 from plcgen.protocols.ppi.words import DIAGNOSTICS
 from plcgen.s7.types import Elementary
 
@@ -34,12 +33,6 @@ def contribution(plan: PpiPlan) -> Contribution:
         manifest=partial(_manifest, plan),
         symbols=_SYMBOLS,
     )
-
-
-def operand(plan: PpiPlan, job: PpiJob, signal: str) -> str:
-    """Operand by which the caller sees a signal or value of a job."""
-    master = next(master for master in plan.masters if job in master.jobs)
-    return place(plan.control_db, command(plan, master, job), signal)
 
 
 def _guide(plan: PpiPlan) -> tuple[list[GuidePart], list[GuidePart]]:

@@ -9,7 +9,9 @@ from functools import cache
 from plcgen.protocols.ppi.wire.areas import Area
 
 TYPE_LENGTH = 20
-"""SYS holds the CPU type in so many ASCII characters."""
+"""SYS begins with the CPU type in so many ASCII characters."""
+SYS_LENGTH = 40
+"""Bytes of SYS at least: libnodave's testPPI -m reads so many. What is behind the type is not known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +40,7 @@ def profiles() -> Mapping[str, CpuProfile]:
             key,
             entry["title"],
             entry["type"],
-            {Area[name]: size for name, size in entry["memory"].items()} | {Area.SYS: TYPE_LENGTH},
+            {Area[name]: size for name, size in entry["memory"].items()} | {Area.SYS: SYS_LENGTH},
             tuple(entry["unchecked"]),
         )
         for key, entry in table.items()

@@ -1,16 +1,21 @@
 """A stream of bytes split into frames: captures, and what a line delivers in pieces.
 
 Garbage is skipped and reported. After a start byte whose frame cannot be one (lengths that contradict each other, no
-end byte where it belongs) the search goes on at the next byte, so that a frame hidden in it is found.
+end byte where it belongs, stations or a function that do not exist) the search goes on at the next byte, so that a
+frame hidden in it is found. What has no checksum, a token, gives way to a good frame that begins inside it, and is
+not believed if its stations look like start bytes and nobody with such an address has spoken.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
+from plcgen.protocols.ppi.wire.fdl import BROADCAST, FIXED_SIZES, LEAST_LENGTH, MOST_LENGTH, SD1, SD2, SD3, SD4
 from plcgen.protocols.ppi.wire.fdl import END as END_BYTE
-from plcgen.protocols.ppi.wire.fdl import FIXED_SIZES, LEAST_LENGTH, MOST_LENGTH, SD1, SD2, SD4
 from plcgen.protocols.ppi.wire.model import ACKNOWLEDGE, CLIPPED
+
+_STARTS = frozenset({SD1, SD2, SD3})
+"""First bytes of frames with a checksum."""
 
 
 class Chunk(NamedTuple):
@@ -48,11 +53,18 @@ class Splitter:
         self._pending = bytearray()
         self._offset = 0
         self._garbage = bytearray()
+        self._stations: set[int] = set()
+        """Stations that have sent a frame with a checksum."""
 
     @property
     def pending(self) -> int:
         """Bytes that wait for more: the beginning of a frame."""
         return len(self._pending)
+
+    @property
+    def rest(self) -> bytes:
+        """The bytes that wait for more."""
+        return bytes(self._pending)
 
     def clear(self) -> None:
         """Forget what waits for more."""
@@ -64,6 +76,8 @@ class Splitter:
         """Take bytes and return what is complete, in order."""
         if not self._pending and not self._garbage and _is_frame(data):
             self._offset += len(data)
+            if len(data) > 1:
+                self._stations.add(data[5 if data[0] == SD2 else 2])
             return [Chunk(self._offset - len(data), bytes(data), frame=True)]
         self._pending += data
         return self._split(last=False)
@@ -76,7 +90,7 @@ class Splitter:
         found: list[Chunk] = []
         pending, at, end = self._pending, 0, len(self._pending)
         while at < end:
-            size, good = self._size(at, end)
+            size, good = self._size(at, end, last=last)
             if size < 0 and not last:
                 break
             if good:
@@ -98,30 +112,75 @@ class Splitter:
             found.append(Chunk(end - len(self._garbage), bytes(self._garbage), frame=False))
             self._garbage.clear()
 
-    def _size(self, at: int, end: int) -> tuple[int, bool]:
+    def _size(self, at: int, end: int, *, last: bool) -> tuple[int, bool]:
         """Length of what starts at ``at`` and whether it is a frame; -1 if more bytes are needed to tell.
 
-        A frame that is complete except for its checksum is skipped as a whole: its contents may look like frames.
+        A frame that is complete except for its checksum is skipped as a whole, as its contents may look like frames,
+        unless a good one reaches to its end or beyond: then it was none itself.
         """
         pending = self._pending
         start = pending[at]
         if start in self._single:
             return 1, True
+        if start == SD4:
+            return self._token(at, end, last=last)
+        if start not in _STARTS:
+            return 0, False
+        size, good = self._checked(at, end)
+        if good:
+            self._stations.add(pending[at + (5 if start == SD2 else 2)])
+            return size, True
+        if size <= 0:
+            return size, False
+        return self._hidden(at, size, end, last=last) if self._plausible(at) else 0, False
+
+    def _checked(self, at: int, end: int) -> tuple[int, bool]:
+        """Length of the frame with a checksum at ``at``, and whether it is right; 0 if there is none, -1 as above."""
+        pending = self._pending
+        start = pending[at]
         if start == SD2:
-            size = self._variable_size(at, end)
-            first = at + 4
+            size, first = self._variable_size(at, end), at + 4
         else:
-            size = FIXED_SIZES.get(start, 0) if start != ACKNOWLEDGE else 0
-            first = at + 1
+            size, first = FIXED_SIZES[start], at + 1
         if size <= 0:
             return size, False
         if at + size > end:
             return -1, False
-        if start == SD4:
-            return (size, True) if pending[at + 1] < 0x80 and pending[at + 2] < 0x80 else (0, False)
         if pending[at + size - 1] != END_BYTE:
             return 0, False
         return size, sum(pending[first : at + size - 2]) & 0xFF == pending[at + size - 2]
+
+    def _plausible(self, at: int) -> bool:
+        """Whether there are such stations and such a function code."""
+        first = at + (4 if self._pending[at] == SD2 else 1)
+        destination, source, function = self._pending[first : first + 3]
+        return destination <= BROADCAST and source < BROADCAST and function < 0x80
+
+    def _hidden(self, at: int, size: int, end: int, *, last: bool) -> int:
+        """What to skip of damaged bytes: nothing if a good frame begins in them and reaches to their end or beyond."""
+        for inner in range(at + 1, at + size):
+            if self._pending[inner] in _STARTS:
+                length, good = self._checked(inner, end)
+                if good and inner + length >= at + size:
+                    return 0
+                if length < 0 and not last:
+                    return -1
+        return size
+
+    def _token(self, at: int, end: int, *, last: bool) -> tuple[int, bool]:
+        """A token frame: it has no checksum, so what else its bytes may be counts more."""
+        size = FIXED_SIZES[SD4]
+        if at + size > end:
+            return -1, False
+        stations = self._pending[at + 1 : at + size]
+        if max(stations) >= BROADCAST:
+            return 0, False
+        for inner in (at + 1, at + 2):
+            if self._pending[inner] in _STARTS:
+                length, good = self._checked(inner, end)
+                if good or (length < 0 and not last):
+                    return (0 if good else -1), False
+        return (size, True) if self._stations.issuperset(_STARTS.intersection(stations)) else (0, False)
 
     def _variable_size(self, at: int, end: int) -> int:
         """Length of the SD2 frame at ``at`` by its own account, 0 if its head contradicts itself, -1 if cut short."""

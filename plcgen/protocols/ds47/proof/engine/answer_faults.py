@@ -59,8 +59,8 @@ class AnswerForm:
 
     @property
     def nothing(self) -> dict[int, tuple[int, int]]:
-        """errors and infos if nothing of the answer can be used."""
-        return {position: (NO_ANSWER, 0) for position in range(1, len(self.letter.parts) + 1)}
+        """Errors and infos if nothing of the answer can be used."""
+        return dict.fromkeys(range(1, len(self.letter.parts) + 1), (NO_ANSWER, 0))
 
     def content(self, answer: bytes) -> list[bytes]:
         """The blocks as a partly negative answer carries them."""
@@ -116,6 +116,16 @@ def put(at: int, value: int) -> Edit:
     return lambda answer: answer[:at] + bytes((value,)) + answer[at + 1 :]
 
 
+def off(step: int) -> Edit:
+    """Another reference."""
+    return lambda answer: bytes(((answer[0] + step) % 256,)) + answer[1:]
+
+
+def behind(first: Edit, second: Edit) -> Edit:
+    """Two edits, one behind the other."""
+    return lambda answer: second(first(answer))
+
+
 def cut(kept: int) -> Edit:
     """Keep the first bytes only."""
     return lambda answer: answer[:kept]
@@ -151,15 +161,13 @@ def _header(form: AnswerForm) -> Iterator[EngineScenario]:
 
 
 def _foreign(form: AnswerForm) -> Iterator[EngineScenario]:
-    """Answers with another reference or drive object are read past; then the request is sent again, but for a trigger."""
+    """Answers with another reference or drive object are read past; then all but a trigger is sent again."""
     last, once = form.number == len(form.errand.letters), form.errand.once
     negative = form.negative(lambda blocks: blocks.__setitem__(0, bytes.fromhex("44020011 0007")))
     cases: list[tuple[str, Edit]] = [(f"drive object {value}", put(2, value)) for value in (3, 2 ^ 0x80, 255, 0)]
-    cases += [
-        (f"reference off by {step}", lambda a, s=step: bytes(((a[0] + s) % 256,)) + a[1:]) for step in (1, 128, 255)
-    ]  # type: ignore[misc]
+    cases += [(f"reference off by {step}", off(step)) for step in (1, 128, 255)]
     cases += [("reference 0", put(0, 0))]
-    cases += [(f"negative, {name}", lambda a, e=edit: e(negative(a))) for name, edit in list(cases)]  # type: ignore[misc]
+    cases += [(f"negative, {name}", behind(negative, edit)) for name, edit in list(cases)]
     for name, edit in cases:
         again: dict[str, Any] = {"retries": 2 if last else 0, "calls": (1, 2), "again": 1}
         if once:
@@ -336,12 +344,12 @@ def _refused(form: AnswerForm) -> Iterator[EngineScenario]:
             block = bytes((0x44, words, 0, number)) + (INFO.to_bytes(2) if words == 2 else b"")
             edit: Edit = lambda a, block=block: bytes((a[0], 0x80 | form.good, *a[2:4])) + block  # type: ignore[misc] # noqa: E731
             name = f"one error block {number:02X}h for the whole request, {words} error words"
-            errors = {p: (0x8000 | number, INFO if words == 2 else 0) for p in range(1, count + 1)}
+            errors = dict.fromkeys(range(1, count + 1), (32768 | number, INFO if words == 2 else 0))
             yield form.scenario(name, "PARAMETER_ERROR" if count == 1 else "REFUSED", edit, errors=errors)
     for more in (1, 2):
         block = bytes.fromhex("44020011 0007") + bytes(more)
         edit = lambda a, block=block: bytes((a[0], 0x80 | form.good, *a[2:4])) + block  # type: ignore[misc] # noqa: E731
-        yield form.broken(f"one error block and {more} bytes behind it", edit)
+        yield form.broken(f"one error block and {more} bytes after it", edit)
 
 
 def _formats(form: AnswerForm) -> Iterator[EngineScenario]:
@@ -360,7 +368,7 @@ def _formats(form: AnswerForm) -> Iterator[EngineScenario]:
             same = sizes.get(wrong) == part.format.size
             name = f"block {index} in format {wrong:02X}h"
             if same:
-                errors = {p: (0, 0) for p in range(1, len(form.letter.parts) + 1)} | {
+                errors = dict.fromkeys(range(1, len(form.letter.parts) + 1), (0, 0)) | {
                     index: (0x8100 | wrong, part.count)
                 }
                 yield form.scenario(name, "RESPONSE_FORMAT", put(at, wrong), errors=errors, follow=False)
@@ -379,10 +387,10 @@ def _another(form: AnswerForm, index: int) -> Iterator[EngineScenario]:
     at, size = form.letter.blocks[index - 1]
     part = form.letter.parts[index - 1]
     count = len(form.letter.parts)
-    good = {p: (0, 0) for p in range(1, count + 1)}
+    good = dict.fromkeys(range(1, count + 1), (0, 0))
     for code, number, length in (
-        (0x41, part.size, part.size), (0x43, 2, 8), (0x06, 1, 2), (0x37, 1, 8), (0x0B, 1, 7), (0x0C, 2, 12), (0x40, 0, 0),
-        (0x01, 1, 1), (0x08, 0, 0), (0x08, 3, 12),
+        (0x41, part.size, part.size), (0x43, 2, 8), (0x06, 1, 2), (0x37, 1, 8), (0x0B, 1, 7), (0x0C, 2, 12),
+        (0x40, 0, 0), (0x01, 1, 1), (0x08, 0, 0), (0x08, 3, 12),
     ):  # fmt: skip
         if number == part.count and length == part.size:
             continue

@@ -59,18 +59,19 @@ class EngineConduct:
         rig, scenario = self.rig, run.scenario
         journal = [e.data[0] for e in rig.drives[0].journal if e.direction == "write"]
         self.reference = None if self.restarted else journal[-1] if journal else self.reference
-        self.restarted = bool(scenario.happens)
+        self.restarted = bool(scenario.happens) or scenario.again is None
         self.job.times(scenario.timeout, scenario.pause, scenario.most)
         self.job.draw(self.draw)
         rig.begin(scenario)
         rig.call(scenario.order)
         if scenario.clock is not None:
+            rig.cpu.clock = 0  # TIME_TCK, too
             rig.cpu.clock = scenario.clock
             rig.cpu.call("OB1", 0)
         self.dirty(scenario.litter or DIRT[run.statistics.runs % len(DIRT)])
         self.guards = Guards(rig, self.job)
         self.times = ChannelTimes(rig, scenario)
-        self.state, self.settled, self.clock = rig.units[0].get("state"), True, rig.cpu.clock
+        self.state, self.settled, self.clock = rig.units[0].get("state"), True, rig.ticks
         return scenario.latest
 
     def dirty(self, pattern: bytes) -> None:
@@ -97,7 +98,8 @@ class EngineConduct:
         elif happening == "lost":
             self.rig.cpu.drop_records()
         elif happening == "zero":
-            self.rig.cpu.clock = self.clock = 0
+            self.rig.cpu.clock = 0
+        self.clock = self.rig.ticks
 
     def scan(self, run: Run[EngineScenario]) -> int:
         """Length of the scan."""
@@ -118,9 +120,9 @@ class EngineConduct:
         self.settled = True
         self.state = state
         # TIME_TCK begins again at 0 behind 2147483647 ms: the time of that one call is lost
-        wrapped = rig.classic and self.clock // CLOCK_END != rig.cpu.clock // CLOCK_END
-        self.times.observe(0 if wrapped else rig.cpu.clock - self.clock)
-        self.clock = rig.cpu.clock
+        wrapped = rig.classic and self.clock // CLOCK_END != rig.ticks // CLOCK_END
+        self.times.observe(0 if wrapped else rig.ticks - self.clock)
+        self.clock = rig.ticks
         if rig.cpu.jobs > 1:
             raise ScenarioError("two record calls at once")
         if rig.cpu.jobs and not rig.gate.get("channels[1].grant"):
@@ -171,8 +173,8 @@ class EngineConduct:
         run.fall()
         run.no_misuse()
         rig.bus.write_busy = rig.bus.read_busy = 1
-        for block in range(MAX_SCANS):
+        for _ in range(MAX_SCANS):
             if not rig.cpu.jobs:
                 return
             run.call(scan)
-        raise ScenarioError(f"the record call is not called on after the end of the job ({block} calls)")
+        raise ScenarioError("the record call is not called on after the end of the job")

@@ -197,7 +197,7 @@ class Guards:
                 at = next(i for i, byte in enumerate(before) if memory[first + i] != byte)
                 raise ScenarioError(f"byte {first + at} of the unit changed, which is not the job's")
         for (name, data), before in zip(self.watched, self.others, strict=True):
-            if data != before:
+            if bytes(data) != before:
                 raise ScenarioError(f"{name} changed")
         first, before = self.gate
         if self.rig.gate.memory[first:] != before:

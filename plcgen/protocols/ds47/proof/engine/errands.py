@@ -79,7 +79,7 @@ class Letter:
 
 @dataclass(frozen=True, slots=True)
 class Errand:
-    """What one job does: its telegrams. ``once``: a trigger; ``pinned``: the telegram lies in data blocks of its own."""
+    """What one job does: its telegrams. ``once``: a trigger; ``pinned``: its telegram lies in data blocks."""
 
     key: str
     letters: tuple[Letter, ...]
@@ -108,6 +108,19 @@ READ_PINNED = Errand("read, pinned", (Letter(writes=False, parts=THREE),), pinne
 WRITE_PINNED = Errand("write, pinned", (Letter(writes=True, parts=THREE),), pinned=True)
 MATRIX = (READ_ONE, WRITE_ONE, READ_SPLIT, WRITE_SPLIT, TRIGGER)
 """Jobs that go through every fault."""
+
+
+def full(size: int, blocks: int) -> tuple[Errand, Errand]:
+    """A read with as many parameters and a write with as many bytes as a record of this size has room for."""
+    count = min(blocks, (size - HEADER) // ADDRESS)
+    octets = by_name("OctetString")
+    rest = size - HEADER - 4 * (count - 1) - 2
+    read = (*(Wanted(3000 + number, BYTES) for number in range(1, count)), Wanted(3000, octets, rest))
+    write = (Wanted(3100, octets, size - HEADER - ADDRESS - 2),)
+    return (
+        Errand("read, full record", (Letter(writes=False, parts=read),)),
+        Errand("write, full record", (Letter(writes=True, parts=write),)),
+    )
 
 
 def every_format() -> list[Errand]:

@@ -37,7 +37,7 @@ def record_faults(errand: Errand) -> Iterator[EngineScenario]:
     """Everything the record calls may do."""
     yield from _status_once(errand)
     yield from _status_always(errand)
-    yield from _busy(errand)
+    yield from _busy()
     yield from _late(errand)
     yield from _lost(errand)
     yield from _old(errand)
@@ -154,7 +154,7 @@ def _status_always(errand: Errand) -> Iterator[EngineScenario]:
     )
 
 
-def _busy(errand: Errand) -> Iterator[EngineScenario]:
+def _busy() -> Iterator[EngineScenario]:
     for scans in BUSY_SCANS:
         yield EngineScenario(name=f"WRREC busy for {scans} scans", busy=(scans, 0), follow=False)
         yield EngineScenario(name=f"RDREC busy for {scans} scans", busy=(0, scans), follow=False)
@@ -162,7 +162,7 @@ def _busy(errand: Errand) -> Iterator[EngineScenario]:
         calls = (0, -1) if write else (0, 0)
         # 220 calls of 50 ms are 11,000 ms: the end comes when the record call does
         yield EngineScenario(
-            name=f"{name} busy beyond the time-out",
+            name=f"{name} busy beyond the timeout",
             status=(WORDS["TIMEOUT"],),
             busy=(220, 0) if write else (0, 220),
             scan=50,
@@ -191,14 +191,11 @@ def _late(errand: Errand) -> Iterator[EngineScenario]:
         yield EngineScenario(
             name=f"answer after {late} ms", processing=late, retries=None, calls=None, again=0, follow=False
         )
-    # a third of the time-out without an answer is 3000 ms: then the request counts as lost
-    status = (WORDS["UNKNOWN"],) if errand.once else (WORDS["RETRIES"],)
+    # a third of the timeout without an answer, 3000 ms: the request counts as lost, as the next try notices
+    word, took = ("UNKNOWN", (3000, 4000)) if errand.once else ("TIMEOUT", (9000, 9060))
     yield EngineScenario(
-        name="the drive never answers", status=status, swallowed=ALWAYS, telegram=1, calls=None, retries=None,
-        most=40, pause=500, took=(3000, 4000) if errand.once else (9000, 9100), again=None,
-    ) if errand.once else EngineScenario(
-        name="the drive never answers", status=(WORDS["TIMEOUT"],), swallowed=ALWAYS, telegram=1, calls=None,
-        retries=None, most=40, pause=500, took=(9000, 9060), again=None,
+        name="the drive never answers", status=(WORDS[word],), swallowed=ALWAYS, telegram=1, calls=None, retries=None,
+        most=40, pause=500, took=took, again=None,
     )  # fmt: skip
 
 
@@ -215,14 +212,12 @@ def _lost(errand: Errand) -> Iterator[EngineScenario]:
             errand, f"the drive is switched off and on behind request {number}", number,
             away=range(number, number + 1), pause=500, most=20, retries=None, calls=None,
         )  # fmt: skip
+        retries = 1 if errand.once else 2 if last else 0
         yield _lost_once(
             errand, f"a foreign answer to request {number}, then none", number,
-            reads={number: lambda a: bytes((a[0] % 255 + 1,)) + a[1:]}, retries=2 if last else 0, calls=(1, 2),
-        ) if not errand.once else EngineScenario(
-            name=f"a foreign answer to request {number}, then none", status=(WORDS["UNKNOWN"],),
-            reads={number: lambda a: bytes((a[0] % 255 + 1,)) + a[1:]}, retries=1, calls=(0, 1),
+            reads={number: next_reference}, retries=retries, calls=(1, 2),
         )  # fmt: skip
-    # each loss is noticed after a third of the time-out
+    # each loss is noticed after a third of the timeout
     for times in (1, 2):
         if not errand.once:
             yield EngineScenario(
@@ -236,6 +231,11 @@ def _lost(errand: Errand) -> Iterator[EngineScenario]:
                 retries=None,
                 follow=False,
             )
+
+
+def next_reference(answer: bytes) -> bytes:
+    """The answer to another request."""
+    return bytes((answer[0] % 255 + 1,)) + answer[1:]
 
 
 def _old(errand: Errand) -> Iterator[EngineScenario]:
@@ -304,6 +304,12 @@ def cpu_faults(errand: Errand, scans: int) -> Iterator[EngineScenario]:
             name=f"retry in the order {order}", order=order, reads={1: STATE_CONFLICT}, calls=(0, 1), retries=None
         )
     yield from _clock()
+    ends_ = tuple(WORDS[word] for word in ("TIMEOUT", "NO_PLACE"))
+    for late in range(0, 600, 10):  # in the first call in which the time is over, in whatever state it is
+        yield EngineScenario(
+            name=f"timeout of {late} ms", timeout=late, status=(*ends_, DONE), reads={1: STATE_CONFLICT}, again=None,
+            follow=False, **LOOSE,
+        )  # fmt: skip
 
 
 def _clock() -> Iterator[EngineScenario]:
@@ -315,6 +321,6 @@ def _clock() -> Iterator[EngineScenario]:
     # calls every 5000 ms count for 1000 ms each: 20 s and 5 s last for 25 of them
     yield EngineScenario(name="calls far apart", scan=5000, busy=(1, 1), timeout=20_000)
     yield EngineScenario(
-        name="calls far apart, busy for ever", scan=5000, busy=(60, 1), timeout=20_000, status=(WORDS["DRAIN_TIMEOUT"],),
-        telegram=1, calls=None, took=(125_000, 135_000), leftover=True,
+        name="calls far apart, busy forever", scan=5000, busy=(60, 1), timeout=20_000,
+        status=(WORDS["DRAIN_TIMEOUT"],), telegram=1, calls=None, took=(125_000, 135_000), leftover=True,
     )  # fmt: skip

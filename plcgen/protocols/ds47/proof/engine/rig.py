@@ -12,13 +12,13 @@ from plcgen.proof.rig import Members, Source, layout_of
 from plcgen.protocols.ds47.proof.engine.errands import Errand, drive_for, held, sample, store
 from plcgen.protocols.ds47.proof.engine.partner import DirectedDrive
 from plcgen.protocols.ds47.proof.engine.scenario import CALLS, EngineScenario
-from plcgen.protocols.ds47.proof.engine.sources import Engine
+from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
 from plcgen.protocols.ds47.proof.engine.stimulus import LEVELS, UNIT_OF_JOB
 from plcgen.s7.layout import locate
 from plcgen.scl.dialect import Dialect
 
 ADDRESSES = (256, 260, 264)
-OBJECTS = ((2, 3), (2,), (2,))
+OBJECTS = ((2, 3, 4), (2,), (2,))
 """Drive objects behind the address of each unit."""
 SIGNALS = ("execute", "slot", "telegrams", "busy", "done", "error", "status", "started")
 COUNTS = ("length", "answer", "blocks", "built", "taken", "failed", "recordStatus")
@@ -91,12 +91,10 @@ class JobPlace:
         """Whether the drive has what the job writes."""
         parameters = self.rig.drives[self.unit - 1].objects[self.drive_object].parameters
         letters = self.errand.letters if self.errand is not None else ()
-        pairs = (
-            (p.pnu, v)
-            for letter, vs in zip(letters, self.values, strict=True)
-            for p, v in zip(letter.parts, vs, strict=True)
-        )
-        return all(held(parameters[pnu]) == value for pnu, value in pairs)
+        last: dict[int, bytes] = {}
+        for letter, values in zip(letters, self.values, strict=True):
+            last |= {part.pnu: value for part, value in zip(letter.parts, values, strict=True)}
+        return all(held(parameters[pnu]) == value for pnu, value in last.items())
 
     def has_read(self) -> bool:
         """Whether the job has what the drive holds now."""
@@ -121,7 +119,7 @@ class JobPlace:
 class EngineRig:
     """A CPU with the program, three units and five jobs. ``db`` are the signals of job 1 for the runner."""
 
-    def __init__(self, engine: Engine, errands: Sequence[Errand], job_limit: int | None = None) -> None:
+    def __init__(self, engine: DriveEngine, errands: Sequence[Errand], job_limit: int | None = None) -> None:
         self.engine, self.program = engine, engine.program
         self.classic = engine.dialect is not Dialect.TIA_1200_1500
         self.bus = Periphery()
@@ -160,6 +158,11 @@ class EngineRig:
         return Members(self.cpu, self.program, f"Unit{number}", [*names, *(f"unit.ended[{n}]" for n in slots)], "unit.")
 
     @property
+    def ticks(self) -> int:
+        """What TIME_TCK counts, without its end; a restart of the CPU begins it again."""
+        return self.cpu.clock - self.cpu.time.cell[1]
+
+    @property
     def place(self) -> tuple[str, int]:
         """The channel."""
         return self.source.file, 1
@@ -177,7 +180,7 @@ class EngineRig:
             memory[spot.byte + 2 * first : spot.byte + 2 * first + 20] = data
 
     def begin(self, scenario: EngineScenario) -> None:
-        """A scenario for every drive and the bus."""
+        """A scenario forevery drive and the bus."""
         for drive in self.drives:
             drive.begin(scenario)
         self.bus.write_busy, self.bus.read_busy = scenario.busy
@@ -198,7 +201,8 @@ class EngineRig:
             found = locate(layout_of(self.program, name), part)
             first, size = found.byte, (found.size + 7) // 8
         memory[first : first + size] = image[first : first + size]
-        self.cpu.records.abandon(memory)
+        if not part:
+            self.cpu.records.abandon(memory)
 
     def bytes_of(self, name: str) -> Memory:
         """A data block."""

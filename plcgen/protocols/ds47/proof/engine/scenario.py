@@ -28,12 +28,12 @@ class EngineScenario(Scenario):
     ``writes`` and ``reads`` act on the n-th WRREC or RDREC that reaches the drive (0: on every one): a STATUS, or for
     a read an edit of the answer. ``stale`` reads deliver an older answer first, ``swallowed`` requests are taken and
     never answered, before ``away`` reads the drive is switched off and on. ``busy`` is how many calls of WRREC and
-    RDREC answer BUSY, None for ever. Besides what every scenario knows, ``lost`` forgets the running record calls.
+    RDREC answer BUSY, None forever. Besides what every scenario knows, ``lost`` forgets the running record calls.
 
-    ``telegram`` is the one that ends the job, 0 the last. ``calls`` are WRREC and RDREC on the wire besides one for each
-    telegram, ``again`` how many requests were built again; None is not checked. ``errors`` are those stated by hand:
+    ``telegram`` is the one that ends the job, 0 the last. ``calls`` are WRREC and RDREC on the wire besides one for
+    each telegram, ``again`` how many requests were built again; None is not checked. ``errors`` are stated by hand:
     (errors, infos) by parameter; those of all other parameters follow from the answer. ``leftover`` says that a record
-    call is still active at the end, ``litter`` fills the buffers before a request is built. ``order`` is what OB1 calls.
+    call is still active at the end, ``litter`` fills the buffers before a request is built. ``order``: what OB1 calls.
     """
 
     faults: tuple[Fault, ...] = ()

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 
 from plcgen.cpu.program import Program
@@ -35,7 +36,7 @@ _LIBRARY_VERSION = re.compile(r"(LibVersion\s*:=\s*)'[0-9.]*'")
 
 
 @dataclass(frozen=True)
-class Engine:
+class DriveEngine:
     """The engine of one target: file names and texts; ``names`` are those of its blocks and types by their roles."""
 
     dialect: Dialect
@@ -43,7 +44,7 @@ class Engine:
     names: Mapping[str, str] = field(default_factory=lambda: dict(NAMES))
 
     @classmethod
-    def of(cls, files: Iterable[Path], dialect: Dialect, names: Mapping[str, str] = NAMES) -> Engine:
+    def of(cls, files: Iterable[Path], dialect: Dialect, names: Mapping[str, str] = NAMES) -> DriveEngine:
         """Pick the engine out of the sources of a project. Raises DiagnosticError if something of it is missing."""
         wanted = {name.upper() for name in names.values()}
         found: list[tuple[str, str]] = []
@@ -75,8 +76,9 @@ class Engine:
     @cached_property
     def sizes(self) -> Sizes:
         """Sizes of the unit's arrays. Raises DiagnosticError."""
-        head = f'DATA_BLOCK "Sizes"\n{{}}STRUCT\n unit : "{self.names["unit"]}";\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
-        program = Program.load([*self.sources, ("sizes.db", head.replace("{}", ""))], self.dialect)
+        members = f' unit : "{self.names["unit"]}";\n gate : "{self.names["gate_data"]}";\n'
+        text = f'DATA_BLOCK "Sizes"\nSTRUCT\n{members}END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+        program = Program.load([*self.sources, ("sizes.db", text)], self.dialect)
         if not program.ok:
             raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
         layout = layout_of(program, "Sizes")
@@ -85,15 +87,33 @@ class Engine:
             type_ = locate(layout, f"unit.{member}").type
             return type_.bounds[0][1] if isinstance(type_, ArrayType) else 0
 
-        return Sizes(last("telegram"), last("errors"), last("asks"))
+        gate = locate(layout, "gate.channels").type
+        return Sizes(
+            last("telegram"), last("errors"), last("asks"), gate.bounds[0][1] if isinstance(gate, ArrayType) else 0
+        )
 
     @cached_property
     def hash(self) -> str:
         """SHA-256 over target and tokens. Comments, titles, versions of library blocks, names and case do not count."""
         digest = hashlib.sha256(self.dialect.value.encode())
-        for unit in sorted(" ".join(unit) for _, text in self.sources for unit in self._units(text)):
-            digest.update(b"\n" + unit.encode())
+        for unit in self.units:
+            digest.update(b"\n" + " ".join(unit).encode())
         return digest.hexdigest()
+
+    @cached_property
+    def units(self) -> list[list[str]]:
+        """The tokens of every block and type, in the order of their roles."""
+        return sorted(unit for _, text in self.sources for unit in self._units(text))
+
+    def differs_in_sizes_only(self, other: DriveEngine) -> bool:
+        """Whether another engine of the target has the same text but for the numbers that are its sizes."""
+        if self.dialect is not other.dialect or [len(u) for u in self.units] != [len(u) for u in other.units]:
+            return False
+        pairs = zip(chain(*self.units), chain(*other.units), strict=True)
+        known = {
+            (a, b) for one, two in zip(self.sizes.numbers, other.sizes.numbers, strict=True) for a, b in ((one, two),)
+        }
+        return all(one == two or (one, two) in known for one, two in pairs)
 
     def _units(self, text: str) -> Iterator[list[str]]:
         """The tokens of every block or type of the engine in a source."""
@@ -108,6 +128,6 @@ class Engine:
                     yield unit
                 unit = []
 
-    def __reduce__(self) -> tuple[type[Engine], tuple[Dialect, tuple[tuple[str, str], ...], Mapping[str, str]]]:
+    def __reduce__(self) -> tuple[type[DriveEngine], tuple[Dialect, tuple[tuple[str, str], ...], Mapping[str, str]]]:
         """A program cannot be pickled: a worker compiles it again."""
-        return Engine, (self.dialect, self.sources, self.names)
+        return DriveEngine, (self.dialect, self.sources, self.names)

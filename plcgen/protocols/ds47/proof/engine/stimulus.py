@@ -19,17 +19,31 @@ INSTANCES = {
 }  # fmt: skip
 LEVELS = {"OB1": 0, "OB35": 10, "OB82": 20}
 """Organization blocks, and where their list of calls begins."""
+WRONG_UNIT_DB = 10
+"""On S7-300/400: the channel of unit 1 with the number of another data block at ``unitDb``."""
+_WRONG = """    10:
+      {call:channel:Channel1}(slots := "Plan".slots, gateNumber := 1, waitLimit := "Plan".waitLimit{unitDb:2},
+        unit := "Unit1".unit, gate := "GateData".gate);
+"""
 _CALL = re.compile(r"\{call:(\w+):(\w+)\}")
 _UNIT = re.compile(r"\{unitDb:(\d)\}")
 
 
 @dataclass(frozen=True, slots=True)
 class Sizes:
-    """Sizes of the engine: last byte of a record, parameters of a telegram, slots of a unit."""
+    """Sizes of the engine: last byte of a record, parameters of a telegram, slots of a unit, channels of the gate."""
 
     last: int
     blocks: int
     slots: int
+    channels: int
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """The numbers that a text has for them, the bit address behind a record among them."""
+        room = self.last + 1
+        pairs = (f"0..{self.last}", f"1..{self.blocks}", f"1..{self.slots}", f"1..{self.channels}")
+        return (*map(str, (self.last, room, self.blocks, self.slots, self.channels)), f"DW#16#{8 * room:08X}", *pairs)
 
 
 def stimulus(dialect: Dialect, names: Mapping[str, str], sizes: Sizes) -> str:
@@ -37,6 +51,7 @@ def stimulus(dialect: Dialect, names: Mapping[str, str], sizes: Sizes) -> str:
     v5, classic = dialect is Dialect.STEP7_V5, dialect is not Dialect.TIA_1200_1500
     blocks = {**names, "job": "ProofJob"}
     text = Path(__file__).with_name("stimulus.scl").read_text(encoding="ascii")
+    text = text.replace("{wrong}", _WRONG if classic else "")
     calls = {"instances": "\n".join(_instance(name, blocks[role], v5=v5) for name, role in INSTANCES.items())}
     calls["obs"] = "\n".join(_organization(name, first, v5=v5) for name, first in LEVELS.items())
     text = _CALL.sub(

@@ -47,14 +47,14 @@ class ChannelTimes:
         self.watch_drain(before)
 
     def watch_timeout(self, before: int) -> None:
-        """The time-out counts from the call that gives the unit, and ends whatever is done for the job then."""
+        """The timeout counts from the call that gives the unit, and ends whatever is done for the job then."""
         if not before and self.state:
             self.granted = self.clock
         if self.granted is None or not BUILD <= before <= PAUSE:
             return
         passed = self.clock - self.granted
         if passed >= self.scenario.timeout and self.state != DRAIN:
-            raise ScenarioError(f"{passed} ms after the start, at a time-out of {self.scenario.timeout}, it goes on")
+            raise ScenarioError(f"{passed} ms after the start, at a timeout of {self.scenario.timeout}, it goes on")
 
     def watch_pause(self, before: int) -> None:
         """A retry waits for the pause: no call less and none more."""

@@ -1,0 +1,121 @@
+"""Nominal runs of every format, telegrams in data blocks of their own, many jobs in a row, wrong numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from itertools import permutations
+
+from plcgen.proof.runner import Runner
+from plcgen.proof.scenario import ScenarioError, Statistics
+from plcgen.protocols.ds47.proof.engine.conduct import EngineConduct
+from plcgen.protocols.ds47.proof.engine.errands import (
+    READ_ONE,
+    READ_PINNED,
+    WRITE_ONE,
+    WRITE_PINNED,
+    Errand,
+    every_format,
+    full,
+)
+from plcgen.protocols.ds47.proof.engine.field import JobField
+from plcgen.protocols.ds47.proof.engine.partner import STATE_CONFLICT
+from plcgen.protocols.ds47.proof.engine.scenario import CALLS, EngineScenario
+from plcgen.protocols.ds47.proof.engine.stimulus import WRONG_UNIT_DB
+from plcgen.protocols.ds47.proof.words import WORDS
+
+ROW = 600
+MANY = 70_000
+Run = Callable[[JobField], None]
+
+
+def formats(*, classic: bool, thorough: bool = False) -> Iterator[tuple[str, Run]]:
+    """Names and procedures; ``thorough`` runs 70,000 jobs in a row."""
+    yield "reads and writes of every format", _every_format
+    yield "full records, all parameters, the last slot", _full
+    yield "telegrams in data blocks of their own", _pinned
+    yield f"{MANY if thorough else ROW} jobs in a row", partial(_row, MANY if thorough else ROW)
+    if classic:
+        yield "unitDb is another data block", _wrong_db
+
+
+def run(field: JobField, errand: Errand, *scenarios: EngineScenario) -> None:
+    """Scenarios of one job on the CPU of a field. Raises ScenarioError."""
+    runner = Runner(EngineConduct(field.rig, errand), Statistics())
+    for scenario in scenarios:
+        failure = runner.try_run(scenario)
+        field.rig.scans += failure.scan if failure is not None else 1
+        if failure is not None:
+            raise ScenarioError(str(failure))
+
+
+def _every_format(field: JobField) -> None:
+    """Two telegrams each, in three orders of calls; answers in the types themselves and in 41h to 43h."""
+    for errand in every_format():
+        orders = [EngineScenario(name=f"called {order}", order=order, follow=False) for order in permutations(CALLS)]
+        run(field, errand, *orders[::2], EngineScenario(name="by size", generic=True))
+
+
+def _full(field: JobField) -> None:
+    """As many bytes and parameters as there is room for, from the last slot of the unit."""
+    sizes = field.rig.engine.sizes
+    field.rig.plan.set("slots", sizes.slots)
+    field.rig.plan.set("channels", sizes.channels)
+    for errand in full(sizes.last + 1, sizes.blocks):
+        conduct = EngineConduct(field.rig, errand)
+        conduct.job.db.set("slot", sizes.slots)
+        runner = Runner(conduct, Statistics())
+        for scenario in (EngineScenario(name="first run"), EngineScenario(name="by size", generic=True)):
+            failure = runner.try_run(scenario)
+            if failure is not None:
+                raise ScenarioError(str(failure))
+
+
+def _pinned(field: JobField) -> None:
+    """The request goes out with its reference in its first byte, the answer lies in its data block as it came."""
+    rig = field.rig
+    request, response = rig.cpu.db("PinnedRequest"), rig.cpu.db("PinnedResponse")
+    for errand in (READ_PINNED, WRITE_PINNED):
+        for room in (rig.engine.sizes.last + 1, errand.letters[0].answer, 4, 1):
+            for reads in ({}, {1: STATE_CONFLICT}, {1: lambda a: a[:2]}):
+                conduct = EngineConduct(rig, errand)
+                rig.jobs[0].db.set("order.responseSize", room)
+                response[:] = b"\x5a" * len(response)
+                cut = 1 in reads and callable(reads[1])
+                status = (WORDS["RESPONSE_LENGTH" if cut else "DONE"],)
+                scenario = EngineScenario(
+                    name=f"room for {room}", reads=reads, status=status, calls=None, retries=None, follow=False
+                )
+                failure = Runner(conduct, Statistics()).try_run(scenario)
+                if failure is not None:
+                    raise ScenarioError(str(failure))
+                sent = next(e.data for e in reversed(rig.drives[0].journal) if e.direction == "write")
+                came = rig.drives[0].journal[-1].data[:room]
+                if bytes(request[: len(sent)]) != sent:
+                    raise ScenarioError("the request's data block does not hold what was sent")
+                if bytes(response) != came + b"\x5a" * (len(response) - len(came)):
+                    raise ScenarioError(f"the response's data block of {room} bytes does not hold the answer")
+
+
+def _row(count: int, field: JobField) -> None:
+    """The reference begins again at 1 behind 255 jobs, the number of the order behind 30,000."""
+    for errand in (READ_ONE, WRITE_ONE):
+        scenarios = (
+            EngineScenario(name=f"job {n} of {count} in a row", busy=(0, 0), follow=False) for n in range(count // 2)
+        )
+        run(field, errand, *scenarios)
+
+
+def _wrong_db(field: JobField) -> None:
+    """Nothing is sent, nothing is written into the other block, whatever lies in it."""
+    other = field.rig.cpu.db("Unit2")
+    for errand in (READ_ONE, WRITE_PINNED):
+        for byte in range(256):
+            other[0] = byte
+            scenario = EngineScenario(
+                name=f"a byte {byte:02X}h there", status=(WORDS["WRONG_DB"],), order=(1, WRONG_UNIT_DB, 5),
+                telegram=1, calls=None, again=None, follow=False,
+            )  # fmt: skip
+            run(field, errand, scenario)
+            if field.rig.drives[0].journal:
+                raise ScenarioError("a request was sent")

@@ -1,0 +1,295 @@
+"""Jobs that share a unit: who is served when, slots, limits, and those that are not called any more."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from itertools import product
+
+from plcgen.proof.scenario import ScenarioError
+from plcgen.protocols.ds47.proof.engine.errands import READ_SPLIT, TRIGGER, WRITE_SPLIT
+from plcgen.protocols.ds47.proof.engine.field import ALL, JobField
+from plcgen.protocols.ds47.proof.engine.partner import STATE_CONFLICT
+from plcgen.protocols.ds47.proof.engine.scenario import EngineScenario
+from plcgen.protocols.ds47.proof.words import CALLS_LIMIT, COUNTERS, DONE, GRANT, LEASE_MS, WORDS
+
+OFFSETS = 14
+ORDERS = ((1, 2, 5, 6, 7), (7, 6, 5, 2, 1), (5, 2, 6, 1, 7))
+Run = Callable[[JobField], None]
+
+
+def mailboxes() -> Iterator[tuple[str, Run]]:
+    """Names and procedures."""
+    for order in ORDERS:
+        yield f"start offsets of three jobs, called in the order {order}", partial(_offsets, order)
+        yield f"a slot used twice, called in the order {order}", partial(_twice, order)
+    yield "order of service", _order
+    yield "wait limit", _wait_limit
+    yield "no such slot", _no_slot
+    yield "counters wrap", _wrap
+    for conflicts in (0, 1):
+        yield f"a job is not called any more, {conflicts} retries", partial(_silent_job, conflicts)
+        yield f"a channel is not called any more, {conflicts} retries", partial(_silent_channel, conflicts)
+    for fast, calls in product((True, False), ((2,), (1, 2), (2, 5), (1, 2, 5))):
+        where = "more" if fast else "less"
+        yield f"{calls} are called {where} often than the rest", partial(_two_levels, calls, fast=fast)
+
+
+def three(field: JobField) -> None:
+    """Three jobs on three drive objects of one unit: two reads and a write."""
+    field.give(1, READ_SPLIT, slot=1)
+    field.give(2, WRITE_SPLIT, slot=3, drive_object=3)
+    field.give(3, READ_SPLIT, slot=4, drive_object=4)
+
+
+def _offsets(order: tuple[int, ...], field: JobField) -> None:
+    three(field)
+    field.rig.call(order)
+    field.step()
+    for one, other in product(range(0, OFFSETS, 2), range(1, OFFSETS, 3)):
+        starts = {1: 0, 2: one, 3: other}
+        for scan in range(OFFSETS):
+            field.start(*(number for number, at in starts.items() if at == scan))
+            field.step()
+        field.expect(field.until_end((1, 2, 3)), dict.fromkeys((1, 2, 3), (DONE,)))
+        field.right(1, 2, 3)
+        field.wire()
+        field.idle(1, 2, 3)
+
+
+def _twice(order: tuple[int, ...], field: JobField) -> None:
+    three(field)
+    field.rig.call(order)
+    field.step()
+    taken = WORDS["SLOT_TAKEN"]
+    for offset in range(OFFSETS):
+        for number in (1, 2):
+            field.job(number).db.set("slot", 2)
+        field.start(1)
+        for _ in range(offset):
+            field.step()
+        field.start(2)
+        field.expect(field.until_end((1, 2)), {1: (taken,), 2: (taken,)})
+        field.wire()
+        field.job(2).db.set("slot", 3)
+        field.again(1, 2)
+
+
+def _order(field: JobField) -> None:
+    """While a job waits, none of the others has the unit twice."""
+    three(field)
+    field.rig.call(ORDERS[0])
+    field.step()
+    since: dict[int, dict[int, int]] = {}
+    slot_of = {1: 1, 2: 3, 3: 4}
+    before, served = 0, dict.fromkeys(slot_of, 0)
+    for scan in range(1500):
+        for number in slot_of:
+            job = field.job(number)
+            if not job.signals()[0]:
+                if job.db.flag("execute"):
+                    field.expect({number: job.signals()[3]}, {number: (DONE,)})
+                    served[number] += 1
+                    field.drop(number)
+                elif scan % (number + 1) == 0:
+                    field.start(number)
+                    since[number] = dict.fromkeys(slot_of.values(), 0)
+        field.step()
+        grant = field.rig.units[0].get("turn.grant")
+        if grant != before and grant:
+            holder = grant // GRANT
+            for number, passed in since.items():
+                passed[holder] += 1
+                if slot_of[number] != holder and passed[holder] > 1 and not passed[slot_of[number]]:
+                    raise ScenarioError(f"job {number} was passed twice by the one with slot {holder}")
+        before = grant
+    if min(served.values()) < 10 or max(served.values()) > min(served.values()) + 2:
+        raise ScenarioError(f"jobs were served {served} times")
+
+
+def _wait_limit(field: JobField) -> None:
+    """The unit is held for 4000 ms; jobs 2 and 3 wait for 2000 ms each, from when they ask."""
+    three(field)
+    field.rig.call(ORDERS[0])
+    field.rig.plan.set("waitLimit", 2000)
+    field.rig.bus.write_busy = 400
+    field.step()
+    field.start(1)
+    for _ in range(30):
+        field.step()
+    field.rig.bus.write_busy = 1
+    began = {}
+    for number in (2, 3):
+        field.start(number)
+        began[number] = field.cpu.clock
+        for _ in range(50):
+            field.step()
+    for number in (2, 3):
+        field.expect(field.until_end((number,)), {number: (WORDS["OCCUPIED"],)})
+        waited = field.cpu.clock - began[number]
+        if not 2000 <= waited <= 2050:
+            raise ScenarioError(f"job {number} waited {waited} ms instead of 2000")
+    field.expect(field.until_end((1,)), {1: (DONE,)})
+    field.wire()
+    field.idle(1, 2, 3)
+    field.again(1, 2, 3)
+    _waits_anew(field)
+
+
+def _waits_anew(field: JobField) -> None:
+    """What a job waited does not count for the next one in its slot."""
+    for _ in range(3):
+        field.rig.bus.write_busy = 150
+        field.start(1)
+        for _ in range(5):
+            field.step()
+        field.start(2)
+        for _ in range(3):
+            field.step()
+        field.rig.bus.write_busy = 1
+        field.expect(field.until_end((1, 2)), {1: (DONE,), 2: (DONE,)})
+        field.idle(1, 2)
+
+
+def _no_slot(field: JobField) -> None:
+    three(field)
+    slots = field.rig.engine.sizes.slots
+    field.rig.call((5, 1))
+    field.start(1)
+    field.step()
+    field.expect({1: field.job(1).signals()[3]}, {1: (WORDS["NO_SLOT"],)})  # its channel was never called
+    field.rig.call(ORDERS[0])
+    for slot in (0, -1, -30000, 5, slots, slots + 1, 32767):
+        field.drop(1)
+        for _ in range(3):
+            field.step()
+        field.job(1).db.set("slot", slot)
+        field.start(1)
+        field.step()
+        if field.job(1).signals() != (False, False, True, WORDS["NO_SLOT"]):
+            raise ScenarioError(f"slot {slot} gives 16#{field.job(1).signals()[3]:04X}")
+    if field.rig.drives[0].journal:
+        raise ScenarioError("a job without a slot was served")
+    for count, slot, good in ((0, 1, True), (0, 2, False), (-5, 1, True), (99, slots, True)):
+        field.idle(1)
+        field.rig.plan.set("slots", count)
+        field.step()
+        field.job(1).db.set("slot", slot)
+        field.start(1)
+        field.expect(field.until_end((1,)), {1: (DONE if good else WORDS["NO_SLOT"],)})
+
+
+def _wrap(field: JobField) -> None:
+    """Numbers of orders, signs of life and places just before they begin again."""
+    three(field)
+    field.rig.call(ORDERS[0])
+    field.step()
+    unit = field.rig.units[0]
+    for at in (COUNTERS - 4, COUNTERS - 1, COUNTERS):
+        unit.set("turn.beat", at)
+        for slot in (1, 3, 4):
+            unit.set(f"asks[{slot}].want", -at)
+            unit.set(f"asks[{slot}].mark", at)
+            unit.set(f"ended[{slot}]", at)
+        wants = []
+        for _ in range(6):
+            field.start(1, 2, 3)
+            field.expect(field.until_end((1, 2, 3)), dict.fromkeys((1, 2, 3), (DONE,)))
+            field.right(1, 2, 3)
+            wants.append(-unit.get("asks[3].want", signed=True))
+            field.idle(1, 2, 3)
+        if wants != [(at + n) % COUNTERS + 1 for n in range(6)]:
+            raise ScenarioError(f"orders count {wants}")
+
+
+def _silent_job(conflicts: int, field: JobField) -> None:
+    """Behind each scan of a run; the unit is free after LEASE, the next job works, the silent one has lost."""
+    reads = dict.fromkeys(range(1, conflicts + 1), STATE_CONFLICT)
+    for errand, calls in product((READ_SPLIT, TRIGGER), range(1, 14 + 20 * conflicts, 1 + conflicts)):
+        three(field)
+        field.give(1, errand)
+        field.rig.call(ORDERS[0])
+        field.rig.begin(EngineScenario(name="silent", reads=reads))
+        field.step()
+        field.start(1)
+        for _ in range(calls):
+            field.step()
+        if not field.job(1).signals()[0]:
+            field.idle(1)
+            continue
+        field.rig.call((1, 2, 6, 7))
+        began = field.cpu.clock
+        field.start(2)
+        field.expect(field.until_end((2,)), {2: (DONE,)})
+        took = field.cpu.clock - began
+        if not LEASE_MS - 200 <= took <= LEASE_MS + 700:
+            raise ScenarioError(f"a job that was silent after {calls} scans blocked the unit for {took} ms")
+        field.right(2)
+        writes = [
+            e for e in field.rig.drives[0].journal if e.direction == "write" and e.data[1:] in field.job(1).requests()
+        ]
+        if errand.once and len(writes) > 1:
+            raise ScenarioError("a trigger was sent twice")
+        field.rig.call(ORDERS[0])
+        field.expect(field.until_end((1,)), {1: (WORDS["LOST"], WORDS["OCCUPIED"])})
+        field.wire()
+        field.idle(1, 2)
+        field.again(1, 2)
+
+
+def _silent_channel(conflicts: int, field: JobField) -> None:
+    """Behind each scan of a run; the job hears it after CALLS_LIMIT calls, and works again when the channel does."""
+    reads = dict.fromkeys(range(1, conflicts + 1), STATE_CONFLICT)
+    for errand, calls in product((READ_SPLIT, TRIGGER), range(1, 14 + 20 * conflicts, 1 + 6 * conflicts)):
+        three(field)
+        field.give(1, errand)
+        field.rig.call(ORDERS[0])
+        field.rig.begin(EngineScenario(name="silent", reads=reads))
+        field.step()
+        field.start(1)
+        for _ in range(calls):
+            field.step()
+        if not field.job(1).signals()[0]:
+            field.idle(1)
+            continue
+        field.rig.call((1, 5, 6, 7))
+        before = field.scans
+        found = field.until_end((1,))
+        if not CALLS_LIMIT <= field.scans - before <= CALLS_LIMIT + 3:
+            raise ScenarioError(
+                f"it took {field.scans - before} calls until the job heard that nobody calls the channel"
+            )
+        field.expect(found, {1: (WORDS["NOT_CALLED"],)})
+        field.rig.call(ORDERS[0])
+        for _ in range(20):
+            field.step(500)
+        field.wire()
+        sent = [e for e in field.rig.drives[0].journal if e.direction == "write"]
+        if errand.once and len(sent) > 1:
+            raise ScenarioError("a trigger was sent twice")
+        field.idle(1)
+        field.again(1, 2, 3)
+
+
+def _two_levels(calls: tuple[int, ...], field: JobField, *, fast: bool) -> None:
+    """Some are called three times as often as the others, or a third as often."""
+    three(field)
+    rest = tuple(number for number in ALL if number not in calls)
+    field.rig.call(rest, calls)
+    field.step()
+    field.step(block="OB35")
+    for number in range(12):
+        for drive in field.rig.drives:
+            drive.journal.clear()
+        field.start(1, 2, 3)
+        for scan in range(800):
+            slow = "OB1" if fast else "OB35"
+            field.step(10, block=slow if scan % 3 == number % 3 else "OB35" if fast else "OB1")
+            if all(field.job(n).signals()[3] == DONE for n in (1, 2, 3)):
+                break
+        field.expect({n: field.job(n).signals()[3] for n in (1, 2, 3)}, dict.fromkeys((1, 2, 3), (DONE,)))
+        field.right(1, 2, 3)
+        field.wire()
+        field.drop(1, 2, 3)
+        for scan in range(12):
+            field.step(10, block="OB35" if scan % 2 else "OB1")

@@ -1,0 +1,237 @@
+"""The proof of the drive engine: what it knows, what it notices, how answers are judged."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from ds47 import engine_folders
+
+from plcgen.diagnostics import DiagnosticError
+from plcgen.proof.checks import Outcome
+from plcgen.protocols.ds47.proof.engine.__main__ import dialect_of
+from plcgen.protocols.ds47.proof.engine.checks import EngineWork, engine_checks, run_faults
+from plcgen.protocols.ds47.proof.engine.errands import READ_ONE, READ_SPLIT, WRITE_SPLIT
+from plcgen.protocols.ds47.proof.engine.known import proven
+from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
+from plcgen.protocols.ds47.proof.engine.verdict import FOREIGN, judge
+from plcgen.scl.dialect import Dialect
+from plcgen.sources.generated import generated_sources
+
+THREE = READ_SPLIT.letters[0]
+REQUEST = bytes.fromhex("07 01 02 03") + bytes(18)
+"""Reference 7, drive object 2, three parameters."""
+REAL, BYTES, INTS = (
+    bytes.fromhex("08 01 41 20 00 00"),
+    bytes.fromhex("05 03 01 02 03 00"),
+    bytes.fromhex("03 02 0001 0002"),
+)
+
+
+@pytest.fixture(scope="module")
+def engines(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], DriveEngine]:
+    """Every engine by target and size."""
+    root = tmp_path_factory.mktemp("engines")
+    return {
+        (target, size): DriveEngine.of(generated_sources(folder), dialect_of(folder))
+        for target, size, folder in engine_folders.folders(root)
+    }
+
+
+def changed(engine: DriveEngine, old: str, new: str) -> DriveEngine:
+    """An engine with one piece of text replaced wherever it stands."""
+    assert any(old in text for _, text in engine.sources)
+    return DriveEngine(
+        engine.dialect, tuple((name, text.replace(old, new)) for name, text in engine.sources), engine.names
+    )
+
+
+def test_the_file_knows_exactly_the_engines_there_are(engines: dict[tuple[str, str], DriveEngine]) -> None:
+    """Whoever changes a template of the engine runs ``make engine``: everything is proven again and recorded."""
+    assert {engine.hash for engine in engines.values()} == set(proven())
+
+
+def test_the_sizes_of_an_engine_are_all_that_differs_in_a_target(engines: dict[tuple[str, str], DriveEngine]) -> None:
+    for (target, size), engine in engines.items():
+        assert engine.differs_in_sizes_only(engines[target, "S"]), (target, size)
+    assert not engines["t3", "S"].differs_in_sizes_only(engines["t15", "S"])
+    other = changed(engines["t15", "M"], "L#5000", "L#5001")
+    assert not other.differs_in_sizes_only(engines["t15", "S"])
+
+
+def test_sizes(engines: dict[tuple[str, str], DriveEngine]) -> None:
+    sizes = [engines["v5", size].sizes for size in ("S", "M", "L", "XL")]
+    assert [(s.last + 1, s.blocks, s.slots, s.channels) for s in sizes] == [
+        (64, 8, 8, 32),
+        (128, 20, 16, 32),
+        (240, 39, 16, 128),
+        (240, 39, 64, 512),
+    ]
+
+
+def test_what_counts_for_the_hash(engines: dict[tuple[str, str], DriveEngine]) -> None:
+    """Comments, titles and versions of library blocks do not; a constant, a start value and the target do."""
+    engine = engines["t15", "S"]
+    assert changed(engine, "// the ", "// Das ").hash == engine.hash
+    assert changed(engine, "TITLE = ", "TITLE = Antrieb ").hash == engine.hash
+    assert changed(engine, "LibVersion := '1.0'", "LibVersion := '2.1'").hash == engine.hash
+    names = {role: name.replace("Drive", "Motor") for role, name in engine.names.items()}
+    renamed = tuple(
+        (name, text.replace('"Drive', '"Motor').replace('"typeDrive', '"typeMotor')) for name, text in engine.sources
+    )
+    assert DriveEngine(engine.dialect, renamed, names).hash == engine.hash
+    assert changed(engine, "L#5000", "L#5001").hash != engine.hash
+    assert changed(engine, "L#10000", "L#10001").hash != engine.hash
+    assert DriveEngine(Dialect.TIA_300_400, engine.sources, engine.names).hash != engine.hash
+    assert len({each.hash for each in engines.values()}) == 12
+
+
+def test_a_known_engine_is_not_run_here(
+    engines: dict[tuple[str, str], DriveEngine], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    engine = engines["t3", "S"]
+    entry = {"release": "9.9.9", "scenarios": 1234}
+    monkeypatch.setattr("plcgen.protocols.ds47.proof.engine.checks.proven", lambda: {engine.hash: entry})
+    (check,) = engine_checks(engine)
+    assert check.outcome is Outcome.NOT_RUN
+    assert check.verdict == f"engine {engine.hash[:12]}: proven with release 9.9.9, not run here"
+
+
+def test_an_engine_that_does_not_compile_is_an_error(engines: dict[tuple[str, str], DriveEngine]) -> None:
+    (check,) = engine_checks(
+        changed(engines["t15", "S"], "#statState := #STATE_HOLD;", "#statState := #NOWHERE;"), workers=1
+    )
+    assert (check.outcome, check.diagnostic.code if check.diagnostic else "") == (Outcome.ERROR, "PG820")
+
+
+def test_a_folder_without_an_engine() -> None:
+    with pytest.raises(DiagnosticError) as caught:
+        DriveEngine.of([], Dialect.STEP7_V5)
+    (found,) = caught.value.diagnostics
+    assert found.code == "PG825"
+    assert "DriveChannel" in found.message
+
+
+def test_an_engine_travels_to_a_worker(engines: dict[tuple[str, str], DriveEngine]) -> None:
+    work = EngineWork(engines["v5", "S"])
+    again = pickle.loads(pickle.dumps(work))  # noqa: S301 - our own
+    assert [piece.name for piece in again.pieces] == [piece.name for piece in work.pieces]
+
+
+# --- what is noticed ------------------------------------------------------------------------------------------
+
+DEFECTS = {
+    "an error block is read beyond the record": (
+        "t15",
+        "(NOT #tempNegative OR #tempCount < 1 OR #tempCount > 2)",
+        "(NOT #tempNegative OR #tempCount > 2)",
+        READ_SPLIT,
+    ),
+    "RECORD of a call that outlives its job changes": (
+        "t3",
+        " OR #statWriteActive OR #statReadActive THEN\n  #tempPointer",
+        " THEN\n  #tempPointer",
+        READ_ONE,
+    ),
+    "the next job waits for a call that outlives its job": (
+        "t15",
+        "#unit.turn.status := #STATUS_STILL_DRAINING;",
+        "#tempResult := #STATUS_STILL_DRAINING;",
+        READ_ONE,
+    ),
+    "infos of an answer that cannot be trusted stay": (
+        "t15",
+        "#unit.errors[#tempBlock] := W#16#FFFF;\n            #unit.infos[#tempBlock] := W#16#0000;",
+        "#unit.errors[#tempBlock] := W#16#FFFF;",
+        READ_SPLIT,
+    ),
+    "41 00 is taken for a good answer to a change": ("t15", "(#tempSize > 0 AND ", "(", WRITE_SPLIT),
+    "a lost request is never sent again": (
+        "t15",
+        "#tempResume := #STATE_BUILD;",
+        "#tempResume := #STATE_READ;",
+        READ_ONE,
+    ),
+    "the reference becomes 0": ("t15", "#statReference MOD 255 + 1", "(#statReference + 1) MOD 256", READ_ONE),
+    "the clock counts any step": ("t15", "MX := #STEP_LIMIT", "MX := L#9999", READ_ONE),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", DEFECTS)
+def test_a_defect_is_noticed(engines: dict[tuple[str, str], DriveEngine], name: str) -> None:
+    target, old, new, errand = DEFECTS[name]
+    engine = changed(engines[target, "S"], old, new)
+    assert run_faults(engine, errand, most=1).failures, name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", ["t15", "t3", "v5"])
+def test_every_fault_of_a_read_is_survived(engines: dict[tuple[str, str], DriveEngine], target: str) -> None:
+    result = run_faults(engines[target, "S"], READ_ONE)
+    assert not result.failures
+    assert int(result.matrix) > 700
+
+
+# --- answers --------------------------------------------------------------------------------------------------
+
+
+def answer(*blocks: bytes, head: str = "07 01 02 03") -> bytes:
+    """An answer to REQUEST."""
+    return bytes.fromhex(head) + b"".join(blocks)
+
+
+ERROR = bytes.fromhex("44 02 00 11 00 07")
+"""Error 11h with the information word 7."""
+
+
+@pytest.mark.parametrize(
+    ("came", "word", "errors", "infos"),
+    [
+        (answer(REAL, BYTES, INTS), "DONE", [0, 0, 0], [0, 0, 0]),
+        (answer(REAL, b"\x41\x03" + BYTES[2:], INTS), "DONE", [0, 0, 0], [0, 0, 0]),
+        (answer(REAL, ERROR, INTS, head="07 81 02 03"), "PARAMETER_ERROR", [0, 0x8011, 0], [0, 7, 0]),
+        (answer(ERROR, head="07 81 02 03"), "REFUSED", [0x8011] * 3, [7] * 3),
+        (answer(REAL, BYTES, b"\x06\x02" + INTS[2:]), "RESPONSE_FORMAT", [0, 0, 0x8106], [0, 0, 2]),
+        (answer(REAL, BYTES, INTS, b"\0"), "RESPONSE_FORMAT", [0xFFFF] * 3, [0] * 3),
+        (answer(REAL, BYTES), "RESPONSE_FORMAT", [0xFFFF] * 3, [0] * 3),
+        (answer(REAL, BYTES, b"\x44\x00", head="07 81 02 03"), "RESPONSE_FORMAT", [0xFFFF] * 3, [0] * 3),
+        (answer(REAL, BYTES, INTS, head="08 01 02 03"), FOREIGN, [0xFFFF] * 3, [0] * 3),
+        (answer(REAL, BYTES, INTS, head="07 01 03 03"), FOREIGN, [0xFFFF] * 3, [0] * 3),
+        (answer(REAL, BYTES, INTS, head="07 02 02 03"), "RESPONSE_ID", [0xFFFF] * 3, [0] * 3),
+        (answer(REAL, BYTES, INTS, head="07 01 02 04"), "PARAMETER_COUNT", [0xFFFF] * 3, [0] * 3),
+        (b"\x07\x01\x02", "RESPONSE_LENGTH", [0xFFFF] * 3, [0] * 3),
+        (bytes.fromhex("07 80 02 03 44 01 00 21"), "NOT_SUPPORTED", [0xFFFF] * 3, [0] * 3),
+    ],
+)
+def test_what_an_answer_means(came: bytes, word: str, errors: list[int], infos: list[int]) -> None:
+    found = judge(THREE, REQUEST, came)
+    assert (found.word, found.errors, found.infos) == (word, errors, infos)
+
+
+def test_a_change_has_no_values_in_its_answer() -> None:
+    letter = replace(WRITE_SPLIT.letters[0])
+    request = bytes.fromhex("09 02 02 03")
+    assert judge(letter, request, bytes.fromhex("09 02 02 03")).word == "DONE"
+    assert judge(letter, request, bytes.fromhex("09 02 02 03 00")).word == "RESPONSE_FORMAT"
+    partly = bytes.fromhex("09 82 02 03 40 00 44 02 00 11 00 07 40 00")
+    found = judge(letter, request, partly)
+    assert (found.word, found.errors, found.failed) == ("PARAMETER_ERROR", [0, 0x8011, 0], 2)
+
+
+def test_requests_are_those_of_the_tables() -> None:
+    """Request of three parameters: header, 10h, number of elements, PNU, subindex; values behind them in a change."""
+    values = [bytes.fromhex("41200000"), b"\1\2\3", bytes.fromhex("00010002")]
+    assert THREE.request(2, values).hex(" ", 2) == "0001 0203 1001 0460 0000 1003 0461 0000 1002 0462 0000"
+    change = WRITE_SPLIT.letters[0].request(2, values)
+    assert change[22:].hex(" ", 2) == "0801 4120 0000 0503 0102 0300 0302 0001 0002"
+    assert [part.expectation for part in THREE.parts] == [0x08010004, 0x05030003, 0x03020004]
+
+
+def test_folders_are_told_by_their_manifest(tmp_path: Path) -> None:
+    file, out = tmp_path / "x.yaml", tmp_path / "out"
+    file.write_text(engine_folders.spec("v5", "S"), encoding="ascii")
+    engine_folders.plcgen.generate(file, out)
+    assert dialect_of(out) is Dialect.STEP7_V5

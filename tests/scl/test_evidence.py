@@ -1,0 +1,102 @@
+"""``python -m evidence`` on SCL sources: what it counts, and the rows of ``scl.toml``."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from evidence import scl
+from evidence.faults import TOKEN, TYPE, Fault, faults, found
+from plcgen.cpu.program import Program
+from plcgen.scl.dialect import BY_NAME
+from plcgen.scl.parser import parse
+
+GOOD = """FUNCTION_BLOCK "Pump"
+{ S7_Optimized_Access := 'TRUE' }
+VAR
+  n : Int;
+  r : Real;
+  on : Bool;
+END_VAR
+BEGIN
+IF #on THEN
+  #n := #n + 1;
+END_IF;
+FOR #n := 1 TO 3 DO
+  #r := 2.0;
+END_FOR;
+#on := #n > 5;
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.fixture
+def corpus(tmp_path: Path) -> Path:
+    """Two repositories: one with a type that only the IEC check forbids, a BOOL in an INT, a file that is none."""
+    mine, other = tmp_path / "me+mine", tmp_path / "you+yours"
+    mine.mkdir()
+    other.mkdir()
+    (mine / "pump.scl").write_text(GOOD)
+    (mine / "types.udt").write_text('TYPE "T"\nSTRUCT\n  a : INT;\nEND_STRUCT;\nEND_TYPE\n')
+    (other / "mixed.scl").write_text(GOOD.replace('"Pump"', '"Mixed"').replace("#n + 1", "#r"))
+    (other / "wrong.scl").write_text(GOOD.replace('"Pump"', '"Wrong"').replace("#n + 1", "#on").replace("> 5", '> "x"'))
+    (other / "notes.scl").write_text("a list of files\n")
+    return tmp_path
+
+
+def test_what_is_counted(corpus: Path) -> None:
+    """Files, refused ones, names that are missing, types without and with IEC check, seeded faults."""
+    lines = list(scl.report(corpus))
+    assert lines[:2] == [
+        "SCL sources: 4 files of 2 repositories",
+        "  never looked at before: 4 files of 2 repositories",
+    ]
+    assert "  refused: 1, 1 of them valid as far as anybody knows" in lines
+    assert "    you/yours notes.scl: not judged" in lines
+    assert "  names that no file declares: 1" in lines
+    assert "  types: 1 without IEC check, 1 more with the IEC check of the target" in lines
+    assert "    not judged: you/yours wrong.scl:10 PG821" in lines
+    assert "  seeded token faults: 6 of 6 found, 100.0 %" in lines
+    assert "  seeded type faults: 6 of 6 found, 100.0 %" in lines
+
+
+def test_every_kind_of_fault_is_found_in_a_plain_block() -> None:
+    """Each deleted word and each wrong type brings a message that was not there before."""
+    result = parse(GOOD, "a.scl")
+
+    def check(source: str) -> frozenset[tuple[str, str]]:
+        return frozenset(
+            (d.code, d.message) for d in Program.load([("a.scl", source)], BY_NAME["tia-1500"]).diagnostics
+        )
+
+    seeded = faults(result, 1000, "")
+    assert {fault.kind for fault in seeded} == {TOKEN, TYPE}
+    assert len({fault.name for fault in seeded}) > 10
+    assert [fault for fault in seeded if not found(GOOD, fault, check(GOOD), check)] == []
+
+
+def test_a_fault_that_changes_nothing_is_not_found() -> None:
+    """The measure can fail."""
+    nothing = Fault(TOKEN, "a blank", 0, 0, " ")
+    assert not found(GOOD, nothing, frozenset(), lambda _: frozenset())
+
+
+def test_the_decided_rows_say_what_is_needed_and_nothing_else() -> None:
+    """Places, codes, verdicts and reasons in words of our own: no line of a source is kept."""
+    data = tomllib.loads(scl.KEPT.read_text(encoding="utf-8"))
+    names = {row["name"] for row in data["repository"]}
+    assert len(names) == len(data["repository"])
+    for row in data["repository"]:
+        assert row.keys() <= {"name", "seen", "compiled", "why", "targets"}
+        assert "why" in row or not row.get("compiled")
+        assert set(row.get("targets", {}).values()) <= BY_NAME.keys()
+    for row in [*data["refused"], *data["judged"]]:
+        assert row.keys() <= {"repository", "path", "lines", "code", "verdict", "why"}
+        assert not re.search(r":=|;\s*$", row["why"])
+    for row in data["judged"]:
+        assert row["verdict"] in {"right", "false", "open"}
+        assert row["code"] in scl.TYPES | scl.NAMES
+        assert row["lines"]
