@@ -126,6 +126,17 @@ class Numbers(StrictModel):
     udt: int = Field(470, ge=1, le=65535, description="first automatic UDT number (STEP 7 V5)")
 
 
+Version = Annotated[str, Field(pattern=r"^[0-9]{1,3}\.[0-9]{1,3}$")]
+
+
+class Instructions(StrictModel):
+    """Versions of instructions, where a project needs others than the default ones (TIA Portal)."""
+
+    WRREC: Version | None = Field(None, description="default: 1.1 on S7-1200/1500, 1.0 on S7-300/400")
+    RDREC: Version | None = Field(None, description="default: 1.0")
+    TON_TIME: Version | None = Field(None, description="default: 1.0")
+
+
 class Plc(StrictModel):
     """The controller the blocks are for."""
 
@@ -138,6 +149,7 @@ class Plc(StrictModel):
         ("en-US",), min_length=1, max_length=16, description="comment languages; the first is the main one"
     )
     numbers: Numbers = Field(Numbers(), description="where automatic block numbers start")
+    instructions: Instructions = Field(Instructions(), description="versions of WRREC, RDREC and TON_TIME")
 
 
 class BlockName(StrictModel):

@@ -48,11 +48,13 @@ def changed(engine: DriveEngine, old: str, new: str) -> DriveEngine:
     )
 
 
+@pytest.mark.slow
 def test_the_file_knows_exactly_the_engines_there_are(engines: dict[tuple[str, str], DriveEngine]) -> None:
     """Whoever changes a template of the engine runs ``make engine``: everything is proven again and recorded."""
     assert {engine.hash for engine in engines.values()} == set(proven())
 
 
+@pytest.mark.slow
 def test_the_sizes_of_an_engine_are_all_that_differs_in_a_target(engines: dict[tuple[str, str], DriveEngine]) -> None:
     for (target, size), engine in engines.items():
         assert engine.differs_in_sizes_only(engines[target, "S"]), (target, size)
@@ -61,6 +63,7 @@ def test_the_sizes_of_an_engine_are_all_that_differs_in_a_target(engines: dict[t
     assert not other.differs_in_sizes_only(engines["t15", "S"])
 
 
+@pytest.mark.slow
 def test_sizes(engines: dict[tuple[str, str], DriveEngine]) -> None:
     sizes = [engines["v5", size].sizes for size in ("S", "M", "L", "XL")]
     assert [(s.last + 1, s.blocks, s.slots, s.channels) for s in sizes] == [
@@ -71,6 +74,7 @@ def test_sizes(engines: dict[tuple[str, str], DriveEngine]) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_what_counts_for_the_hash(engines: dict[tuple[str, str], DriveEngine]) -> None:
     """Comments, titles and versions of library blocks do not; a constant, a start value and the target do."""
     engine = engines["t15", "S"]
@@ -88,6 +92,7 @@ def test_what_counts_for_the_hash(engines: dict[tuple[str, str], DriveEngine]) -
     assert len({each.hash for each in engines.values()}) == 12
 
 
+@pytest.mark.slow
 def test_a_known_engine_is_not_run_here(
     engines: dict[tuple[str, str], DriveEngine], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -99,6 +104,7 @@ def test_a_known_engine_is_not_run_here(
     assert check.verdict == f"engine {engine.hash[:12]}: proven with release 9.9.9, not run here"
 
 
+@pytest.mark.slow
 def test_an_engine_that_does_not_compile_is_an_error(engines: dict[tuple[str, str], DriveEngine]) -> None:
     (check,) = engine_checks(
         changed(engines["t15", "S"], "#statState := #STATE_HOLD;", "#statState := #NOWHERE;"), workers=1
@@ -114,6 +120,7 @@ def test_a_folder_without_an_engine() -> None:
     assert "DriveChannel" in found.message
 
 
+@pytest.mark.slow
 def test_an_engine_travels_to_a_worker(engines: dict[tuple[str, str], DriveEngine]) -> None:
     work = EngineWork(engines["v5", "S"])
     again = pickle.loads(pickle.dumps(work))  # noqa: S301 - our own
@@ -230,6 +237,7 @@ def test_requests_are_those_of_the_tables() -> None:
     assert [part.expectation for part in THREE.parts] == [0x08010004, 0x05030003, 0x03020004]
 
 
+@pytest.mark.slow
 def test_folders_are_told_by_their_manifest(tmp_path: Path) -> None:
     file, out = tmp_path / "x.yaml", tmp_path / "out"
     file.write_text(engine_folders.spec("v5", "S"), encoding="ascii")

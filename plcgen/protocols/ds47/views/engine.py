@@ -156,4 +156,5 @@ def _block(block: BlockRef, title: str, template: str, view: dict[str, Any]) -> 
 
 def versions(plan: DrivePlan) -> dict[str, str]:
     """Versions of the instructions that the blocks use."""
-    return {"WRREC": "1.1" if plan.target.t15 else "1.0", "RDREC": "1.0", "TON_TIME": "1.0"}
+    default = {"WRREC": "1.1" if plan.target.t15 else "1.0", "RDREC": "1.0", "TON_TIME": "1.0"}
+    return default | plan.loaded.spec.plc.instructions.model_dump(exclude_none=True)

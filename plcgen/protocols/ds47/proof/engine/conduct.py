@@ -75,8 +75,9 @@ class EngineConduct:
         return scenario.latest
 
     def dirty(self, pattern: bytes) -> None:
-        """Fill everything that the next request and its answer will overwrite, and what lies behind."""
-        for name in ("telegram", "record") if self.rig.classic else ("telegram",):
+        """Fill everything that the next request, its answer and its results will overwrite, and what lies behind."""
+        results = ("errors", "infos", "failed", "recordStatus")
+        for name in ("telegram", *results, *(("record",) if self.rig.classic else ())):
             spot, memory = self.rig.units[0].spots[name], self.rig.units[0].memory
             memory[spot.byte : spot.byte + spot.size] = (pattern * spot.size)[: spot.size]
 

@@ -112,6 +112,8 @@ class Ending:
         restarted = {"cold", "warm", "lost"} & set(self.scenario.happens.values())
         if self.scenario.retries is not None and unit.get("retries") != self.scenario.retries:
             raise ScenarioError(f"{unit.get('retries')} retries instead of {self.scenario.retries}")
+        if not journal and not restarted and unit.get("recordStatus"):
+            raise ScenarioError("recordStatus is that of another job")
         if journal and not restarted and unit.get("recordStatus") != journal[-1].status:
             raise ScenarioError(f"recordStatus is {unit.get('recordStatus'):08X}, not {journal[-1].status:08X}")
 
