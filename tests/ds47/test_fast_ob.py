@@ -43,7 +43,7 @@ END_ORGANIZATION_BLOCK
 
 @pytest.mark.slow
 def test_a_fast_ob_does_not_keep_ob1_from_its_turn(tmp_path: Path) -> None:
-    """OB35 interrupts at four points of every scan of OB1: both jobs end well, with turns that differ by one at most."""
+    """OB35 interrupts at four points of every scan of OB1: both end well, with turns that differ by one at most."""
     spec, out = tmp_path / "job.yaml", tmp_path / "out"
     spec.write_text(SPEC)
     api.generate(spec, out)
