@@ -41,12 +41,13 @@ def hundred_lines() -> str:
 
 
 def plant(drives: int = 20) -> str:
-    """A spec of an S7-300 with STEP 7 V5: three jobs for each drive, every job a function block of its own."""
+    """A spec of an S7-300 with STEP 7 V5: three jobs, each on every drive."""
+    names = [f"fan{i:02}" for i in range(1, drives + 1)]
     lines = ["plc: {name: Plant, family: s7-300, toolchain: step7-v5}\n", "drives:\n"]
-    lines += [f"  fan{i:02}: {{device: sinamics-g120, address: {256 + 20 * i}}}\n" for i in range(1, drives + 1)]
+    lines += [f"  {name}: {{device: sinamics-g120, address: {256 + 20 * i}}}\n" for i, name in enumerate(names, 1)]
+    every = f"drive: [{', '.join(names)}]"
     lines.append("jobs:\n")
-    for i in range(1, drives + 1):
-        lines.append(f"  read_ramps_{i:02}: {{drive: fan{i:02}, read: [P1120, P1121]}}\n")
-        lines.append(f"  set_ramps_{i:02}: {{drive: fan{i:02}, write: {{P1120: null, P1121: null}}}}\n")
-        lines.append(f"  read_fault_{i:02}: {{drive: fan{i:02}, read: [r947]}}\n")
+    lines.append(f"  read_ramps: {{{every}, read: [P1120, P1121]}}\n")
+    lines.append(f"  set_ramps: {{{every}, write: {{P1120: null, P1121: null}}}}\n")
+    lines.append(f"  read_fault: {{{every}, read: [r947]}}\n")
     return "".join(lines)

@@ -7,6 +7,7 @@ import re
 from docs.pages import PAGES, ROOT
 
 from plcgen import api
+from plcgen.protocols.ds47.words import CHANNEL_STATES, STATUS_WORDS, VARIANTS
 
 _TABLE = re.compile(r"((?:^\|.*\n)+)<!-- keys: (.*) -->", re.MULTILINE)
 _KEYS = re.compile(r"`(\w+)`")
@@ -37,3 +38,33 @@ def test_every_key_of_a_spec_is_explained_and_none_is_invented() -> None:
     wanted = {names: set().union(*(objects.pop(name) for name in names.split(", "))) for names in _documented()}
     assert wanted == _documented()
     assert {name for name, keys in objects.items() if keys} == set()
+
+
+def _rows(mark: str) -> list[list[str]]:
+    """Cells of the table of docs/generated-code.md that ends with this mark."""
+    page = (ROOT / "docs" / "generated-code.md").read_text("utf-8")
+    lines = page[: page.index(f"<!-- {mark} -->")].splitlines()
+    table = []
+    while lines and lines[-1].startswith("|"):
+        table.insert(0, [cell.strip() for cell in lines.pop().strip("|").split("|")])
+    return table[2:]
+
+
+def test_the_page_of_the_blocks_has_every_status_word() -> None:
+    """Value, name and meaning of each, in order."""
+    assert _rows("status words") == [[f"{value:04X}", name, text] for name, value, text in STATUS_WORDS]
+
+
+def test_the_page_of_the_blocks_has_every_state_of_a_channel() -> None:
+    """Names and numbers; two may share a row."""
+    found = [
+        pair
+        for names, numbers, _ in _rows("states")
+        for pair in zip(names.split(", "), numbers.split(", "), strict=True)
+    ]
+    assert found == [(name.removeprefix("STATE_"), str(number)) for name, number, _ in CHANNEL_STATES]
+
+
+def test_the_page_of_the_blocks_has_every_size_of_the_engine() -> None:
+    """Name and what there is room for."""
+    assert _rows("sizes") == [[str(cell) for cell in variant] for variant in VARIANTS]

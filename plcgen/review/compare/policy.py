@@ -97,7 +97,7 @@ _TABLE = (
     ChangeKind("request-length", _B, "request has another length", "LEN of WRREC and the buffer change"),
     ChangeKind("response-length", _B, "answer or its buffer has another length", "MLEN of RDREC and the buffer change"),
     ChangeKind("drive-added", _C, "drive added", "nothing refers to it yet"),
-    ChangeKind("drive-removed", _B, "drive removed", "its jobs and its token go away"),
+    ChangeKind("drive-removed", _B, "drive removed", "its jobs go away"),
     ChangeKind("drive-address", _B, "hardware identifier or address changed", "requests go to another device"),
     ChangeKind(
         "drive-device", _B, "device, drive object or record index changed", "the drive is addressed differently"

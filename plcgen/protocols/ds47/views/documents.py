@@ -67,7 +67,7 @@ def _guide(plan: DrivePlan) -> tuple[list[GuidePart], list[GuidePart]]:
         buffer.db for job in plan.shapes for telegram in job.telegrams for buffer in telegram.buffers if buffer.db
     ]
     writes = [_write_row(plan, job, use) for job in plan.jobs if job.writes for use in job.uses]
-    before: list[GuidePart] = [("ds47/import.md.j2", {"numbered": numbered})]
+    before: list[GuidePart] = [("ds47/import.md.j2", {"numbered": numbered})] if numbered else []
     return before, [("ds47/import_writes.md.j2", {"writes": writes})] if writes else []
 
 
