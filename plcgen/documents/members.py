@@ -110,7 +110,7 @@ def display_format(type_: Elementary) -> str:
 
 def buffer_member(
     frame: Frame,
-    db: BlockRef,
+    db: BlockRef | None,
     field: BufferField,
     texts: Mapping[str, str],
     text: str,
@@ -143,12 +143,14 @@ def buffer_member(
         offset=field.offset,
         size=field.size,
         address=_address(db, type_, field.offset),
-        watch=tuple(_watch(db, field, path, shown, modify)) if shown else (),
+        watch=tuple(_watch(db, field, path, shown, modify)) if shown and db is not None else (),
     )
 
 
-def _address(db: BlockRef, type_: DataType, offset: int) -> str:
-    """Absolute address of a member, ``DB3.DBW6``; wider or array members by their first byte."""
+def _address(db: BlockRef | None, type_: DataType, offset: int) -> str:
+    """Absolute address of a member, ``DB3.DBW6``; others by their first byte; none inside an instance."""
+    if db is None:
+        return ""
     width = type_.bits if isinstance(type_, Elementary) else 8
     return f"DB{db.number}.{_LETTER.get(width, 'DBB')}{offset}"
 
