@@ -86,6 +86,9 @@ class Ending:
         if failed != verdict.failed:
             raise ScenarioError(f"failed is {failed} instead of {verdict.failed}")
         self.check_values(letter, last, verdict)
+        header = self.job.db.bytes(f"letters[{last}].response", 4)
+        if status in {DONE, WORDS["PARAMETER_ERROR"]} and header != self.drive.journal[-1].data[:4]:
+            raise ScenarioError(f"the header of the answer is {header.hex(' ')} at the job")
 
     def verdict(self, letter: Letter) -> Verdict:
         """What the last answer to the last request means."""
