@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from mutation.engine import ENGINE, FILES
 from mutation.known import KNOWN
 from mutation.operators import Mutant, dropped, swapped, tokens
 from plcgen import api
@@ -18,6 +19,8 @@ from plcgen.project.loading import load_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
 from plcgen.proof.suite import CodeBlock
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.scl.dialect import Dialect
 
 ROOT = Path(__file__).resolve().parent.parent
 _RUN = "PLCGEN_MUTATION_RUN"
@@ -77,9 +80,13 @@ def encoding_of(spec: str) -> str:
 
 
 def cases(specs: Iterable[str], kinds: Iterable[str] = tuple(KINDS), *, main: bool = False) -> Iterator[Case]:
-    """Every mutant of every function block; ``main`` takes the organization block too."""
+    """Every mutant of every function block, of the shared ones once for each target; ``main`` takes the OB too."""
+    engines: set[Dialect] = set()
     for spec in specs:
         files = {f"scl/{block.block}.scl": block.key for block in blocks_of(spec)}
+        if project_of(spec).plan(DrivePlan) and project_of(spec).target.dialect not in engines:
+            engines.add(project_of(spec).target.dialect)
+            files |= {f"scl/{name}.scl": ENGINE for name in FILES}
         for file, key in {**files, **({"scl/Main.scl": ""} if main else {})}.items():
             text = (golden(spec) / file).read_text(encoding=encoding_of(spec))
             for kind in kinds:
@@ -93,5 +100,6 @@ def known_cases() -> Iterator[Case]:
         text = (golden(known.spec) / known.file).read_text(encoding=encoding_of(known.spec))
         if known.old not in text:
             raise SystemExit(f"{known.name}: {known.old!r} is not in {known.file}")
-        key = next(block.key for block in blocks_of(known.spec) if block.block in known.file)
+        keys = {f"scl/{block.block}.scl": block.key for block in blocks_of(known.spec)}
+        key = keys.get(known.file, ENGINE)
         yield Case(known.spec, known.file, key, Mutant(known.name, 0, text.replace(known.old, known.new)))

@@ -17,22 +17,34 @@ class Known:
 
 
 MM4, FAQ = "s7-300_mm440_dp", "s7-300_6ra80_dp_tia"
-READ, WRITE = "scl/ReadParams.scl", "scl/WriteParams.scl"
+READ, WRITE, CHANNEL = "scl/ReadParams.scl", "scl/WriteParams.scl", "scl/DriveChannel.scl"
 KNOWN = (
-    Known("every value of a multi-write from the first parameter", MM4, "db/WriteParams_Request.scl", "22.0", "11.0"),
-    Known("subindex ignored", MM4, "db/ReadParams_Request.scl", "W#16#0001", "W#16#0000"),
-    Known("reference wraps to 0", MM4, READ, ".requestReference := 1;", ".requestReference := 0;"),
-    Known("answers in 41h to 43h taken for errors", MM4, READ, " OR tempWireFormat = B#16#43", ""),
-    Known("unsigned values taken for signed ones", MM4, READ, ".requestReference < 255", ".requestReference < 127"),
-    Known("no drain", MM4, READ, "IF NOT (statWriteActive OR statReadActive) OR tempDrainOver THEN", "IF TRUE THEN"),
+    Known("every value of a multi-write from the first parameter", MM4, WRITE, "B#16#41, B#16#B0", "B#16#41, B#16#30"),
+    Known("subindex ignored", MM4, READ, "B#16#08, B#16#6B, B#16#00, B#16#01", "B#16#08, B#16#6B, B#16#00, B#16#00"),
+    Known("reference wraps to 0", MM4, CHANNEL, "statReference MOD 255 + 1", "(statReference + 1) MOD 256"),
+    Known("answers in 41h to 43h taken for errors", MM4, CHANNEL, " OR tempCame = B#16#43", ""),
+    Known(
+        "error numbers without their mark",
+        MM4,
+        CHANNEL,
+        "tempWord := W#16#8000 OR BYTE_TO_WORD(unit.record[tempFrom + 3])",
+        "tempWord := BYTE_TO_WORD(unit.record[tempFrom + 3])",
+    ),
+    Known("no drain", MM4, CHANNEL, "IF NOT (statWriteActive OR statReadActive) OR statTimer", "IF TRUE OR statTimer"),
     Known(
         "an old answer is fatal",
         MM4,
-        READ,
-        "tempResume := STATE_READ;  // the answer",
+        CHANNEL,
+        "statForeign := TRUE;  // the answer to an earlier request",
         "tempResult := STATUS_RETRIES;  //",
     ),
-    Known("response length unchecked", MM4, READ, " OR tempPosition <> statLength", ""),
-    Known("error blocks of 6 bytes", MM4, WRITE, "tempPosition + 2 + 2 * tempWireCount;", "tempPosition + 6;"),
-    Known("the whole buffer is sent", MM4, WRITE, "LEN := 28", "LEN := 240"),
+    Known("response length unchecked", MM4, CHANNEL, " OR tempFrom <> statLength", ""),
+    Known(
+        "error blocks of 6 bytes",
+        MM4,
+        CHANNEL,
+        "tempFrom := tempFrom + 2 + tempSize",
+        "IF tempCame = B#16#44 THEN tempSize := 4; END_IF; tempFrom := tempFrom + 2 + tempSize",
+    ),
+    Known("the whole buffer is sent", MM4, CHANNEL, "LEN := statOrder.length", "LEN := SIZE"),
 )

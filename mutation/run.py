@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mutation.cases import Case, encoding_of, golden, project_of, run_folder
+from mutation.engine import ENGINE, first_failure
 from plcgen.diagnostics import DiagnosticError
 from plcgen.proof.execution import Result, Work, added, coverage, run_job, run_together
 from plcgen.proof.rig import ProgramBench
+from plcgen.proof.scenario import Failure
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +32,21 @@ def notice(case: Case) -> Verdict:
     before = path.read_bytes()
     path.write_text(case.mutant.text, encoding=encoding_of(case.spec), newline="")
     try:
+        if case.key == ENGINE:
+            return engine_verdict(folder, case.spec)
         return executed(Work(ProgramBench(project_of(case.spec), folder), "quick"), case.key)
     finally:
         path.write_bytes(before)
+
+
+def engine_verdict(folder: Path, spec: str) -> Verdict:
+    """What the proof of the engine says."""
+    try:
+        failure = first_failure(folder, project_of(spec).target.dialect)
+    except DiagnosticError as problem:
+        first = problem.diagnostics[0]
+        return Verdict(f"does not compile: {first.message}", located=first.span.line > 0)
+    return Verdict() if failure is None else _of(failure)
 
 
 def executed(work: Work, key: str) -> Verdict:
@@ -63,6 +77,9 @@ def executed(work: Work, key: str) -> Verdict:
 
 
 def _verdict(result: Result) -> Verdict:
-    failure = result.failures[0]
+    return _of(result.failures[0])
+
+
+def _of(failure: Failure) -> Verdict:
     place = f"{Path(failure.file).name}:{failure.line}"
     return Verdict(f"{failure} ({place})", located=bool(failure.scenario and failure.scan and failure.line > 0))
