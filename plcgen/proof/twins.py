@@ -9,11 +9,15 @@ from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.s7.blocks import Block, BlockKind, SectionKind
+from plcgen.s7.initializers import flatten, parse_initializer
+from plcgen.s7.literals import LiteralError
 from plcgen.s7.types import ArrayType, DataType, Member, StructType
 from plcgen.scl.lexer import KEYWORDS, Tokens, tokenize
 
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
 _SHOWN = 30
+MOST_VALUES = 100_000
+"""Longest list of start values that is written out."""
 
 
 def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
@@ -81,8 +85,17 @@ def _members(first: tuple[Member, ...], second: tuple[Member, ...], where: str) 
 def _facts(member: Member) -> tuple[object, ...]:
     """What a declaration says, without the members of a structure."""
     type_ = member.type if not _inside(member.type) else str(getattr(member.type, "bounds", ""))
-    start = "".join(member.start.split()) if member.start is not None else None
-    return type_, start, member.comment, member.at, member.attributes
+    return type_, _start(member.start), member.comment, member.at, member.attributes
+
+
+def _start(text: str | None) -> object:
+    """A start value, whatever the spelling of a list: ``2(30.0)`` is ``30.0, 30.0``."""
+    if text is None or not text.lstrip().startswith("["):
+        return "".join(text.split()) if text is not None else None
+    try:
+        return [str(item) for item in flatten(parse_initializer(text), MOST_VALUES)]
+    except LiteralError:
+        return "".join(text.split())
 
 
 def _inside(type_: DataType) -> tuple[Member, ...]:

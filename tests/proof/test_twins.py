@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from projects import FAQ, ROOT
+from projects import FAQ, generated_example
 
 from plcgen import api
 from plcgen.project.target import target
@@ -15,7 +15,7 @@ from plcgen.proof.twins import difference
 from plcgen.simaticml.reading.documents import read_simaticml
 from plcgen.sources.text import read_source
 
-EXAMPLE = ROOT / "examples/s7-300_6ra80_dp_tia/expected"
+EXAMPLE = generated_example(FAQ.stem)
 
 
 def pair(name: str, change: tuple[str, str] | None = None):
@@ -30,7 +30,7 @@ def pair(name: str, change: tuple[str, str] | None = None):
     return text, read_simaticml(data.encode(), classic=True)[0][0], known
 
 
-@pytest.mark.parametrize("name", ["ReadRampUp", "ReadRampUp_DB", "Main"])
+@pytest.mark.parametrize("name", ["ReadRampUp", "DriveChannel", "DriveCalls_DB", "Main"])
 def test_shipped_twins_say_the_same(name: str) -> None:
     """An FB, its instance DB, the OB."""
     text, document, known = pair(name)
@@ -42,16 +42,16 @@ def test_shipped_twins_say_the_same(name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "change", "expected"),
     [
-        ("ReadRampUp", ('<Token Text="&lt;&gt;"', '<Token Text="="'), "line 6 of the code has <>, the document ="),
-        ("ReadRampUp", ('Name="STATE_IDLE"', 'Name="STATE_READ"'), "Constant has other members"),
-        ("ReadRampUp", (">W#16#8101<", ">W#16#8102<"), "Constant STATUS_TIMEOUT is declared otherwise"),
+        ("ReadRampUp", ('<Token Text="&lt;&gt;"', '<Token Text="="'), "line 1 of the code has <>, the document ="),
+        ("DriveChannel", ('Name="STATE_IDLE"', 'Name="STATE_READ"'), "Constant has other members"),
+        ("DriveChannel", (">W#16#8101<", ">W#16#8102<"), "Constant STATUS_TIMEOUT is declared otherwise"),
         ("ReadRampUp", ('Name="busy" Datatype="Bool"', 'Name="busy" Datatype="Byte"'), "Output busy is declared"),
         ("ReadRampUp", ("the job is running", "the job is walking"), "Output busy is declared otherwise"),
-        ("ReadRampUp", ('Datatype="WRREC" Version="1.0"', 'Datatype="WRREC" Version="1.1"'), "Static instWrite"),
+        ("DriveChannel", ('Datatype="WRREC" Version="1.0"', 'Datatype="WRREC" Version="1.1"'), "Static instWrite"),
         ("ReadRampUp", ("<Text>Read the ramp-up", "<Text>Write the ramp-up"), "title or comment differ"),
-        ("ReadRampUp_DB", ('<Member Name="busy"', '<Member Name="bosy"'), "Output has other members"),
-        ("ReadRampUp_DB", ("<InstanceOfName>ReadRampUp", "<InstanceOfName>WriteRampDown"), "another kind of block"),
-        ("Main", ('Name="readRampUpDone"', 'Name="readRampUpGone"'), 'the document "readRampUpGone"'),
+        ("DriveCalls_DB", ('<Member Name="driveGate"', '<Member Name="driveGates"'), "Static has other members"),
+        ("DriveCalls_DB", ("<InstanceOfName>DriveCalls", "<InstanceOfName>WriteRampDown"), "another kind of block"),
+        ("DriveCalls", ('Name="readRampUpDone"', 'Name="readRampUpGone"'), 'the document "readRampUpGone"'),
     ],
 )  # fmt: skip
 def test_every_difference_is_found(name: str, change: tuple[str, str], expected: str) -> None:
@@ -64,7 +64,7 @@ def test_verify_says_it(tmp_path: Path) -> None:
     """A source changed by hand, and a document that is gone, are errors of the folder."""
     assert api.generate(FAQ, tmp_path / "out").ok
     source = tmp_path / "out/scl/ReadRampUp.scl"
-    source.write_text(source.read_text("utf-8-sig").replace("#statTelegram := 1;", "#statTelegram := 2;"), "utf-8-sig")
+    source.write_text(source.read_text("utf-8-sig").replace("LIMIT(MN := 1,", "LIMIT(MN := 2,"), "utf-8-sig")
     (tmp_path / "out/xml/Main.xml").unlink()
     found = api.verify(FAQ, tmp_path / "out", faults="none")
     (check,) = [c for c in found.checks() if c.id == "files.twins"]
