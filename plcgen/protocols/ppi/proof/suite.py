@@ -137,7 +137,7 @@ class PpiSuite:
 
     def nominal(self, runner: Runner[PpiScenario]) -> PpiScenario:
         """A run without any fault."""
-        return PpiScenario(name="nominal run", follow=False, measured=True)
+        return PpiScenario(name="nominal run", follow=False, measured=True, ignored=0, damaged=0)
 
     def shown(self, runner: Runner[PpiScenario], scans: int) -> tuple[str, str]:
         """Scans and frames; the values read."""
