@@ -134,8 +134,14 @@ def line_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     yield PpiScenario(name="the module hears what it sends", echo=True)
     for name, bend in _bends():
         ignored = int(name == "another destination")
-        counts = {"ignored": ignored, "damaged": 1 - ignored}
-        yield PpiScenario(name=f"reply with {name}", bend=bend, **_repeated(master), **counts)
+        yield PpiScenario(
+            name=f"reply with {name}", bend=bend, ignored=ignored, damaged=1 - ignored, **_repeated(master)
+        )
+    broken = (fault("cut", "poll", None, value=20),)
+    yield PpiScenario(
+        name="replies that break off, forever", faults=broken, status=silent, retries=most, polls=None, follow=False
+    )
+    yield PpiScenario(name="a job behind a reply that broke off")
     in_front: tuple[tuple[str, At], ...] = (("token", "any"), ("foreign", "any"), ("noise", "poll"))
     for kind, at in in_front:
         yield PpiScenario(name=f"{kind} in front of every answer", faults=(fault(kind, at, None),))
@@ -430,7 +436,21 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
             name="Port_Config fails behind a failure", refusals={"PORT_CONFIG": 0x81A1},
             status=(WORDS["CONFIG_ERROR"],), polls=0, module=0x81A1,
         )  # fmt: skip
-    drain, cancelled = DRAIN_MS, CP_RESET_CALLS * 10 if classic else DRAIN_MS
+    yield from hangs(job, classic=classic)
+    if classic:
+        yield PpiScenario(
+            name="module hangs, and RESET too",
+            hang=True,
+            stuck=True,
+            status=(WORDS["DRAIN_TIMEOUT"],),
+            polls=0,
+            took=(job.timeout + DRAIN_MS, job.timeout + DRAIN_MS + 50),
+        )
+
+
+def hangs(job: PpiJob, *, classic: bool) -> Iterator[PpiScenario]:
+    """A module that never ends: every job has a timeout of its own, also across the end of the clock."""
+    cancelled = CP_RESET_CALLS * 10 if classic else DRAIN_MS
     for clock in (None, CLOCK_END - job.timeout // 2):
         yield PpiScenario(
             name=f"module hangs{', the clock starts again' if clock else ''}",
@@ -440,18 +460,9 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
             clock=clock,
             took=(job.timeout + cancelled - 10, job.timeout + cancelled + 50),
         )
-    if classic:
-        yield PpiScenario(
-            name="module hangs, and RESET too",
-            hang=True,
-            stuck=True,
-            status=(WORDS["DRAIN_TIMEOUT"],),
-            polls=0,
-            took=(job.timeout + drain, job.timeout + drain + 50),
-        )
 
 
-def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int) -> Iterator[PpiScenario]:
+def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int, *, classic: bool) -> Iterator[PpiScenario]:
     """What depends on the job itself, and one fault of each kind of the rest."""
     yield PpiScenario(name="first job after power-up", fresh=True, retries=None, polls=None)
     for at, kind in (("request", "silence"), ("poll", "fcs"), ("poll", "silence")):
@@ -468,6 +479,7 @@ def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int) -> Iterator[P
         yield PpiScenario(
             name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None
         )
+    yield from hangs(job, classic=classic)
     yield PpiScenario(name="execute dropped", happens={scans // 2: "drop"})
     yield PpiScenario(name="cold restart", happens={scans // 2: "cold"}, retries=None, polls=None)
     yield PpiScenario(name="scans of random length", wild=True, retries=None, polls=None)
