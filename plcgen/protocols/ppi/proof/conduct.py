@@ -139,7 +139,7 @@ class MasterConduct:
                 raise ScenarioError(f"diagnostics.{name}Frames counts {now - before} frames instead of {more}")
 
     def check_settings(self) -> None:
-        """Port_Config and Receive_Config run behind power-up and behind a failure, once, and not again."""
+        """Port_Config and Receive_Config run after power-up and after a failure, once, and not again."""
         wanted, port = int(not self.configured), self.rig.port
         if port.configured != wanted or port.conditioned != wanted:
             found = f"Port_Config set the port {port.configured} times, Receive_Config {port.conditioned} times"

@@ -141,7 +141,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     yield PpiScenario(
         name="replies that break off, forever", faults=broken, status=silent, retries=most, polls=None, follow=False
     )
-    yield PpiScenario(name="a job behind a reply that broke off")
+    yield PpiScenario(name="a job after a reply that broke off")
     in_front: tuple[tuple[str, At], ...] = (("token", "any"), ("foreign", "any"), ("noise", "poll"))
     for kind, at in in_front:
         yield PpiScenario(name=f"{kind} in front of every answer", faults=(fault(kind, at, None),))
@@ -171,7 +171,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     refused = fault("nack", "request", None, value=2)
     yield PpiScenario(name="refused with 02h forever", faults=(refused,), status=silent, retries=most, polls=0)
     yield PpiScenario(
-        name="refused with 02h forever behind noise, and no reply",
+        name="refused with 02h forever after noise, and no reply",
         faults=(refused, fault("noise", "request", None), fault("deaf", "poll", None)),
         status=silent, retries=most, polls=1,
     )  # fmt: skip
@@ -429,11 +429,11 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
             )  # fmt: skip
     if not classic:
         yield PpiScenario(
-            name="sending fails forever, and another job behind it", port={0: 0x80D1}, status=(WORDS["SEND_ERROR"],),
+            name="sending fails forever, and another job after it", port={0: 0x80D1}, status=(WORDS["SEND_ERROR"],),
             retries=most, polls=0, module=0x80D1, follow=False,
         )  # fmt: skip
         yield PpiScenario(
-            name="Port_Config fails behind a failure", refusals={"PORT_CONFIG": 0x81A1},
+            name="Port_Config fails after a failure", refusals={"PORT_CONFIG": 0x81A1},
             status=(WORDS["CONFIG_ERROR"],), polls=0, module=0x81A1,
         )  # fmt: skip
     yield from hangs(job, classic=classic)
