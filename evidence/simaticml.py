@@ -9,8 +9,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from evidence.round_trip import compare
 from evidence.signatures import Signature, engineering, objects, signatures
-from plcgen.diagnostics import DiagnosticError
+from plcgen.diagnostics import DiagnosticError, Severity
+from plcgen.simaticml.reading.documents import read_simaticml, read_tag_table
 from plcgen.simaticml.reading.xml import load, local, parse_xml
 
 if TYPE_CHECKING:
@@ -30,6 +32,8 @@ class Summary:
     kinds: Counter[str] = field(default_factory=Counter)
     folders: set[str] = field(default_factory=set)
     found: dict[Signature, Counter[str]] = field(default_factory=dict)
+    read: int = 0
+    """Documents that are read without an error."""
     other: int = 0
     """XML files that are no SimaticML."""
 
@@ -62,6 +66,8 @@ def summary(folder: Path) -> Summary:
             found.other += 1
         else:
             found.add(root, path.relative_to(folder).parts[0])
+            problems = read_simaticml(path)[1] + read_tag_table(path)[1]
+            found.read += not any(problem.severity is Severity.ERROR for problem in problems)
     return found
 
 
@@ -101,13 +107,21 @@ def unseen(made: Iterable[Signature], known: Mapping[Signature, object]) -> list
 
 def report(folder: Path, *, save: bool = False) -> Sequence[str]:
     """The figures of a folder; ``save`` keeps its counts."""
-    found = summary(folder)
+    found, trips = summary(folder), Counter[str]()
     if save:
         write(found)
     lines = [f"SimaticML: {sum(found.versions.values())} documents in {len(found.folders)} repositories"]
     lines += [f"  versions   {_by_version(found.versions)}"] if found.versions else []
     lines += [f"  {count:>6} {kind}" for kind, count in found.kinds.most_common()]
     lines.append(f"  {len(found.found)} signatures, {len(unseen(found.found, read()))} of them not among those kept")
+    lines.append(f"  {found.read} read without an error")
+    for repository in sorted(path for path in folder.iterdir() if path.is_dir()):
+        trips += compare(repository, {path: root for path, root in documents(repository) if root is not None})
+    if trips:
+        lines.append(
+            f"  {sum(trips.values())} blocks in SCL to text and back: {trips['same']} the same elements, "
+            f"{trips['other']} others, {trips['not made']} not made (a callee is not there)"
+        )
     if found.other:
         lines.append(f"  {found.other} other XML files")
     return lines

@@ -10,7 +10,7 @@ import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 
-from mutation.cases import KINDS, ROOT, Case, cases, known_cases, project_of
+from mutation.cases import KINDS, PPI, ROOT, Case, cases, known_cases, project_of
 from mutation.equivalent import reason
 from mutation.known import FAQ, KNOWN, MM4
 from mutation.run import Verdict, notice
@@ -39,9 +39,13 @@ def verdicts_of(work: Sequence[Case]) -> list[Verdict]:
 def options() -> argparse.Namespace:
     """What to damage."""
     parser = argparse.ArgumentParser(prog="mutation")
-    parser.add_argument("specs", nargs="*", help="names of shipped specs (default: the two S7-300 examples)")
     parser.add_argument(
-        "--deletions", action="store_true", help="delete every statement of every block, of every spec with drive jobs"
+        "specs", nargs="*", help="names of specs (default: the two S7-300 examples and the PPI masters)"
+    )
+    parser.add_argument(
+        "--deletions",
+        action="store_true",
+        help="delete every statement of every block, of every spec with drive jobs and the PPI masters",
     )
     parser.add_argument("--kind", choices=tuple(KINDS), action="append", help="this kind of damage only; repeatable")
     parser.add_argument("--every", type=int, default=1, help="take every n-th mutant only")
@@ -55,9 +59,11 @@ def chosen(given: argparse.Namespace) -> list[Case]:
     """The mutants of this run, without the known faults."""
     every = sorted(path.stem for path in (ROOT / "specs").glob("*.yaml"))
     with_drives = (
-        [name for name in every if project_of(name).plan(DrivePlan)] if given.deletions and not given.specs else []
+        [*(name for name in every if project_of(name).plan(DrivePlan)), *PPI]
+        if given.deletions and not given.specs
+        else []
     )
-    specs = given.specs or with_drives or [FAQ, MM4]
+    specs = given.specs or with_drives or [FAQ, MM4, *PPI]
     kinds = ("dropped",) if given.deletions else given.kind or tuple(KINDS)
     found = cases(specs, kinds, main=given.deletions)
     return [c for c in found if given.file in c.file and given.text in c.mutant.what][:: given.every]

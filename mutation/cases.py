@@ -23,6 +23,8 @@ from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.scl.dialect import Dialect
 
 ROOT = Path(__file__).resolve().parent.parent
+PPI = tuple(sorted(path.stem for path in (ROOT / "mutation" / "specs").glob("*.yaml")))
+"""PPI masters that have one of everything, each in a spec of its own."""
 _RUN = "PLCGEN_MUTATION_RUN"
 """Names the temporary folder of a run to the processes that it starts."""
 KINDS: dict[str, Callable[[str], Iterable[Mutant]]] = {"dropped": dropped, "exchanged": swapped, "changed": tokens}
@@ -42,10 +44,15 @@ class Case:
 _projects: dict[str, Project] = {}
 
 
+def path_of(spec: str) -> Path:
+    """File of a shipped spec, or of one that is only damaged here."""
+    return ROOT / ("mutation/specs" if spec in PPI else "specs") / f"{spec}.yaml"
+
+
 def project_of(spec: str) -> Project:
     """The plan of a shipped spec."""
     if spec not in _projects:
-        loaded = load_spec(ROOT / "specs" / f"{spec}.yaml", Report())
+        loaded = load_spec(path_of(spec), Report())
         if loaded is None:
             raise SystemExit(f"{spec} cannot be read")
         _projects[spec] = resolve(loaded, Report())
@@ -69,7 +76,7 @@ def run_folder() -> Path:
 def golden(spec: str) -> Path:
     """The generated files of a shipped spec, made once in a temporary folder of this process."""
     folder = run_folder() / f"{os.getpid()}-whole" / spec
-    if not folder.exists() and not api.generate(ROOT / "specs" / f"{spec}.yaml", folder).ok:
+    if not folder.exists() and not api.generate(path_of(spec), folder).ok:
         raise SystemExit(f"{spec} cannot be generated")
     return folder
 

@@ -80,7 +80,7 @@ def test_every_generated_source_comes_back_as_the_same_text(generated: dict[str,
 def test_every_generated_code_document_comes_back_as_its_source(generated: dict[str, tuple[Path, bool]]) -> None:
     """The documents on disk say what the text sources on disk say, and give the same document again."""
     for folder, classic in generated.values():
-        read = [block_of(path.read_text("utf-8-sig")) for path in (folder / "db").glob("*_DB.db")]
+        read = [block_of(path.read_text("utf-8-sig")) for path in (folder / "db").glob("*.db")]
         for path in (folder / "scl").glob("*.scl"):
             data = (folder / "xml" / f"{path.stem}.xml").read_bytes()
             found, diagnostics = read_simaticml(data, classic=classic)

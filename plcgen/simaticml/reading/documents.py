@@ -220,10 +220,13 @@ def _number(digits: str, place: Span, diagnostics: list[Diagnostic]) -> int | No
 
 
 def _optimized(tag: str, memory_layout: str | None, *, classic: bool | None) -> bool | None:
-    if memory_layout is None:
-        said = classic is not None and tag not in ("SW.Types.PlcStruct", "SW.Blocks.InstanceDB")
-        return not classic if said else None
-    return memory_layout != "Standard"
+    if memory_layout is not None:
+        return memory_layout != "Standard"
+    if tag == "SW.Types.PlcStruct" or classic is None:
+        return None
+    if tag == "SW.Blocks.InstanceDB":
+        return False if classic else None  # on S7-1200/1500 as its function block
+    return not classic
 
 
 def _multilingual(element: Element, composition: str) -> str:

@@ -264,7 +264,7 @@ class CodeReader:
         elif kind == "CallInfo":
             out.append(_name(name, quoted=True))
         elif name:
-            out.append(_name(name))
+            out.append(_name(f"{name}{_typed(element)}"))
         parts = [part for part in element if local(part) not in _CALL_HEAD]
         if any(local(part) == "Token" and part.get("Text") == "(" for part in parts):
             self.parts(parts)
@@ -320,6 +320,12 @@ _CONTENT = frozenset(
     {"Symbol", "Constant", "CallInfo", "Instruction", "Address", "Label", "PredefinedVariable", "DataType"}
     | {"Expression", "Reference", "Indirect", "Statusword"}
 )
+
+
+def _typed(instruction: Element) -> str:
+    """What SCL puts behind the name of an instruction for the one type it is used with: ``SHL_WORD``."""
+    types = [part.text or "" for part in instruction if local(part) == "TemplateValue" and part.get("Type") == "Type"]
+    return f"_{types[0].strip().upper()}" if len(types) == 1 else ""
 
 
 def _is_assigned(parameter: Element) -> bool:

@@ -117,6 +117,8 @@ def _attributes(block: Block, kind: str, setting: Setting, interface: str) -> li
         texts["SecondaryType"] = block.attributes.get("SecondaryType") or event_class(block.number)
     if block.instance_of is not None:
         texts |= _instance(block.instance_of)
+        if is_system(block.instance_of) and block.optimized is not None and not setting.classic:
+            texts["MemoryLayout"] = "Optimized" if block.optimized else "Standard"
     found = {name: f"<{name}>{content(text)}</{name}>" if text else f"<{name} />" for name, text in texts.items()}
     found["Interface"] = interface
     return [found[name] for name in sorted(found)]

@@ -186,3 +186,10 @@ def test_very_many_equal_members_are_one_error() -> None:
     (block,), problems = read_simaticml(data, "x.xml")
     assert [problem.message for problem in problems] == ['"a" is declared twice, as are 1022 more members']
     assert len(block.sections[0].members) == 1024
+
+
+def test_an_instruction_for_one_type_has_it_in_its_name() -> None:
+    """SHL with the template value Word is another instruction than SHL of a byte: the TIA Portal writes SHL_WORD."""
+    template = '<TemplateValue Name="value_type" Type="Type">Word</TemplateValue>'
+    call = f'<Instruction Name="SHL">{template}<Token Text="(" /><Token Text=")" /></Instruction>'
+    assert scl(f'<Access Scope="Call">{call}</Access>') == ("SHL_WORD()", [])

@@ -27,6 +27,7 @@ class MasterConduct:
         self.codes: dict[int, int] = {}
         self.configured = False
         self.longest = 0
+        self.counts = (0, 0)
 
     def plain(self, name: str) -> PpiScenario:
         """A run of which only the result counts."""
@@ -72,6 +73,7 @@ class MasterConduct:
             rig.bus.ports.pop(rig.master.port, None)
         if scenario.clock is not None:
             self.set_clock(scenario.clock)
+        self.counts = rig.counts()
         slack = 8 * max(scenario.scan, rig.master.ob1_cycle)
         return rig.job.timeout * (1 + len(scenario.happens)) + DRAIN_MS + slack
 
@@ -86,7 +88,10 @@ class MasterConduct:
         rig.cpu.call(name, 0)
 
     def happen(self, run: Run[PpiScenario], happening: str) -> None:
-        """A restart: the frame count begins again."""
+        """A restart: the frame count begins again. Or a scan that lasts as long as the timeout."""
+        if happening == "jump":
+            self.rig.cpu.clock += self.rig.job.timeout
+            return
         self.codes.clear()
         self.configured = False
 
@@ -123,9 +128,18 @@ class MasterConduct:
             self.check_settings()
         self.configured = status in {DONE, WORDS["ITEM_ERROR"], WORDS["REFUSED"]}
         End(self.rig, run.scenario, self.codes).check(status)
+        self.check_counts(run.scenario)
+
+    def check_counts(self, scenario: PpiScenario) -> None:
+        """Frames that were passed over, and damaged ones."""
+        names = "ignored", "damaged"
+        wanted = scenario.ignored, scenario.damaged
+        for name, before, now, more in zip(names, self.counts, self.rig.counts(), wanted, strict=True):
+            if more is not None and now - before != more:
+                raise ScenarioError(f"diagnostics.{name}Frames counts {now - before} frames instead of {more}")
 
     def check_settings(self) -> None:
-        """Port_Config and Receive_Config run behind power-up and behind a failure, once, and not again."""
+        """Port_Config and Receive_Config run after power-up and after a failure, once, and not again."""
         wanted, port = int(not self.configured), self.rig.port
         if port.configured != wanted or port.conditioned != wanted:
             found = f"Port_Config set the port {port.configured} times, Receive_Config {port.conditioned} times"

@@ -141,6 +141,10 @@ class MasterRig:
         """Scans of OB1 so far."""
         return self.cpu.scans
 
+    def counts(self) -> tuple[int, int]:
+        """Frames that were passed over so far, and damaged ones."""
+        return self.db.get("ignoredFrames"), self.db.get("damagedFrames")
+
     def statements(self, before: list[int]) -> int:
         """Statements of the block that were executed since its counters of coverage were ``before``."""
         now = self.cpu.coverage[self.source.probes]

@@ -19,6 +19,7 @@ RETURN_CODES = (0x01, 0x03, 0x05, 0x06, 0x07, 0x0A, 0x42)
 """Return codes of items: those of the S7-200 and one that nobody knows."""
 PAUSE = 40
 """Milliseconds between the two parts of a reply: many times the gap that ends a message."""
+LATE_MS = 100
 POLL_MS = 60
 """Milliseconds that a poll and E5 take in scans of 2 ms."""
 FRAME_MS = 300
@@ -48,7 +49,7 @@ class PpiScenario(Scenario):
 
     Expected: ``polls`` is what the diagnostics must say (None: not checked), ``errors`` those of the addresses by
     position, ``header`` and ``module`` the error words, ``pace`` the ms behind the first frame, behind every other one
-    but the last, and from the last to the end of the job.
+    but the last, and from the last to the end of the job, ``ignored`` and ``damaged`` how many frames are counted so.
     """
 
     faults: tuple[Fault, ...] = ()
@@ -71,6 +72,8 @@ class PpiScenario(Scenario):
     pace: tuple[int, int, int] | None = None
     wild: bool = False
     measured: bool = False
+    ignored: int | None = None
+    damaged: int | None = None
 
 
 def fault(kind: str, at: At = "any", times: int | None = 1, **more: int) -> Fault:
@@ -130,7 +133,15 @@ def line_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     yield from _ready(polls)
     yield PpiScenario(name="the module hears what it sends", echo=True)
     for name, bend in _bends():
-        yield PpiScenario(name=f"reply with {name}", bend=bend, **_repeated(master))
+        ignored = int(name == "another destination")
+        yield PpiScenario(
+            name=f"reply with {name}", bend=bend, ignored=ignored, damaged=1 - ignored, **_repeated(master)
+        )
+    broken = (fault("cut", "poll", None, value=20),)
+    yield PpiScenario(
+        name="replies that break off, forever", faults=broken, status=silent, retries=most, polls=None, follow=False
+    )
+    yield PpiScenario(name="a job after a reply that broke off")
     in_front: tuple[tuple[str, At], ...] = (("token", "any"), ("foreign", "any"), ("noise", "poll"))
     for kind, at in in_front:
         yield PpiScenario(name=f"{kind} in front of every answer", faults=(fault(kind, at, None),))
@@ -160,7 +171,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     refused = fault("nack", "request", None, value=2)
     yield PpiScenario(name="refused with 02h forever", faults=(refused,), status=silent, retries=most, polls=0)
     yield PpiScenario(
-        name="refused with 02h forever behind noise, and no reply",
+        name="refused with 02h forever after noise, and no reply",
         faults=(refused, fault("noise", "request", None), fault("deaf", "poll", None)),
         status=silent, retries=most, polls=1,
     )  # fmt: skip
@@ -195,6 +206,14 @@ def pace_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
         yield PpiScenario(
             name="pace of the polls", faults=(fault("not_ready", times=None),), status=(WORDS["NOT_READY"],),
             polls=master.polls, pace=(0, master.poll_pause if master.polls > 1 else 0, 0), scan=2,
+        )  # fmt: skip
+    e5 = 46 * 1000 // master.baud  # a character and the gap behind it
+    late = fault("late", "poll", None, milliseconds=LATE_MS)
+    if master.polls * (master.poll_pause + POLL_MS + LATE_MS) < job.timeout and reply > LATE_MS + POLL_MS:
+        wait = LATE_MS + e5 + (master.poll_pause if master.polls > 1 else 0)
+        yield PpiScenario(
+            name="pace of the polls, every E5 late", faults=(fault("not_ready", times=None), late),
+            status=(WORDS["NOT_READY"],), polls=master.polls, pace=(0, wait, LATE_MS), scan=2,
         )  # fmt: skip
     yield PpiScenario(name="reply without its last byte", faults=(fault("cut", "poll", value=-1),), **_repeated(master))
     frames = len(job.telegrams) + (job.kind != "read")
@@ -408,14 +427,16 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
                 name=f"{block} fails", refusals={block.upper(): refused}, fresh=fresh,
                 status=(WORDS["CONFIG_ERROR"],), polls=0, retries=None, module=refused,
             )  # fmt: skip
-    drain, cancelled = DRAIN_MS, CP_RESET_CALLS * 10 if classic else DRAIN_MS
-    yield PpiScenario(
-        name="module hangs",
-        hang=True,
-        status=(WORDS["TIMEOUT"] if classic else WORDS["DRAIN_TIMEOUT"],),
-        polls=0,
-        took=(job.timeout + cancelled - 10, job.timeout + cancelled + 50),
-    )
+    if not classic:
+        yield PpiScenario(
+            name="sending fails forever, and another job after it", port={0: 0x80D1}, status=(WORDS["SEND_ERROR"],),
+            retries=most, polls=0, module=0x80D1, follow=False,
+        )  # fmt: skip
+        yield PpiScenario(
+            name="Port_Config fails after a failure", refusals={"PORT_CONFIG": 0x81A1},
+            status=(WORDS["CONFIG_ERROR"],), polls=0, module=0x81A1,
+        )  # fmt: skip
+    yield from hangs(job, classic=classic)
     if classic:
         yield PpiScenario(
             name="module hangs, and RESET too",
@@ -423,11 +444,25 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
             stuck=True,
             status=(WORDS["DRAIN_TIMEOUT"],),
             polls=0,
-            took=(job.timeout + drain, job.timeout + drain + 50),
+            took=(job.timeout + DRAIN_MS, job.timeout + DRAIN_MS + 50),
         )
 
 
-def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int) -> Iterator[PpiScenario]:
+def hangs(job: PpiJob, *, classic: bool) -> Iterator[PpiScenario]:
+    """A module that never ends: every job has a timeout of its own, also across the end of the clock."""
+    cancelled = CP_RESET_CALLS * 10 if classic else DRAIN_MS
+    for clock in (None, CLOCK_END - job.timeout // 2):
+        yield PpiScenario(
+            name=f"module hangs{', the clock starts again' if clock else ''}",
+            hang=True,
+            status=(WORDS["TIMEOUT"] if classic else WORDS["DRAIN_TIMEOUT"],),
+            polls=0,
+            clock=clock,
+            took=(job.timeout + cancelled - 10, job.timeout + cancelled + 50),
+        )
+
+
+def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int, *, classic: bool) -> Iterator[PpiScenario]:
     """What depends on the job itself, and one fault of each kind of the rest."""
     yield PpiScenario(name="first job after power-up", fresh=True, retries=None, polls=None)
     for at, kind in (("request", "silence"), ("poll", "fcs"), ("poll", "silence")):
@@ -444,6 +479,7 @@ def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int) -> Iterator[P
         yield PpiScenario(
             name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None
         )
+    yield from hangs(job, classic=classic)
     yield PpiScenario(name="execute dropped", happens={scans // 2: "drop"})
     yield PpiScenario(name="cold restart", happens={scans // 2: "cold"}, retries=None, polls=None)
     yield PpiScenario(name="scans of random length", wild=True, retries=None, polls=None)
@@ -459,6 +495,10 @@ def cpu_scenarios(scans: int, clock_end: int, ob1: int, *, retentive: bool) -> I
         yield PpiScenario(
             name=f"warm restart in scan {scan}", happens={scan: "warm"}, retries=None, polls=None, status=status
         )
+    yield PpiScenario(
+        name="a scan as long as the timeout", happens={scans // 4: "jump"}, status=(WORDS["TIMEOUT"],),
+        retries=None, polls=None,
+    )  # fmt: skip
     for length in sorted({1, min(3, ob1), min(20, ob1), ob1}):
         yield PpiScenario(name=f"scans of {length} ms", scan=length, retries=None, polls=None)
     for number in range(5):

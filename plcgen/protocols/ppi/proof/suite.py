@@ -149,7 +149,7 @@ class PpiSuite:
 
     def nominal(self, runner: Runner[PpiScenario]) -> PpiScenario:
         """A run without any fault."""
-        return PpiScenario(name="nominal run", follow=False, measured=True)
+        return PpiScenario(name="nominal run", follow=False, measured=True, ignored=0, damaged=0)
 
     def shown(self, runner: Runner[PpiScenario], scans: int) -> tuple[str, str]:
         """Scans and frames; the values read."""
@@ -178,7 +178,7 @@ class PpiSuite:
         """All scenarios of a job, as if it had all the time in the world."""
         master, target = self.master, self.plan.target
         if level != "full" and job is not next(j for j in self.jobs if SHAPES[j.kind] == SHAPES[job.kind]):
-            yield from core_scenarios(master, job, scans)
+            yield from core_scenarios(master, job, scans, classic=target.classic)
             return
         yield from line_scenarios(master, job)
         yield from pace_scenarios(master, job)

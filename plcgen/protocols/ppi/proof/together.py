@@ -170,6 +170,9 @@ def cycles(rig: MasterRig) -> None:
         module = rig.bus.ports.pop(rig.master.port)
         _stay(rig)
         rig.bus.ports[rig.master.port] = module
+    for job in (job for job in rig.master.jobs if not job.cycle):
+        rig.job = job
+        _rest(rig, max(job.cycle for job in rig.master.jobs))
 
 
 def _repeat(rig: MasterRig) -> None:
@@ -197,6 +200,17 @@ def _repeat(rig: MasterRig) -> None:
             raise ScenarioError(f"{job.key} starts again after {again - start} ms, not {wanted - start}")
     if len(starts) < ROUNDS:
         raise ScenarioError(f"{job.key} starts {len(starts)} times, not {ROUNDS}")
+
+
+def _rest(rig: MasterRig, longest: int) -> None:
+    """A job without a cycle runs once, however long execute is TRUE."""
+    rig.cpu.restart("cold")
+    rig.new_values(rig.job)
+    status = _once(rig, rig.job.timeout // step(rig), step(rig))
+    for _ in range(2 * longest // step(rig)):
+        rig.cpu.call(rig.db.block, step(rig))
+        if rig.db.flag(rig.pin("busy")) or rig.db.get(rig.pin("status")) != status:
+            raise ScenarioError(f"{rig.job.key} starts again although it has no cycle")
 
 
 def _stay(rig: MasterRig) -> None:

@@ -1,0 +1,79 @@
+"""SCL blocks of genuine documents to text and back: the elements of their code, equal but for what is a default."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+from evidence.signatures import engineering
+from plcgen import api
+from plcgen.simaticml.reading.xml import child, children, local, text
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+
+_DEFAULTS = {("Blank", "Num", "1"), ("NewLine", "Num", "1"), ("LineComment", "Inserted", "false")} | {
+    ("LineComment", "NoClosingBracket", "false")
+}
+"""What the schemas of Siemens say of an attribute that is absent."""
+
+
+def code_elements(block: Element) -> list[str] | None:
+    """Elements of all networks of a block without UIds and defaults; None if one of them is not in SCL, or none is."""
+    found: list[str] = []
+    for unit in children(child(block, "ObjectList"), "SW.Blocks.CompileUnit"):
+        for network in children(child(child(unit, "AttributeList"), "NetworkSource")):
+            if local(network) != "StructuredText":
+                return None
+            found += _elements(network)
+    return found or None
+
+
+def _elements(network: Element) -> Iterator[str]:
+    pending: list[tuple[int, Element]] = [(0, part) for part in reversed(list(children(network)))]
+    while pending:
+        depth, element = pending.pop()
+        tag = local(element)
+        pairs = sorted((str(name), element.get(name, "")) for name in map(str, element.keys()) if name != "UId")
+        shown = " ".join(f"{name}={value}" for name, value in pairs if (tag, name, value) not in _DEFAULTS)
+        content = text(element) if not len(element) else ""
+        yield f"{depth} {tag} {shown} {content.replace('P# ', 'P#')}"
+        pending += [(depth + 1, part) for part in reversed(list(children(element)))]
+
+
+def compare(folder: Path, documents: dict[Path, Element]) -> Counter[str]:
+    """Blocks of one repository: ``same``, ``other``, or ``not made``, as where a callee is not among the files."""
+    before = {path: (root, found) for path, root in documents.items() if (found := _blocks(root))}
+    counts: Counter[str] = Counter()
+    if not before:
+        return counts
+    newest = Counter(engineering(root) for root, _ in before.values()).most_common(1)[0][0]
+    with TemporaryDirectory() as place:
+        out = Path(place)
+        api.convert(folder, to="scl", out=out / "scl", keep_going=True)
+        api.convert(out / "scl", folder, to="xml", out=out / "xml", version=newest, keep_going=True)
+        after = {name: code for path in (out / "xml").rglob("*.xml") for name, code in _read(path).items()}
+    for _, found in before.values():
+        for name, code in found.items():
+            made = after.get(name)
+            counts["not made" if made is None else "same" if made == code else "other"] += 1
+    return counts
+
+
+def _read(path: Path) -> dict[str, list[str]]:
+    from plcgen.simaticml.reading.xml import load, parse_xml
+
+    return _blocks(parse_xml(*load(path)))
+
+
+def _blocks(root: Element) -> dict[str, list[str]]:
+    """Code of the SCL blocks of a document by name."""
+    found = {}
+    for block in children(root):
+        code = code_elements(block) if local(block).startswith("SW.Blocks.") else None
+        if code is not None:
+            found[text(child(child(block, "AttributeList"), "Name"))] = code
+    return found
