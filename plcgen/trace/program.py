@@ -21,15 +21,17 @@ from plcgen.trace.settings import FaultPlan
 _START_UP = frozenset({"OB100", "STARTUP"})
 
 
-def load_program(folder: Path, dialect: Dialect, own: Sequence[Path] = ()) -> Program:
-    """Load a generated folder and the user's own sources.
+def load_program(
+    folder: Path, dialect: Dialect, own: Sequence[Path] = (), constants: Mapping[str, int] | None = None
+) -> Program:
+    """Load a generated folder and the user's own sources; ``constants`` are system constants by name.
 
     A block of the user's replaces the generated one of the same name, his cyclic OB the generated example.
     Raises DiagnosticError if anything does not compile or no cyclic OB is left.
     """
-    program = load_folder(folder, dialect)
+    program = load_folder(folder, dialect, constants=constants)
     if own:
-        program = _joined(program, dialect, own)
+        program = _joined(program, dialect, own, constants)
     if not program.ok:
         raise DiagnosticError(program.diagnostics)
     if program.main() is None:
@@ -38,9 +40,9 @@ def load_program(folder: Path, dialect: Dialect, own: Sequence[Path] = ()) -> Pr
     return program
 
 
-def _joined(base: Program, dialect: Dialect, own: Sequence[Path]) -> Program:
+def _joined(base: Program, dialect: Dialect, own: Sequence[Path], constants: Mapping[str, int] | None) -> Program:
     """Load the sources of a folder once more, together with others."""
-    users = Program.load(own, dialect)
+    users = Program.load(own, dialect, constants=constants)
     taken = {name for name, entry in users.link.blocks.items() if entry.block.span is not None}
     cyclic = any(e.block.kind is BlockKind.OB and n not in _START_UP for n, e in users.link.blocks.items())
     sources: list[Path] = []
@@ -57,7 +59,7 @@ def _joined(base: Program, dialect: Dialect, own: Sequence[Path]) -> Program:
             numbers[name] = int(number[2:])
         else:
             tags.setdefault(name, number)
-    return Program.load([*dict.fromkeys(sources), *own], dialect, tags=tags, numbers=numbers)
+    return Program.load([*dict.fromkeys(sources), *own], dialect, tags=tags, numbers=numbers, constants=constants)
 
 
 def connect(plan: DrivePlan, files: Sequence[str], faults: FaultPlan) -> dict[int, tuple[str, Drive]]:

@@ -66,7 +66,8 @@ def _simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progres
     if not folder.is_dir():
         missing = Diagnostic("PG507", "there is no such folder", Span(str(folder)), help="run plcgen generate first")
         raise DiagnosticError([missing])
-    program = load_program(folder, plan.target.dialect, settings.own)
+    constants = {drive.id_name: drive.id_value for drive in plan.drives if drive.id_name}
+    program = load_program(folder, plan.target.dialect, settings.own, constants)
     report.extend(program.diagnostics)
     bus = Periphery({address: unit for address, (_, unit) in units.items()})
     cpu = RecordingCpu(program, bus, cast("Family", plan.target.family))

@@ -90,3 +90,16 @@ def test_a_value_that_is_called_state(tmp_path: Path) -> None:
     assert len(ids) == len(set(ids))
     assert trace.start[ids.index("set_z.state_value")] == 5.0
     assert trace.start[ids.index("set_z.state")] == 0
+
+
+def test_a_hardware_identifier_by_name(tmp_path: Path) -> None:
+    """A system constant has some number in a project; a recorded run gives it one of its own."""
+    spec = tmp_path / "job.yaml"
+    spec.write_text(
+        "plc: {name: Axes, family: s7-1500, toolchain: tia-v19}\n"
+        'drives: {d: {device: sinamics-g120, hardware_id: "Drive_1~PROFIdrive"}}\n'
+        "jobs: {read_speed: {drive: d, read: [r21]}}\n",
+        "utf-8",
+    )
+    assert api.generate(spec, tmp_path / "out").ok
+    assert ends(api.simulate(spec, tmp_path / "out")) == {"read_speed": ("done", 13, 0)}
