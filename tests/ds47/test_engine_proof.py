@@ -174,8 +174,17 @@ def test_a_defect_is_noticed(engines: dict[tuple[str, str], DriveEngine], name: 
     assert run_faults(engine, errand, most=1).failures, name
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("target", ["t15", "t3", "v5"])
+def test_some_of_every_group(engines: dict[tuple[str, str], DriveEngine]) -> None:
+    """Every sixth procedure; all of them run when an engine is recorded."""
+    work = EngineWork(engines["t15", "S"])
+    chosen = [n for n, piece in enumerate(work.pieces) if piece.errand is None][::6]
+    assert {work.pieces[n].group for n in chosen} == {"formats", "units", "places", "restarts", "interrupts"}
+    assert not [failure for n in chosen for failure in work(n).failures]
+
+
+@pytest.mark.parametrize(
+    "target", ["t15", pytest.param("t3", marks=pytest.mark.slow), pytest.param("v5", marks=pytest.mark.slow)]
+)
 def test_every_fault_of_a_read_is_survived(engines: dict[tuple[str, str], DriveEngine], target: str) -> None:
     result = run_faults(engines[target, "S"], READ_ONE)
     assert not result.failures
