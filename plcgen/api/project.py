@@ -100,10 +100,20 @@ class EncodeResult:
 
 
 def check(spec: Path | str) -> CheckResult:
-    """Read, validate and plan a spec and apply every rule to it.
+    """Read, validate and plan a spec and apply every rule to it; notes tell what is written to inputs left open.
 
     If it names a CPU, its blocks are made, though not written: what does not fit the CPU is a warning.
     """
+    from plcgen.project.rules import remarks
+
+    found = problems_of(spec)
+    if found.project is None or not found.ok:
+        return found
+    return replace(found, diagnostics=tuple(Report([*found.diagnostics, *remarks(found.project)])))
+
+
+def problems_of(spec: Path | str) -> CheckResult:
+    """What is wrong with a spec, and what does not fit its CPU."""
     found = _planned(spec)
     project = found.project
     if (
@@ -174,7 +184,7 @@ def generate(
     from plcgen.documents.writing import compare_folder, write_folder
 
     target = _folder(spec, folder)
-    checked = check(spec)
+    checked = problems_of(spec)
     if not checked.ok or checked.project is None:
         return GenerateResult(checked.spec, target, (), (), (), "", checked.diagnostics)
     report = Report(list(checked.diagnostics))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from plcgen.api.project import check
+from plcgen.api.project import problems_of
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.review.layout.tables import BlockTable, LayoutResult
 
@@ -52,7 +52,7 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
     sources: list[Path] = []
     for path in map(Path, paths):
         if path.suffix.lower() in SPEC_SUFFIXES:
-            checked = check(path)
+            checked = problems_of(path)
             report.extend(checked.diagnostics)
             if checked.project is not None:
                 tables += project_tables(checked.project)

@@ -159,9 +159,11 @@ def write(folder: Path, device: str = "./acme.yaml", profile: str | None = ACME)
 
 
 def found(path: Path) -> list[tuple[str, str, int, int, str]]:
-    """What a check reports."""
+    """Problems that a check reports; what it remarks (PG227) is none."""
     return [
-        (d.code, Path(d.span.file).name, d.span.line, d.span.column, d.message) for d in api.check(path).diagnostics
+        (d.code, Path(d.span.file).name, d.span.line, d.span.column, d.message)
+        for d in api.check(path).diagnostics
+        if d.severity.label != "note"
     ]
 
 

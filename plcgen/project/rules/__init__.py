@@ -36,3 +36,10 @@ def apply_rules(project: Project, report: Report) -> None:
     for plan in project.plans:
         for check in plan.protocol.rules().checks:
             report.extend(check(plan))
+
+
+def remarks(project: Project) -> Iterator[Diagnostic]:
+    """What is worth knowing of a project in which nothing is wrong: notes, in the order of the plans."""
+    for plan in project.plans:
+        for remark in plan.protocol.rules().remarks:
+            yield from remark(plan)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from plcgen.protocols.base import Rules
-from plcgen.protocols.ds47.rules import drives, members, names, parameters, telegrams
+from plcgen.protocols.ds47.rules import drives, inputs, members, names, parameters, telegrams
 
 RULES = Rules(
     checks=(
@@ -17,7 +17,7 @@ RULES = Rules(
         parameters.repeated,
         parameters.dangerous,
         parameters.only_bytes,
-        parameters.unconnected,
+        inputs.unconnected,
         telegrams.response_buffer,
         telegrams.request_buffer,
         telegrams.reference,
@@ -32,4 +32,5 @@ RULES = Rules(
     texts=names.texts,
     plain=names.plain,
     taken=names.taken,
+    remarks=(inputs.left_open,),
 )

@@ -105,21 +105,6 @@ def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
                     )
 
 
-def unconnected(plan: DrivePlan) -> Iterator[Diagnostic]:
-    """PG226: a limit or reference without a value: what is written if nobody connects the input is nobody's choice."""
-    for job in plan.shapes:
-        items = getattr(plan.entry(job), job.kind)
-        for use in job.inputs:
-            item = items[use.position - 1]
-            if use.parameter.pnu in job.drive.device.bases and getattr(item, "start", None) is None:
-                yield Diagnostic(
-                    "PG226",
-                    f"{use.label} is a limit or reference of {job.drive.device.key}, and its input has no start value",
-                    parameter_span(plan, use),
-                    help=f"write {use.label}: {{start: ..}}, or a constant",
-                )
-
-
 def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG220: the CPU has no data type for the value, so the block hands over its bytes."""
     family = plan.target.family.upper()

@@ -9,6 +9,7 @@ from plcgen.protocols.ds47.kinds import kind_called
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Span
+    from plcgen.protocols.ds47.kinds import ReadItem, WriteItem
     from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 
 
@@ -30,5 +31,15 @@ def member_span(plan: DrivePlan, use: Use) -> Span:
 
 def spelling(plan: DrivePlan, job: DriveJob, use: Use) -> str:
     """Quote the parameter as the spec writes it."""
-    items = kind_called(job.kind).items(getattr(plan.entry(job), job.kind))
+    items = _items(plan, job)
     return items[use.position - 1].parameter if items else ""
+
+
+def given_start(plan: DrivePlan, job: DriveJob, use: Use) -> bool:
+    """Whether the spec gives an input its start value."""
+    items = _items(plan, job)
+    return bool(items) and getattr(items[use.position - 1], "start", None) is not None
+
+
+def _items(plan: DrivePlan, job: DriveJob) -> tuple[ReadItem | WriteItem, ...]:
+    return kind_called(job.kind).items(getattr(plan.entry(job), job.kind))

@@ -8,16 +8,13 @@ from typing import Any
 
 from plcgen.documents.members import plain
 from plcgen.documents.nouns import Contribution, DataBlock, FunctionBlock, GuidePart
-from plcgen.documents.spelling import literal
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
+from plcgen.protocols.ds47.plan.values import value_text
 from plcgen.protocols.ds47.views.calls import caller
 from plcgen.protocols.ds47.views.engine import programs as engine_programs
 from plcgen.protocols.ds47.views.engine import types
 from plcgen.protocols.ds47.views.program import program
-from plcgen.protocols.ds47.wire.bico import read_bico
-from plcgen.s7.types import ArrayType, Elementary
 
 
 def contribution(plan: DrivePlan) -> Contribution:
@@ -74,30 +71,16 @@ def _guide(plan: DrivePlan) -> tuple[list[GuidePart], list[GuidePart]]:
 def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
     danger = job.drive.device.danger(use.parameter.pnu)
     signed = plan.sign_off(job, use.parameter.pnu) if danger else None
+    value = value_text(use, plan.target)
     return {
         "job": job.block.name,
         "drive": job.drive.key,
         "label": use.label,
         "title": use.parameter.title,
-        "value": _values(plan, use) if use.constant else f"input, {_values(plan, use)} if nothing is connected",
+        "value": value if use.constant else f"input, {value} if nothing is connected",
         "note": f"{danger}; signed off: {signed}".replace("|", "\\|") if danger else "",
         "safety": use.parameter.pnu in guards.SAFETY,
     }
-
-
-def _values(plan: DrivePlan, use: Use) -> str:
-    """A constant as a person reads it: the literals of its values, the first four of many."""
-    type_ = interface_type(use.format, use.count, use.subindex, plan.target)
-    element = type_.element if isinstance(type_, ArrayType) else type_
-    if not isinstance(element, Elementary):
-        return use.data.hex(" ")
-    step = max(1, element.bits // 8)
-    pieces = [use.data[i : i + step] for i in range(0, len(use.data), step)]
-    texts = (literal(element, piece, v5=plan.target.v5) for piece in pieces[:4])
-    if use.sources:
-        texts = (str(read_bico(int.from_bytes(piece))) for piece in pieces[:4])
-    shown = ", ".join(texts)
-    return shown + (", .." if len(pieces) > 4 else "")
 
 
 def _numbers(telegram: DriveTelegram) -> dict[str, str]:
