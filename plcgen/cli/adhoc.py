@@ -60,7 +60,7 @@ def change(argument: Argument, device: Device | None) -> tuple[ParameterAddress,
     place = address(argument, name, device)
     if type_ is None:
         known = device.parameters.get(place.pnu) if device is not None else None
-        if known is None:
+        if known is None or not known.type:
             example = f"{argument.text}:FloatingPoint"
             raise argument.problem("PG703", f'the data type of "{name}" is missing', example)
         type_ = known.type.partition("[")[0]

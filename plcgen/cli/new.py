@@ -153,8 +153,9 @@ def _aligned(line: str) -> str:
 
 
 def _examples(device: Device) -> tuple[Parameter, Parameter]:
-    """One parameter to read and one to write: harmless, single value, preferably a REAL with limits."""
-    known = sorted(device.parameters.values(), key=lambda p: p.pnu)
-    writable = [p for p in known if "w" in p.access and not device.danger(p.pnu) and not p.bico]
-    best = [p for p in writable if p.type == "FloatingPoint" and p.maximum is not None] or writable or known
+    """One parameter to read and one to write: harmless, single value, preferably a REAL with a name."""
+    known = sorted((p for p in device.parameters.values() if p.type), key=lambda p: p.pnu)
+    harmless = [p for p in known if not device.danger(p.pnu) and not p.bico and p.pnu not in device.bases]
+    writable = [p for p in harmless if "w" in p.access]
+    best = [p for p in writable if p.type == "FloatingPoint" and p.name] or writable or known
     return best[0], best[min(1, len(best) - 1)]

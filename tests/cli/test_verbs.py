@@ -32,8 +32,8 @@ def test_check_bad(plcgen, bad):
         "  |\n"
         "3 |   dcm: {device: sinamics-dcx, address: 256, drive_object: 2}\n"
         "  |                 ^^^^^^^^^^^^\n"
-        '  = help: did you mean "sinamics-dcm"? known devices: micromaster-4, sinamics-dcm, sinamics-g120,\n'
-        "          sinamics-s120, sinamics-v90\n"
+        '  = help: did you mean "sinamics-dcm"? known devices: micromaster-4, profidrive, sinamics-dcm,\n'
+        "          sinamics-g120, sinamics-s120, sinamics-s210, sinamics-v90\n"
     )
     assert result.err == "\n1 error in bad.yaml\n"
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
 
 from pydantic import AfterValidator, Field
 
@@ -32,15 +33,26 @@ def _number(key: str) -> str:
 
 Line = Annotated[str, AfterValidator(_one_line), Field(max_length=300)]
 ParameterNumber = Annotated[str, AfterValidator(_number)]
+DataSets = Literal["CDS", "DDS", "EDS", "MDS", "n"]
+"""What the number of indexes follows: command, drive, encoder or motor data sets, or something else."""
+Indexes = Annotated[int, Field(ge=1, le=65535)] | DataSets
+Grade: TypeAlias = Literal["read", "inferred", "recalled"]
+"""How a fact is known: read in its source, concluded from something else that was read, or from memory."""
+Fact: TypeAlias = Literal["title", "type", "unit", "access", "array", "min", "max", "default", "bico"]
+UNKNOWN = "unknown"
+"""What stands for a type or a number of indexes that nobody knows."""
 
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
     """A drive parameter as the catalogue or the spec defines it.
 
-    ``type`` is the DS47 data type on the wire; ``array`` the number of indexes (None: not indexed);
-    ``access`` is r, w or rw; ``minimum``/``maximum`` in the parameter's unit; ``dangerous`` says why a write
-    needs a sign-off where its profile says so: ``Device.danger`` knows the numbers too.
+    ``type`` is the DS47 data type on the wire, empty if nobody knows it; ``array`` the number of indexes (None: not
+    indexed, or ``indexes`` says what the number follows, or that nobody read whether it is indexed); ``access`` is r, w
+    or rw; ``minimum``/``maximum`` in the parameter's unit; ``dangerous`` says why a write needs a sign-off where its
+    profile says so: ``Device.danger`` knows the numbers too. ``grades`` says how each stated fact is known. Limits,
+    factory setting and number of indexes that were not read decide nothing: they stand in ``doubted`` alone.
+    ``observed`` is a value that a drive had once.
     """
 
     pnu: int
@@ -56,6 +68,16 @@ class Parameter:
     bico: bool = False
     dangerous: str = ""
     source: str = ""
+    indexes: str = ""
+    observed: bool | float | str | None = None
+    changeable: str = ""
+    note: str = ""
+    grades: Mapping[Fact, Grade] = field(default_factory=dict, compare=False)
+    doubted: Mapping[Fact, Any] = field(default_factory=dict, compare=False)
+
+    def read(self, fact: Fact) -> bool:
+        """Whether a fact was read in its source."""
+        return self.grades.get(fact) == "read"
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,27 +129,47 @@ class ParameterDef(StrictModel):
     title: str | None = Field(None, description="text for comments")
     unit: str | None = None
     access: Literal["r", "w", "rw"] | None = Field(None, description="absent: rw, or r where it can only be read")
-    array: int | None = Field(None, ge=1, le=65535, description="number of indexes; absent: not indexed")
+    array: Indexes | None = Field(
+        None, description="number of indexes, or what it follows: CDS, DDS, EDS, MDS, n; absent: not indexed"
+    )
     min: float | None = None
     max: float | None = None
     default: Value | None = None
     bico: bool = Field(default=False, description="value is a BICO source such as r722.2")
 
 
-def parameter_from(pnu: int, entry: dict[str, Any], *, read_only: bool) -> Parameter:
+def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Parameter:
     """Build a parameter from its catalogue or spec entry (already validated)."""
+    every: tuple[Fact, ...] = get_args(Fact)
+    general: Grade = entry.get("grade") or "read"
+    own: Mapping[Fact, Grade] = entry.get("facts", {})
+    stated = {fact: entry[fact] for fact in every if entry.get(fact) is not None}
+    grades = {fact: own.get(fact, general) for fact in every if fact in stated or fact in {"access", "array"}}
+    if entry["type"] == UNKNOWN:
+        del grades["type"]
+    doubted = {fact: stated[fact] for fact in _DECIDING if fact in stated and grades[fact] != "read"}
+    array = stated.get("array")
     return Parameter(
         pnu=pnu,
-        type=entry["type"],
+        type="" if entry["type"] == UNKNOWN else entry["type"],
         name=entry.get("name") or "",
         title=entry.get("title") or "",
         unit=entry.get("unit") or "",
         access=entry.get("access") or ("r" if read_only else "rw"),
-        array=entry.get("array"),
-        minimum=entry.get("min"),
-        maximum=entry.get("max"),
-        default=entry.get("default"),
+        array=array if isinstance(array, int) and "array" not in doubted else None,
+        indexes=array if isinstance(array, str) else UNKNOWN if grades["array"] != "read" else "",
+        minimum=None if "min" in doubted else stated.get("min"),
+        maximum=None if "max" in doubted else stated.get("max"),
+        default=None if "default" in doubted else stated.get("default"),
+        observed=entry.get("observed"),
         bico=entry.get("bico", False),
         dangerous=entry.get("dangerous", ""),
         source=entry.get("source", ""),
+        changeable=entry.get("changeable", ""),
+        note=entry.get("note", ""),
+        grades=grades,
+        doubted=doubted,
     )
+
+
+_DECIDING: tuple[Fact, ...] = ("array", "min", "max", "default")

@@ -19,8 +19,19 @@ from pydantic import (
 )
 
 from plcgen.input.validation import FileShape, Problems, StrictModel, problem
+from plcgen.project.schema import Value
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.device import Device, Line, Parameter, ParameterDef, ParameterNumber, parameter_from
+from plcgen.protocols.ds47.device import (
+    UNKNOWN,
+    Device,
+    Fact,
+    Grade,
+    Line,
+    Parameter,
+    ParameterDef,
+    ParameterNumber,
+    parameter_from,
+)
 from plcgen.protocols.ds47.plan.references import number_of, parse_reference
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
@@ -106,12 +117,18 @@ class ParameterEntry(ParameterDef):
     unit: Line | None = None
     dangerous: Line | None = Field(None, description="why a write needs a sign-off (allow:)")
     source: Line | None = Field(None, description="where this is documented; absent: the source of the profile")
+    grade: Grade = Field("read", description="how the facts are known: read, inferred, recalled")
+    facts: dict[Fact, Grade] = Field(default_factory=dict, description="the same for single facts")
+    observed: Value | None = Field(None, description="a value that a drive had; not its factory setting")
+    changeable: Line | None = Field(None, description="states in which the drive takes a write")
+    note: Line | None = None
 
     @field_validator("type")
     @classmethod
     def _is_a_type(cls, text: str) -> str:
         try:
-            read_type(text)
+            if text != UNKNOWN:
+                read_type(text)
         except TypeTextError as wrong:
             raise problem(str(wrong), code="PG205", help_=wrong.help) from None
         return text
@@ -129,7 +146,7 @@ class ParameterEntry(ParameterDef):
     @field_validator("min", "max")
     @classmethod
     def _fits(cls, limit: float | None, info: ValidationInfo) -> float | None:
-        if limit is None or "type" not in info.data:
+        if limit is None or info.data.get("type", UNKNOWN) == UNKNOWN:
             return limit
         fmt, _ = read_type(info.data["type"])
         if fmt.kind not in {FormatKind.SIGNED, FormatKind.UNSIGNED, FormatKind.FLOAT}:
@@ -140,10 +157,10 @@ class ParameterEntry(ParameterDef):
             raise problem(f"min {low:g} is larger than max {limit:g}")
         return limit
 
-    @field_validator("default")
+    @field_validator("default", "observed")
     @classmethod
     def _is_a_value(cls, value: Any, info: ValidationInfo) -> Any:
-        if value is None or "type" not in info.data:
+        if value is None or info.data.get("type", UNKNOWN) == UNKNOWN:
             return value
         fmt, octets = read_type(info.data["type"])
         if fmt.is_string or fmt.kind is FormatKind.OPAQUE:
@@ -162,7 +179,7 @@ class ParameterEntry(ParameterDef):
     @field_validator("bico")
     @classmethod
     def _is_wide_enough(cls, bico: bool, info: ValidationInfo) -> bool:  # noqa: FBT001 - pydantic's signature
-        if bico and "type" in info.data and read_type(info.data["type"])[0].name != "Unsigned32":
+        if bico and info.data.get("type", UNKNOWN) != UNKNOWN and read_type(info.data["type"])[0].name != "Unsigned32":
             raise problem("a BICO source is an Unsigned32", help_="remove bico: true, or write type: Unsigned32")
         return bico
 
@@ -204,6 +221,7 @@ class DeviceProfile(StrictModel):
     )
     bico: Layout = Field("drive-object", description="BICO values carry the drive object, or zeros in its place")
     error_table: Literal["sinamics", "profidrive"] = Field("sinamics", description="meaning of error numbers")
+    sources: dict[str, Line] = Field(default_factory=dict, description="sources by a short name, for parameters")
     parameters: dict[ParameterNumber, ParameterEntry] = Field(default_factory=dict, description="the catalogue")
 
     @field_validator("parameters", mode="wrap")
@@ -257,6 +275,7 @@ class DeviceProfile(StrictModel):
     def _parameter(self, key: str, entry: ParameterEntry) -> Parameter:
         pnu = number_of(key) or 0
         given = {"source": self.source} | entry.model_dump(exclude_none=True)
+        given["source"] = self.sources.get(given["source"], given["source"])
         return parameter_from(pnu, given, read_only=bool(guards.why_read_only(key, pnu)))
 
 

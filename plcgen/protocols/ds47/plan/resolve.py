@@ -13,6 +13,7 @@ from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Parameter, ParameterDef, parameter_from
 from plcgen.protocols.ds47.plan.jobs import Slots, plan_jobs
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
+from plcgen.protocols.ds47.plan.redefinition import merged, widened
 from plcgen.protocols.ds47.plan.references import parse_reference
 from plcgen.protocols.ds47.plan.units import plan_engine, plan_units
 from plcgen.protocols.ds47.plan.uses import UseResolver
@@ -161,5 +162,10 @@ def _own_parameters(
                 )
             )
             continue
-        own[reference.pnu] = parameter_from(reference.pnu, definition.model_dump(), read_only=bool(reason))
+        found = parameter_from(reference.pnu, definition.model_dump(), read_only=bool(reason))
+        own[reference.pnu] = found if known is None else merged(known, found)
+        for key, told in widened(known, definition) if known is not None else ():
+            message = f"P{reference.pnu} {told}: {known.source}" if known is not None else ""
+            help_ = f"remove {key}, or narrow it; a device that differs gets a profile of its own (docs/devices.md)"
+            report.add(Diagnostic("PG229", message, loaded.span((*path, key)), help=help_))
     return own

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from dataclasses import replace
 from typing import Any
 
 from plcgen.diagnostics import Diagnostic, Report
@@ -127,6 +128,13 @@ class UseResolver:
         if known is None:
             access = "r" if reference.pnu in guards.READ_ONLY else "rw"
             return Parameter(reference.pnu, given or "", access=access)
+        if not known.type and given is None:
+            message = f"P{reference.pnu} ({known.title}) is known without its data type: {known.source}"
+            help_ = "look it up in the list manual of your firmware and give it: {type: Unsigned16}"
+            self.problem("PG204", message, place, help_)
+            return None
+        if not known.type and given is not None:
+            return replace(known, type=given)
         if given is not None and given.lower() != known.type.lower():
             self.problem(
                 "PG212",
@@ -160,7 +168,7 @@ class UseResolver:
                 place,
                 "the drive would answer error 03h",
             )
-        elif parameter.array is None and parameter.source and reference.last > 0:
+        elif parameter.array is None and parameter.source and not parameter.indexes and reference.last > 0:
             self.problem("PG206", f"{label} has no index", place, "the drive would answer error 04h")
         else:
             return True

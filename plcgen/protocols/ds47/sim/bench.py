@@ -70,17 +70,18 @@ _NUMERIC = {FormatKind.SIGNED, FormatKind.UNSIGNED, FormatKind.FLOAT}
 
 
 def _value(use: Use, definition: CatalogueParameter, number: int, *, distinct: bool) -> Value:
-    """Content of one element: the factory setting, or a number of its own within the limits."""
+    """Content of one element: a value that a drive had, the factory setting, or a number within the limits."""
     fmt = use.format
     if fmt.is_string or fmt.kind is FormatKind.OPAQUE:
         octets = use.count if fmt.is_string else fmt.size
         return _octets(fmt, definition, number, octets, distinct=distinct)
+    known = definition.default if definition.observed is None else definition.observed
     if fmt.kind is FormatKind.BOOLEAN:
-        return bool(number % 2) if distinct else bool(definition.default)
-    if not distinct and isinstance(definition.default, int | float) and not isinstance(definition.default, bool):
-        return definition.default
-    if not distinct and isinstance(definition.default, str):
-        source = parse_bico(definition.default)
+        return bool(number % 2) if distinct else bool(known)
+    if not distinct and isinstance(known, int | float) and not isinstance(known, bool):
+        return known
+    if not distinct and isinstance(known, str):
+        source = parse_bico(known)
         return source.value if source else 0
     low = definition.minimum if definition.minimum is not None else 0.0
     high = definition.maximum if definition.maximum is not None else low + 100.0

@@ -72,13 +72,16 @@ def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
     danger = job.drive.device.danger(use.parameter.pnu)
     signed = plan.sign_off(job, use.parameter.pnu) if danger else None
     value = value_text(use, plan.target)
+    notes = [f"{danger}; signed off: {signed}"] if danger else []
+    if use.parameter.grades.get("type", "read") != "read":
+        notes.append(f"type {use.parameter.grades['type']}, not read in a manual")
     return {
         "job": job.block.name,
         "drive": job.drive.key,
         "label": use.label,
         "title": use.parameter.title,
         "value": value if use.constant else f"input, {value} if nothing is connected",
-        "note": f"{danger}; signed off: {signed}".replace("|", "\\|") if danger else "",
+        "note": "; ".join(notes).replace("|", "\\|"),
         "safety": use.parameter.pnu in guards.SAFETY,
     }
 

@@ -1,0 +1,23 @@
+"""``plcgen catalogue``: the group of verbs for what is known about drive parameters."""
+
+from __future__ import annotations
+
+from plcgen.cli.groups import Sections, VerbGroup
+
+SECTIONS: Sections = (
+    (
+        "Parameters",
+        (("show", "Show what is known about parameters, how, and from where."),),
+    ),
+)
+
+command = VerbGroup(
+    "catalogue",
+    help="Look into the catalogue of drive parameters.",
+    sections=SECTIONS,
+    package="plcgen.cli.catalogue",
+    examples=(
+        "plcgen catalogue show P1120 --device sinamics-g120",
+        "plcgen catalogue show --device sinamics-s120 --draw 10 --seed 1",
+    ),
+)

@@ -1,0 +1,105 @@
+"""``plcgen catalogue show``: what is known about parameters, how it is known, and from where."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from plcgen.cli.arguments import ARGUMENTS
+from plcgen.cli.options import console, format_option, verb
+
+if TYPE_CHECKING:
+    from plcgen.diagnostics import Diagnostic
+    from plcgen.display.results import Answer
+    from plcgen.display.view import View
+    from plcgen.output.registry import OutputFormat
+    from plcgen.protocols.ds47.device import Device, Parameter
+
+
+@verb(
+    "show",
+    "plcgen catalogue show P1120 --device sinamics-g120",
+    "plcgen catalogue show ramp_up_time r945 --device sinamics-s120",
+    "plcgen catalogue show --device sinamics-s120 --draw 10 --seed 1",
+)
+@click.argument("parameters", nargs=-1, metavar="[PARAMETER...]")
+@click.option("--device", required=True, metavar="DEVICE", help="Device profile, or the path of one.")
+@click.option("--draw", type=click.IntRange(1, 1000), metavar="N", help="Draw N parameters for a spot check instead.")
+@click.option("--seed", type=int, default=0, help="What the draw depends on.  [default: 0]")
+@format_option("answer")
+def command(*, parameters: tuple[str, ...], device: str, draw: int | None, seed: int, format_: OutputFormat) -> int:
+    """Show what the catalogue knows about parameters of a device: all of them, or those named by number or name."""
+    if draw is not None and parameters:
+        raise click.UsageError("--draw chooses the parameters: name none")
+    from plcgen.protocols.ds47.catalogue import pages
+    from plcgen.protocols.ds47.devices import find_device
+
+    found = find_device(device)
+    if draw is not None:
+        return console().answer(format_, _details(found, pages.draw(found, draw, seed), ()))
+    if not parameters:
+        return console().answer(format_, _list(found))
+    chosen, missing = _find(found, parameters)
+    known = {ARGUMENTS: " ".join(parameters)}
+    return console().answer(format_, _details(found, chosen, missing), known=known)
+
+
+def _find(device: Device, words: tuple[str, ...]) -> tuple[list[Parameter], tuple[Diagnostic, ...]]:
+    """Parameters by number or name; a number that is not there is not guessed at."""
+    from plcgen.cli.arguments import arguments
+    from plcgen.diagnostics.suggest import did_you_mean
+    from plcgen.protocols.ds47.plan.references import parse_reference
+
+    chosen: list[Parameter] = []
+    missing: list[Diagnostic] = []
+    names = [one.name for one in device.parameters.values() if one.name]
+    for word in arguments(words):
+        reference = parse_reference(word.text)
+        number = reference.pnu if reference is not None else None
+        one = device.by_name(word.text) if number is None else device.parameters.get(number)
+        if one is not None:
+            chosen.append(one)
+        else:
+            hint = "" if number is not None else did_you_mean(word.text, names)
+            help_ = hint or f"plcgen catalogue show --device {device.key}"
+            message = f'"{word.text}" is not in the catalogue of {device.key}'
+            missing += word.problem("PG703", message, help_).diagnostics
+    return chosen, tuple(missing)
+
+
+def _details(device: Device, found: Sequence[Parameter], missing: tuple[Diagnostic, ...]) -> Answer:
+    from plcgen.display.data import diagnostics_data
+    from plcgen.display.page import page_text
+    from plcgen.display.results import Answer
+    from plcgen.protocols.ds47.catalogue import pages
+
+    rows = [pages.data(device, one) for one in found]
+
+    def text(view: View) -> str:
+        return "\n".join(page_text(pages.page(device, one), view) for one in found)
+
+    return Answer({**diagnostics_data("catalogue", missing), "parameters": rows}, text, missing)
+
+
+def _list(device: Device) -> Answer:
+    from plcgen.display.data import head
+    from plcgen.display.results import Answer
+    from plcgen.display.table import text_table
+    from plcgen.protocols.ds47.catalogue import pages
+
+    found = [device.parameters[pnu] for pnu in sorted(device.parameters)]
+    header = ("parameter", "type", "type is", "unit", "name", "title")
+    rows = [
+        (pages.label(p), p.type or "unknown", p.grades.get("type", "unknown"), p.unit, p.name, p.title) for p in found
+    ]
+    count = pages.counts(device)
+    told = ", ".join(f"{count[grade]} {grade}" for grade in pages.GRADES)
+    text = "\n".join(text_table(header, rows, indent=0)) + f"\n\n{len(found)} parameters; facts: {told}\n"
+    shown = {
+        **head("catalogue", ok=True),
+        "facts": {grade: count[grade] for grade in pages.GRADES},
+        "parameters": [pages.data(device, one) for one in found],
+    }
+    return Answer(shown, lambda _view: text)

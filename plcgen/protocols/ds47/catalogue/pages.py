@@ -1,0 +1,90 @@
+"""What the catalogue knows about parameters: every fact with its grade, for people and for programs."""
+
+from __future__ import annotations
+
+import random
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any, get_args
+
+from plcgen.display.page import Page
+from plcgen.protocols.ds47.device import UNKNOWN, Device, Fact, Grade, Parameter
+
+GRADES: tuple[Grade, ...] = get_args(Grade)
+
+
+def facts(parameter: Parameter) -> dict[Fact, tuple[Any, Grade]]:
+    """Every fact that is stated, with its grade; also those that decide nothing."""
+    values: dict[Fact, Any] = {
+        "title": parameter.title,
+        "type": parameter.type,
+        "unit": parameter.unit,
+        "access": parameter.access,
+        "array": parameter.array or parameter.indexes.removeprefix(UNKNOWN),
+        "min": parameter.minimum,
+        "max": parameter.maximum,
+        "default": parameter.default,
+        "bico": parameter.bico or None,
+    }
+    values |= parameter.doubted
+    stated = {fact: value for fact, value in values.items() if value not in {None, ""}}
+    return {fact: (value, parameter.grades.get(fact, "read")) for fact, value in stated.items()}
+
+
+def counts(device: Device) -> Counter[Grade]:
+    """Facts of a device by grade."""
+    return Counter(grade for one in device.parameters.values() for _, grade in facts(one).values())
+
+
+def label(parameter: Parameter) -> str:
+    """``P1120``, or ``r21`` for a parameter that can only be read."""
+    return f"{'r' if parameter.access == 'r' else 'P'}{parameter.pnu}"
+
+
+def page(device: Device, parameter: Parameter) -> Page:
+    """One parameter of a device."""
+    known = facts(parameter)
+    sections = [("Facts", "\n".join(_line(device, fact, value, grade) for fact, (value, grade) in known.items()))]
+    if not parameter.type:
+        sections.append(("Type", "unknown: a job has to give it, {parameter: .., type: ..}"))
+    if parameter.observed is not None:
+        sections.append(("Seen in a drive", f"{parameter.observed}, which is no factory setting"))
+    danger = device.danger(parameter.pnu)
+    if danger:
+        sections.append(("Dangerous", f"{danger}; a job that writes it needs a sign-off"))
+    for heading, text in (("Can be changed", parameter.changeable), ("Note", parameter.note)):
+        if text:
+            sections.append((heading, text))
+    sections.append(("Source", parameter.source))
+    name = f"{parameter.name}: " if parameter.name else ""
+    return Page(f"{label(parameter)} of {device.key}", f"{name}{parameter.title}", tuple(sections))
+
+
+def data(device: Device, parameter: Parameter) -> Mapping[str, Any]:
+    """The same for programs."""
+    return {
+        "device": device.key,
+        "parameter": label(parameter),
+        "name": parameter.name,
+        "facts": {fact: {"value": value, "grade": grade} for fact, (value, grade) in facts(parameter).items()},
+        "observed": parameter.observed,
+        "dangerous": device.danger(parameter.pnu),
+        "changeable": parameter.changeable,
+        "note": parameter.note,
+        "source": parameter.source,
+    }
+
+
+def draw(device: Device, number: int, seed: int) -> Sequence[Parameter]:
+    """Parameters for a spot check: the same ones for the same seed, in the order of their numbers."""
+    known = sorted(device.parameters)
+    chosen = random.Random(seed).sample(known, min(number, len(known)))  # noqa: S311 - a spot check, no secret
+    return [device.parameters[pnu] for pnu in sorted(chosen)]
+
+
+def _line(device: Device, fact: Fact, value: Any, grade: Grade) -> str:
+    decides = grade == "read" or fact not in {"array", "min", "max", "default"}
+    told = f"{value:g}" if isinstance(value, float) else str(value)
+    if fact == "bico":
+        told = "a source such as r722.2" + (", with its drive object" if device.bico == "drive-object" else "")
+    return f"{fact:<8} {told}  ({grade}{'' if decides else ', decides nothing'})"

@@ -1,0 +1,166 @@
+"""The catalogue: what its grades decide, how it is shown and counted, and that what it says is what its page says."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+from click.testing import CliRunner
+
+from plcgen import api
+from plcgen.cli.main import cli
+from plcgen.protocols.ds47.catalogue import pages
+from plcgen.protocols.ds47.device import Parameter
+from plcgen.protocols.ds47.devices import device_names, find_device
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.resources import specs_dir
+
+PAGE = (Path(__file__).parents[2] / "docs" / "devices.md").read_text("utf-8")
+ACME = """\
+title: Acme
+source: Acme manual
+record_index: {profibus: 47, default: profibus}
+drive_object: {default: 1}
+sources: {list: Acme list of parameters p. 7}
+parameters:
+  P1: {title: Read, type: Integer16, array: 4, min: 0, max: 9, default: 5, source: list}
+  P2: {title: Recalled, type: Integer16, array: 4, min: 0, max: 9, default: 5, grade: recalled}
+  P3: {title: Mixed, type: Integer16, max: 9, default: 5, facts: {max: inferred}, observed: 7}
+  P4: {title: By data set, type: Integer16, array: DDS}
+  P5: {title: Nobody knows, type: unknown}
+"""
+
+
+@pytest.fixture
+def acme(tmp_path: Path) -> Path:
+    path = tmp_path / "acme.yaml"
+    path.write_text(ACME, "utf-8")
+    return path
+
+
+def check(folder: Path, job: str) -> api.CheckResult:
+    """A spec with one job of a drive of that profile."""
+    path = folder / "job.yaml"
+    path.write_text(
+        "plc: {name: a, family: s7-300, toolchain: tia-v16}\n"
+        "drives: {d: {device: ./acme.yaml, address: 256}}\n"
+        f"jobs: {{j: {{drive: d, {job}}}}}\n",
+        "utf-8",
+    )
+    return api.check(path)
+
+
+def test_only_what_was_read_decides(acme: Path) -> None:
+    """Limits, start value and indexes from memory stand there and decide nothing; so does a value of a drive."""
+    known = find_device(str(acme)).parameters
+    assert (known[1].minimum, known[1].maximum, known[1].default, known[1].array) == (0, 9, 5, 4)
+    assert known[1].source == "Acme list of parameters p. 7"
+    assert (known[2].minimum, known[2].maximum, known[2].default, known[2].array) == (None, None, None, None)
+    assert (known[3].maximum, known[3].default, known[3].observed) == (None, 5, 7)
+    assert check(acme.parent, "write: {P2: 100}").ok
+    assert check(acme.parent, 'read: ["P2[7]", "P4[7]"]').ok
+    assert [d.code for d in check(acme.parent, "write: {P1: 10}").diagnostics] == ["PG209"]
+
+
+@pytest.mark.parametrize(("parameter", "start"), [("P1", 5), ("P2", 0), ("P3", 5)])
+def test_start_values_of_inputs(acme: Path, parameter: str, start: int) -> None:
+    """A factory setting that was read, else zero."""
+    plan = check(acme.parent, f"write: {{{parameter}: null}}").project.plan(DrivePlan)
+    assert plan.jobs[0].uses[0].data == start.to_bytes(2)
+
+
+def test_a_type_that_nobody_knows_comes_from_the_job(acme: Path) -> None:
+    """Without one it is an error that names the source."""
+    (told,) = check(acme.parent, "read: [P5]").diagnostics
+    assert (told.code, told.message) == ("PG204", "P5 (Nobody knows) is known without its data type: Acme manual")
+    assert check(acme.parent, "read: [{parameter: P5, type: Unsigned16}]").ok
+
+
+def test_the_table_counts_what_there_is() -> None:
+    """docs/devices.md, table of facts by grade: one row for each device, and the sum."""
+    table = PAGE[: PAGE.index("<!-- facts -->")].rstrip().split("\n\n")[-1].splitlines()[2:]
+    told = {
+        row[0]: tuple(map(int, row[1:])) for row in ([c.strip() for c in line.strip("|").split("|")] for line in table)
+    }
+    found = {name: _count(name) for name in device_names()}
+    found["all"] = tuple(map(sum, zip(*found.values(), strict=True)))
+    assert told == found
+    assert found["all"][0] >= 350
+    assert found["all"][1] >= 250
+
+
+def _count(name: str) -> tuple[int, ...]:
+    device = find_device(name)
+    known = device.parameters.values()
+    some = sum(any(one.read(fact) for fact in pages.facts(one) if fact != "access") for one in known)
+    return (len(known), some, *(pages.counts(device)[grade] for grade in pages.GRADES), sum(not p.type for p in known))
+
+
+def test_no_row_is_without_a_source_of_its_own() -> None:
+    """In the shipped profiles, every parameter names what it was read in, or that it comes from memory."""
+    for path in sorted((specs_dir() / "devices").glob("*.yaml")):
+        profile = yaml.safe_load(path.read_text("utf-8"))
+        rows = profile["parameters"].items()
+        assert [key for key, row in rows if not row.get("source")] == []
+        assert [key for key, row in rows if row["source"] == "memory" and row.get("grade") != "recalled"] == []
+
+
+def test_values_of_the_faq_are_observed() -> None:
+    """Figure 5-2 of FAQ 109750712 shows STARTER online: 110.0 is what that drive had, not a factory setting."""
+    known = find_device("sinamics-dcm").parameters[50286]
+    assert (known.default, known.observed) == (None, 110.0)
+
+
+def test_show_tells_grades_and_source() -> None:
+    """P1120 of a G120: the factory setting was read, its limits were not."""
+    text = CliRunner().invoke(cli, ["catalogue", "show", "P1120", "--device", "sinamics-g120"]).output
+    assert re.search(r"^  default +10  \(read\)$", text, re.MULTILINE)
+    assert re.search(r"^  max +999999  \(recalled, decides nothing\)$", text, re.MULTILINE)
+    assert "Startdrive" in text
+
+
+def test_show_for_programs_and_what_is_not_there() -> None:
+    """Known ones are shown, unknown ones reported; a neighbouring number is not offered."""
+    words = ["catalogue", "show", "r945", "P1119", "fault_cod", "--device", "sinamics-s120", "--json"]
+    result = CliRunner().invoke(cli, words, standalone_mode=False)
+    data = json.loads(result.output)
+    assert data["parameters"][0]["facts"]["array"] == {"value": 64, "grade": "read"}
+    assert [found["help"] for found in data["diagnostics"]] == [
+        "plcgen catalogue show --device sinamics-s120",
+        'did you mean "fault_code"?',
+    ]
+
+
+def test_the_list_of_a_device() -> None:
+    """One line for each parameter, and the sum of the facts."""
+    lines = CliRunner().invoke(cli, ["catalogue", "show", "--device", "sinamics-s210"]).output.splitlines()
+    assert len(lines) == 61 + 3
+    assert lines[-1].startswith("61 parameters; facts: ")
+
+
+def test_draws_depend_on_the_seed_alone() -> None:
+    """A spot check can be repeated by somebody else."""
+    device = find_device("sinamics-s120")
+    first = [one.pnu for one in pages.draw(device, 10, 7)]
+    assert first == [one.pnu for one in pages.draw(device, 10, 7)]
+    assert first != [one.pnu for one in pages.draw(device, 10, 8)]
+    assert len(set(first)) == 10
+    assert len(pages.draw(device, 1000, 7)) == len(device.parameters)
+
+
+def test_a_parameter_that_was_not_read_is_marked_in_the_guide(acme: Path) -> None:
+    """IMPORT.md says which types nobody read."""
+    check(acme.parent, "write: {P1: 1, P2: 2}")
+    assert api.generate(acme.parent / "job.yaml", acme.parent / "out").ok
+    rows = [line for line in (acme.parent / "out" / "IMPORT.md").read_text("utf-8").splitlines() if "| Re" in line]
+    assert [("not read in a manual" in row) for row in rows] == [False, True]
+
+
+def test_pages_know_danger_and_what_a_drive_had() -> None:
+    """What a reader must know before writing."""
+    page = pages.page(find_device("sinamics-s210"), find_device("sinamics-s210").parameters[1532])
+    assert dict(page.sections)["Dangerous"].startswith("the list manual warns: an unloaded drive")
+    assert isinstance(find_device("sinamics-dcm").parameters[50303], Parameter)
