@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from plcgen.diagnostics import Report
+from plcgen.input.salvage import Parts, Salvaged, salvage
 from plcgen.input.text import read_text
 from plcgen.input.validation import FileShape, keys_at, read_document
 from plcgen.input.yaml import YamlNode
@@ -30,6 +31,11 @@ def parse_spec(text: str, file: str, report: Report) -> LoadedSpec | None:
     """Validate spec text; problems go to ``report``; None if it cannot be used."""
     loaded = read_document(text, file, _SPEC, report)
     return None if loaded is None else LoadedSpec(file, text, loaded.model, loaded.root)
+
+
+def salvage_spec(path: Path) -> Salvaged[Spec] | None:
+    """What can be planned of a spec whose shape is wrong; None if that would be nothing."""
+    return salvage(read_text(path), path.as_posix(), _SPEC, _PARTS)
 
 
 def _parsed(text: str, file: str) -> LoadedSpec:
@@ -56,6 +62,14 @@ def spec_keys(path: SpecPath) -> list[str]:
     """Keys that a spec may have at a path, whatever protocols it uses."""
     return keys_at(spec_model(protocols()), path)
 
+
+_PARTS = Parts(
+    head=("plc",),
+    sections=frozenset({"units", "drives", "jobs", "stations"}),
+    details=frozenset(
+        {"comment", "cycle", "reference", "retries", "retry_pause", "split", "timeout", "trigger", "wait"}
+    ),
+)
 
 _SPEC: FileShape[Spec] = FileShape(
     model=lambda root: spec_model(used_protocols(root)),

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
-from plcgen.project.loading import load_spec
+from plcgen.project.loading import load_spec, salvage_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
 from plcgen.project.rules import apply_rules
+from plcgen.project.spec import LoadedSpec
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,9 +39,25 @@ def open_spec(path: Path) -> Opened:
     project: Project | None = None
     try:
         loaded = load_spec(path, report)
-        if loaded is not None:
+        if loaded is None:
+            report.extend(_found_besides(path))
+        else:
             project = resolve(loaded, report)
             apply_rules(project, report)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
     return Opened(project, tuple(report))
+
+
+def _found_besides(path: Path) -> Iterator[Diagnostic]:
+    """What else is wrong with a spec whose shape is wrong, as far as it can be told."""
+    part = salvage_spec(path)
+    if part is None:
+        return
+    report = Report()
+    try:
+        loaded = LoadedSpec(path.as_posix(), "", part.loaded.model, part.loaded.root)
+        apply_rules(resolve(loaded, report), report)
+    except DiagnosticError as problem:
+        report.extend(problem.diagnostics)
+    yield from part.told(report)
