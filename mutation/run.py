@@ -50,7 +50,10 @@ def engine_verdict(folder: Path, spec: str) -> Verdict:
 
 
 def executed(work: Work, key: str) -> Verdict:
-    """Run the jobs of a block, then all of them together, then look at its coverage; without a key, only together."""
+    """Run the jobs of a block, then all of them together, then look at its coverage; without a key, only together.
+
+    Every job runs once before one of them meets all faults: most damage shows there already.
+    """
     try:
         program = work.bench.program
     except DiagnosticError as problem:
@@ -60,8 +63,13 @@ def executed(work: Work, key: str) -> Verdict:
         blocks = [block for block in suite.blocks() if block.key == key]
         if key and not blocks:
             continue
+        jobs = [job for block in blocks for job in block.jobs]
+        for job in jobs if len(jobs) > 1 else ():
+            plain = run_job(suite, program, job, "none", most=1)
+            if plain.failures:
+                return _verdict(plain)
         results: dict[str, Result] = {}
-        for job in (job for block in blocks for job in block.jobs):
+        for job in jobs:
             results[job.key] = run_job(suite, program, job, "quick", most=1)
             if results[job.key].failures:
                 return _verdict(results[job.key])

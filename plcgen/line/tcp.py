@@ -41,6 +41,7 @@ class TcpLine(WaitingLine):
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         connection.setblocking(False)  # noqa: FBT003 - the standard library's signature
         self._socket = connection
+        self._descriptor = connection.fileno()
         super().__init__(name)
 
     @classmethod
@@ -54,10 +55,11 @@ class TcpLine(WaitingLine):
 
     def fileno(self) -> int:
         """Return the descriptor of the socket."""
-        return self._socket.fileno()
+        return self._descriptor
 
     def close(self) -> None:
         """Close the connection."""
+        self._descriptor = -1
         self._socket.close()
 
     def _send(self, data: bytes | memoryview) -> int:

@@ -41,7 +41,8 @@ class WaitingLine(ABC):
 
     def write(self, data: bytes) -> None:
         """Send all of ``data``, waiting for room. Raises LineLostError."""
-        self._check()
+        if self.fileno() < 0:
+            raise self._closed()
         rest: bytes | memoryview = bytes(data)
         while rest:
             try:
@@ -55,7 +56,9 @@ class WaitingLine(ABC):
 
     def read(self, maximum: int = CHUNK, timeout: float | None = None) -> bytes:
         """Return what has arrived; empty after ``timeout`` seconds. Raises LineLostError at its end."""
-        descriptor = self._check()
+        descriptor = self.fileno()
+        if descriptor < 0:
+            raise self._closed()
         end = None if timeout is None else time.monotonic() + timeout
         left = timeout
         while True:
@@ -74,11 +77,8 @@ class WaitingLine(ABC):
                 raise LineLostError(self._name, "the partner closed the line")
             return found
 
-    def _check(self) -> int:
-        descriptor = self.fileno()
-        if descriptor < 0:
-            raise LineLostError(self._name, "the line is closed")
-        return descriptor
+    def _closed(self) -> LineLostError:
+        return LineLostError(self._name, "the line is closed")
 
     def _lost(self, problem: OSError) -> LineLostError:
         return LineLostError(self._name, f"the line was lost: {problem.strerror or problem}")

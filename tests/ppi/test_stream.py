@@ -36,6 +36,19 @@ def test_frames_behind_runs_of_start_bytes(pools: tuple[bytes, ...], size: int) 
     assert len(found - real) < 0.01 * 3600
 
 
+@pytest.mark.parametrize("data", [b"\xe5", POLL, READ])
+def test_a_whole_frame_is_taken_only_if_nothing_waits(data: bytes) -> None:
+    """Behind bytes that wait for more, or with a byte more or less, it is not one whole frame."""
+    splitter = Splitter()
+    assert splitter.whole(data)
+    assert not splitter.whole(data + b"\x16")
+    assert not splitter.whole(data[:-1])
+    assert not splitter.feed(READ[:5])
+    assert not splitter.whole(data)
+    assert [chunk.data for chunk in splitter.feed(READ[5:])] == [READ]
+    assert splitter.feed(POLL)[0].offset == len(data) + len(READ)
+
+
 def frames(text: str) -> list[str]:
     return [chunk.data.hex(" ").upper() for chunk in split(bytes.fromhex(text)) if chunk.frame]
 

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any
 
 import pytest
 from projects import ROOT, generated_example
 
+from mutation.run import executed
 from plcgen import api
+from plcgen.diagnostics import Report
+from plcgen.project.loading import load_spec
+from plcgen.project.nouns import Project
+from plcgen.project.resolve import resolve
 from plcgen.proof.checks import Verification
+from plcgen.proof.execution import Work
+from plcgen.proof.rig import ProgramBench
+from plcgen.protocols.ppi.proof.scenario import spread
 
 HEADS = {
     "t12": ("s7-1200", "tia-v19", "cm1241", "port: 270"),
@@ -52,6 +61,12 @@ def made(target: str, folder: Path, body: str = BODY) -> Path:
     result = api.generate(spec, folder / "out")
     assert result.ok, [f"{d.span} {d.code} {d.message}" for d in result.diagnostics]
     return spec
+
+
+def project_of(spec: Path) -> Project:
+    loaded = load_spec(spec, Report())
+    assert loaded is not None
+    return resolve(loaded, Report())
 
 
 def troubles(result: Verification) -> list[str]:
@@ -129,18 +144,37 @@ DAMAGE: dict[str, tuple[str, str]] = {
 }
 
 
+@pytest.fixture(scope="module")
+def small(tmp_path_factory: pytest.TempPathFactory) -> tuple[Project, Path]:
+    """The small spec for S7-1500, resolved, and its files."""
+    folder = tmp_path_factory.mktemp("small")
+    return project_of(made("t15", folder, SMALL)), folder / "out"
+
+
 @pytest.mark.parametrize("what", DAMAGE)
-def test_damage_of_the_block_is_noticed(what: str, tmp_path: Path) -> None:
-    """One change in the generated SCL: verify names the job and the line."""
-    spec = made("t15", tmp_path, SMALL)
-    path = tmp_path / "out" / "scl" / "MPpiMaster.scl"
+def test_damage_of_the_block_is_noticed(what: str, small: tuple[Project, Path], tmp_path: Path) -> None:
+    """One change in the generated SCL: a run goes wrong, or a line never runs."""
+    project, folder = small
+    shutil.copytree(folder, tmp_path / "out")
+    damage(tmp_path / "out", *DAMAGE[what])
+    assert executed(Work(ProgramBench(project, tmp_path / "out"), "quick"), "m").text
+
+
+def damage(folder: Path, old: str, new: str) -> None:
+    path = folder / "scl" / "MPpiMaster.scl"
     text = path.read_text("utf-8-sig")
-    old, new = DAMAGE[what]
     assert old in text
     path.write_text(text.replace(old, new), encoding="utf-8-sig")
+
+
+def test_verify_reports_damage_at_its_job_and_line(tmp_path: Path) -> None:
+    """What the executions above find is an error of verify, with a place in the source."""
+    spec = made("t15", tmp_path, SMALL)
+    damage(tmp_path / "out", *DAMAGE["the frame count bit stands still"])
     result = api.verify(spec, tmp_path / "out")
-    codes = {c.diagnostic.code for c in result.checks() if c.diagnostic is not None and c.outcome.value == "error"}
-    assert codes & {"PG620", "PG621", "PG622"}, codes
+    failed = {c.diagnostic.code: c.diagnostic.span for c in result.checks() if c.diagnostic is not None}
+    assert failed["PG620"].file.endswith("MPpiMaster.scl")
+    assert failed["PG620"].line > 1
 
 
 @pytest.mark.parametrize(
@@ -198,6 +232,43 @@ def test_an_ob1_with_a_cycle_of_200_ms(tmp_path: Path) -> None:
         f"\n    ob1_cycle: 200ms\n    {COMPLETE}\n    jobs: {{a: {{station: p, read: ['VB0[222]'], timeout: 30s}}}}\n"
     )
     assert troubles(api.verify(made("t3", tmp_path, body), tmp_path / "out")) == []
+
+
+def sixty(folder: Path) -> tuple[Any, Any]:
+    """Suite and runner of a job that writes 60 words far from each other."""
+    words = ", ".join(f"VW{10 * number}: null" for number in range(60))
+    spec = made("t12", folder, f"\n    {COMPLETE}\n    jobs: {{a: {{station: p, write: {{{words}}}}}}}\n")
+    work = Work(ProgramBench(project_of(spec), folder / "out"), "quick")
+    (suite,) = work.suites
+    return suite, suite.runner(work.bench.program, suite.jobs[0])
+
+
+def test_a_job_of_60_addresses_has_time_enough_or_may_say_that_it_has_not(tmp_path: Path) -> None:
+    """60 words lie in five telegrams: when every E5 is garbage each takes four requests and a poll.
+
+    4 x (ack timeout 250 ms + pause 50 ms) + request, poll and reply of 300 ms is 2 s: not all of it fits 10 s.
+    """
+    suite, runner = sixty(tmp_path)
+    assert runner.try_run(suite.first()) is None
+    endless = [each for each in suite.matrix(runner, 100, "quick") if "forever" in each.name]
+    assert {"garbage at the request, forever", "clipped at the request, forever"} <= {each.name for each in endless}
+    assert [runner.try_run(scenario) for scenario in endless] == [None] * len(endless)
+
+
+def test_what_grows_with_the_square_of_a_job_is_thinned_out(tmp_path: Path) -> None:
+    """Return codes and moments: all of them for a small job and on request, a bounded number for a large one.
+
+    60 words in 5 telegrams: 10 outer items with 7 codes, 50 inner ones with one, 5 pairs. All: 60 x 7 + 5.
+    """
+    suite, runner = sixty(tmp_path)
+    counts = {}
+    for level in ("quick", "full"):
+        names = [scenario.name for scenario in suite.matrix(runner, 250, level)]
+        assert len(set(names)) == len(names)
+        counts[level] = sum("item" in n and "refused" in n for n in names), sum("dropped in scan" in n for n in names)
+    assert counts == {"quick": (10 * 7 + 50 + 5, 60), "full": (60 * 7 + 5, 249)}
+    assert spread(2, 5, 60) == [2, 3, 4, 5]
+    assert spread(2, 10, 3) == [2, 6, 10]
 
 
 def test_a_line_of_the_report(tmp_path: Path) -> None:

@@ -83,6 +83,27 @@ def test_one_bad_item_does_not_spoil_its_neighbours():
     assert (first.ok, second.ok, second.error) == (True, False, "05h address out of range")
 
 
+def test_the_same_read_again_and_again():
+    """Items that are asked for as they travel: values and errors stay at their places, reading after reading."""
+    client, plc, _, _ = connect(values={"VB0": 1, "VW100": 2})
+    for number in range(3):
+        plc["VB0"] = number
+        readings = client.read("VB0", "VW100", "VW9000", "M0.0")
+        assert [(reading.code, reading.value) for reading in readings] == [(255, number), (255, 2), (5, None), (255, 0)]
+        assert [reading.value for reading in client.read("VW100", "VB0")] == [2, number]
+
+
+def test_a_smaller_pdu_counts_for_what_was_read_before():
+    """222 bytes are one telegram at 240 bytes; at 112 the telegram carries 112 - 18 = 94 bytes, so there are three."""
+    client, _, bus, _ = connect(pdu_limit=112)
+    with pytest.raises(RefusedError):
+        client.read("VB0[222]")
+    client.negotiate(240)
+    bus.journal.clear()
+    assert len(client.read("VB0[222]")[0].value) == 222
+    assert [request.items[0].octets for request in requests(bus)] == [94, 94, 34]
+
+
 def test_references_differ():
     """Every job has a reference of its own, 1 to 65535, never 0."""
     client, _, bus, _ = connect()

@@ -131,10 +131,22 @@ class CpuInfo:
 
 @dataclass(frozen=True, slots=True)
 class _Prepared:
-    """A plan and its PDUs, in which only the reference changes from read to read."""
+    """A plan and its PDUs, in which only the reference changes from read to read.
+
+    ``plain`` are the bytes of each item if every telegram carries just what was asked for, in its order.
+    """
 
     plan: ReadPlan
     pdus: tuple[bytes, ...]
+    plain: tuple[int, ...] = ()
+
+    def results(self, replies: Sequence[ReadReply]) -> tuple[ItemResult, ...]:
+        """One result per asked item. Raises PpiError if the replies are not those to this plan."""
+        if self.plain:
+            found = tuple([result for reply in replies for result in reply.results])
+            if self.plain == tuple([len(result.data) for result in found if result.ok]):
+                return found
+        return self.plan.collect(replies)
 
 
 class Client:
@@ -154,6 +166,8 @@ class Client:
         self._reference = 0
         self._places: dict[str, Place] = {}
         self._prepared: dict[tuple[Item, ...], _Prepared] = {}
+        self._latest: _Prepared | None = None
+        """The plan of the read before: most programs read the same again and again."""
 
     @classmethod
     def open(
@@ -208,12 +222,10 @@ class Client:
         if not items:
             return ()
         key = tuple(items)
-        prepared = self._prepared.get(key)
-        if prepared is None:
-            if len(self._prepared) >= _MOST_PLANS:
-                self._prepared.clear()
-            prepared = self._prepared.setdefault(key, self._prepare(key, merge=True))
+        prepared = self._latest if self._latest is not None and self._latest.plan.asked == key else self._planned(key)
         results = self._collect(prepared)
+        if prepared.plain:
+            return results
         alone = [n for n, result in enumerate(results) if not result.ok and prepared.plan.shared(n)]
         if not alone:
             return results
@@ -221,9 +233,21 @@ class Client:
         corrected = dict(zip(alone, again, strict=True))
         return tuple(corrected.get(number, result) for number, result in enumerate(results))
 
+    def _planned(self, key: tuple[Item, ...]) -> _Prepared:
+        """The plan of these items, from before or new."""
+        found = self._prepared.get(key)
+        if found is None:
+            if len(self._prepared) >= _MOST_PLANS:
+                self._prepared.clear()
+            found = self._prepared.setdefault(key, self._prepare(key, merge=True))
+        self._latest = found
+        return found
+
     def _prepare(self, items: Sequence[Item], *, merge: bool) -> _Prepared:
         plan = pack_read(items, merge=merge, rules=replace(READING, limit=self.pdu_limit))
-        return _Prepared(plan, tuple(encode_pdu(request) for request in plan.requests()))
+        sent = tuple(item for telegram in plan.items for item in telegram)
+        plain = tuple(item.octets for item in items) if sent == tuple(items) else ()
+        return _Prepared(plan, tuple(encode_pdu(request) for request in plan.requests()), plain)
 
     def _collect(self, prepared: _Prepared) -> tuple[ItemResult, ...]:
         replies = []
@@ -234,7 +258,7 @@ class Client:
                 raise self._unexpected("a read is answered with something else")
             replies.append(reply)
         try:
-            return prepared.plan.collect(replies)
+            return prepared.results(replies)
         except PpiError as problem:
             raise self._unexpected("; ".join(violation.message for violation in problem.violations)) from problem
 
@@ -309,6 +333,7 @@ class Client:
             raise self._unexpected("the negotiation is answered with something else")
         self.pdu_limit = min(reply.pdu_size, PDU_LIMIT)
         self._prepared.clear()
+        self._latest = None
         return reply
 
     # ---- Jobs -------------------------------------------------------------------------------------------------

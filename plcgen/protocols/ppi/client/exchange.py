@@ -268,7 +268,7 @@ class Exchange:
 
     def _receive(self) -> Frame | None:
         """Return the next frame of the station; None if none comes in time."""
-        settings = self.settings
+        settings, splitter = self.settings, self._splitter
         deadline = self._now() + settings.answer
         damaged = self._heard.damaged
         extended = False
@@ -278,13 +278,13 @@ class Exchange:
                 if self._is_ours(frame):
                     return frame
                 self.count.skipped += 1
-            if self._splitter.pending and not extended:
+            if splitter.pending and not extended:
                 deadline += settings.frame
                 extended = True
             left = deadline - self._now()
             if left <= 0:
-                rest = self._splitter.rest
-                chunks = self._splitter.finish()
+                rest = splitter.rest
+                chunks = splitter.finish()
                 self._take(chunks, last=True)
                 if not self._frames:
                     garbage = any(not chunk.frame for chunk in chunks)
@@ -292,8 +292,13 @@ class Exchange:
                     return None
                 continue
             data = self.line.read(timeout=left)
-            if data:
-                self._take(self._splitter.feed(data))
+            if splitter.whole(data):
+                frame = found_frame(data)
+                if self._is_ours(frame):
+                    return frame
+                self.count.skipped += 1
+            elif data:
+                self._take(splitter.feed(data))
 
     def _take(self, chunks: list[Chunk], *, last: bool = False) -> None:
         """Keep frames and count the rest; what is left at the end is judged by itself."""

@@ -6,7 +6,7 @@ Offsets here come from the telegram (FDL and S7 PDU), never from S7 layout rules
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
 from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, PlannedJob, Telegram
@@ -145,7 +145,7 @@ class PpiJob(PlannedJob):
 
     def pin(self, name: str) -> str:
         """Name of a signal or value at the master's block: ``levels`` and ``busy`` become ``levelsBusy``."""
-        return shorten(f"{self.member}{name[:1].upper()}{name[1:]}", self.longest_name)
+        return _pin(self.member, name, self.longest_name)
 
     @property
     def inputs(self) -> tuple[PpiValue, ...]:
@@ -156,6 +156,12 @@ class PpiJob(PlannedJob):
     def outputs(self) -> tuple[PpiValue, ...]:
         """The values the block returns."""
         return self.values if self.kind == "read" else ()
+
+
+@lru_cache(4096)
+def _pin(member: str, name: str, longest: int) -> str:
+    """Asked by the proof in every scan."""
+    return shorten(f"{member}{name[:1].upper()}{name[1:]}", longest)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,10 @@ from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.port import UNSET, Port, PortSettings
-from plcgen.proof.rig import Members, Source
+from plcgen.proof.rig import Members, Source, Spot
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue
 from plcgen.protocols.ppi.proof.scenario import Bend, Edit
+from plcgen.protocols.ppi.proof.words import WORDS
 from plcgen.protocols.ppi.sim import Bus as Line
 from plcgen.protocols.ppi.sim import Station
 from plcgen.protocols.ppi.sim.cpu import Session, StationCpu
@@ -117,6 +118,9 @@ class MasterRig:
         self._statements = [number for number, probe in enumerate(own) if probe.kind == "statement"]
         self.draw = random.Random(master.key)  # noqa: S311 - test values
         self.inputs: dict[str, bytes] = {}
+        self._supplied: list[tuple[Spot, bytes, bytes]] = []
+        busy = [(job, self.db.spots[job.pin("busy")], self.db.spots[job.pin("status")].byte) for job in master.jobs]
+        self._signals = [(job, spot.byte, 1 << spot.bit, status) for job, spot, status in busy]
 
     def _shown(self) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
         """Where the value outputs lie: ranges of bytes, and bytes with a mask for bits."""
@@ -183,16 +187,28 @@ class MasterRig:
         for value in job.outputs:
             self.station(job).cpu.memory.put(value.item, self.random_bytes(value))
         for value in job.inputs:
-            data = self.random_bytes(value)
-            self.inputs[job.pin(value.member)] = data
-            self.db.put(job.pin(value.member), data)
+            self.inputs[job.pin(value.member)] = self.random_bytes(value)
+        supplied = [(self.db.spots[job.pin(v.member)], self.inputs[job.pin(v.member)]) for v in job.inputs]
+        self._supplied = [(spot, data, bytes(octet ^ 0xFF for octet in data)) for spot, data in supplied]
+        self.put_inputs()
 
-    def put_inputs(self, job: PpiJob, *, wrong: bool = False) -> None:
+    def put_inputs(self, *, wrong: bool = False) -> None:
         """Supply the inputs again, as a main program does in every scan, or the opposite of every bit."""
-        for value in job.inputs:
-            name = job.pin(value.member)
-            data = self.inputs.get(name, value.data)
-            self.db.put(name, bytes(octet ^ 0xFF for octet in data) if wrong else data)
+        memory = self.db.memory
+        for spot, data, opposite in self._supplied:
+            spot.put(memory, opposite if wrong else data)
+
+    def moving(self) -> PpiJob | None:
+        """A job other than the one that runs that is not idle. Asked in every scan."""
+        memory, idle = self.db.memory, WORDS["IDLE"]
+        for job, byte, mask, word in self._signals:
+            if job is not self.job and (memory[byte] & mask or memory[word] << 8 | memory[word + 1] != idle):
+                return job
+        return None
+
+    def quiet(self) -> bool:
+        """Whether nothing is on its way from a station, and no message waits in the module."""
+        return self.edited.due() is None and not self.port.waiting
 
     def random_bytes(self, value: PpiValue) -> bytes:
         """Wire bytes of a value that its type takes."""

@@ -24,6 +24,8 @@ POLL_MS = 60
 """Milliseconds that a poll and E5 take in scans of 2 ms."""
 FRAME_MS = 300
 """Milliseconds that the longest frame takes at 9600 bit/s: 255 characters of 11 bits."""
+MOMENTS = 60
+"""Scans of a job in which something happens to it, unless it is every one: more than a job of one telegram has."""
 HEADER_ERRORS = (0x8001, 0x8104, 0x8404, 0x8500, 0xD602)
 
 Edit = Callable[[bytes], bytes]
@@ -103,16 +105,20 @@ def in_time(master: PlannedMaster, job: PpiJob, scenario: PpiScenario) -> PpiSce
     length = master.ob1_cycle if scenario.wild else scenario.scan
     once = FRAME_MS * 9600 // master.baud + 8 * length
     wait = max(master.ack_timeout, master.reply_timeout) + master.retry_pause
+    frames = len(job.telegrams) + (job.kind != "read")  # in front of the first may be the harmless read
     slow = len(job.telegrams) * 2 * once + sum(
         each.milliseconds for each in scenario.faults if each.kind is FaultKind.LATE
     )
-    if slow + once + retries * (wait + once) + polls * (master.poll_pause + once) < job.timeout or scenario.took:
+    # a fault that never ends strikes every telegram of a job that goes on nevertheless
+    strikes = frames if DONE in scenario.status and any(each.times is None for each in scenario.faults) else 1
+    lost = strikes * (retries * (wait + once) + polls * (master.poll_pause + once))
+    if slow + once + lost < job.timeout or scenario.took:
         return scenario
     return replace(scenario, status=(*scenario.status, WORDS["TIMEOUT"]), retries=None, polls=None)
 
 
-def line_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
-    """Everything a line and a station can do wrong."""
+def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterator[PpiScenario]:
+    """Everything a line and a station can do wrong; with ``every`` each return code at each item."""
     most, polls = master.retries, master.polls
     silent = (WORDS["NO_ANSWER"],)
     again = _again(master)
@@ -179,7 +185,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
         name="refused with 02h once", faults=(fault("nack", "request", value=2),), **_repeated(master, polls=0)
     )
     yield from _late(master)
-    yield from _refusals(job)
+    yield from _refusals(job, every=every)
     yield from _short(master, job)
     yield from _first_read(job)
     for name, edit in _edits(job):
@@ -358,7 +364,14 @@ def _ready(polls: int) -> Iterator[PpiScenario]:
     )
 
 
-def _refusals(job: PpiJob) -> Iterator[PpiScenario]:
+def _codes(number: int, count: int, *, every: bool) -> tuple[int, ...]:
+    """What one of so many items refuses with: the outer ones with every code, those between with one each in turn."""
+    if every or number in {1, count}:
+        return RETURN_CODES
+    return (RETURN_CODES[number % len(RETURN_CODES)],)
+
+
+def _refusals(job: PpiJob, *, every: bool) -> Iterator[PpiScenario]:
     """Return codes at every position, and refusals of the whole job."""
     for code in HEADER_ERRORS:
         yield PpiScenario(
@@ -370,7 +383,7 @@ def _refusals(job: PpiJob) -> Iterator[PpiScenario]:
     for after, telegram in enumerate(job.telegrams):
         for number, wire in enumerate(telegram.items if telegram.response is not None else (), 1):
             positions = sorted({placed.value.position for placed in wire.values})
-            for code in RETURN_CODES:
+            for code in _codes(number, len(telegram.items), every=every):
                 yield PpiScenario(
                     name=f"item {number} of telegram {telegram.number} refused with {code:02X}h",
                     faults=(fault("item", item=number, code=code, after=after),),
@@ -473,7 +486,7 @@ def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int, *, classic: b
         name="silence forever", faults=dead, status=(WORDS["NO_ANSWER"],), retries=master.retries, polls=0
     )
     yield from _ready(master.polls)
-    yield from _refusals(job)
+    yield from _refusals(job, every=False)
     yield from _first_read(job)
     for name, edit in _edits(job):
         yield PpiScenario(
@@ -485,11 +498,20 @@ def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int, *, classic: b
     yield PpiScenario(name="scans of random length", wild=True, retries=None, polls=None)
 
 
-def cpu_scenarios(scans: int, clock_end: int, ob1: int, *, retentive: bool) -> Iterator[PpiScenario]:
-    """Everything the CPU can do: execute dropped, restarts, scan times, the clock starting again."""
-    for scan in range(2, scans + 1):
+def spread(first: int, last: int, most: int) -> list[int]:
+    """At most so many numbers from ``first`` to ``last``, both among them, evenly far apart."""
+    count = min(most, last - first + 1)
+    return [first + (last - first) * number // max(1, count - 1) for number in range(count)]
+
+
+def cpu_scenarios(scans: int, clock_end: int, ob1: int, *, retentive: bool, every: bool) -> Iterator[PpiScenario]:
+    """Everything the CPU can do: execute dropped, restarts, scan times, the clock starting again.
+
+    ``every`` takes every scan of a job, or else at most ``MOMENTS`` of them.
+    """
+    for scan in spread(2, scans, scans if every else MOMENTS):
         yield PpiScenario(name=f"execute dropped in scan {scan}", happens={scan: "drop"})
-    for scan in range(2, scans + 2, 3):
+    for scan in spread(2, scans + 1, scans // 3 if every else min(scans, MOMENTS) // 3):
         yield PpiScenario(name=f"cold restart in scan {scan}", happens={scan: "cold"}, retries=None, polls=None)
         status = (DONE, WORDS["TIMEOUT"], WORDS["NO_ANSWER"]) if retentive else (DONE,)
         yield PpiScenario(

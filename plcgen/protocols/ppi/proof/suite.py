@@ -176,14 +176,14 @@ class PpiSuite:
 
     def everything(self, job: PpiJob, scans: int, level: Level) -> Iterator[PpiScenario]:
         """All scenarios of a job, as if it had all the time in the world."""
-        master, target = self.master, self.plan.target
-        if level != "full" and job is not next(j for j in self.jobs if SHAPES[j.kind] == SHAPES[job.kind]):
+        master, target, every = self.master, self.plan.target, level == "full"
+        if not every and job is not next(j for j in self.jobs if SHAPES[j.kind] == SHAPES[job.kind]):
             yield from core_scenarios(master, job, scans, classic=target.classic)
             return
-        yield from line_scenarios(master, job)
+        yield from line_scenarios(master, job, every=every)
         yield from pace_scenarios(master, job)
         yield from module_scenarios(master, job, classic=target.classic)
-        yield from cpu_scenarios(scans, CLOCK_END, master.ob1_cycle, retentive=target.v5)
+        yield from cpu_scenarios(scans, CLOCK_END, master.ob1_cycle, retentive=target.v5, every=every)
 
     def behind(
         self, program: Program, runner: Runner[PpiScenario]

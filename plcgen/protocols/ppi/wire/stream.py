@@ -72,12 +72,18 @@ class Splitter:
         self._pending.clear()
         self._garbage.clear()
 
+    def whole(self, data: bytes) -> bool:
+        """Take bytes if they are exactly one frame and nothing waits; otherwise they are to be fed."""
+        if self._pending or self._garbage or not _is_frame(data):
+            return False
+        self._offset += len(data)
+        if len(data) > 1:
+            self._stations.add(data[5 if data[0] == SD2 else 2])
+        return True
+
     def feed(self, data: bytes) -> list[Chunk]:
         """Take bytes and return what is complete, in order."""
-        if not self._pending and not self._garbage and _is_frame(data):
-            self._offset += len(data)
-            if len(data) > 1:
-                self._stations.add(data[5 if data[0] == SD2 else 2])
+        if self.whole(data):
             return [Chunk(self._offset - len(data), bytes(data), frame=True)]
         self._pending += data
         return self._split(last=False)
