@@ -7,6 +7,7 @@ import re
 from plcgen.diagnostics.codes import all_codes
 from plcgen.diagnostics.codes import code as code_info
 from plcgen.display.page import Page
+from plcgen.protocols.ds47 import hardware
 from plcgen.protocols.registry import protocols
 
 _NUMBER = re.compile(r"(?:(?:B|W|DW|BYTE|WORD|DWORD)#)?(?:16#|0x|\$)?([0-9a-f_]{1,10})(h?)\Z", re.IGNORECASE)
@@ -14,10 +15,12 @@ _CODE = re.compile(r"PG[0-9]{3}\Z", re.IGNORECASE)
 
 
 def explain_page(key: str) -> Page | None:
-    """Explain ``PG209``, ``0x11`` (DS47 error), ``16#8101`` (status word) or ``DF80B500`` (STATUS); None: unknown."""
+    """Explain ``PG209``, ``0x11`` (DS47 error), ``16#8101`` (status word), ``DF80B500`` (STATUS), ``hardware-id``."""
     text = key.strip()
     if _CODE.match(text):
         return _diagnostic(text.upper())
+    if text.lower() == hardware.SUBJECT:
+        return hardware.page()
     match = _NUMBER.match(text)
     digits = match[1].replace("_", "") if match else ""
     pages = (protocol.explain(digits) for protocol in protocols() if match)
@@ -39,5 +42,5 @@ def list_codes() -> list[tuple[str, str, str]]:
 
 
 def known_keys() -> list[str]:
-    """Codes for "did you mean"."""
-    return sorted(all_codes())
+    """Codes and subjects for "did you mean"."""
+    return [*sorted(all_codes()), hardware.SUBJECT]

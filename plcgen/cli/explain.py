@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     "plcgen explain 0x11             an error number in a drive's answer",
     "plcgen explain 16#8401          the status word of a generated block",
     "plcgen explain DF80B500         a STATUS double word of WRREC or RDREC",
+    "plcgen explain hardware-id      which identifier or address leads to a drive",
     "plcgen explain --list",
 )
 @click.argument("codes", nargs=-1, metavar="CODE...")

@@ -89,7 +89,7 @@ def test_error_explained_with_its_information_word():
         (0xC0809000, "read", "logical address", Retry.PERMANENT, True),
         (0xC0843A00, "read", "call parameter 4: the data block does not exist", Retry.PERMANENT, True),
         (0xC0FE0100, None, "profile-specific", Retry.PERMANENT, True),
-        (0xDE80FF00, None, "unknown error code FFh", Retry.PERMANENT, True),
+        (0xDE809F00, None, "unknown error code 9Fh", Retry.PERMANENT, True),
         (0xDE900100, None, "unknown error class 90h", Retry.PERMANENT, True),
     ],
 )
@@ -159,3 +159,25 @@ def test_import_is_lazy():
         "assert not {'yaml', 'pydantic', 'jinja2', 'lxml', 'click'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(
+    ("word", "means"),
+    [
+        (0x8322, "call parameter 3: outside the area when it was read"),
+        (0x8428, "call parameter 4: wrong alignment when it was read"),
+        (0x8429, "wrong alignment when it was written"),
+        (0x8430, "write-protected global data block"),
+        (0x8431, "write-protected instance data block"),
+        (0x8142, "call parameter 1: access error when it was read from the peripheral inputs"),
+        (0x8243, "peripheral outputs"),
+        (0x80C7, "restart of the DP master"),
+        (0x80E1, "user specific"),
+        (0x8094, "its meaning was not read"),
+    ],
+)
+def test_codes_of_the_manual_besides_those_of_the_channel(word: int, means: str) -> None:
+    """General error codes 8xyy and code 1 from C7h on, Siemens' System and Standard Functions for S7-300/400."""
+    found = explain_word(word)
+    assert means in found.text
+    assert found.retry is Retry.PERMANENT

@@ -8,7 +8,7 @@ from typing import Any
 
 from plcgen.documents.members import plain
 from plcgen.documents.nouns import Contribution, DataBlock, FunctionBlock, GuidePart
-from plcgen.protocols.ds47 import guards
+from plcgen.protocols.ds47 import guards, hardware
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
 from plcgen.protocols.ds47.plan.values import value_text
 from plcgen.protocols.ds47.views.calls import caller
@@ -59,13 +59,37 @@ def _programs(plan: DrivePlan) -> Iterator[FunctionBlock]:
 
 
 def _guide(plan: DrivePlan) -> tuple[list[GuidePart], list[GuidePart]]:
-    """Numbers of the buffers; what is written."""
+    """Identifiers of the drives and numbers of the buffers; what is written."""
     numbered = [
         buffer.db for job in plan.shapes for telegram in job.telegrams for buffer in telegram.buffers if buffer.db
     ]
     writes = [_write_row(plan, job, use) for job in plan.jobs if job.writes for use in job.uses]
-    before: list[GuidePart] = [("ds47/import.md.j2", {"numbered": numbered})] if numbered else []
+    before: list[GuidePart] = [("ds47/import_drives.md.j2", _identifiers(plan))]
+    if numbered:
+        before.append(("ds47/import.md.j2", {"numbered": numbered}))
     return before, [("ds47/import_writes.md.j2", {"writes": writes})] if writes else []
+
+
+def _identifiers(plan: DrivePlan) -> dict[str, Any]:
+    """What leads to each drive that has a job, and where to compare it."""
+    used = {job.drive.key for job in plan.jobs}
+    classic = plan.target.classic
+    rows = [
+        {
+            "drive": drive.key,
+            "id": drive.id_name or _number(drive.id_value, classic=classic),
+            "object": drive.drive_object,
+            "index": drive.record_index if drive.record_index < 0x8000 else f"16#{drive.record_index:X}",
+            "where": hardware.lookup(drive, classic=classic),
+        }
+        for drive in plan.drives
+        if drive.key in used
+    ]
+    return {"what": "address" if classic else "identifier", "drives": rows}
+
+
+def _number(value: int, *, classic: bool) -> str:
+    return f"{value & 0x7FFF}, output" if classic and value & 0x8000 else str(value)
 
 
 def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
