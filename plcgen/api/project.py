@@ -42,7 +42,10 @@ class CheckResult:
 
 @dataclass(frozen=True, slots=True)
 class GenerateResult:
-    """What generation did to the output folder; ``diff`` is the unified diff of ``check=True``."""
+    """What generation did to the output folder; ``diff`` is the unified diff of ``check=True``.
+
+    ``idle_statements`` are those of an idle scan, if they were asked for and the blocks run.
+    """
 
     spec: Path
     folder: Path
@@ -52,6 +55,7 @@ class GenerateResult:
     diff: str
     diagnostics: tuple[Diagnostic, ...]
     target: Target | None = None
+    idle_statements: int | None = None
 
     @property
     def ok(self) -> bool:
@@ -73,7 +77,7 @@ class GenerateResult:
             return None
         symbols = [path for path in (self.folder / "symbols.sdf",) if path.is_file()]
         sources = read_sources([*paths, *symbols], classic=target.classic)
-        return ProgramSize(estimate(sources, target.dialect), target.cpu)
+        return ProgramSize(estimate(sources, target.dialect), target.cpu, self.idle_statements)
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,13 +176,15 @@ def generate(
     *,
     check_only: bool = False,
     force: bool = False,
+    stats: bool = False,
     progress: Progress | None = None,
 ) -> GenerateResult:
     """Generate all files of a spec into a folder, atomically; nothing is written if there is an error.
 
     Without ``folder`` it is ``<spec>_generated`` beside the spec.
 
-    ``check_only`` writes nothing and compares; ``force`` overwrites files that were changed by hand.
+    ``check_only`` writes nothing and compares; ``force`` overwrites files that were changed by hand; ``stats`` runs an
+    idle scan of the blocks and counts its statements.
     """
     from plcgen.documents.rendering import render_project
     from plcgen.documents.writing import compare_folder, write_folder
@@ -209,6 +215,11 @@ def generate(
                 report.add(Diagnostic("PG505", note, Span(str(target)), Severity.NOTE))
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
+    idle = None
+    if stats and target.is_dir():
+        from plcgen.proof.idle import idle_statements
+
+        idle = idle_statements(checked.project, target)
     return GenerateResult(
         checked.spec,
         target,
@@ -218,6 +229,7 @@ def generate(
         diff,
         tuple(report),
         checked.project.target,
+        idle,
     )
 
 

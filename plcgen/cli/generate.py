@@ -29,9 +29,17 @@ if TYPE_CHECKING:
 @click.option("--check", "check_only", is_flag=True, help="Write nothing; exit 1 if the folder is not up to date.")
 @click.option("--diff", is_flag=True, help="Show what would change as a unified diff; write nothing.")
 @click.option("--force", is_flag=True, help="Overwrite files that were changed by hand.")
+@click.option("--stats", is_flag=True, help="Run an idle scan in the simulated CPU and count its statements.")
 @format_option("findings")
 def command(
-    *, spec: Path, folder: Path | None, check_only: bool, diff: bool, force: bool, format_: OutputFormat
+    *,
+    spec: Path,
+    folder: Path | None,
+    check_only: bool,
+    diff: bool,
+    force: bool,
+    stats: bool,
+    format_: OutputFormat,
 ) -> int:
     """Generate the PLC sources of a spec into a folder.
 
@@ -44,12 +52,13 @@ def command(
     out = console()
     target = folder or default_folder(spec)
     with out.progress() as progress:
-        result = api.generate(spec, target, check_only=check_only or diff, force=force, progress=progress)
+        looking = check_only or diff
+        result = api.generate(spec, target, check_only=looking, force=force, stats=stats, progress=progress)
     if diff and not check_only:
         found = tuple(d for d in result.diagnostics if d.code != STALE)
         result = dataclasses.replace(result, diagnostics=found)
     if format_.name == "text":
-        _show(out, result, looking=check_only or diff)
+        _show(out, result, looking=looking, stats=stats)
     else:
         _machine(out, result, format_)
     return OK if result.ok else PROBLEMS
@@ -59,7 +68,7 @@ STALE = "PG504"
 """What ``--check`` calls an error and ``--diff`` does not: a file that differs from what would be generated."""
 
 
-def _show(out: Console, result: GenerateResult, *, looking: bool) -> None:
+def _show(out: Console, result: GenerateResult, *, looking: bool, stats: bool) -> None:
     from plcgen.display.excerpts import count_text
     from plcgen.display.paint import paint_diff
 
@@ -84,6 +93,8 @@ def _show(out: Console, result: GenerateResult, *, looking: bool) -> None:
         size = None if out.quiet else result.size()
         if size is not None:
             out.say(size.text())
+        if stats and result.idle_statements is None:
+            out.say("an idle scan could not be run: plcgen verify says why")
 
 
 def _stale(result: GenerateResult, stale: list[Diagnostic]) -> None:

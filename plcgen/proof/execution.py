@@ -13,6 +13,7 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.project.nouns import PlannedJob, Project
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.coverage import Coverage, cover
+from plcgen.proof.idle import idle_check
 from plcgen.proof.rig import ProgramBench
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, ScenarioError, Statistics, diagnostic
@@ -99,6 +100,8 @@ def check_execution(
     if level != "none" or engine:
         for plan in project.plans:
             yield from plan.protocol.proof(plan).foundation(folder, run=engine, progress=progress)
+    if level != "none":
+        yield idle_check(program)
     found = iter(shared_out(work, len(work.pieces), progress, workers if level != "none" else 1))
     for suite in work.suites:
         results = {job.key: next(found) for job in suite.jobs}

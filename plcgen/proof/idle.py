@@ -1,0 +1,40 @@
+"""The idle scan: how many statements the cyclic OB executes while no job runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from plcgen.cpu.cpu import Cpu
+from plcgen.cpu.folder import load_folder
+from plcgen.cpu.program import Program
+from plcgen.project.nouns import Project
+from plcgen.proof.checks import Check, Outcome
+
+_SCANS = 4
+"""In the first scans after a start blocks initialise themselves."""
+
+
+def idle_statements(project: Project, folder: Path) -> int | None:
+    """Statements of an idle scan of the blocks in a folder; None if they do not run or have no cyclic OB."""
+    proofs = (plan.protocol.proof(plan) for plan in project.plans)
+    constants = {name: number for proof in proofs for name, number in proof.constants().items()}
+    program = load_folder(folder, project.target.dialect, constants=constants)
+    return count(program) if program.ok else None
+
+
+def count(program: Program) -> int | None:
+    """Statements of an idle scan of a program on any CPU of its dialect, those of called blocks included."""
+    main = program.main()
+    if main is None:
+        return None
+    cpu = Cpu(program)
+    passed = [cpu.run(main.name, 10, {}) for _ in range(_SCANS)]
+    return None if cpu.faulted else passed[-1].statements
+
+
+def idle_check(program: Program) -> Check:
+    """What an idle scan takes, for the report."""
+    found = count(program)
+    if found is None:
+        return Check("execution.idle", "idle scan", "no cyclic OB, or it does not end", Outcome.NOT_RUN, "not run")
+    return Check("execution.idle", "idle scan", f"{found:,} statements", Outcome.OK, "ok: no job runs")
