@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from plcgen.proof.suite import Proof
     from plcgen.protocols.dissection import ByteField
     from plcgen.review.compare.model import DriveState, JobState
+    from plcgen.review.sheet import ReviewSheet
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +92,9 @@ class Protocol(typing.Protocol):
 
     def job_states(self, plan: Any) -> Iterator[JobState]:
         """The jobs of a plan, likewise."""
+
+    def review_sheet(self, plan: Any) -> ReviewSheet:
+        """What a reviewer signs: what is written, what goes over the wire, to whom."""
 
     def request_fields(self, data: bytes) -> list[ByteField]:
         """A request of the protocol field by field; what follows from other fields may be left out."""

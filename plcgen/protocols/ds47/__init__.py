@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from plcgen.protocols.ds47.plan.nouns import DrivePlan
     from plcgen.protocols.ds47.proof.suite import DriveProof
     from plcgen.review.compare.model import DriveState, JobState
+    from plcgen.review.sheet import ReviewSheet
 
 
 class Ds47:
@@ -82,6 +83,12 @@ class Ds47:
         from plcgen.protocols.ds47.review import jobs
 
         return jobs(plan)
+
+    def review_sheet(self, plan: DrivePlan) -> ReviewSheet:
+        """What is written, every byte of the telegrams, all drives."""
+        from plcgen.protocols.ds47.sheet import review_sheet
+
+        return review_sheet(plan)
 
     def request_fields(self, data: bytes) -> list[ByteField]:
         """A request field by field."""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from plcgen.protocols.ppi.plan.nouns import PpiPlan
     from plcgen.protocols.ppi.proof.suite import PpiProof
     from plcgen.review.compare.model import DriveState, JobState
+    from plcgen.review.sheet import ReviewSheet
 
 
 class Ppi:
@@ -82,6 +83,12 @@ class Ppi:
         from plcgen.protocols.ppi.review import jobs
 
         return jobs(plan)
+
+    def review_sheet(self, plan: PpiPlan) -> ReviewSheet:
+        """What is written, every byte of the telegrams, all stations."""
+        from plcgen.protocols.ppi.sheet import review_sheet
+
+        return review_sheet(plan)
 
     def request_fields(self, data: bytes) -> list[ByteField]:
         """A request field by field."""

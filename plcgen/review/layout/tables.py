@@ -27,6 +27,7 @@ class LayoutRow(NamedTuple):
 
     ``byte``.``bit`` from the start of the block (bit None for whole bytes, byte None in optimized blocks), size
     in ``bits``; ``rules`` are the keys of the rules that no compiled block confirms and on which place or size rest.
+    ``role`` says what a byte of a telegram is for (see ``review.sheet``), empty in all other blocks.
     """
 
     byte: int | None
@@ -40,6 +41,7 @@ class LayoutRow(NamedTuple):
     comment: str = ""
     kind: str = MEMBER
     rules: tuple[str, ...] = ()
+    role: str = ""
 
     @property
     def offset(self) -> str:

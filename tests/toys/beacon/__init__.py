@@ -22,6 +22,7 @@ from plcgen.proof.suite import LaidOut
 from plcgen.protocols.base import Named, Rules
 from plcgen.protocols.dissection import ByteField, Walker
 from plcgen.review.compare.model import DriveState, JobState, TelegramState
+from plcgen.review.sheet import ReviewSheet
 from plcgen.s7.image import image
 from plcgen.s7.types import ELEMENTARY
 
@@ -186,6 +187,10 @@ class Beacon:
         """What is sent to them."""
         for job in plan.jobs:
             yield JobState(job.key, job.key, (TelegramState(job.telegrams[0].request.data, 0, 0, 0, self.key),))
+
+    def review_sheet(self, plan: BeaconPlan) -> ReviewSheet:  # noqa: ARG002 - a toy
+        """Nothing that has to be signed."""
+        return ReviewSheet()
 
     def request_fields(self, data: bytes) -> list[ByteField]:
         """Mark and lamp."""

@@ -9,7 +9,7 @@ from typing import Any
 from plcgen.documents.members import fixed
 from plcgen.documents.nouns import Contribution, GuidePart, TypeBlock
 from plcgen.documents.spelling import literal
-from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiPlan
+from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiPlan, PpiValue
 from plcgen.protocols.ppi.plan.times import GAP_BITS
 from plcgen.protocols.ppi.views.program import MAX_MESSAGE, MODULES, program
 from plcgen.protocols.ppi.words import DIAGNOSTICS
@@ -62,10 +62,14 @@ def _writes(plan: PpiPlan, master: PlannedMaster) -> Iterator[dict[str, str]]:
         if job.kind in {"run", "stop"}:
             yield {**row, "label": "CPU", "value": job.kind.upper()}
         for value in job.values if job.kind == "write" else ():
-            text = "block input"
-            if value.constant and isinstance(value.element, Elementary):
-                text = literal(value.element, value.data[: value.size], v5=plan.target.v5)
-            yield {**row, "label": value.label, "value": text}
+            yield {**row, "label": value.label, "value": value_text(plan, value)}
+
+
+def value_text(plan: PpiPlan, value: PpiValue) -> str:
+    """What a job writes: its constant, or that an input of the block says it."""
+    if value.constant and isinstance(value.element, Elementary):
+        return literal(value.element, value.data[: value.size], v5=plan.target.v5)
+    return "block input"
 
 
 def _manifest(plan: PpiPlan) -> dict[str, Any]:

@@ -1,0 +1,170 @@
+"""Drive jobs as a reviewer signs them: what is written to which drive, every byte of request and answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from plcgen.project.nouns import Buffer
+from plcgen.protocols.ds47 import guards
+from plcgen.protocols.ds47.plan.values import value_text
+from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
+from plcgen.protocols.ds47.views.texts import field_texts
+from plcgen.protocols.ds47.wire.dissect import dissect_request
+from plcgen.protocols.ds47.wire.formats import ERROR, padded
+from plcgen.review.layout.tables import member_address
+from plcgen.review.sheet import ExchangeSheet, JobInstance, Message, MessageField, ReviewSheet, Role, WriteEntry
+from plcgen.s7.types import Elementary
+
+_ROLES = {
+    "reference": Role.HEADER, "request_id": Role.HEADER, "drive_object": Role.HEADER, "count": Role.HEADER,
+    "attribute": Role.ADDRESS, "elements": Role.ADDRESS, "pnu": Role.ADDRESS, "subindex": Role.ADDRESS,
+    "format": Role.FORMAT, "value_count": Role.FORMAT, "value": Role.VALUE,
+    "error_format": Role.ERROR, "error_count": Role.ERROR, "error_number": Role.ERROR, "error_info": Role.ERROR,
+    "pad": Role.SPARE, "reserve": Role.SPARE,
+}  # fmt: skip
+_STORES = frozenset({971, 977})
+"""Writing these copies RAM to the non-volatile memory: p0971 of a drive object, p0977 of the whole unit."""
+_NEGATIVE = 0x80
+_MAX_VALUE = 40
+
+Bytes = Sequence[int | None]
+
+
+def review_sheet(plan: DrivePlan) -> ReviewSheet:
+    """Everything of a plan."""
+    writes = [_write(plan, shape, use) for shape in plan.shapes if shape.writes for use in shape.uses]
+    exchanges = [_exchange(shape, telegram) for shape in plan.shapes for telegram in shape.telegrams]
+    return ReviewSheet(tuple(writes), tuple(exchanges), tuple(_instance(plan, job) for job in plan.jobs))
+
+
+def _trigger(plan: DrivePlan, job: DriveJob) -> str:
+    flag = job.trigger.execute
+    return flag.text() if flag is not None else f'"{plan.control_db.name}".{job.member}.execute'
+
+
+def _instance(plan: DrivePlan, job: DriveJob) -> JobInstance:
+    drive = job.drive
+    number = f"{drive.id_value} (16#{drive.id_value:04X})"
+    address = f"{drive.id_name or number}, object {drive.drive_object}, unit {drive.unit.key}, slot {job.slot}"
+    return JobInstance(job.shape, drive.key, address, _trigger(plan, job))
+
+
+def _write(plan: DrivePlan, shape: DriveJob, use: Use) -> WriteEntry:
+    jobs = [job for job in plan.jobs if job.shape == shape.shape]
+    parameter = use.parameter
+    danger = shape.drive.device.danger(parameter.pnu)
+    triggers = [_trigger(plan, job) for job in jobs]
+    return WriteEntry(
+        job=shape.shape,
+        block=shape.block.name,
+        partners=tuple(job.drive.key for job in jobs),
+        parameter=use.label,
+        text=parameter.title,
+        value=value_text(use, plan.target),
+        input=not use.constant,
+        limits=_limits(parameter.minimum, parameter.maximum),
+        unit=parameter.unit,
+        trigger=triggers[0] if len(triggers) == 1 else "execute of each drive, see its row",
+        memory="copies RAM to non-volatile memory" if parameter.pnu in _STORES else "RAM, lost at power-off",
+        danger=danger,
+        signed=(plan.sign_off(shape, parameter.pnu) or "") if danger else "",
+        safety=parameter.pnu in guards.SAFETY,
+    )
+
+
+def _limits(least: float | None, most: float | None) -> str:
+    if least is None and most is None:
+        return ""
+    return f"{'' if least is None else f'{least:g}'} .. {'' if most is None else f'{most:g}'}".strip()
+
+
+def _exchange(shape: DriveJob, telegram: DriveTelegram) -> ExchangeSheet:
+    request = telegram.request
+    values = {found.offset: found.value for found in dissect_request(request.data)}
+    positive, negative = _positive(shape, telegram), _negative(shape, telegram)
+    pairs = (
+        ("LEN of WRREC", f"{len(request.data)} bytes"),
+        ("MLEN of RDREC", f"{telegram.response.size} bytes"),
+        ("good answer", f"{len(positive)} bytes"),
+        ("worst bad answer", f"{len(negative)} bytes"),
+    )
+    answer = _fields(telegram.response, positive, lambda _: "", response=True)
+    asked = _fields(request, request.data, lambda field: values.get(field.offset, ""), response=False)
+    return ExchangeSheet(
+        job=shape.shape,
+        block=shape.block.name,
+        number=telegram.number,
+        count=len(shape.telegrams),
+        request=Message("request", request.home, request.size, tuple(asked)),
+        answers=(
+            Message("good answer", telegram.response.home, telegram.response.size, tuple(answer)),
+            Message("worst bad answer", telegram.response.home, telegram.response.size, _errors(telegram, negative)),
+        ),
+        lengths=pairs,
+    )
+
+
+def _fields(
+    buffer: Buffer[DriveField], data: Bytes, value: Callable[[DriveField], str], *, response: bool
+) -> Iterator[MessageField]:
+    for field in buffer.fields:
+        covered = tuple(data[field.offset : field.offset + field.size])
+        if covered:
+            meaning = dict(field_texts(field, ("en",), response=response))["en"]
+            shown = value(field)[:_MAX_VALUE]
+            yield MessageField(
+                field.offset, field.name, _ROLES[field.role], _address(buffer, field), covered, shown, meaning
+            )
+
+
+def _address(buffer: Buffer[DriveField], field: DriveField) -> str:
+    if buffer.db is None:
+        return ""
+    bits = 8 * field.size if isinstance(field.type, Elementary) else 0
+    return member_address(buffer.db.number, field.offset, None, bits)
+
+
+def _positive(shape: DriveJob, telegram: DriveTelegram) -> list[int | None]:
+    """The good answer; the drive decides reference and values, and may answer in the generic type of a size."""
+    answer: list[int | None] = [None, telegram.response_id, shape.drive.drive_object, len(telegram.parts)]
+    for part in telegram.parts if not shape.writes else ():
+        answer += _block(part)
+    return answer
+
+
+def _block(part: Part) -> list[int | None]:
+    pad: list[int | None] = [0] * (padded(part.size) - part.size)
+    values: list[int | None] = [None] * part.size
+    return [part.use.format.code, part.count, *values, *pad]
+
+
+def _negative(shape: DriveJob, telegram: DriveTelegram) -> list[int | None]:
+    """Every parameter refused with two error words: 4 + 6 bytes a parameter."""
+    answer: list[int | None] = [None, telegram.request_id | _NEGATIVE, shape.drive.drive_object, len(telegram.parts)]
+    for _ in telegram.parts:
+        answer += [ERROR, 2, None, None, None, None]
+    return answer
+
+
+def _errors(telegram: DriveTelegram, data: Bytes) -> tuple[MessageField, ...]:
+    """The bad answer field by field; members have the names of the good one, so the fields are named by meaning."""
+    buffer = telegram.response
+    number = None if buffer.db is None else buffer.db.number
+    found: list[MessageField] = []
+
+    def add(size: int, role: Role, meaning: str) -> None:
+        offset = sum(len(field.data) for field in found)
+        there = (field for field in buffer.fields if (field.offset, field.size) == (offset, size))
+        member = next((field.name for field in there if field.role != "reserve"), "")
+        address = "" if number is None else member_address(number, offset, None, 8 * size)
+        found.append(MessageField(offset, member, role, address, tuple(data[offset : offset + size]), "", meaning))
+
+    for meaning in ("mirrored request reference", "bad answer", "mirrored drive object", "number of parameters"):
+        add(1, Role.HEADER, meaning)
+    for part in telegram.parts:
+        label = part.use.label
+        add(1, Role.ERROR, f"{label} 44h = error")
+        add(1, Role.ERROR, f"{label} number of error words")
+        add(2, Role.ERROR, f"{label} error number")
+        add(2, Role.ERROR, f"{label} second error word")
+    return tuple(found)
