@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from plcgen.project.target import Target
     from plcgen.proof.checks import Verification
     from plcgen.review.memory.fit import ProgramSize
+    from plcgen.signoff.model import Review
     from plcgen.trace.model import Trace
 
 MAX_SIZED = 16 * 1024 * 1024
@@ -281,6 +282,30 @@ def simulate(
     sources = tuple(Path(path) for path in own)
     settings = RunSettings(jobs, scans, scan_time, sets, watches, faults, chosen, drives, sources)
     return run(Path(spec), _folder(spec, folder), settings, progress)
+
+
+def review(
+    spec: Path | str,
+    folder: Path | str | None = None,
+    *,
+    against: str = "",
+    lock: Path | str | None = None,
+    faults: Literal["none", "quick", "full"] = "quick",
+    fault: str = "busy:times=2",
+    progress: Progress | None = None,
+) -> Review:
+    """Collect what a reviewer must see of a spec and its generated folder; see ``docs/review.md``.
+
+    ``against`` is a folder, a spec, or a git revision of the repository that the spec lies in.
+
+    Raises:
+        DiagnosticError: PG901 if there is nothing of that name, or ``fault`` makes no sense.
+    """
+    from plcgen.signoff.collect import collect
+    from plcgen.signoff.model import ReviewRequest
+
+    own = Path(lock) if lock is not None else None
+    return collect(ReviewRequest(Path(spec), _folder(spec, folder), against, faults, fault, own), progress)
 
 
 def encode(spec: Path | str, job: str | None = None) -> EncodeResult:

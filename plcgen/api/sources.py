@@ -45,16 +45,19 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
     types in the sources suggest), ``block`` picks blocks by
     name or number (``DB3``), ``expand`` shows every element of every array.
     """
+    from plcgen.input.hashes import path_hashes
     from plcgen.review.layout.planned import project_tables
 
     tables: list[BlockTable] = []
     report = Report()
     sources: list[Path] = []
+    subjects: list[str] = []
     for path in map(Path, paths):
         if path.suffix.lower() in SPEC_SUFFIXES:
             checked = problems_of(path)
             report.extend(checked.diagnostics)
             if checked.project is not None:
+                subjects.append(checked.project.name)
                 tables += project_tables(checked.project)
         else:
             sources.append(path)
@@ -63,7 +66,8 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
         tables += _source_tables(sources, report, family, block, expand=expand)
     if block and not tables and not report.has_errors:
         report.add(Diagnostic("PG806", f'there is no DB, UDT or FB "{block}" in these files', Span(str(paths[0]))))
-    return LayoutResult(tuple(tables), tuple(report))
+    names = subjects if not sources else []
+    return LayoutResult(tuple(tables), tuple(report), ", ".join(names), tuple(path_hashes(list(map(Path, paths)))))
 
 
 def _source_tables(

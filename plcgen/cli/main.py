@@ -35,6 +35,7 @@ SECTIONS: Sections = (
     (
         "Review and guard",
         (
+            ("review", "Put everything that a reviewer must see on one page."),
             ("diff", "Compare two versions of sources or specs from the outside."),
             ("lock", "Write a layout lock file, or check that nothing moved."),
             ("audit", "Audit hand-written request and response DBs against a spec."),

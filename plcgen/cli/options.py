@@ -177,15 +177,15 @@ class _FormatOption(click.Option):
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
         """Look them up."""
         if isinstance(self.type, _FormatName):
-            self.help = f"One of {', '.join(self.type.names)}.  [default: text]"
+            self.help = f"One of {', '.join(self.type.names)}.  [default: {self.default}]"
         return super().get_help_record(ctx)
 
 
-def format_option(kind: str) -> Callable[[Callback], Callback]:
+def format_option(kind: str, default: str = "text") -> Callable[[Callback], Callback]:
     """Add ``--format`` for a kind of result, and ``--json`` as its short form; the parameter is called ``format_``."""
     type_ = _FormatName(kind)
     name = click.option(
-        "-f", "--format", "format_", cls=_FormatOption, type=type_, default="text", metavar="FORMAT", help=" "
+        "-f", "--format", "format_", cls=_FormatOption, type=type_, default=default, metavar="FORMAT", help=" "
     )
     short = click.option("--json", "format_", type=type_, flag_value="json", help="The same as --format json.")
     return lambda verb: name(short(verb))

@@ -16,6 +16,7 @@ from typing import Any
 
 import jinja2
 import jinja2.ext
+import markupsafe
 
 from plcgen.display import markdown
 from plcgen.documents.document import Document
@@ -85,8 +86,23 @@ def environment(spelling: Spelling = Spelling.TIA) -> jinja2.Environment:
         extensions=[_Respelled],
     )
     made.globals["spelling"] = spelling
-    made.filters |= {"md": markdown.escape, "code": markdown.code}
+    made.filters |= {"md": markdown.escape, "code": markdown.code, "breakable": _breakable}
     return made
+
+
+_JOINTS = re.compile(r"(?<=[._\]/,:-])(?=[^._\]/,:\s-])|(?<=[a-z0-9])(?=[A-Z])")
+
+_TOO_LONG = re.compile(r"[^\s._\]/,:-]{24}(?=[^\s._\]/,:-])")
+
+
+def _breakable(text: str) -> markupsafe.Markup:
+    """A name that a page may break where its parts meet, behind ``.`` ``_`` ``]`` and before a capital.
+
+    A part that is too long for any column breaks anywhere.
+    """
+    text = _TOO_LONG.sub(lambda run: f"{run[0]}\u200b", text)
+    pieces = (piece for part in _JOINTS.split(text) for piece in part.split("\u200b"))
+    return markupsafe.Markup("<wbr>").join(pieces)
 
 
 @functools.cache

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from plcgen.proof.checks import Verification
     from plcgen.review.compare.model import Comparison
     from plcgen.review.layout.tables import LayoutResult
+    from plcgen.signoff.model import Review
     from plcgen.trace.model import Trace
 
 Result = TypeVar("Result")
@@ -43,6 +44,7 @@ class OutputFormat:
     layout: Renderer[LayoutResult] | None = None
     comparison: Renderer[Comparison] | None = None
     trace: Renderer[Trace] | None = None
+    review: Renderer[Review] | None = None
     answer: Renderer[Answer] | None = None
 
     def shows(self, kind: str) -> bool:

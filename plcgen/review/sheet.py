@@ -50,9 +50,10 @@ class WriteEntry:
 
 @dataclass(frozen=True, slots=True)
 class JobInstance:
-    """A job on one partner: how the partner is addressed, and what starts the job."""
+    """A job on one partner, ``key`` in the project: how the partner is addressed, and what starts the job."""
 
     job: str
+    key: str
     partner: str
     address: str
     trigger: str

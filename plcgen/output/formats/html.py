@@ -9,6 +9,7 @@ from plcgen.output.registry import OutputFormat
 if TYPE_CHECKING:
     from plcgen.display.view import View
     from plcgen.review.layout.tables import LayoutResult
+    from plcgen.signoff.model import Review
 
 CHUNK = 32
 """Rows of a picture that are shown at once, about a printed page; those that follow are folded."""
@@ -17,8 +18,27 @@ CHUNK = 32
 def _layout(result: LayoutResult, _view: View) -> str:
     from plcgen.documents.environment import render_text
     from plcgen.review.layout.pictures import TONES, views
+    from plcgen.signoff.page import ROLES, script_view
 
-    return render_text("html/layout.html.j2", {"blocks": views(result.blocks, CHUNK), "tones": range(TONES)})
+    view = {
+        "blocks": views(result.blocks, CHUNK),
+        "tones": range(TONES),
+        "roles": ROLES,
+        "subject": result.subject,
+        "origins": result.origins,
+        **script_view(render_text("html/page.js.j2", {})),
+    }
+    return render_text("html/layout.html.j2", view)
 
 
-FORMAT = OutputFormat(name="html", complete=False, layout=_layout)
+def _review(review: Review, _view: View) -> str:
+    from plcgen._version import __version__
+    from plcgen.documents.environment import render_text
+    from plcgen.review.layout.pictures import TONES
+    from plcgen.signoff.page import page_view
+
+    view = page_view(review, render_text("html/page.js.j2", {}))
+    return render_text("html/review.html.j2", {**view, "tones": range(TONES), "version": __version__})
+
+
+FORMAT = OutputFormat(name="html", complete=False, layout=_layout, review=_review)

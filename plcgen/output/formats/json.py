@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from plcgen.proof.checks import Verification
     from plcgen.review.compare.model import Comparison
     from plcgen.review.layout.tables import LayoutResult
+    from plcgen.signoff.model import Review
     from plcgen.trace.model import Trace
 
 
@@ -42,6 +43,12 @@ def _trace(trace: Trace, _view: View) -> str:
     return dump(trace_data(trace))
 
 
+def _review(review: Review, _view: View) -> str:
+    from plcgen.signoff.data import review_data
+
+    return dump(review_data(review))
+
+
 def _answer(answer: Answer, _view: View) -> str:
     return dump(answer.data)
 
@@ -53,5 +60,6 @@ FORMAT = OutputFormat(
     layout=_layout,
     comparison=_comparison,
     trace=_trace,
+    review=_review,
     answer=_answer,
 )

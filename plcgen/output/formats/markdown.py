@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from plcgen.display.view import View
     from plcgen.review.compare.model import Change, Comparison
     from plcgen.review.layout.tables import LayoutResult
+    from plcgen.signoff.model import Review
 
 _MARK = {"breaking": ":red_circle:", "compatible": ":yellow_circle:", "documentation": ":white_circle:"}
 _MANY = 12
@@ -92,4 +93,10 @@ def _escape(text: str) -> str:
     return safe
 
 
-FORMAT = OutputFormat(name="markdown", complete=False, layout=_layout, comparison=_comparison)
+def _review(review: Review, _view: View) -> str:
+    from plcgen.signoff.markdown import review_markdown
+
+    return review_markdown(review)
+
+
+FORMAT = OutputFormat(name="markdown", complete=False, layout=_layout, comparison=_comparison, review=_review)

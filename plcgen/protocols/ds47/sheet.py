@@ -46,7 +46,7 @@ def _instance(plan: DrivePlan, job: DriveJob) -> JobInstance:
     drive = job.drive
     number = f"{drive.id_value} (16#{drive.id_value:04X})"
     address = f"{drive.id_name or number}, object {drive.drive_object}, unit {drive.unit.key}, slot {job.slot}"
-    return JobInstance(job.shape, drive.key, address, _trigger(plan, job))
+    return JobInstance(job.shape, job.key, drive.key, address, _trigger(plan, job))
 
 
 def _write(plan: DrivePlan, shape: DriveJob, use: Use) -> WriteEntry:
@@ -159,7 +159,8 @@ def _errors(telegram: DriveTelegram, data: Bytes) -> tuple[MessageField, ...]:
         address = "" if number is None else member_address(number, offset, None, 8 * size)
         found.append(MessageField(offset, member, role, address, tuple(data[offset : offset + size]), "", meaning))
 
-    for meaning in ("mirrored request reference", "bad answer", "mirrored drive object", "number of parameters"):
+    bad = f"{data[1]:02X}h = bad answer"
+    for meaning in ("mirrored request reference", bad, "mirrored drive object", "number of parameters"):
         add(1, Role.HEADER, meaning)
     for part in telegram.parts:
         label = part.use.label

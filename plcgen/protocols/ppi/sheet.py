@@ -51,7 +51,7 @@ def _trigger(plan: PpiPlan, job: PpiJob) -> str:
 
 def _instance(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> JobInstance:
     address = f"station {job.station.address}, {master.module} port {master.port}, {master.baud} baud"
-    return JobInstance(_key(master, job), job.station.key, address, _trigger(plan, job))
+    return JobInstance(_key(master, job), job.key, job.station.key, address, _trigger(plan, job))
 
 
 def _writes(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Iterator[WriteEntry]:

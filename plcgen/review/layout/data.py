@@ -31,12 +31,12 @@ def _block(block: BlockTable) -> dict[str, Any]:
         "file": block.file,
         "line": block.line,
         "data": None if block.data is None else block.data.hex().upper(),
-        "members": [_member(row, path) for row, path in zip(block.rows, _paths(block.rows), strict=True)],
+        "members": [_member(row, path) for row, path in zip(block.rows, member_paths(block.rows), strict=True)],
         "unconfirmed_rules": {rule.key: rule.text for rule in block.rules},
     }
 
 
-def _paths(rows: Sequence[LayoutRow]) -> Iterator[str]:
+def member_paths(rows: Sequence[LayoutRow]) -> Iterator[str]:
     """``drive[1].speed`` for every member and element, empty for gaps and folds."""
     above: list[str] = []
     for row in rows:
@@ -61,6 +61,7 @@ def _member(row: LayoutRow, path: str) -> dict[str, Any]:
         "start": row.start,
         "depth": row.depth,
         "comment": row.comment,
+        "role": row.role,
         "kind": row.kind,
         "unconfirmed": list(row.rules),
     }

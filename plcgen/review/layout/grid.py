@@ -29,7 +29,7 @@ _FOLD = 6
 class CellRun:
     """Bits ``start`` to ``start + bits`` that hold one value, or nothing (``name`` is empty).
 
-    ``tone`` counts the members of the block: cells of one top-level member share a colour.
+    ``tone`` counts the members of the block: cells of one top-level member share a colour, unless ``role`` gives one.
     """
 
     start: int
@@ -39,6 +39,7 @@ class CellRun:
     tone: int
     value: str = ""
     comment: str = ""
+    role: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +143,7 @@ def _runs(block: BlockTable) -> Iterator[CellRun]:
         return
     for tone, row in enumerate(row for row in block.rows if row.kind == MEMBER and row.byte is not None):
         start = 8 * (row.byte or 0) + (row.bit or 0)
-        yield CellRun(start, row.bits, row.name, row.type, tone, row.start, row.comment)
+        yield CellRun(start, row.bits, row.name, row.type, tone, row.start, row.comment, row.role)
 
 
 def _leaves(

@@ -116,10 +116,15 @@ class BlockTable:
 
 @dataclass(frozen=True, slots=True)
 class LayoutResult:
-    """Memory layouts: of a spec's telegram buffers, or of the blocks in source files."""
+    """Memory layouts: of a spec's telegram buffers, or of the blocks in source files.
+
+    ``subject`` names the project, or the only path; ``origins`` are the paths with the hash of their texts.
+    """
 
     blocks: tuple[BlockTable, ...]
     diagnostics: tuple[Diagnostic, ...]
+    subject: str = ""
+    origins: tuple[tuple[str, str], ...] = ()
 
     @property
     def ok(self) -> bool:

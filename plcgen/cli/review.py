@@ -1,0 +1,76 @@
+"""``plcgen review``: one page with everything that a reviewer must see."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import click
+
+from plcgen.cli.options import PATH, console, folder_option, format_option, output_option, verb
+from plcgen.cli.output import OK, PROBLEMS, USAGE
+
+if TYPE_CHECKING:
+    from plcgen.output.registry import OutputFormat
+
+
+@verb(
+    "review",
+    "plcgen review job.yaml -o review.html",
+    "plcgen review job.yaml --against origin/main -o review.html",
+    "plcgen review job.yaml --against ../released --format markdown -o review.md",
+)
+@click.argument("spec", type=PATH)
+@folder_option("Generated folder")
+@click.option(
+    "--against", default="", metavar="REV|FOLDER", help="Compare with a git revision, a folder or another spec."
+)
+@click.option(
+    "--lock", type=PATH, metavar="FILE", help="Layout lock.  [default: plcgen.lock.yaml beside the spec, if there]"
+)
+@click.option(
+    "--faults",
+    type=click.Choice(["none", "quick", "full"]),
+    default="quick",
+    show_default=True,
+    help="How many faults the generated SCL runs through.",
+)
+@click.option(
+    "--fault",
+    default="busy:times=2",
+    show_default=True,
+    metavar="KIND[:KEY=VALUE,...]",
+    help="What goes wrong in the second recorded run of every job.",
+)
+@format_option("review", default="html")
+@output_option
+def command(
+    *,
+    spec: Path,
+    folder: Path | None,
+    against: str,
+    lock: Path | None,
+    faults: Literal["none", "quick", "full"],
+    fault: str,
+    format_: OutputFormat,
+    output: Path | None,
+) -> int:
+    """Verify what was generated and put all that a reviewer must see on one page.
+
+    Verdict, changes, write list, telegrams byte by byte, layouts, recorded runs, fault matrix, sign-off. Exit code 1
+    if a check fails, the lock differs, or something cannot be read; changes against another version fail nothing.
+    """
+    from plcgen import api
+    from plcgen.diagnostics import DiagnosticError
+
+    out = console()
+    try:
+        with out.progress() as progress:
+            result = api.review(spec, folder, against=against, lock=lock, faults=faults, fault=fault, progress=progress)
+    except DiagnosticError as problem:
+        out.complain(problem.diagnostics)
+        return USAGE
+    out.show(format_, "review", result, output)
+    if not format_.complete and not result.ok:
+        out.complain([problem for problem in result.problems if problem.severity.label == "error"])
+    return OK if result.ok else PROBLEMS

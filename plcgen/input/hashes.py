@@ -1,0 +1,42 @@
+"""Hashes of texts that do not depend on line ends: git on Windows may have turned LF into CRLF."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from plcgen.input.files import read_bounded
+
+_MAX_BYTES = 64 * 1024 * 1024
+_MAX_FILES = 5000
+_SHOWN = 12
+
+
+def text_digest(data: bytes) -> str:
+    """SHA-256 of a text as if its lines ended in LF, as lower-case hexadecimal digits."""
+    return hashlib.sha256(data.replace(b"\r\n", b"\n")).hexdigest()
+
+
+def path_hashes(paths: Sequence[Path]) -> Iterator[tuple[str, str]]:
+    """Each path with its hash; a folder has that over the sorted list of its files, a file that is large has none."""
+    for path in paths[:_SHOWN]:
+        digest = _folder_digest(path) if path.is_dir() else _file_digest(path)
+        if digest:
+            yield path.as_posix(), digest
+
+
+def _file_digest(path: Path) -> str:
+    try:
+        data = read_bounded(path, _MAX_BYTES)
+    except OSError:
+        return ""
+    return "" if len(data) > _MAX_BYTES else text_digest(data)
+
+
+def _folder_digest(folder: Path) -> str:
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    if len(files) > _MAX_FILES:
+        return ""
+    lines = [f"{_file_digest(path)}  {path.relative_to(folder).as_posix()}\n" for path in files]
+    return hashlib.sha256("".join(lines).encode("utf-8", "replace")).hexdigest()

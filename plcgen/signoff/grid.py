@@ -1,0 +1,51 @@
+"""What was tried with which job, as a grid: one row a job, one column a kind of check."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from plcgen.display.cells import clean
+from plcgen.proof.checks import Check, Outcome, Verification
+
+_COLUMNS = {
+    "telegram": "telegram", "drive": "answer", "answer": "answer", "negative": "bad answers", "run": "run",
+    "faults": "faults", "coverage": "coverage",
+}  # fmt: skip
+"""Kinds of checks that belong to one job, by the beginning of their id."""
+
+
+@dataclass(frozen=True, slots=True)
+class FaultGrid:
+    """``rows`` are jobs with a cell for each of the ``columns`` (None: there is no such check); ``rest`` all others."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, tuple[tuple[str, str] | None, ...]], ...]
+    rest: tuple[tuple[str, str, str, str], ...]
+
+
+def matrix(verification: Verification) -> FaultGrid:
+    """Arrange the checks; a cell is its outcome and its figures."""
+    cells: dict[str, dict[str, Check]] = {}
+    rest: list[Check] = []
+    for group in verification.groups:
+        for check in group.checks:
+            column = _COLUMNS.get(check.id.partition(".")[0], "")
+            if column:
+                cells.setdefault(check.subject.split(" ")[-1], {})[column] = check
+            else:
+                rest.append(check)
+    columns = tuple(name for name in dict.fromkeys(_COLUMNS.values()) if any(name in row for row in cells.values()))
+    rows = tuple((clean(job), tuple(_cell(row.get(name)) for name in columns)) for job, row in cells.items())
+    return FaultGrid(columns, rows, tuple(_line(check) for check in rest))
+
+
+def _cell(check: Check | None) -> tuple[str, str] | None:
+    if check is None:
+        return None
+    text = check.text or check.verdict
+    return check.outcome.value, clean(check.verdict if check.outcome is Outcome.ERROR else text)
+
+
+def _line(check: Check) -> tuple[str, str, str, str]:
+    verdict = "" if check.verdict == check.outcome.value else check.verdict
+    return clean(check.subject), clean(check.text), check.outcome.value, clean(verdict)

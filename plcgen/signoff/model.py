@@ -1,0 +1,129 @@
+"""What stands on a review page, before any format."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.proof.checks import Check, Outcome, Verification
+from plcgen.review.compare.model import Comparison
+from plcgen.review.layout.tables import BlockTable
+from plcgen.review.sheet import ReviewSheet
+from plcgen.trace.model import Trace
+
+
+@dataclass(frozen=True, slots=True)
+class ReviewRequest:
+    """What is reviewed, and how: ``against`` is a folder, a spec or a git revision, empty for none.
+
+    ``faults`` is how much of the fault matrix runs, ``fault`` what goes wrong in the second run of every job;
+    ``lock`` a layout lock (None: the one beside the spec, if there is one).
+    """
+
+    spec: Path
+    folder: Path
+    against: str = ""
+    faults: str = "quick"
+    fault: str = "busy:times=2"
+    lock: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ReviewedFile:
+    """A file of the manifest: path in the folder, SHA-256, bytes, why nobody has seen it imported ("" if seen)."""
+
+    path: str
+    sha256: str
+    bytes: int
+    experimental: str
+
+
+@dataclass(frozen=True, slots=True)
+class LayoutPair:
+    """A block before and after; None where it does not exist, or where there is nothing to compare with."""
+
+    before: BlockTable | None
+    after: BlockTable | None
+
+    @property
+    def changed(self) -> bool:
+        """Whether both exist and are not alike."""
+        return self.before is not None and self.after is not None and self.before != self.after
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedRun:
+    """A recorded run of one job, without a fault or with one."""
+
+    job: str
+    fault: str
+    trace: Trace
+
+
+@dataclass(frozen=True, slots=True)
+class SourceLine:
+    """A line of a generated source; ``member`` is the offset in its telegram, None if it declares none."""
+
+    number: int
+    text: str
+    member: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Excerpt:
+    """The lines that declare or use the members of a buffer; ``block`` is the buffer, ``file`` where they stand."""
+
+    block: str
+    file: str
+    lines: tuple[SourceLine, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Review:
+    """Everything of a page.
+
+    ``base`` names what was compared with, empty if nothing was; ``changes`` are comparisons, each with a title;
+    ``lock`` is the comparison of the lock with the sources; ``missing`` are sentences about what is not there.
+    """
+
+    spec: str
+    folder: str
+    project: str
+    target: str
+    spec_hash: str
+    files_hash: str
+    files: tuple[ReviewedFile, ...]
+    verification: Verification
+    sheet: ReviewSheet
+    base: str
+    changes: tuple[tuple[str, Comparison], ...]
+    lock: Comparison | None
+    layouts: tuple[LayoutPair, ...]
+    runs: tuple[RecordedRun, ...]
+    excerpts: tuple[Excerpt, ...]
+    missing: tuple[str, ...]
+
+    @property
+    def problems(self) -> tuple[Diagnostic, ...]:
+        """Every diagnostic once, the errors first: of the verification, the comparisons, the lock and the runs."""
+        found = [check.diagnostic for check in self.verification.checks() if check.diagnostic is not None]
+        found += self.verification.diagnostics
+        for comparison in (*(comparison for _, comparison in self.changes), self.lock):
+            found += comparison.diagnostics if comparison is not None else ()
+        return tuple(sorted(dict.fromkeys(found), key=lambda d: -d.severity))
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing is wrong: no check failed, no diagnostic is an error, the lock is as the sources are."""
+        errors = any(d.severity is Severity.ERROR for d in self.problems)
+        return self.verification.ok and not errors and not (self.lock is not None and self.lock.changes)
+
+    @property
+    def not_run(self) -> tuple[Check, ...]:
+        """Checks that exist and were not executed."""
+        return tuple(check for check in self.verification.checks() if check.outcome is Outcome.NOT_RUN)
+
+    def count(self, outcome: Outcome) -> int:
+        """How many checks had this outcome."""
+        return sum(check.outcome is outcome for check in self.verification.checks())
