@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test fast coverage lint bench engine mutate deletions examples example-diff docs lock clean
+.PHONY: demo test fast coverage lint bench engine mutate deletions examples example-diff docs pictures lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -62,6 +62,10 @@ example-diff: $(READY)
 
 docs: $(READY)
 	$(BIN)/python -m plcgen.diagnostics.pages docs/codes
+
+# Screenshots of review pages for the documentation; needs Chromium.
+pictures: $(READY)
+	PYTHONPATH=tests $(BIN)/python tests/docs/make_pictures.py
 
 lock:
 	$(BIN)/pip install --quiet pip-tools

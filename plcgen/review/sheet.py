@@ -30,6 +30,7 @@ class WriteEntry:
     job. ``value`` is a constant, or what an input holds while nothing is connected (``input`` says which); ``limits``
     and ``unit`` are the catalogue's. ``trigger`` says who starts it, ``memory`` where the value ends up. ``danger`` why
     it needs a sign-off, ``signed`` the reason that the spec gives, ``safety`` that it belongs to a safety function.
+    ``doubts`` are facts about it that were not read in a manual.
     """
 
     job: str
@@ -46,6 +47,7 @@ class WriteEntry:
     danger: str = ""
     signed: str = ""
     safety: bool = False
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,7 +32,7 @@ Progress = Callable[[str, int, int], None]
 
 MAX_RUNS = 12
 """Jobs whose runs are recorded; instances of one job count once."""
-_LEDGER = "a ledger of assumptions: this version keeps none; experimental files and footnotes of layouts are marked"
+_LEDGER = "a ledger of assumptions: parameters not read in a manual, experimental files and offsets are marked where they stand"
 
 
 def collect(request: ReviewRequest, progress: Progress | None = None) -> Review:
@@ -192,17 +192,19 @@ def _runs(
     if len(first) > MAX_RUNS:
         missing.append(f"recorded runs of {len(first) - MAX_RUNS} more jobs: the first {MAX_RUNS} are recorded")
     runs: list[RecordedRun] = []
-    cases = [(job, key, fault) for job, key in list(first.items())[:MAX_RUNS] for fault in ("", request.fault)]
-    for number, (job, key, fault) in enumerate(cases):
+    chosen = list(first.items())[:MAX_RUNS]
+    for number, (job, key) in enumerate(chosen):
         if progress is not None:
-            progress(f"record {job}", number, len(cases))
-        settings = RunSettings(jobs=(key,), faults=(fault,) if fault else ())
-        trace = simulate(request.spec, request.folder, settings)
-        usage = [d for d in trace.diagnostics if d.code == "PG901"]
-        if usage and fault:
-            raise DiagnosticError(usage)
-        if not trace.scans:
-            missing.append(f"a recorded run of {job}: {'; '.join(d.message for d in trace.diagnostics[:1])}")
+            progress(f"record {job}", number, len(chosen))
+        plain = simulate(request.spec, request.folder, RunSettings(jobs=(key,)))
+        if not plain.scans:
+            missing.append(f"a recorded run of {job}: {'; '.join(d.message for d in plain.diagnostics[:1])}")
             continue
-        runs.append(RecordedRun(job, fault, trace))
+        runs.append(RecordedRun(job, "", plain))
+        if request.fault:
+            faulty = simulate(request.spec, request.folder, RunSettings(jobs=(key,), faults=(request.fault,)))
+            usage = [d for d in faulty.diagnostics if d.code == "PG901"]
+            if usage:
+                raise DiagnosticError(usage)
+            runs.append(RecordedRun(job, request.fault, faulty))
     return tuple(runs)

@@ -33,6 +33,7 @@ def review_data(review: Review) -> dict[str, Any]:
                 "job": w.job, "block": w.block, "partners": list(w.partners), "parameter": w.parameter, "text": w.text,
                 "value": w.value, "input": w.input, "limits": w.limits, "unit": w.unit, "trigger": w.trigger,
                 "memory": w.memory, "danger": w.danger, "signed": w.signed, "safety": w.safety,
+                "doubts": list(w.doubts),
             }
             for w in review.sheet.writes
         ],

@@ -135,7 +135,8 @@ def _writes(review: Review) -> _Part:
         on = ", ".join(partners) if len(partners) <= 3 else f"{len(partners)}: {partners[0]} .. {partners[-1]}"
         danger = f"; DANGER: {row['danger']}; signed off: {row['signed'] or 'no'}" if row["danger"] else ""
         limits = f"{row['limits']} {row['unit']}".strip()
-        what = f"{row['parameter']} {row['text']}{danger}"
+        doubts = "".join(f"; {doubt}" for doubt in row["doubts"])
+        what = f"{row['parameter']} {row['text']}{danger}{doubts}"
         rows.append((row["job"], on, what, row["value"], limits, row["trigger"], row["memory"]))
     header = ("job", "on", "parameter", "value", "limits, unit", "who triggers", "ends up in")
     table = markdown_table(header, rows) if rows else []

@@ -118,7 +118,7 @@ def write_rows(review: Review) -> Iterator[dict[str, Any]]:
             "parameter": clean(entry.parameter), "text": clean(entry.text), "value": written(entry),
             "limits": clean(entry.limits), "unit": clean(entry.unit), "trigger": clean(entry.trigger),
             "memory": clean(entry.memory), "danger": clean(entry.danger), "signed": clean(entry.signed),
-            "safety": entry.safety,
+            "safety": entry.safety, "doubts": [clean(doubt) for doubt in entry.doubts],
         }  # fmt: skip
 
 

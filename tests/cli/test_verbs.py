@@ -176,15 +176,15 @@ def test_layout_of_a_spec(plcgen, good):
     assert (result.code, result.err) == (0, "")
     assert result.out.startswith(
         'DB3 "ReadIt_Request"  10 bytes, request of read_it, LEN 10\n'
-        "  offset  address   name            type  size  start value\n"
-        "     0.0  DB3.DBB0  Request_Ref     BYTE   1 B  16#03\n"
-        "     1.0  DB3.DBB1  Request_ID      BYTE   1 B  16#01\n"
-        "     2.0  DB3.DBB2  Axis            BYTE   1 B  16#02\n"
-        "     3.0  DB3.DBB3  Num_of_Para     BYTE   1 B  16#01\n"
-        "     4.0  DB3.DBB4  Para_Attribute  BYTE   1 B  16#10\n"
-        "     5.0  DB3.DBB5  Num_of_Element  BYTE   1 B  16#01\n"
-        "     6.0  DB3.DBW6  Para_No         WORD   2 B  16#C47F\n"
-        "     8.0  DB3.DBW8  Subindex        WORD   2 B  16#0000\n"
+        "  offset  address   name            type  size  start value  comment\n"
+        "     0.0  DB3.DBB0  Request_Ref     BYTE   1 B  16#03        request reference 1..255\n"
+        "     1.0  DB3.DBB1  Request_ID      BYTE   1 B  16#01        01h = read, 02h = write\n"
+        "     2.0  DB3.DBB2  Axis            BYTE   1 B  16#02        drive object (axis)\n"
+        "     3.0  DB3.DBB3  Num_of_Para     BYTE   1 B  16#01        number of parameters\n"
+        "     4.0  DB3.DBB4  Para_Attribute  BYTE   1 B  16#10        P50303 10h = value\n"
+        "     5.0  DB3.DBB5  Num_of_Element  BYTE   1 B  16#01        P50303 number of elements\n"
+        "     6.0  DB3.DBW6  Para_No         WORD   2 B  16#C47F      P50303 parameter number\n"
+        "     8.0  DB3.DBW8  Subindex        WORD   2 B  16#0000      P50303 subindex\n"
         "\n"
         "  byte  +0                              +1\n"
         "       +-------------------------------+-------------------------------+\n"
@@ -201,9 +201,12 @@ def test_layout_of_a_spec(plcgen, good):
 
 def test_layout_formats(plcgen, good):
     """Markdown, CSV and JSON of the same table."""
-    assert "| 6.0 | DB3.DBW6 | Para_No | WORD | 2 B | 16#C47F |" in plcgen("layout", good, "-f", "markdown").out
     assert (
-        '"DB3 ""ReadIt_Request""";6;;DB3.DBW6;0;Para_No;WORD;16;16#C47F;;member;\n'
+        "| 6.0 | DB3.DBW6 | Para_No | WORD | 2 B | 16#C47F | P50303 parameter number |"
+        in plcgen("layout", good, "-f", "markdown").out
+    )
+    assert (
+        '"DB3 ""ReadIt_Request""";6;;DB3.DBW6;0;Para_No;WORD;16;16#C47F;P50303 parameter number;member;\n'
         in plcgen("layout", good, "-f", "csv").out
     )
     data = json.loads(plcgen("layout", good, "--json").out)
@@ -218,7 +221,8 @@ def test_layout_formats(plcgen, good):
         "type": "WORD",
         "start": "16#C47F",
         "depth": 0,
-        "comment": "",
+        "comment": "P50303 parameter number",
+        "role": "address",
         "kind": "member",
         "unconfirmed": [],
     }

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterator, Sequence
 
 from plcgen.project.nouns import Buffer
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.plan.values import value_text
+from plcgen.protocols.ds47.device import Parameter
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
+from plcgen.protocols.ds47.plan.values import value_text
 from plcgen.protocols.ds47.views.texts import field_texts
 from plcgen.protocols.ds47.wire.dissect import dissect_request
 from plcgen.protocols.ds47.wire.formats import ERROR, padded
@@ -69,7 +70,22 @@ def _write(plan: DrivePlan, shape: DriveJob, use: Use) -> WriteEntry:
         danger=danger,
         signed=(plan.sign_off(shape, parameter.pnu) or "") if danger else "",
         safety=parameter.pnu in guards.SAFETY,
+        doubts=tuple(_doubts(parameter)),
     )
+
+
+def _doubts(parameter: Parameter) -> Iterator[str]:
+    """Type and limits that were concluded or remembered, with what the catalogue says of them."""
+    grade = parameter.grades.get("type", "read")
+    if grade != "read":
+        yield f"type {parameter.type}: {grade}, not read in a manual"
+    least, most = parameter.doubted.get("min"), parameter.doubted.get("max")
+    if least is not None or most is not None:
+        grades = sorted(
+            {parameter.grades.get(fact, "recalled") for fact in ("min", "max") if fact in parameter.doubted}
+        )
+        said = _limits(least, most)
+        yield f"limits {said}: {' and '.join(grades)}, not read in a manual, not enforced"
 
 
 def _limits(least: float | None, most: float | None) -> str:

@@ -116,6 +116,7 @@ def _view(block: BlockTable, key: str, chunk: int) -> dict[str, Any]:
         "optimized": block.size is None,
         "pictures": list(_pictures(block, picture, chunk, anchors if chunk else {})),
         "end": f"{missing} more bytes are not drawn" if missing > 0 else "",
+        "has_addresses": any(row.address for row in block.rows),
         "has_rules": bool(block.rules),
         "has_starts": any(row.start for row in block.rows),
         "has_comments": any(row.comment for row in block.rows),

@@ -1,0 +1,47 @@
+"""Makes the screenshots in docs/pictures: the review pages of the FAQ's example and of a plant with 20 drives."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+from chromium import NAMES, picture
+from projects import ROOT
+
+from plcgen import api
+from plcgen.display.view import PLAIN
+from plcgen.output.registry import find
+
+PICTURES = {
+    "review_faq.png": ("s7-300_6ra80_dp_tia", 1400, 3000),
+    "review_plant.png": ("s7-300_plant_v5", 1400, 3000),
+    "review_phone.png": ("s7-300_6ra80_dp_tia", 480, 2000),
+}
+"""File: spec, width and height in pixels; a longer page is cut."""
+
+
+def main() -> int:
+    """Write them; 1 if there is no browser."""
+    if not any(map(shutil.which, NAMES)):
+        sys.stderr.write(f"no pictures: {', '.join(NAMES)} are not installed\n")
+        return 1
+    format_ = find("html")
+    assert format_ is not None
+    with tempfile.TemporaryDirectory() as name:
+        room = Path(name)
+        for target, (spec, width, height) in PICTURES.items():
+            page = room / f"{spec}.html"
+            if not page.exists():
+                folder = room / f"{spec}_generated"
+                source = shutil.copy(ROOT / "specs" / f"{spec}.yaml", room)
+                assert api.generate(source, folder).ok
+                text = format_.render("review", api.review(source, folder), PLAIN)
+                page.write_text(text.replace(f"{room.as_posix()}/", ""), "utf-8")
+            picture(page, room, ROOT / "docs" / "pictures" / target, width, height)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

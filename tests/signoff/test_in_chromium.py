@@ -1,0 +1,92 @@
+"""Pages in a real browser: nothing stands outside, is clipped or leaves its cell; print loses nothing; script works."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from chromium import MEASURE, evaluate, printed
+from projects import ROOT
+from signoff.reviews import faq_review, hostile_review, show
+
+from plcgen import api
+from plcgen.display.view import PLAIN
+from plcgen.output.registry import find
+
+WIDTHS = (1400, 800, 480)
+
+
+@pytest.fixture(params=["faq", "hostile", "layout"])
+def page(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """A page on disk."""
+    target = tmp_path / "page.html"
+    if request.param == "layout":
+        found = api.layout(ROOT / "docs" / "pictures" / "conveyor.awl")
+        format_ = find("html")
+        assert format_ is not None
+        text = format_.render("layout", found, PLAIN)
+    else:
+        text = show("html", faq_review() if request.param == "faq" else hostile_review(tmp_path))
+    target.write_text(text, "utf-8")
+    return target
+
+
+@pytest.mark.slow
+def test_nothing_is_outside_or_clipped(page: Path, tmp_path: Path) -> None:
+    """At three widths, with every fold open."""
+    opened = f"(document.querySelectorAll('details').forEach((one) => one.open = true), {MEASURE.strip().rstrip(';')})"
+    assert {width: evaluate(page, tmp_path, opened, width) for width in WIDTHS} == {width: [] for width in WIDTHS}
+
+
+@pytest.mark.slow
+def test_print_loses_nothing(tmp_path: Path) -> None:
+    """Folded parts too: every hash of a file, every line of the sources, every member of the layouts."""
+    review = faq_review()
+    page = tmp_path / "page.html"
+    page.write_text(show("html", review), "utf-8")
+    text = re.sub(r"\s+", "", printed(page, tmp_path))
+    wanted = [file.sha256 for file in review.files]
+    wanted += [row.name for pair in review.layouts if pair.after for row in pair.after.rows]
+    wanted += ["Thelinesofthesources".lower(), "RFGramp-downtime1", "Reviewedby", "STATUSDE80B500"]
+    assert [item for item in wanted if item not in text and item.lower() not in text.lower()] == []
+
+
+@pytest.mark.slow
+def test_print_loses_nothing_of_long_names(tmp_path: Path) -> None:
+    """The last columns of the write list are on the paper although the names before them are long."""
+    page = tmp_path / "page.html"
+    page.write_text(show("html", hostile_review(tmp_path)), "utf-8")
+    text = re.sub(r"\s+", "", printed(page, tmp_path))
+    assert text.count("endsupin") == 1
+    assert "</td>" in text
+    assert text.count("power-off") == 2
+
+
+@pytest.mark.slow
+def test_the_script_filters_and_exports(tmp_path: Path) -> None:
+    """The field hides rows without the text; the button writes boxes and comments as Markdown."""
+    page = tmp_path / "page.html"
+    page.write_text(show("html", faq_review()), "utf-8")
+    script = """
+    (() => {
+      const search = document.querySelector(".search");
+      search.value = "Subindex";
+      search.dispatchEvent(new Event("input"));
+      const rows = [...document.querySelectorAll("tbody tr:not(.hidden)")].map((row) => row.textContent.toLowerCase());
+      search.value = "";
+      search.dispatchEvent(new Event("input"));
+      document.querySelector("input.box").checked = true;
+      document.querySelector("#reviewer").textContent = "A. Reviewer";
+      document.querySelector("#c-writes").textContent = "agreed";
+      document.querySelector("#export").click();
+      const only = rows.length > 0 && rows.every((row) => row.includes("subindex"));
+      return [only, document.querySelectorAll(".hidden").length, document.querySelector("#exported").textContent];
+    })()
+    """
+    only, hidden, text = evaluate(page, tmp_path, script)
+    assert only
+    assert hidden == 0
+    assert "Reviewed by: A. Reviewer" in text
+    assert "- [x] write_ramp_down: P50304 RFG ramp-down time 1 = 100.0 s" in text
+    assert "## Write list\n\nagreed" in text
