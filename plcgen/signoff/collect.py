@@ -32,7 +32,10 @@ Progress = Callable[[str, int, int], None]
 
 MAX_RUNS = 12
 """Jobs whose runs are recorded; instances of one job count once."""
-_LEDGER = "a ledger of assumptions: parameters not read in a manual, experimental files and offsets are marked where they stand"
+_LEDGER = (
+    "a ledger of assumptions: what was not read in a manual, never imported or seen in no compiled block "
+    "is marked where it stands"
+)
 
 
 def collect(request: ReviewRequest, progress: Progress | None = None) -> Review:

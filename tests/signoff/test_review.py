@@ -19,11 +19,13 @@ from plcgen.signoff.markdown import LIMIT
 
 
 def test_the_write_list_says_what_the_spec_says():
-    """P50304 := 100.0 s, limits 0 to 650, started by M150.0: the spec of the FAQ and its catalogue entry."""
+    """P50304 := 100.0 s, started by M150.0: the spec of the FAQ. Type and limits of the catalogue were not read."""
     (entry,) = faq_review().sheet.writes
     assert (entry.job, entry.partners, entry.parameter) == ("write_ramp_down", ("dcm",), "P50304")
-    assert (entry.value, entry.input, entry.limits, entry.unit) == ("100.0", False, "0 .. 650", "s")
+    assert (entry.value, entry.input, entry.limits, entry.unit) == ("100.0", False, "", "s")
     assert (entry.trigger, entry.danger) == ("M150.0", "")
+    assert [doubt.split(":")[0] for doubt in entry.doubts] == ["type FloatingPoint", "limits 0 .. 650"]
+    assert "not read in a manual" in show("html", faq_review())
 
 
 def test_a_request_is_the_telegram_of_the_faq_byte_by_byte():

@@ -81,11 +81,8 @@ def _doubts(parameter: Parameter) -> Iterator[str]:
         yield f"type {parameter.type}: {grade}, not read in a manual"
     least, most = parameter.doubted.get("min"), parameter.doubted.get("max")
     if least is not None or most is not None:
-        grades = sorted(
-            {parameter.grades.get(fact, "recalled") for fact in ("min", "max") if fact in parameter.doubted}
-        )
-        said = _limits(least, most)
-        yield f"limits {said}: {' and '.join(grades)}, not read in a manual, not enforced"
+        grades = sorted({g for fact, g in parameter.grades.items() if fact in {"min", "max"} and g != "read"})
+        yield f"limits {_limits(least, most)}: {' and '.join(grades)}, not read in a manual, not enforced"
 
 
 def _limits(least: float | None, most: float | None) -> str:
