@@ -7,8 +7,8 @@ from pathlib import Path
 import plcgen
 
 TARGETS = {"t15": ("s7-1500", "tia-v19"), "t3": ("s7-300", "tia-v19"), "v5": ("s7-300", "step7-v5")}
-SIZES = {"S": (1, 1), "M": (1, 9), "L": (33, 1), "XL": (1, 17)}
-"""Drives and jobs of each: more than 8 jobs of a unit need M, more than 32 units L, more than 16 jobs of a unit XL."""
+SIZES = {"S": (1, 1), "M": (1, 8), "L": (33, 1), "XL": (1, 17)}
+"""Drives and jobs of each: more than 4 jobs of a unit need M, more than 32 units L, more than 16 jobs of a unit XL."""
 
 
 def spec(target: str, size: str) -> str:

@@ -112,7 +112,7 @@ jobs:
 DAMAGE = {
     "slot of the other job": ("DriveCalls", "#getOne(", "slot := 2", "slot := 1", "slot of get.one is 1 instead of 2"),
     "wrong unit": ("DriveCalls", "#getTwo(", '"TwoUnit".unit', '"OneUnit".unit', "get.two|set.one|get.one"),
-    "wrong channel": ("DriveCalls", "#channelTwo(", "gateNumber := 2", "gateNumber := 1", "gateNumber of two is 1"),
+    "wrong channel": ("DriveCalls", "#channelTwo(", "channels[2]", "channels[1]", "no channel has place 2 of the gate"),
     "too few slots": ("DriveCalls", "#channelTwo(", "slots := 2", "slots := 1", "slots of two is 1 instead of 2"),
     "wrong record": (
         "DriveCalls",

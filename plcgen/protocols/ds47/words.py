@@ -74,8 +74,8 @@ class Variant(NamedTuple):
 
 
 VARIANTS = (
-    Variant("S", 64, 8, 8, 32),
-    Variant("M", 128, 20, 16, 32),
+    Variant("S", 40, 4, 4, 32),
+    Variant("M", 96, 15, 8, 32),
     Variant("L", 240, 39, 16, 128),
     Variant("XL", 240, 39, 64, 512),
 )

@@ -81,8 +81,8 @@ def _caller(plan: DrivePlan, job: DriveJob, name: str, jobs: dict[str, tuple[int
     for unit in units:
         db = f', unitDb := "{UNITS[unit]}"' if plan.target.classic else ""
         calls.append(
-            f"#channel{unit}(slots := {SLOTS}, gateNumber := {unit + 1}, recordIndex := {index}{db}, "
-            f'unit := "{UNITS[unit]}".unit, gate := "{GATE_DB}".gate);'
+            f"#channel{unit}(slots := {SLOTS}, recordIndex := {index}{db}, "
+            f'unit := "{UNITS[unit]}".unit, place := "{GATE_DB}".gate.channels[{unit + 1}]);'
         )
     for key, (unit, _, (request, response)) in jobs.items():
         own = f'requestDb := "{request}", responseDb := "{response}", ' if job.pinned else ""

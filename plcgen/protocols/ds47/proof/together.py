@@ -104,7 +104,7 @@ def _arguments(plant: Plant) -> None:
     slots: dict[str, set[int]] = {}
     for unit in plan.units:
         index = unit.record_index
-        wanted = {"slots": plan.slots(unit), "gateNumber": unit.number, "waitLimit": unit.wait, "recordIndex": index}
+        wanted = {"slots": plan.slots(unit), "waitLimit": unit.wait, "recordIndex": index}
         if plan.target.classic:
             wanted["recordIndex"] = (index & 0x7FFF) - (index & 0x8000)
             wanted["unitDb"] = plant.cpu.db(unit.db.name).number
@@ -153,6 +153,12 @@ def _gate(plant: Plant) -> None:
         raise ScenarioError(
             f"the gate has {channels} channels and {places} places, not {len(plant.plan.units)}, {most}"
         )
+    data = plant.plan.engine.gate_db
+    beats = [f"gate.channels[{number}].beat" for number in range(1, channels + 1)]
+    alive = Members(plant.cpu, plant.program, data.name, beats)
+    for number, beat in enumerate(beats, 1):
+        if not alive.get(beat):
+            raise ScenarioError(f"no channel has place {number} of the gate")
 
 
 def _access(plan: DrivePlan, program: Program) -> None:

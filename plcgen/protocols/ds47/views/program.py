@@ -76,22 +76,21 @@ def title(plan: DrivePlan, job: DriveJob) -> str:
 
 def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     where = plan.target
-    parts = [part for telegram in job.telegrams for part in telegram.parts]
     comments = [job.comment[lang] for lang in plan.languages if job.comment.get(lang)]
     return {
         "block": job.block,
         "write": job.writes,
         "pinned": job.pinned,
         "many": len(job.telegrams) > 1,
-        "aligned": len(parts) == len(job.uses),
         "title": label,
         "comment_lines": [one_line(text) for text in comments[1:] if encodable(text, where)],
         "labels": [_label(job, use) for use in job.uses],
         "order": _order(plan, job),
         "use_count": len(job.uses),
+        "in_a_row": len(job.uses) > _UNROLLED,
         "inputs": [_interface(plan, use, start=True) for use in job.inputs],
         "outputs": [_interface(plan, use, start=False) for use in job.outputs],
-        "telegrams": [_telegram(plan, job, telegram) for telegram in job.telegrams],
+        "telegrams": [_telegram(plan, job, telegram, aligned=_aligned(job)) for telegram in job.telegrams],
         "input_copies": _copies(plan, job, response=False) if job.writes and not job.pinned else [],
         "own_writes": _own_writes(plan, job) if job.pinned else [],
         "output_copies": [] if job.writes else _copies(plan, job, response=True),
@@ -137,11 +136,20 @@ def _interface(plan: DrivePlan, use: Use, *, start: bool) -> MemberRow:
     )
 
 
+_UNROLLED = 2
+"""Parameters of a telegram whose results are copied one by one: fewer bytes than a loop."""
+
+
 def _single_bool(use: Use) -> bool:
     return use.format.name == "Boolean" and use.count == 1
 
 
-def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> dict[str, Any]:
+def _aligned(job: DriveJob) -> bool:
+    """Every parameter lies whole in one telegram: its place there and its index in ``errors`` go in step."""
+    return sum(len(telegram.parts) for telegram in job.telegrams) == len(job.uses)
+
+
+def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligned: bool) -> dict[str, Any]:
     first = telegram.parts[0].use.position
     return {
         "index": telegram.number,
@@ -153,6 +161,7 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> dict[s
         "response_last": telegram.response.size - 1,
         "positive_last": min(telegram.positive_length, telegram.response.size) - 1,
         "count": len(telegram.parts),
+        "in_a_row": aligned and len(telegram.parts) > _UNROLLED,
         "use_shift": f" + {first - 1}" if first > 1 else "",
         "blocks": [_block(index, part) for index, part in enumerate(telegram.parts, 1)],
     }
@@ -187,7 +196,10 @@ def _copies(plan: DrivePlan, job: DriveJob, *, response: bool) -> list[dict[str,
             if field.role != "value" or field.part is None or (not response and field.part.use.constant):
                 continue
             copy = _copy(plan, field, field.part, f"{view}.{field.name}", response=response)
-            copies.append({**copy, "telegram": telegram.number, "block": blocks[id(field.part)]})
+            result = f"errors[{field.part.use.position}]"
+            if not _aligned(job):
+                result = f"unit.errors[{blocks[id(field.part)]}]"
+            copies.append({**copy, "telegram": telegram.number, "result": result})
     return copies
 
 

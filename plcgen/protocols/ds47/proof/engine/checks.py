@@ -98,7 +98,8 @@ class EngineWork:
         result = Result(statistics=Statistics(runs=1))
         errands = [*MATRIX, READ_PINNED, WRITE_PINNED]
         if piece.group == "formats":
-            errands += [*every_format(), *full(self.engine.sizes.last + 1, self.engine.sizes.blocks)]
+            size = self.engine.sizes.last + 1
+            errands += [*every_format(size), *full(size, self.engine.sizes.blocks)]
         made: list[JobField] = []
 
         def bed() -> JobField:

@@ -123,11 +123,12 @@ def full(size: int, blocks: int) -> tuple[Errand, Errand]:
     )
 
 
-def every_format() -> list[Errand]:
-    """A read and a write of every format, with one value and with three."""
+def every_format(size: int) -> list[Errand]:
+    """A read and a write of every format, with one value and with three, or as many as a record of this size holds."""
     found = []
     for number, fmt in enumerate(fmt for fmt in FORMATS if fmt.writable):
-        parts = (Wanted(2000 + number, fmt), Wanted(2100 + number, fmt, 3))
+        room = size - HEADER - 2 * (ADDRESS + 2) - padded(fmt.size)
+        parts = (Wanted(2000 + number, fmt), Wanted(2100 + number, fmt, min(3, room // fmt.size)))
         for writes in (False, True):
             letters = (Letter(writes=writes, parts=parts), Letter(writes=writes, parts=parts[::-1]))
             found.append(Errand(f"{'write' if writes else 'read'} {fmt.name}", letters))

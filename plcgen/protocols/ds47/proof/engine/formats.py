@@ -51,7 +51,7 @@ def run(field: JobField, errand: Errand, *scenarios: EngineScenario) -> None:
 
 def _every_format(field: JobField) -> None:
     """Two telegrams each, in three orders of calls; answers in the types themselves and in 41h to 43h."""
-    for errand in every_format():
+    for errand in every_format(field.rig.engine.sizes.last + 1):
         orders = [EngineScenario(name=f"called {order}", order=order, follow=False) for order in permutations(CALLS)]
         run(field, errand, *orders[::2], EngineScenario(name="by size", generic=True))
 

@@ -159,7 +159,7 @@ def _no_slot(field: JobField) -> None:
     field.step()
     field.expect({1: field.job(1).signals()[3]}, {1: (WORDS["NO_SLOT"],)})  # its channel was never called
     field.rig.call(ORDERS[0])
-    for slot in (0, -1, -30000, 5, slots, slots + 1, 32767):
+    for slot in (0, -1, -30000, 5, max(5, slots), slots + 1, 32767):
         field.drop(1)
         for _ in range(3):
             field.step()

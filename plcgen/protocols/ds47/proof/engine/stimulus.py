@@ -22,8 +22,8 @@ LEVELS = {"OB1": 0, "OB35": 10, "OB82": 20}
 WRONG_UNIT_DB = 10
 """On S7-300/400: the channel of unit 1 with the number of another data block at ``unitDb``."""
 _WRONG = """    10:
-      {call:channel:Channel1}(slots := "Plan".slots, gateNumber := 1, waitLimit := "Plan".waitLimit{unitDb:2},
-        unit := "Unit1".unit, gate := "GateData".gate);
+      {call:channel:Channel1}(slots := "Plan".slots, waitLimit := "Plan".waitLimit{unitDb:2},
+        unit := "Unit1".unit, place := "GateData".gate.channels[1]);
 """
 _CALL = re.compile(r"\{call:(\w+):(\w+)\}")
 _UNIT = re.compile(r"\{unitDb:(\d)\}")
