@@ -218,7 +218,8 @@ def _signals(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
         name="another job has the unit for too long",
         occupied=10_000,
         status=(WORDS["OCCUPIED"],),
-        checked=False,
+        telegram=1,
+        answered=False,
         took=(490, 520),
     )
     for slot in WRONG_SLOTS:
