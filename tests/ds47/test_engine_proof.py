@@ -67,8 +67,8 @@ def test_the_sizes_of_an_engine_are_all_that_differs_in_a_target(engines: dict[t
 def test_sizes(engines: dict[tuple[str, str], DriveEngine]) -> None:
     sizes = [engines["v5", size].sizes for size in ("S", "M", "L", "XL")]
     assert [(s.last + 1, s.blocks, s.slots, s.channels) for s in sizes] == [
-        (64, 8, 8, 32),
-        (128, 20, 16, 32),
+        (40, 4, 4, 32),
+        (96, 15, 8, 32),
         (240, 39, 16, 128),
         (240, 39, 64, 512),
     ]

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
+from plcgen.review.memory.estimate import estimate
+from plcgen.scl.dialect import Dialect
 from plcgen.sources.text import decode
 
 ROOT = Path(__file__).parents[2]
@@ -62,3 +64,11 @@ def test_main_has_one_line(sources: dict[str, str]) -> None:
     """What a program has to call."""
     calls = [line for line in sources["Main"].split("\nBEGIN\n", 1)[1].splitlines() if "DriveCalls" in line]
     assert len(calls) == 1
+
+
+def test_work_memory(tmp_path: Path) -> None:
+    """At most 40 KB on an S7-300 by the rules of docs/memory.md."""
+    api.generate(ROOT / "specs" / "s7-300_plant_v5.yaml", tmp_path / "out")
+    found = estimate(tmp_path / "out", Dialect.STEP7_V5)
+    assert not found.diagnostics
+    assert found.total <= 40 * 1024, found.summary()

@@ -40,10 +40,14 @@ class Sizes:
 
     @property
     def numbers(self) -> tuple[str, ...]:
-        """The numbers that a text has for them, the bit address behind a record among them."""
+        """The numbers that a text has for them, the pointer to the first byte behind a record among them."""
         room = self.last + 1
         pairs = (f"0..{self.last}", f"1..{self.blocks}", f"1..{self.slots}", f"1..{self.channels}")
-        return (*map(str, (self.last, room, self.blocks, self.slots, self.channels)), f"DW#16#{8 * room:08X}", *pairs)
+        return (
+            *map(str, (self.last, room, self.blocks, self.slots, self.channels)),
+            f"DW#16#{0x84000000 + 8 * room:08X}",
+            *pairs,
+        )
 
 
 def stimulus(dialect: Dialect, names: Mapping[str, str], sizes: Sizes) -> str:
