@@ -318,8 +318,8 @@ class _Teller:
     def unknown_key(self, path: Path) -> Diagnostic:
         name = str(path[-1])
         allowed = self.keys(path[:-1])
-        hint = did_you_mean(name, allowed) or "remove the key"
-        help_ = f"{hint} keys here: {', '.join(allowed)}" if allowed else hint
+        hint = did_you_mean(name, allowed) or "remove the key;"
+        help_ = f"{hint} keys here: {', '.join(allowed)}" if allowed else hint.rstrip(";")
         place = self.root.find(path[:-1]).key_span(name)
         return Diagnostic("PG104", f'unknown key "{name}" in {self.where(path)}', place, help=help_)
 

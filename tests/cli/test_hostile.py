@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 
@@ -106,6 +107,18 @@ def test_names_are_no_markdown(plcgen, tmp_path, name, heading):
     (tmp_path / "job.yaml").write_text(SPEC.replace("name: a", f"name: {name}"))
     assert plcgen("generate", "job.yaml").code == 0
     assert (tmp_path / "job_generated/LAYOUT.md").read_text("utf-8").startswith(heading)
+
+
+def test_the_import_script_has_no_word_of_the_project(plcgen, tmp_path):
+    """PowerShell ends strings at ‘ ’ ‚ ‛ too: what is the same text for every project cannot be told what to run."""
+    scripts = []
+    for name in ("fan", "‘; calc; ‘", "a’b‚c‛d", "$(calc)", "`n"):
+        text = SPEC.replace("name: a, family: s7-300", f"name: {json.dumps(name)}, family: s7-1500")
+        (tmp_path / "job.yaml").write_text(text.replace("address: 256", "hardware_id: 270"), "utf-8")
+        assert plcgen("generate", "job.yaml", "--out", f"out{len(scripts)}").code == 0
+        scripts.append((tmp_path / f"out{len(scripts)}/xml/import.ps1").read_bytes())
+    assert len(set(scripts)) == 1
+    assert scripts[0].isascii()
 
 
 def test_a_lock_names_no_path_of_this_machine(plcgen, tmp_path):
