@@ -104,14 +104,27 @@ class EncodeResult:
         return not any(d.severity.label == "error" for d in self.diagnostics)
 
 
-def check(spec: Path | str) -> CheckResult:
+STRICT = frozenset({"PG228"})
+"""Warnings that are errors if somebody wants to be sure: what a green run would otherwise rest on unseen."""
+
+
+def hardened(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """The same, with what ``strict`` makes an error."""
+    return tuple(replace(d, severity=Severity.ERROR) if d.code in STRICT else d for d in diagnostics)
+
+
+def check(spec: Path | str, *, strict: bool = False) -> CheckResult:
     """Read, validate and plan a spec and apply every rule to it; notes tell what is written to inputs left open.
+
+    ``strict`` makes errors of what is not known.
 
     If it names a CPU, its blocks are made, though not written: what does not fit the CPU is a warning.
     """
     from plcgen.project.rules import remarks
 
     found = problems_of(spec)
+    if strict:
+        found = replace(found, diagnostics=hardened(found.diagnostics))
     if found.project is None or not found.ok:
         return found
     return replace(found, diagnostics=tuple(Report([*found.diagnostics, *remarks(found.project)])))
@@ -241,17 +254,21 @@ def verify(
     drive: Path | str | None = None,
     faults: Literal["none", "quick", "full"] = "quick",
     engine: bool = False,
+    oracle: Literal["tshark"] | None = None,
+    strict: bool = False,
     progress: Progress | None = None,
 ) -> Verification:
     """Verify what lies in a folder against its spec, DS47 and a simulated drive (optionally from a drive file).
 
     The generated SCL is executed; ``faults`` is how much of the fault matrix runs. The engine of drive jobs is known by
-    its hash; ``engine`` runs its proof all the same.
+    its hash; ``engine`` runs its proof all the same. ``oracle`` asks Wireshark about every telegram,
+    ``strict`` makes errors of what is not known.
     """
     from plcgen.proof import verify as run
 
     own = Path(drive) if drive is not None else None
-    return run(Path(spec), _folder(spec, folder), own, progress, faults, engine=engine)
+    found = run(Path(spec), _folder(spec, folder), own, progress, faults, engine=engine, dissector=oracle == "tshark")
+    return replace(found, diagnostics=hardened(found.diagnostics)) if strict else found
 
 
 def simulate(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import PATH, console, format_option, output_option, verb
+from plcgen.cli.options import PATH, console, format_option, output_option, strict_option, verb
 from plcgen.cli.output import OK, PROBLEMS, Console
 
 if TYPE_CHECKING:
@@ -48,6 +48,7 @@ Subject = tuple[str, Sequence["Diagnostic"]]
     "off for tia-300.  [default: as-stated]",
 )
 @click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")
+@strict_option
 @format_option("findings")
 @output_option
 def command(
@@ -58,6 +59,7 @@ def command(
     tags: tuple[Path, ...],
     iec_check: tuple[str, ...],
     encoding: str | None,
+    strict: bool,
     format_: OutputFormat,
     output: Path | None,
 ) -> int:
@@ -78,7 +80,7 @@ def command(
         if given and not program:
             raise click.UsageError(f"{option} belongs to --program")
     checks = _iec_checks(iec_check)
-    subjects: list[Subject] = _specs(specs)
+    subjects: list[Subject] = _specs(specs, strict=strict)
     blocks = 0
     if program and target is not None:
         found_sources, blocks = _program(sources, target, tags, checks, encoding)
@@ -127,12 +129,13 @@ def _sorted(paths: tuple[Path, ...]) -> tuple[list[Path], list[Path]]:
     return specs, list(dict.fromkeys(sources))
 
 
-def _specs(specs: list[Path]) -> list[Subject]:
+def _specs(specs: list[Path], *, strict: bool) -> list[Subject]:
     if not specs:
         return []
     from plcgen import api
 
-    return [(result.spec.as_posix(), result.diagnostics) for result in map(api.check, specs)]
+    results = (api.check(spec, strict=strict) for spec in specs)
+    return [(result.spec.as_posix(), result.diagnostics) for result in results]
 
 
 def _files(sources: list[Path], target: str | None, encoding: str | None, out: Console) -> tuple[list[Subject], int]:

@@ -125,6 +125,11 @@ def _would_destroy(target: Path, read: Path) -> bool:
     return inside and target.suffix.lower() in _SOURCES
 
 
+def strict_option(verb: Callback) -> Callback:
+    """Add ``--strict``."""
+    return click.option("--strict", is_flag=True, help="What no document was found for is an error.")(verb)
+
+
 def output_option(verb: Callback) -> Callback:
     """Add ``--output FILE``."""
     option = click.option(

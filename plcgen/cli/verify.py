@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from plcgen.api import default_folder
-from plcgen.cli.options import PATH, console, folder_option, format_option, output_option, verb
+from plcgen.cli.options import PATH, console, folder_option, format_option, output_option, strict_option, verb
 
 if TYPE_CHECKING:
     from plcgen.output.registry import OutputFormat
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     help="How many faults the generated SCL runs through.",
 )
 @click.option("--engine", is_flag=True, help="Run the proof of the drive engine, even of one that is known.")
+@click.option("--oracle", type=click.Choice(["tshark"]), help="Show every telegram to Wireshark's dissector, too.")
+@strict_option
 @format_option("verification")
 @output_option
 def command(
@@ -41,6 +43,8 @@ def command(
     drive: Path | None,
     faults: Literal["none", "quick", "full"],
     engine: bool,
+    oracle: Literal["tshark"] | None,
+    strict: bool,
     format_: OutputFormat,
     output: Path | None,
 ) -> int:
@@ -54,5 +58,7 @@ def command(
     out = console()
     with out.progress() as progress:
         target = folder or default_folder(spec)
-        result = api.verify(spec, target, drive=drive, faults=faults, engine=engine, progress=progress)
+        result = api.verify(
+            spec, target, drive=drive, faults=faults, engine=engine, oracle=oracle, strict=strict, progress=progress
+        )
     return out.verification(format_, result, output)

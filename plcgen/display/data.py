@@ -90,5 +90,9 @@ def verification_data(verification: Verification) -> dict[str, Any]:
         "target": verification.target,
         "summary": dict(sorted(counts.items())),
         "groups": groups,
+        "ledger": [
+            {"subject": one.subject, "text": one.text, "source": one.source, "grade": one.grade.value}
+            for one in verification.ledger
+        ],
         "diagnostics": [diagnostic_data(d) for d in rest],
     }

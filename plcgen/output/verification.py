@@ -31,6 +31,7 @@ def verification_text(verification: Verification, view: View) -> str:
     out = [f"{what or clean(verification.spec)}: {clean(verification.folder)}"]
     for group in verification.groups:
         out += ["", *_group(group, view)]
+    out += _ledger(verification, view)
     text = "\n".join(out) + "\n\n"
     found = problems(verification)
     if found:
@@ -53,6 +54,21 @@ def _group(group: CheckGroup, view: View) -> list[str]:
             out += _row(pad(clean(check.subject), subject), check, view)
             lines = wrap(clean(check.text), view.columns - _INDENT)
             out += [f"{' ' * _INDENT}{line}" for line in lines if line]
+    return out
+
+
+def _ledger(verification: Verification, view: View) -> list[str]:
+    """What the result rests on: the worst known first, one line an assumption, its source below."""
+    from plcgen.proof.ledger import Grade
+
+    if not verification.ledger:
+        return []
+    out = ["", view.paint("Rests on", "bold")]
+    grade = max(cells(one.value) for one in Grade)
+    for worst in reversed(Grade):
+        for one in (one for one in verification.ledger if one.grade is worst):
+            out.append(f"{' ' * _GAP}{pad(one.grade.value, grade)}{' ' * _GAP}{clean(f'{one.subject}: {one.text}')}")
+            out += [f"{' ' * _INDENT}{line}" for line in wrap(clean(one.source), view.columns - _INDENT)]
     return out
 
 

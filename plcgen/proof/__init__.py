@@ -21,15 +21,16 @@ def verify(
     faults: Literal["none", "quick", "full"] = "quick",
     *,
     engine: bool = False,
+    dissector: bool = False,
 ) -> Verification:
     """Verify a folder against its spec; ``drive`` is a drive file that replaces the profile's simulated drive.
 
     ``faults`` is how much of the fault matrix the generated SCL runs through. ``engine`` runs the blocks that are the
-    same in every project even if they are known to hold.
+    same in every project even if they are known to hold, ``dissector`` sends the telegrams through ``tshark``.
     """
     report = Report()
     try:
-        return _verify(spec, folder, drive, progress, report, faults, engine=engine)
+        return _verify(spec, folder, drive, progress, report, faults, engine=engine, dissector=dissector)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
     return Verification(str(spec), str(folder), "", "", (), tuple(report))
@@ -44,6 +45,7 @@ def _verify(
     faults: Literal["none", "quick", "full"],
     *,
     engine: bool,
+    dissector: bool,
 ) -> Verification:
     from plcgen.project.opening import open_spec
     from plcgen.proof.execution import check_execution
@@ -63,13 +65,16 @@ def _verify(
     layouts = (check_layout(project, files, laid) for proof in proofs for laid in proof.layouts())
     telegrams = (check for proof in proofs for check in proof.telegrams(files))
     exchanges = [proof.exchanges(files, partner, progress) for proof in proofs]
+    oracles = tuple(check for proof in proofs for check in proof.oracles(files, dissector=dissector))
+    ledger = tuple(assumption for proof in proofs for assumption in proof.ledger())
     executed = check_execution(project, folder, faults, progress, partner=partner, engine=engine)
     groups = [
         CheckGroup("files", "Files", (*check_files(project, files), *check_twins(project, files))),
         CheckGroup("layout", "Layout", tuple(layouts)),
         CheckGroup("telegrams", "Telegrams", tuple(telegrams)),
         *(group for group in exchanges if group is not None),
+        *([CheckGroup("oracles", "Independent oracles", oracles)] if oracles else []),
         CheckGroup("execution", "Execution", tuple(executed)),
     ]
     target = f"{project.target.family} / {project.target.toolchain}"
-    return Verification(str(spec), str(folder), project.name, target, tuple(groups), tuple(report))
+    return Verification(str(spec), str(folder), project.name, target, tuple(groups), tuple(report), ledger=ledger)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from plcgen.diagnostics import Diagnostic
+from plcgen.proof.ledger import Assumption
 
 
 class Outcome(enum.StrEnum):
@@ -45,7 +46,10 @@ class CheckGroup:
 
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """The complete result for one spec and one output folder; ``verb`` is ``verify`` or ``audit``."""
+    """The complete result for one spec and one output folder; ``verb`` is ``verify`` or ``audit``.
+
+    ``ledger`` is what the result rests on.
+    """
 
     spec: str
     folder: str
@@ -54,6 +58,7 @@ class Verification:
     groups: tuple[CheckGroup, ...]
     diagnostics: tuple[Diagnostic, ...]
     verb: str = "verify"
+    ledger: tuple[Assumption, ...] = ()
 
     def checks(self) -> Iterator[Check]:
         """All checks in order."""

@@ -15,6 +15,7 @@ from plcgen.proof.checks import Check, CheckGroup
 from plcgen.proof.conditions import Premise
 from plcgen.proof.coverage import Step
 from plcgen.proof.folder import Folder
+from plcgen.proof.ledger import Assumption
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Scenario, Statistics
 
@@ -154,6 +155,12 @@ class Proof(Protocol):
 
     def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:
         """Telegrams against a simulated partner, or the one in a file; None if there is nothing like that."""
+
+    def oracles(self, folder: Folder, *, dissector: bool) -> Iterator[Check]:
+        """What somebody else says about the telegrams; ``dissector`` asks a program that is not plcgen's."""
+
+    def ledger(self) -> Iterator[Assumption]:
+        """Every assumption that the rest goes by."""
 
     def suites(self) -> Sequence[Suite[Any]]:
         """What is executed."""

@@ -106,6 +106,14 @@ class BeaconProof:
     def exchanges(self, folder, partner, progress):
         """No lamp is simulated."""
 
+    def oracles(self, folder, *, dissector):  # noqa: ARG002 - the face
+        """Nobody else is asked."""
+        return iter(())
+
+    def ledger(self):
+        """Nothing is assumed."""
+        return iter(())
+
     def suites(self):
         """Nothing is executed."""
         return ()

@@ -29,7 +29,7 @@ ATTEMPTS = 40
 RETRY_PAUSE = 200
 
 
-class _FindingError(Exception):
+class ExchangeError(Exception):
     """A finding that ends the check of one telegram."""
 
     def __init__(self, code: str, message: str) -> None:
@@ -50,7 +50,7 @@ def check_telegrams(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
                 return "start values form exactly this telegram"
 
             yield _guard(
-                f"telegram.{telegram.request.home.name}", _name(job, telegram), text, folder, job, telegram, run
+                f"telegram.{telegram.request.home.name}", telegram_name(job, telegram), text, folder, job, telegram, run
             )
 
 
@@ -63,7 +63,7 @@ def check_drive(
         if progress is not None:
             progress("exchange", number, total)
         for telegram in job.telegrams:
-            name = _name(job, telegram)
+            name = telegram_name(job, telegram)
 
             def good(job: DriveJob = job, telegram: DriveTelegram = telegram) -> str:
                 _exchange(plan, folder, job, telegram, build_drive(plan, job.drive, distinct=True))
@@ -86,7 +86,7 @@ def _guard(
     """Run one check; a finding becomes its outcome."""
     try:
         return Check(id_, subject, text, Outcome.OK, run())
-    except _FindingError as finding:
+    except ExchangeError as finding:
         code, message = finding.code, str(finding)
     except DiagnosticError as problem:
         code, message = problem.diagnostics[0].code, problem.diagnostics[0].message
@@ -98,7 +98,8 @@ def _guard(
     return Check(id_, subject, text, Outcome.ERROR, message, found)
 
 
-def _name(job: DriveJob, telegram: DriveTelegram) -> str:
+def telegram_name(job: DriveJob, telegram: DriveTelegram) -> str:
+    """The job, and which of its telegrams where there are several."""
     return job.shape if len(job.telegrams) == 1 else f"{job.shape} {telegram.number}/{len(job.telegrams)}"
 
 
@@ -109,7 +110,7 @@ def _short(text: str) -> str:
 def _block(folder: Folder, blocks: dict[str, Block], name: str) -> Block:
     block = blocks.get(name.upper())
     if block is None:
-        raise _FindingError("PG608", f'"{name}" is missing in {folder.path.name}')
+        raise ExchangeError("PG608", f'"{name}" is missing in {folder.path.name}')
     return block
 
 
@@ -119,10 +120,19 @@ def request_image(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: Driv
     if plan.target.xml_version:
         twin = _start_values(folder, folder.xml, job, telegram)
         if twin != data:
-            raise _FindingError(
+            raise ExchangeError(
                 "PG604", f"text source and SimaticML differ: {data.hex(' ').upper()} and {twin.hex(' ').upper()}"
             )
     return data
+
+
+def sound_image(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTelegram) -> bytes | None:
+    """The same; None if they are not the planned telegram, which :func:`check_telegrams` tells."""
+    try:
+        data = request_image(plan, folder, job, telegram)
+    except (ExchangeError, DiagnosticError, LiteralError):
+        return None
+    return data if data == telegram.request.data else None
 
 
 def _start_values(folder: Folder, blocks: TypeTable, job: DriveJob, telegram: DriveTelegram) -> bytes:
@@ -133,7 +143,7 @@ def _start_values(folder: Folder, blocks: TypeTable, job: DriveJob, telegram: Dr
     try:
         entry = locate(layout_block(block, blocks), f"statRequest{suffix(job, telegram)}")
     except KeyError as problem:
-        raise _FindingError("PG604", str(problem.args[0])) from None
+        raise ExchangeError("PG604", str(problem.args[0])) from None
     return bytes(image(block, blocks)[entry.byte : entry.byte + entry.size // 8])
 
 
@@ -149,17 +159,17 @@ def _check_request(job: DriveJob, telegram: DriveTelegram, data: bytes) -> None:
             (i for i, (a, b) in enumerate(zip(data, telegram.request.data, strict=False)) if a != b),
             min(len(data), len(telegram.request.data)),
         )
-        raise _FindingError(
+        raise ExchangeError(
             "PG604",
             f"byte {at} differs: start {data.hex(' ').upper()}, telegram {telegram.request.data.hex(' ').upper()}",
         )
     request = decode_request(data)
     if request.request_id != (RequestId.CHANGE if job.writes else RequestId.READ) or request.reference == 0:
-        raise _FindingError("PG604", "request id or reference is wrong")
+        raise ExchangeError("PG604", "request id or reference is wrong")
     if request.drive_object != job.drive.drive_object:
-        raise _FindingError("PG604", f"drive object {request.drive_object} instead of {job.drive.drive_object}")
+        raise ExchangeError("PG604", f"drive object {request.drive_object} instead of {job.drive.drive_object}")
     if len(request.addresses) != len(telegram.parts):
-        raise _FindingError("PG604", f"{len(request.addresses)} parameters instead of {len(telegram.parts)}")
+        raise ExchangeError("PG604", f"{len(request.addresses)} parameters instead of {len(telegram.parts)}")
     for position, part in enumerate(telegram.parts):
         _check_part(request, position, part, job)
 
@@ -168,22 +178,22 @@ def _check_part(request: Request, position: int, part: Part, job: DriveJob) -> N
     address = request.addresses[position]
     use = part.use
     if (address.pnu, address.subindex) != (use.parameter.pnu, part.subindex):
-        raise _FindingError(
+        raise ExchangeError(
             "PG604", f"parameter {position + 1} is P{address.pnu}[{address.subindex}] instead of {use.label}"
         )
     if job.writes and request.values[position].data != part.data:
-        raise _FindingError(
+        raise ExchangeError(
             "PG604", f"value of {use.label} is {request.values[position].data.hex(' ')}, not {part.data.hex(' ')}"
         )
 
 
 def _exchange(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTelegram, drive: Drive) -> str:
     """Send the image, fetch the answer, read it back through the declared members."""
-    answer = _talk(job, request_image(plan, folder, job, telegram), drive)
+    answer = talk(job, request_image(plan, folder, job, telegram), drive)
     if answer[1] & 0x80:
-        raise _FindingError("PG606", f"the drive answered {_refusals(telegram, answer)}")
+        raise ExchangeError("PG606", f"the drive answered {_refusals(telegram, answer)}")
     if len(answer) != telegram.positive_length:
-        raise _FindingError("PG606", f"the answer has {len(answer)} bytes, {telegram.positive_length} were planned")
+        raise ExchangeError("PG606", f"the answer has {len(answer)} bytes, {telegram.positive_length} were planned")
     memory = _store(folder, telegram, answer)
     shown = [
         _read_back(folder, telegram, job, field, field.part, memory, drive)
@@ -208,7 +218,7 @@ def _refusals(telegram: DriveTelegram, answer: bytes) -> str:
     return "; ".join(found) or f"response id {answer[1]:02X}h"
 
 
-def _talk(job: DriveJob, request: bytes, drive: Drive) -> bytes:
+def talk(job: DriveJob, request: bytes, drive: Drive) -> bytes:
     """WRREC and RDREC of one request; a temporary error is repeated as the job block would, at most 40 times."""
     index = job.drive.record_index
     for _ in range(ATTEMPTS):
@@ -217,7 +227,7 @@ def _talk(job: DriveJob, request: bytes, drive: Drive) -> bytes:
             break
         drive.advance(RETRY_PAUSE)
     if code:
-        raise _FindingError("PG606", f"WRREC ends with {code:08X}: {status.explain(code).text}")
+        raise ExchangeError("PG606", f"WRREC ends with {code:08X}: {status.explain(code).text}")
     drive.advance(drive.behaviour.processing)
     for _ in range(ATTEMPTS):
         code, answer = drive.read_record(index, 240)
@@ -225,7 +235,7 @@ def _talk(job: DriveJob, request: bytes, drive: Drive) -> bytes:
             break
         drive.advance(RETRY_PAUSE)
     if code:
-        raise _FindingError("PG606", f"RDREC ends with {code:08X}: {status.explain(code).text}")
+        raise ExchangeError("PG606", f"RDREC ends with {code:08X}: {status.explain(code).text}")
     return answer
 
 
@@ -235,7 +245,7 @@ def _store(folder: Folder, telegram: DriveTelegram, answer: bytes) -> bytearray:
     memory = bytearray(layout_block(block, folder.text).size)
     if len(answer) > len(memory):
         short = len(answer) - len(memory)
-        raise _FindingError("PG605", f"response buffer {short} bytes too small: the answer has {len(answer)}")
+        raise ExchangeError("PG605", f"response buffer {short} bytes too small: the answer has {len(answer)}")
     memory[: len(answer)] = answer
     return memory
 
@@ -257,7 +267,7 @@ def _read_back(
     expected = formats.pack_values(part.use.format, values)
     found = bytes(memory[entry.byte : entry.byte + len(expected)])
     if found != expected:
-        raise _FindingError(
+        raise ExchangeError(
             "PG607",
             f'"{block.name}".{field.name} holds {found.hex(" ").upper()}, the drive has {expected.hex(" ").upper()}',
         )
@@ -272,7 +282,7 @@ def _written(job: DriveJob, part: Part, drive: Drive) -> None:
     parameter = drive.objects[job.drive.drive_object].parameters[part.use.parameter.pnu]
     values = [parameter.values[0]] if part.use.format.is_string else parameter.values[part.subindex :][: part.count]
     if formats.pack_values(part.use.format, values) != part.data:
-        raise _FindingError("PG607", f"{part.use.label}: the drive has {values} after the write")
+        raise ExchangeError("PG607", f"{part.use.label}: the drive has {values} after the write")
 
 
 def _negative(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTelegram) -> int:
@@ -290,16 +300,16 @@ def _negative(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTel
     for number, position, words in cases:
         fault = Fault(FaultKind.ERROR, number=number, position=position, words=2 if words == 2 else 1, info=position)
         drive.faults = [fault]
-        answer = _talk(job, request, drive)
+        answer = talk(job, request, drive)
         longest = max(longest, len(answer))
         if len(answer) > size:
-            raise _FindingError(
+            raise ExchangeError(
                 "PG605", f"response buffer {len(answer) - size} bytes too small: it has {size}, an answer {len(answer)}"
             )
         if not answer[1] & 0x80:
-            raise _FindingError("PG606", f"error {number:02X}h at parameter {position} was not answered")
+            raise ExchangeError("PG606", f"error {number:02X}h at parameter {position} was not answered")
     drive.faults = [Fault(FaultKind.ERROR, number=2, position=p, words=2) for p in range(1, len(telegram.parts) + 1)]
-    answer = _talk(job, request, drive)
+    answer = talk(job, request, drive)
     if len(answer) > size:
-        raise _FindingError("PG605", f"response buffer {len(answer) - size} bytes too small: every parameter may fail")
+        raise ExchangeError("PG605", f"response buffer {len(answer) - size} bytes too small: every parameter may fail")
     return max(longest, len(answer))

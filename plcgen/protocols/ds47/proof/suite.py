@@ -14,6 +14,7 @@ from plcgen.proof.checks import Check, CheckGroup, Outcome
 from plcgen.proof.conditions import Premise
 from plcgen.proof.coverage import NO_OTHER
 from plcgen.proof.folder import Folder
+from plcgen.proof.ledger import Assumption
 from plcgen.proof.rig import value_text
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
@@ -21,15 +22,19 @@ from plcgen.proof.suite import CodeBlock, LaidOut, Level, Procedure, Progress
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof import stimulus
 from plcgen.protocols.ds47.proof.conduct import JobConduct
+from plcgen.protocols.ds47.proof.dissected import dissected_checks
 from plcgen.protocols.ds47.proof.engine.checks import engine_checks
 from plcgen.protocols.ds47.proof.engine.known import proven
 from plcgen.protocols.ds47.proof.engine.sources import NAMES, SHORT, DriveEngine
 from plcgen.protocols.ds47.proof.exchanges import check_drive, check_telegrams
+from plcgen.protocols.ds47.proof.ledger import ledger
 from plcgen.protocols.ds47.proof.own_drive import own_checks
 from plcgen.protocols.ds47.proof.plant import Plant
+from plcgen.protocols.ds47.proof.published import published_checks
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.scenarios import STATE_CONFLICT, matrix, polls
+from plcgen.protocols.ds47.proof.second import fact_checks, second_checks
 from plcgen.protocols.ds47.proof.together import left_out, procedures
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.sources.generated import generated_sources
@@ -74,6 +79,20 @@ class DriveProof:
             return None
         own = drive_maker(partner)() if partner is not None else None
         return CheckGroup("drive", "Simulated drive", tuple(check_drive(self.plan, folder, own, progress)))
+
+    def oracles(self, folder: Folder, *, dissector: bool) -> Iterator[Check]:
+        """Published telegrams, facts of documents, the second drive; with ``dissector`` Wireshark."""
+        yield from published_checks(self.plan)
+        yield from fact_checks(self.plan)
+        yield from second_checks(self.plan, folder)
+        if dissector:
+            yield from dissected_checks(self.plan, folder)
+        elif self.plan.jobs:
+            yield Check("wireshark", "Wireshark", "", Outcome.NOT_RUN, "not run: --oracle tshark")
+
+    def ledger(self) -> Iterator[Assumption]:
+        """What documents say about devices, telegrams and parameters."""
+        return ledger(self.plan)
 
     def foundation(self, folder: Path, *, run: bool, progress: Progress | None) -> Iterator[Check]:
         """The engine: channel, ticket and gate."""

@@ -18,6 +18,7 @@ RULES = Rules(
         parameters.dangerous,
         parameters.only_bytes,
         inputs.unconnected,
+        parameters.unknown_types,
         telegrams.response_buffer,
         telegrams.request_buffer,
         telegrams.reference,

@@ -126,6 +126,23 @@ def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:
             )
 
 
+def unknown_types(plan: DrivePlan) -> Iterator[Diagnostic]:
+    """PG228: nobody has looked up of which type a parameter is; a wrong one is refused, or read as another value."""
+    told = set()
+    for job in plan.shapes:
+        for use in job.uses:
+            known = (job.drive.device.key, use.parameter.pnu)
+            if use.parameter.source and use.parameter.grades.get("type") == "recalled" and known not in told:
+                told.add(known)
+                yield Diagnostic(
+                    "PG228",
+                    f"{use.label} is {use.format.name} by general knowledge: nobody has looked it up",
+                    parameter_span(plan, use),
+                    Severity.WARNING,
+                    help=f"look it up, then define it in the drive: parameters: {{P{use.parameter.pnu}: {{type: ..}}}}",
+                )
+
+
 def definitions(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG107: a parameter of the spec has limits that no value can keep."""
     for drive in plan.drives:

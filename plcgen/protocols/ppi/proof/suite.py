@@ -11,6 +11,7 @@ from plcgen.proof.checks import Check, CheckGroup, Outcome
 from plcgen.proof.conditions import STATE, Premise
 from plcgen.proof.coverage import NO_OTHER
 from plcgen.proof.folder import Folder
+from plcgen.proof.ledger import Assumption
 from plcgen.proof.rig import value_text
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
@@ -74,6 +75,14 @@ class PpiProof:
 
     def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:
         """Stations are only met by the block as a whole."""
+
+    def oracles(self, folder: Folder, *, dissector: bool) -> Iterator[Check]:
+        """Nobody else is asked."""
+        return iter(())
+
+    def ledger(self) -> Iterator[Assumption]:
+        """Not kept yet."""
+        return iter(())
 
     def suites(self) -> list[PpiSuite]:
         """A suite for every master."""

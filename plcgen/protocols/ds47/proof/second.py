@@ -1,0 +1,215 @@
+"""A second drive answers too: one that was written from documents alone and shares nothing with the first.
+
+Both get the requests that the files on disk define, and requests that are wrong in one byte. What documents say about a
+shipped device, its drive object and its parameters' types, is looked up apart from its profile.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity
+from plcgen.oracles import profidrive
+from plcgen.oracles.documents import DocumentedDevice, device
+from plcgen.proof.checks import Check, Outcome
+from plcgen.proof.folder import Folder
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive, Use
+from plcgen.protocols.ds47.proof.exchanges import ExchangeError, sound_image, talk, telegram_name
+from plcgen.protocols.ds47.sim.bench import build_drive
+from plcgen.protocols.ds47.sim.drive import Drive
+from plcgen.protocols.ds47.wire.codec import TelegramError
+
+LOCAL = 0xB02E
+"""The record that addresses one drive object whatever the request says."""
+ANOTHER_TYPE = {0x08: 0x04, 0x07: 0x04, 0x04: 0x07, 0x06: 0x03, 0x03: 0x06, 0x05: 0x02, 0x02: 0x05}
+"""A format of the same size that is not that of the parameter."""
+
+
+class _DifferenceError(Exception):
+    """The two do not agree."""
+
+
+def fact_checks(plan: DrivePlan) -> Iterator[Check]:
+    """What the plan takes for granted of its devices, against what documents say."""
+    for drive in plan.drives:
+        jobs = [job for job in plan.jobs if job.drive is drive]
+        if not jobs:
+            continue
+        id_, subject = f"facts.{drive.key}", f"{drive.key}: {drive.device.key}"
+        said = device(drive.device.key)
+        if said is None:
+            yield Check(id_, subject, "", Outcome.NOT_RUN, "not run: no second source is known for this device")
+            continue
+        uses = {use.parameter.pnu: use for job in jobs for use in job.uses}
+        wrong = [*_address(plan, drive, said), *_types(plan, drive, said, uses)]
+        known = sum(number in said.parameters for number in uses)
+        text = f"drive object, record, types of {known} of {len(uses)} parameters: {said.source}"
+        if wrong:
+            outcome = Outcome.ERROR if any(one.severity is Severity.ERROR for one in wrong) else Outcome.WARNING
+            worst = max(wrong, key=lambda one: one.severity is Severity.ERROR)
+            yield Check(id_, subject, text, outcome, worst.message, worst)
+        else:
+            yield Check(id_, subject, text, Outcome.OK, "as documents say")
+
+
+def _address(plan: DrivePlan, drive: PlannedDrive, said: DocumentedDevice) -> Iterator[Diagnostic]:
+    place = plan.loaded.key_span(drive.path)
+    number = _drive_object(plan, drive)
+    if drive.drive_object != number:
+        yield Diagnostic("PG640", f"drive object {drive.drive_object} is addressed, {number} is meant", place)
+    elif said.drive_objects and number not in said.drive_objects:
+        numbers = ", ".join(map(str, said.drive_objects))
+        yield Diagnostic("PG640", f"drive object {number}: {said.source} says {numbers}", place)
+    if drive.record_index not in profidrive.RECORDS:
+        message = f"record {drive.record_index:04X}h is none for parameters: 002Fh, B02Eh and B02Fh are"
+        yield Diagnostic("PG640", message, place)
+
+
+def _types(plan: DrivePlan, drive: PlannedDrive, said: DocumentedDevice, uses: dict[int, Use]) -> Iterator[Diagnostic]:
+    """A type of the profile that documents contradict is an error, one of the user's own a warning."""
+    for number, use in uses.items():
+        documented = said.parameters.get(number)
+        if documented is None or documented.type == use.format.name:
+            continue
+        severity = Severity.ERROR if _of_profile(drive, use) else Severity.WARNING
+        message = f"{use.label} is {use.format.name} here, {documented.type} in: {documented.source}"
+        yield Diagnostic("PG640", message, plan.loaded.span(use.path), severity)
+
+
+def second_checks(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
+    """Both drives answer every request of the files, good and wrong ones."""
+    for job in plan.shapes:
+        for telegram in job.telegrams:
+            id_, subject = f"second.{telegram.request.home.name}", telegram_name(job, telegram)
+            request = sound_image(plan, folder, job, telegram)
+            if request is None:
+                continue
+            strange = {part.use.format.name for part in telegram.parts} - set(profidrive.TYPES)
+            if not job.writes:
+                strange |= {part.use.format.name for part in telegram.parts if part.use.format.is_string}
+            if strange:
+                verdict = f"not run: documents leave open how {', '.join(sorted(strange))} is answered"
+                yield Check(id_, subject, "", Outcome.NOT_RUN, verdict)
+                continue
+            try:
+                count = TwoDrives(plan, job, request).run()
+            except (_DifferenceError, ExchangeError, profidrive.UnansweredError, TelegramError) as found:
+                message = str(found)
+            except DiagnosticError as found:
+                message = found.diagnostics[0].message
+            else:
+                yield Check(id_, subject, "", Outcome.OK, f"both drives give the same {count} answers")
+                continue
+            problem = Diagnostic("PG640", message, folder.place((telegram.request.db or job.block).name))
+            yield Check(id_, subject, "", Outcome.ERROR, message, problem)
+
+
+@dataclass(frozen=True)
+class TwoDrives:
+    """One request of the files, sent to both drives."""
+
+    plan: DrivePlan
+    job: DriveJob
+    request: bytes
+
+    def run(self) -> int:
+        """Compare all answers and return their number."""
+        request = self.request
+        first, second = self.drives()
+        self._same("", request, first, second)
+        if self.job.writes:
+            self._same("what was written, ", reading(request), first, second)
+        wrong = dict(mistakes(request, self.job))
+        for what, data in wrong.items():
+            self._both_refuse(what, data, *self.drives())
+        return 1 + self.job.writes + len(wrong)
+
+    def drives(self) -> tuple[Drive, profidrive.DocumentedDrive]:
+        """The simulated drive of the profile, and the one of the documents with the same values."""
+        first = build_drive(self.plan, self.job.drive, distinct=True)
+        return first, second_drive(self.plan, self.job.drive, first)
+
+    def _same(self, what: str, request: bytes, first: Drive, second: profidrive.DocumentedDrive) -> None:
+        expected = second.answer(self.job.drive.record_index, request)
+        answer = talk(self.job, request, first)
+        if answer != expected:
+            said = f"documents say {expected.hex(' ').upper()}, the simulated drive {answer.hex(' ').upper()}"
+            raise _DifferenceError(f"{what}{request.hex(' ').upper()}: {said}")
+        if answer[1] & profidrive.NEGATIVE:
+            raise _DifferenceError(f"{what}{request.hex(' ').upper()} is refused: {answer.hex(' ').upper()}")
+
+    def _both_refuse(self, what: str, request: bytes, first: Drive, second: profidrive.DocumentedDrive) -> None:
+        """The number of the first error must be the same; how much is said besides differs between devices."""
+        expected = second.answer(self.job.drive.record_index, request)
+        answer = talk(self.job, request, first)
+        if _error(answer) != _error(expected):
+            said = f"documents say {expected.hex(' ').upper()}, the simulated drive {answer.hex(' ').upper()}"
+            raise _DifferenceError(f"{what}: {said}")
+
+
+def _error(answer: bytes) -> tuple[bytes, bytes]:
+    """Header without the number of parameters, number of the first error."""
+    return answer[:3], answer[6:8] if answer[4:5] == bytes((profidrive.ERROR,)) else b""
+
+
+def second_drive(plan: DrivePlan, drive: PlannedDrive, first: Drive) -> profidrive.DocumentedDrive:
+    """The drive of the documents with the values of the simulated one."""
+    said = device(drive.device.key)
+    by_size = said.by_size if said is not None else drive.device.answer_format == "size"
+    uses = [use for job in plan.jobs if job.drive is drive for use in job.uses]
+    parameters: dict[int, profidrive.HeldParameter] = {}
+    for use in uses:
+        held = first.objects[drive.drive_object].parameters[use.parameter.pnu]
+        documented = said.parameters.get(use.parameter.pnu) if said is not None and _of_profile(drive, use) else None
+        name = documented.type if documented is not None else use.format.name
+        if name in profidrive.TYPES:
+            values = _numbers(name, held.values, use)
+            low, high, read_only = use.parameter.minimum, use.parameter.maximum, use.parameter.access == "r"
+            parameters[use.parameter.pnu] = profidrive.HeldParameter(name, values, held.array, read_only, low, high)
+    return profidrive.DocumentedDrive({_drive_object(plan, drive): parameters}, by_size)
+
+
+def _numbers(name: str, values: Sequence[bool | float | str | bytes], use: Use) -> dict[int, int | float]:
+    found: dict[int, int | float] = {}
+    for index, value in enumerate(values):
+        if isinstance(value, str | bytes):
+            octets = value.encode("ascii", "replace") if isinstance(value, str) else value
+            found |= dict(enumerate(octets, use.subindex))
+        else:
+            found[index] = value if profidrive.TYPES[name][1] in "fd" else int(value)
+    return found
+
+
+def _drive_object(plan: DrivePlan, drive: PlannedDrive) -> int:
+    """The number that the spec says, else documents, else the profile."""
+    said, asked = device(drive.device.key), plan.settings(drive).drive_object
+    if asked is not None:
+        return asked
+    return said.drive_object if said is not None else drive.device.drive_object
+
+
+def _of_profile(drive: PlannedDrive, use: Use) -> bool:
+    return use.parameter is drive.device.parameters.get(use.parameter.pnu)
+
+
+def reading(change: bytes) -> bytes:
+    """The request that reads what a change has written: its header and addresses."""
+    return struct.pack("BBBB", change[0], profidrive.READ, change[2], change[3]) + change[4 : 4 + 6 * change[3]]
+
+
+def mistakes(request: bytes, job: DriveJob) -> Iterator[tuple[str, bytes]]:
+    """The request with one thing wrong, and what that is."""
+
+    def changed(at: int, *octets: int) -> bytes:
+        return request[:at] + bytes(octets) + request[at + len(octets) :]
+
+    if job.drive.record_index != LOCAL:
+        yield "a drive object that does not exist", changed(2, 0xFD)
+    yield "a parameter that does not exist", changed(6, 0xFF, 0xFE)
+    if request[5]:  # without elements a subindex may be looked at or not
+        yield "a subindex that does not exist", changed(8, 0x7F, 0xF0)
+    values = 4 + 6 * request[3]
+    if job.writes and request[values] in ANOTHER_TYPE:
+        yield "a value of another type", changed(values, ANOTHER_TYPE[request[values]])

@@ -1,0 +1,98 @@
+"""Telegrams through Wireshark's dissector."""
+
+from __future__ import annotations
+
+import pytest
+from projects import SPECS, generated_example
+
+from plcgen import api
+from plcgen.oracles import wireshark
+from plcgen.oracles.documents import published
+from plcgen.oracles.wireshark import WireRecord
+from plcgen.proof.checks import Outcome
+from plcgen.protocols.ds47.proof.dissected import FILL, TEXT, compare, request_fields, response_fields
+from plcgen.protocols.ds47.wire import codec, formats
+from plcgen.protocols.ds47.wire.model import Response, ValueBlock
+
+needs_tshark = pytest.mark.skipif(wireshark.version() is None, reason="tshark is not installed (apt install tshark)")
+
+
+@needs_tshark
+def test_published_telegrams() -> None:
+    """Every field of every published telegram, as the codec reads it."""
+    spoken = [WireRecord(0xB02F, one.request, one.answer) for one in published()]
+    unknown: set[str] = set()
+    for one, (request, answer) in zip(published(), wireshark.dissect(spoken), strict=True):
+        assert not compare("request", request_fields(codec.decode_request(one.request)), request, unknown), one.id
+        assert not compare("answer", response_fields(codec.decode_response(one.answer)), answer, unknown), one.id
+    assert not unknown
+
+
+@needs_tshark
+def test_every_format() -> None:
+    """Wireshark agrees about each format that it knows; what it does not know is named."""
+    blocks = [
+        ValueBlock(fmt.code, count, bytes(range(1, 1 + count * fmt.size)))
+        for fmt in formats.FORMATS
+        if fmt.writable
+        for count in (1, 2)
+    ]
+    request = bytes.fromhex("01 01 01 01 10 01 04 60 00 00")
+    answers = [Response(1, 1, 1, 1, (block,)) for block in blocks]
+    spoken = [WireRecord(0xB02F, request, codec.encode_response(answer)) for answer in answers]
+    known = set()
+    for answer, block, (_, shown) in zip(answers, blocks, wireshark.dissect(spoken), strict=True):
+        unknown: set[str] = set()
+        assert not compare("answer", response_fields(answer), shown, unknown), formats.by_code(block.format)
+        if not unknown - {FILL}:
+            known.add(block.format)
+    assert {*range(0x01, 0x09), 0x0A, 0x41, 0x42, 0x43} <= known
+    assert formats.VISIBLE_STRING not in known
+
+
+@needs_tshark
+@pytest.mark.parametrize(
+    ("record", "request_", "message"),
+    [
+        (0xB02D, "01 01 01 01 10 01 04 60 00 00", "sees no parameter request"),
+        (0xB02F, "01 01 01 01 10 01 04 60 00 01", "field 8: index = 0 here, index = 1 in Wireshark"),
+        (0xB02F, "01 01 01 01 20 01 04 60 00 00", "field 5: attribute = 16 here, attribute = 0x20 in Wireshark"),
+        (0xB02F, "01 01 01 02 10 01 04 60 00 00 10 01 04 61 00 00", "field 4: no_of_parameters = 1 here"),
+    ],
+)
+def test_a_difference_is_told(record: int, request_: str, message: str) -> None:
+    """Field by field."""
+    expected = request_fields(codec.decode_request(bytes.fromhex("01 01 01 01 10 01 04 60 00 00")))
+    shown = wireshark.dissect([WireRecord(record, bytes.fromhex(request_), b"\1\1\1\0")])[0][0]
+    assert message in compare("request", expected, shown, set())
+
+
+def test_what_is_not_known_is_not_compared() -> None:
+    """A text, and what follows the fill byte behind an odd number of bytes."""
+    for block, reason in ((ValueBlock(0x05, 1, b"\7"), FILL), (ValueBlock(0x09, 2, b"ab"), TEXT)):
+        fields = response_fields(Response(1, 1, 1, 2, (block, ValueBlock(0x06, 1, b"\0\5"))))
+        assert ("stop", reason) in fields
+
+
+def test_without_tshark_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The check is listed, and fails nothing."""
+    monkeypatch.setattr(wireshark.shutil, "which", lambda _name: None)
+    spec = next(path for path in SPECS if path.stem == "s7-300_6ra80_dp_tia")
+    found = api.verify(spec, generated_example(spec.stem), faults="none", oracle="tshark")
+    check = next(check for check in found.checks() if check.id == "wireshark")
+    assert (check.outcome, check.verdict) == (Outcome.NOT_RUN, "not run: tshark is not installed")
+    assert found.ok
+    with pytest.raises(wireshark.WiresharkError, match="not installed"):
+        wireshark.dissect([])
+
+
+@needs_tshark
+@pytest.mark.slow
+@pytest.mark.parametrize("spec", [path for path in SPECS if "plant" not in path.stem], ids=lambda path: path.stem)
+def test_every_shipped_spec(spec) -> None:
+    """Wireshark reads every telegram of the examples as it was meant."""
+    found = api.verify(spec, generated_example(spec.stem), faults="none", oracle="tshark")
+    assert found.ok
+    asked = [check for check in found.checks() if check.id.startswith("wireshark.")]
+    assert all(check.outcome is Outcome.OK for check in asked)
+    assert asked or "s7-200" in spec.stem
