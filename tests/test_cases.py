@@ -105,9 +105,12 @@ def test_a_bad_spec_is_reported_at_its_place(code: str, case: dict[str, Any], tm
 
 @pytest.mark.parametrize(("code", "case"), _cases("pass"))
 def test_a_good_spec_is_not_reported(code: str, case: dict[str, Any], tmp_path: Path) -> None:
-    """The code does not appear; except for the reading of bytes, neither does any other problem."""
+    """The code does not appear; except for the reading of bytes, neither does any other problem but PG228.
+
+    That one is about the catalogue, not about the spec.
+    """
     diagnostics, _ = _check(case, tmp_path)
-    shown = [f"{d.span} {d.code} {d.message}" for d in diagnostics if d.severity.label != "note"]
+    shown = [f"{d.span} {d.code} {d.message}" for d in diagnostics if d.severity.label != "note" and d.code != "PG228"]
     assert code not in [d.code for d in diagnostics], shown
     if "bytes" not in case:
         assert shown == []

@@ -19,16 +19,16 @@ SPEC = """\
 plc: {name: a, family: s7-1500, toolchain: tia-v19}
 drives: {d: {device: sinamics-g120, hardware_id: 270, record_index: profinet-local}}
 jobs:
-  set_ramps: {drive: d, write: {P1120: 5.0, P1121: null, P9: {type: Unsigned8, value: 1}}, allow: {P9: test}}
-  read_faults: {drive: d, read: ["r945[0..2]", P1120, {parameter: r20, type: Unsigned8}, r947]}
+  set_ramps: {drive: d, write: {P1120: 5.0, P1121: null, P29998: {type: Unsigned8, value: 1}}}
+  read_faults: {drive: d, read: ["r945[0..2]", P1120, {parameter: r29999, type: Unsigned8}, r947]}
 """
 FORMATS, MODEL = "plcgen/protocols/ds47/wire/formats.py", "plcgen/protocols/ds47/wire/model.py"
 UNITS, DRIVES = "plcgen/protocols/ds47/plan/units.py", "plcgen/protocols/ds47/rules/drives.py"
 SERVER, G120 = "plcgen/protocols/ds47/sim/behaviour.py", "specs/devices/sinamics-g120.yaml"
 VALUE, DESCRIPTION = "    VALUE = 0x10\n    DESCRIPTION = 0x20\n", "    VALUE = 0x20\n    DESCRIPTION = 0x10\n"
 READ, CHANGE = "    READ = 0x01\n    CHANGE = 0x02\n", "    READ = 0x02\n    CHANGE = 0x01\n"
-REAL = "type: FloatingPoint, unit: s, array: 4, min: 0.0, max: 999999.0, default: 10.0"
-UDINT = "type: Unsigned32, unit: s, array: 4, min: 0, max: 999999, default: 10"
+REAL = "type: FloatingPoint, unit: s, array: n, min: 0.0, max: 999999.0, default: 10.0"
+UDINT = "type: Unsigned32, unit: s, array: n, min: 0, max: 999999, default: 10"
 NO_RULE = "def drive_object(_plan: object) -> object:\n    return iter(())\n\n\ndef _drive_object(plan"
 FAULTS = {
     "REAL is 0Fh": [

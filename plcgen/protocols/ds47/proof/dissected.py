@@ -24,7 +24,7 @@ PROFIBUS, GLOBAL = 47, 0xB02F
 Expected = tuple[str, int | float | str]
 """A field by its name in the dissector, and its value; values have the name ``value``. ``STOP`` has a reason."""
 STOP = "stop"
-FILL = "the fill byte behind an odd number of bytes"
+FILL = "the fill byte after an odd number of bytes"
 TEXT = "a VisibleString"
 _PRECISION = 1e-5
 """A REAL is shown with six digits."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from plcgen.oracles.documents import device
 from plcgen.proof.ledger import Assumption, Grade
 from plcgen.protocols.ds47.device import Device, Fact, Parameter
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
+from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.proof.published import Form
 from plcgen.protocols.ds47.wire import formats
 
@@ -61,17 +62,22 @@ def _drive(plan: DrivePlan, drive: PlannedDrive) -> Iterator[Assumption]:
         if job.drive is drive:
             for use in job.uses:
                 uses.setdefault(use.parameter.pnu, use)
+    own = {number_of(text) for text in plan.settings(drive).parameters}
     for use in uses.values():
         parameter, name = use.parameter, f"{drive.key} {'r' if use.parameter.access == 'r' else 'P'}{use.parameter.pnu}"
         source = parameter.source or "the spec"
-        yield Assumption(name, f"type {use.format.name}", source, _grade(parameter, "type"))
-        for fact, limit in (("min", parameter.minimum), ("max", parameter.maximum)):
+        yield Assumption(name, f"type {use.format.name}", source, _grade(parameter, "type", own))
+        limits: tuple[tuple[Fact, float | None], ...] = (("min", parameter.minimum), ("max", parameter.maximum))
+        for fact, limit in limits:
             if limit is not None:
-                yield Assumption(name, f"{fact} {limit:g}", source, _grade(parameter, fact))
+                yield Assumption(name, f"{fact} {limit:g}", source, _grade(parameter, fact, own))
 
 
-def _grade(parameter: Parameter, fact: Fact) -> Grade:
-    return _GRADES[parameter.grades.get(fact, "read")] if parameter.source else Grade.SPEC
+def _grade(parameter: Parameter, fact: Fact, own: Collection[int | None]) -> Grade:
+    """``own`` are the numbers of the parameters that the spec defines for the drive."""
+    if parameter.pnu in own or not parameter.source:
+        return Grade.SPEC
+    return _GRADES[parameter.grades.get(fact, "read")]
 
 
 def _form(form: Form) -> Assumption:

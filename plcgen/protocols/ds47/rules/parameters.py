@@ -29,7 +29,7 @@ def access(plan: DrivePlan) -> Iterator[Diagnostic]:
                 message = f"{name} can only be read"
                 help_ = "the drive would answer error 01h: remove it from write, or read it in another job"
             elif job.writes and not use.parameter.source and spelling(plan, job, use).strip()[:1] in {"r", "R"}:
-                if use.parameter.pnu in _own(plan, job):
+                if use.parameter.pnu in own_numbers(plan, job):
                     continue
                 message = f"{name} is written with r, which marks a parameter that can only be read"
                 help_ = f"write P{use.parameter.pnu} if the drive accepts values for it"
@@ -41,7 +41,7 @@ def access(plan: DrivePlan) -> Iterator[Diagnostic]:
             yield Diagnostic("PG207", message, span(plan, use), help=help_)
 
 
-def _own(plan: DrivePlan, job: DriveJob) -> set[int | None]:
+def own_numbers(plan: DrivePlan, job: DriveJob) -> set[int | None]:
     """Numbers of the parameters that the job's drive defines itself."""
     return set(map(number_of, plan.settings(job.drive).parameters))
 
@@ -132,7 +132,9 @@ def unknown_types(plan: DrivePlan) -> Iterator[Diagnostic]:
     for job in plan.shapes:
         for use in job.uses:
             known = (job.drive.device.key, use.parameter.pnu)
-            if use.parameter.source and use.parameter.grades.get("type") == "recalled" and known not in told:
+            if use.parameter.pnu in own_numbers(plan, job):
+                continue
+            if use.parameter.grades.get("type") == "recalled" and known not in told:
                 told.add(known)
                 yield Diagnostic(
                     "PG228",
