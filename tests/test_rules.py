@@ -56,7 +56,13 @@ def test_several_mistakes_are_all_reported_in_reading_order(tmp_path: Path) -> N
         "  k: {drive: d, read: [P50303], timeout: 1ms, trigger: M9000.0}\n"
     )
     found = _check(jobs, tmp_path)
-    assert [(d.code, d.span.line) for d in found] == [("PG219", 4), ("PG305", 4), ("PG306", 5), ("PG404", 5)]
+    assert [(d.code, d.span.line) for d in found] == [
+        ("PG219", 4),
+        ("PG228", 4),
+        ("PG305", 4),
+        ("PG306", 5),
+        ("PG404", 5),
+    ]
 
 
 def test_every_later_use_of_a_number_points_to_the_first(tmp_path: Path) -> None:
@@ -102,7 +108,8 @@ def test_the_names_made_from_the_catalogue_fit(toolchain: str, tmp_path: Path) -
     """Every parameter of the DCM catalogue can be read without naming anything."""
     numbers = ["P50284", "P50285", "P50286", "P50287", "P50288", "P50296", "P50297", "P50298", "P50300", "P50301"]
     jobs = f"jobs: {{read_many_parameters_of_the_drive: {{drive: d, trigger: M1.0, read: [{', '.join(numbers)}]}}}}\n"
-    assert _check(jobs, tmp_path, PLC.replace("tia-v16", toolchain) + DRIVE) == ()
+    found = _check(jobs, tmp_path, PLC.replace("tia-v16", toolchain) + DRIVE)
+    assert {d.code for d in found} <= {"PG228"}
 
 
 @pytest.mark.slow

@@ -209,7 +209,7 @@ def test_interrupt_in_a_real_process():
     """Ctrl-C ends with 130 and one line."""
     code = (
         "import sys, plcgen.api\n"
-        "def stop(*_): raise KeyboardInterrupt\n"
+        "def stop(*_, **__): raise KeyboardInterrupt\n"
         "plcgen.api.check = stop\n"
         "from plcgen.cli.main import run\n"
         "sys.exit(run(['check', 'x.yaml']))\n"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError
+from plcgen.diagnostics import Diagnostic, DiagnosticError, PlcgenError
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.proof.rig import value_text
@@ -29,7 +29,7 @@ ATTEMPTS = 40
 RETRY_PAUSE = 200
 
 
-class ExchangeError(Exception):
+class ExchangeError(PlcgenError):
     """A finding that ends the check of one telegram."""
 
     def __init__(self, code: str, message: str) -> None:
