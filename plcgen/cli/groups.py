@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from keyword import iskeyword
 from types import MappingProxyType
 from typing import Any
 
@@ -25,7 +26,8 @@ def _show_help() -> None:
 class VerbGroup(Examples, click.Group):
     """A group whose verbs live in modules of the same name in ``package`` and whose help needs none of them.
 
-    ``modules`` names the modules in which several verbs live, each under its own name.
+    ``modules`` names the modules in which several verbs live, each under its own name. A module of a verb that is a
+    keyword of Python ends in _.
     """
 
     def __init__(
@@ -54,6 +56,7 @@ class VerbGroup(Examples, click.Group):
         if cmd_name not in self.verbs:
             return None
         module, command = self.modules.get(cmd_name, cmd_name), cmd_name if cmd_name in self.modules else "command"
+        module += "_" if iskeyword(module) else ""
         found: click.Command = getattr(import_module(f"{self.package}.{module}"), command)
         return found
 

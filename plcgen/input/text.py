@@ -45,3 +45,19 @@ def read_text(path: Path, file: str | None = None) -> str:
                 )
             ]
         ) from problem
+
+
+def decoded(data: bytes) -> str:
+    """Text of a list that some program exported.
+
+    By its byte order mark, else UTF-16 if every other byte is 0, else UTF-8, else Windows-1252.
+    """
+    if data[:2] in {codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE}:
+        return data.decode("utf-16", "replace")
+    head = data[:200]
+    if len(head) > 3 and head[1::2].count(0) > len(head) // 3:
+        return data.decode("utf-16-le", "replace")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("cp1252", "replace")

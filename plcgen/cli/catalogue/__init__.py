@@ -7,7 +7,10 @@ from plcgen.cli.groups import Sections, VerbGroup
 SECTIONS: Sections = (
     (
         "Parameters",
-        (("show", "Show what is known about parameters, how, and from where."),),
+        (
+            ("show", "Show what is known about parameters, how, and from where."),
+            ("import", "Lay a list of STARTER, SCOUT or Startdrive over it."),
+        ),
     ),
 )
 
@@ -19,5 +22,6 @@ command = VerbGroup(
     examples=(
         "plcgen catalogue show P1120 --device sinamics-g120",
         "plcgen catalogue show --device sinamics-s120 --draw 10 --seed 1",
+        "plcgen catalogue import expert_list.csv --device sinamics-g120",
     ),
 )

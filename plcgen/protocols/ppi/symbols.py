@@ -13,6 +13,7 @@ from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Report, Span
 from plcgen.input.files import read_bounded
+from plcgen.input.text import decoded
 from plcgen.protocols.ppi.wire.address import PpiAddressError, parse_address
 from plcgen.protocols.ppi.wire.model import Item
 
@@ -63,20 +64,7 @@ def load_symbols(path: Path) -> SymbolTable:
     if len(data) > MAX_BYTES:
         limit = f"the file has more than {MAX_BYTES // 1024 // 1024} MiB"
         raise DiagnosticError([Diagnostic("PG717", limit, Span(str(path)), help=_HELP)])
-    return parse_symbols(_decoded(data), str(path))
-
-
-def _decoded(data: bytes) -> str:
-    """Text of a file: by its byte order mark, else UTF-16 if every other byte is 0, else UTF-8, else Windows-1252."""
-    if data[:2] in {b"\xff\xfe", b"\xfe\xff"}:
-        return data.decode("utf-16", "replace")
-    head = data[:200]
-    if len(head) > 3 and head[1::2].count(0) > len(head) // 3:
-        return data.decode("utf-16-le", "replace")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode("cp1252", "replace")
+    return parse_symbols(decoded(data), str(path))
 
 
 def parse_symbols(text: str, name: str = "<symbols>") -> SymbolTable:

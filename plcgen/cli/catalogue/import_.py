@@ -1,0 +1,74 @@
+"""``plcgen catalogue import``: a parameter list of an engineering tool, laid over the catalogue."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from plcgen.cli.options import PATH, console, format_option, verb
+from plcgen.cli.output import OutputError
+
+if TYPE_CHECKING:
+    from plcgen.display.results import Answer
+    from plcgen.output.registry import OutputFormat
+    from plcgen.protocols.ds47.catalogue.merging import Merged
+
+
+@verb(
+    "import",
+    "plcgen catalogue import expert_list.csv --device sinamics-g120",
+    "plcgen catalogue import expert_list.csv --device sinamics-g120 --profile pump_drive.yaml",
+)
+@click.argument("file", type=PATH, metavar="FILE")
+@click.option("--device", required=True, metavar="DEVICE", help="Device profile, or the path of one.")
+@click.option("--profile", type=PATH, metavar="FILE", help="Write a profile with the result, for device: ./FILE.")
+@click.option("--force", is_flag=True, help="Overwrite an existing profile.")
+@format_option("answer")
+def command(*, file: Path, device: str, profile: Path | None, force: bool, format_: OutputFormat) -> int:
+    """Show what a parameter list (CSV of STARTER, SCOUT or Startdrive) says beyond the catalogue.
+
+    The shipped catalogue stays as it is: --profile writes one of your own, with the facts of the list as read ones and
+    its values as observed ones.
+    """
+    from plcgen.protocols.ds47.catalogue import lists, merging
+    from plcgen.protocols.ds47.devices import find_device
+
+    out = console()
+    result = merging.merge(find_device(device), lists.load_list(file), f"parameter list {file.name}")
+    if profile is not None:
+        if profile.exists() and profile.samefile(file):
+            raise click.UsageError(f"{profile} is the list that is read: write the profile elsewhere")
+        text = merging.profile_text(result.device)
+        try:
+            with profile.open("w" if force else "x", encoding="utf-8", newline="\n") as stream:
+                stream.write(text)
+        except FileExistsError as problem:
+            raise OutputError(f"{profile} exists: another name, or --force to overwrite it") from problem
+        except OSError as problem:
+            raise OutputError(f"cannot write {profile}: {problem.strerror or problem}") from problem
+    code = out.answer(format_, _answer(result))
+    if profile is not None:
+        out.say(f"wrote {profile}\nin a spec beside it: device: ./{profile.name}")
+    return code
+
+
+def _answer(result: Merged) -> Answer:
+    from plcgen.display.data import head
+    from plcgen.display.results import Answer
+    from plcgen.display.table import text_table
+    from plcgen.protocols.ds47.catalogue.merging import NEW
+
+    header = ("parameter", "fact", "catalogue", "known", "list")
+    rows = [(one.parameter, one.fact, one.known, one.grade, one.listed) for one in result.changes]
+    new = sum(one.fact == NEW for one in result.changes)
+    lines = text_table(header, rows, indent=0) if rows else []
+    told = f"{new} new parameters, {len(rows) - new} facts differ or were not read before"
+    text = "\n".join([*lines, *result.skipped, "", told]).lstrip("\n") + "\n"
+    data = {
+        **head("catalogue import", ok=True),
+        "changes": [dict(zip(header, row, strict=True)) for row in rows],
+        "skipped": list(result.skipped),
+    }
+    return Answer(data, lambda _view: text)

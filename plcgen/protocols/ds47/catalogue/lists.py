@@ -1,0 +1,172 @@
+"""Parameter lists as engineering tools export them: a row for each parameter or index, columns known by heading.
+
+The expert list of STARTER and SCOUT, saved as CSV, has Parameter, Data, Parameter text, the value, Unit, Modifiable to,
+Access level, Minimum, Maximum; the list of Startdrive has Number, Parameter text, Value, Unit. Headings may be English
+or German, in any order; the separator is a tab, a semicolon or a comma. Nobody publishes these formats: what is here
+follows the windows of the programs, and whatever is no known column is left alone.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.input.files import read_bounded
+from plcgen.input.text import decoded
+
+MAX_BYTES = 16 * 1024 * 1024
+MAX_ROWS = 200_000
+_HEADINGS = 50
+"""Rows at the top of a list among which the headings are looked for: some exports begin with a title."""
+
+_COLUMNS = {
+    "number": ("parameter", "number", "parameter number", "parameternummer", "nummer", "no.", "nr."),
+    "title": ("parameter text", "parametertext", "text", "parameter name", "description", "bezeichnung"),
+    "unit": ("unit", "einheit"),
+    "min": ("minimum", "min", "min.", "minimum value"),
+    "max": ("maximum", "max", "max.", "maximum value"),
+    "changeable": ("modifiable to", "änderbar bis", "can be changed"),
+    "type": ("data type", "datentyp"),
+    "value": ("value", "wert", "actual value", "istwert"),
+}
+_VALUE = re.compile(r"(online|offline)[ -]?(value|wert)")
+_PARAMETER = re.compile(r"([PpRr])0*([1-9][0-9]{0,4})(?:\[([0-9]{1,5})\])?\Z")
+_BIT = re.compile(r"[PpRr][0-9]{1,5}(?:\[[0-9]{1,5}\])?\.[0-9]{1,2}\Z")
+_NUMBER = re.compile(r"[+-]?[0-9]{1,15}(?:[.,][0-9]{1,15})?(?:[eE][+-]?[0-9]{1,2})?\Z")
+
+
+@dataclass(frozen=True, slots=True)
+class ListedParameter:
+    """What a list says about one parameter; None and empty where it says nothing. ``value`` is that of index 0."""
+
+    pnu: int
+    read_only: bool
+    line: int
+    title: str = ""
+    unit: str = ""
+    type: str = ""
+    changeable: str = ""
+    minimum: float | None = None
+    maximum: float | None = None
+    value: float | None = None
+    indexes: int | None = None
+
+
+def load_list(path: Path) -> Sequence[ListedParameter]:
+    """Read an exported list.
+
+    Raises:
+        DiagnosticError: PG704 if it is too long or no list.
+        OSError: if it cannot be read.
+    """
+    if path.suffix.lower() in {".xlsx", ".xls"}:
+        raise _wrong(path, "a spreadsheet is not read", "save it as CSV (separated by semicolons or tabs)")
+    data = read_bounded(path, MAX_BYTES)
+    if len(data) > MAX_BYTES:
+        raise _wrong(path, f"the file has more than {MAX_BYTES // 1024 // 1024} MiB", "export fewer parameters at once")
+    return parse_list(decoded(data), path)
+
+
+def parse_list(text: str, path: Path) -> Sequence[ListedParameter]:
+    """Read the text of a list, parameters in the order of their numbers. Raises DiagnosticError, PG704."""
+    rows = list(_rows(text, path))
+    columns, first = _headings(rows)
+    if "number" not in columns or len(columns) == 1:
+        help_ = "the headings are for example Parameter; Parameter text; Online value; Unit; Minimum; Maximum"
+        raise _wrong(path, "no row with the headings of a parameter list was found", help_)
+    found: dict[int, ListedParameter] = {}
+    for line, cells in rows[first:]:
+        texts = {key: cells[at].strip() for key, at in columns.items() if at < len(cells)}
+        one = _listed(texts, line)
+        if one is None:
+            continue
+        known = found.get(one.pnu)
+        found[one.pnu] = one if known is None else _joined(known, one)
+    if not found:
+        raise _wrong(path, "there is no parameter in the list", "a parameter is written like p1120 or r0945[3]")
+    return [found[pnu] for pnu in sorted(found)]
+
+
+def _rows(text: str, path: Path) -> Iterable[tuple[int, list[str]]]:
+    head = "\n".join(text.splitlines()[:_HEADINGS])
+    separator = max("\t;,", key=head.count)
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+    try:
+        for cells in reader:
+            if reader.line_num > MAX_ROWS:
+                raise _wrong(path, f"the list has more than {MAX_ROWS} lines", "export fewer parameters at once")
+            yield reader.line_num, cells
+    except csv.Error as problem:
+        raise _wrong(path, str(problem), "export the list again", reader.line_num) from problem
+
+
+def _headings(rows: Sequence[tuple[int, list[str]]]) -> tuple[Mapping[str, int], int]:
+    """Columns by what they hold, and the first row behind them: the row of the top with the most known headings."""
+    best: tuple[Mapping[str, int], int] = ({}, 0)
+    for at, (_, cells) in enumerate(rows[:_HEADINGS]):
+        columns: dict[str, int] = {}
+        for number, cell in enumerate(cells):
+            key = _heading(cell)
+            if key is not None:
+                columns.setdefault(key, number)
+        if len(columns) > len(best[0]):
+            best = (columns, at + 1)
+    return best
+
+
+def _heading(cell: str) -> str | None:
+    text = " ".join(cell.casefold().split())
+    if _VALUE.match(text):
+        return "value"
+    return next((key for key, names in _COLUMNS.items() if text in names), None)
+
+
+def _listed(texts: Mapping[str, str], line: int) -> ListedParameter | None:
+    """One row; None for a bit, a group heading, an empty row."""
+    match = _PARAMETER.match(texts.get("number", ""))
+    if match is None or int(match[2]) > 0xFFFF:
+        return None
+    index = None if match[3] is None else int(match[3])
+    return ListedParameter(
+        pnu=int(match[2]),
+        read_only=match[1] in "rR",
+        line=line,
+        title=one_line(texts.get("title", "")),
+        unit=one_line(texts.get("unit", "")).strip("-"),
+        type=texts.get("type", ""),
+        changeable=one_line(texts.get("changeable", "")),
+        minimum=_number(texts.get("min", "")),
+        maximum=_number(texts.get("max", "")),
+        value=_number(texts.get("value", "")) if index in {None, 0} else None,
+        indexes=None if index is None else index + 1,
+    )
+
+
+def _joined(known: ListedParameter, other: ListedParameter) -> ListedParameter:
+    """Rows of the same parameter: what the first one says, with the highest index."""
+    pairs = {name: getattr(known, name) for name in ListedParameter.__slots__}
+    for name, value in pairs.items():
+        if value is None or value == "":
+            pairs[name] = getattr(other, name)
+    counts = [count for count in (known.indexes, other.indexes) if count is not None]
+    pairs["indexes"] = max(counts) if counts else None
+    return ListedParameter(**pairs)
+
+
+def one_line(text: str) -> str:
+    """A text as a profile takes it: one printable line of at most 300 characters."""
+    return "".join(character for character in " ".join(text.split()) if character.isprintable())[:300]
+
+
+def _number(text: str) -> float | None:
+    """A decimal number with point or comma; enumerations, bit patterns and sources are none."""
+    return float(text.replace(",", ".")) if _NUMBER.match(text) else None
+
+
+def _wrong(path: Path, message: str, help_: str, line: int = 0) -> DiagnosticError:
+    return DiagnosticError([Diagnostic("PG704", message, Span(str(path), line), help=help_)])

@@ -1,0 +1,160 @@
+"""Parameter lists of engineering tools: read as they may look, laid over the catalogue, written as a profile.
+
+The lists are written by hand after the windows of the programs; no file of a program was at hand.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from plcgen.cli.main import cli
+from plcgen.diagnostics import DiagnosticError
+from plcgen.protocols.ds47.catalogue.lists import ListedParameter, load_list, parse_list
+from plcgen.protocols.ds47.catalogue.merging import Merged, merge, profile_text
+from plcgen.protocols.ds47.devices import device_names, find_device, read_profile
+
+STARTER = """\
+Expert list Pump
+Parameter;Data;Parameter text;Online value Pump;Unit;Modifiable to;Access level;Minimum;Maximum
+r0002;;Drive operating display;[31] Ready for switching on;;;1;;
+p1120[0];D;Ramp-function generator ramp-up time;12,500;s;Operation;1;0,000;999999,000
+p1120[1];D;Ramp-function generator ramp-up time;10,000;s;Operation;1;0,000;999999,000
+r0722.0;;DI 0 (T. 5);0;;;1;;
+p0840[0];C;BI: ON/OFF1;r2090.0;;Ready to run;3;;
+p2940[0];D;Wobble generator amplitude;0,000;%;Operation;2;0,000;100,000
+"""
+STARTDRIVE = "Number\tParameter text\tValue\tUnit\np1082\tMaximum speed\t1500.000\trpm\nr21\tActual speed\t0.0\trpm\n"
+GERMAN = "Parameter,Parametertext,Online-Wert,Einheit,Minimum,Maximum\np1135,AUS3 Rücklaufzeit,1.5,s,0.0,600.0\n"
+
+
+def parsed(text: str) -> dict[int, ListedParameter]:
+    return {one.pnu: one for one in parse_list(text, Path("list.csv"))}
+
+
+def merged(text: str, device: str = "sinamics-g120") -> Merged:
+    return merge(find_device(device), parse_list(text, Path("list.csv")), "parameter list list.csv")
+
+
+def test_expert_list() -> None:
+    """Indexes are joined, bits left out; enumerations and sources are no values."""
+    found = parsed(STARTER)
+    assert set(found) == {2, 840, 1120, 2940}
+    assert found[1120] == ListedParameter(
+        1120, read_only=False, line=4, title="Ramp-function generator ramp-up time", unit="s", changeable="Operation",
+        minimum=0.0, maximum=999999.0, value=12.5, indexes=2,
+    )  # fmt: skip
+    assert (found[2].value, found[840].value, found[2].read_only) == (None, None, True)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252"])
+def test_encodings_separators_and_languages(encoding: str, tmp_path: Path) -> None:
+    """Tabs, semicolons, commas; headings in two languages."""
+    path = tmp_path / "list.csv"
+    path.write_bytes(GERMAN.encode(encoding))
+    (one,) = load_list(path)
+    assert (one.title, one.unit, one.value, one.maximum) == ("AUS3 Rücklaufzeit", "s", 1.5, 600.0)
+    assert [one.pnu for one in parse_list(STARTDRIVE, path)] == [21, 1082]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a;b;c\n1;2;3\n", "no row with the headings"),
+        ("Parameter;Parameter text\nhello;world\n", "there is no parameter in the list"),
+        ("Parameter;Unit\n" + "p1;s\n" * 200_001, "more than 200000 lines"),
+        ('Parameter;Unit\np1;"' + "x" * 200_000, "field larger than field limit"),
+        ("", "no row with the headings"),
+    ],
+)
+def test_what_is_no_list(text: str, message: str) -> None:
+    """One diagnostic with a remedy."""
+    with pytest.raises(DiagnosticError) as problem:
+        parsed(text)
+    (told,) = problem.value.diagnostics
+    assert told.code == "PG704"
+    assert message in told.message
+    assert told.help
+
+
+def test_spreadsheets_are_refused(tmp_path: Path) -> None:
+    """With the way out."""
+    with pytest.raises(DiagnosticError, match="a spreadsheet is not read"):
+        load_list(tmp_path / "list.xlsx")
+
+
+def test_preview() -> None:
+    """What is new, what was not read before; what agrees with a read fact is no change."""
+    changes = {(one.parameter, one.fact): (one.known, one.grade, one.listed) for one in merged(STARTER).changes}
+    assert changes == {
+        ("P840", "array"): ("n", "inferred", "1"),
+        ("P1120", "array"): ("n", "inferred", "2"),
+        ("P1120", "min"): ("0", "recalled", "0"),
+        ("P1120", "max"): ("999999", "recalled", "999999"),
+        ("P2940", "new"): ("", "", "Wobble generator amplitude"),
+    }
+
+
+def test_values_are_observed_and_limits_are_read() -> None:
+    """A list shows what the drive has: its limits decide, its values are no factory settings."""
+    found = merged(STARTER).device.parameters
+    assert (found[1120].maximum, found[1120].default, found[1120].observed) == (999999.0, 10.0, 12.5)
+    assert (found[2940].type, found[2940].default, found[2940].observed) == ("", None, 0.0)
+    assert found[1120].source.startswith("parameter list list.csv; TIA Portal")
+
+
+def test_guards_are_not_lifted() -> None:
+    """A list that writes 945 with p, and the brake without a warning."""
+    device = merged("Parameter;Parameter text\np945;Fault code\np1215;Brake\n").device
+    assert device.parameters[945].access == "r"
+    assert device.danger(1215)
+
+
+def test_limits_that_fit_no_type_are_told() -> None:
+    """Lines and reasons; the rest is taken over."""
+    text = "Parameter;Minimum;Maximum\np1300;0;99999\np1115;5;1\n"
+    result = merged(text)
+    assert result.skipped == [
+        "line 3: P1115 has a minimum over its maximum",
+        "line 2: max 99999 of P1300 is none of type Integer16",
+    ]
+    assert result.device.parameters[1300].minimum == 0
+
+
+@pytest.mark.parametrize("name", device_names())
+def test_a_profile_reads_back_as_the_same_device(name: str, tmp_path: Path) -> None:
+    """Every shipped device, every fact and its grade."""
+    device = find_device(name)
+    path = tmp_path / "own.yaml"
+    path.write_text(profile_text(device), "utf-8")
+    again = read_profile(path, name)
+    assert again == device
+    for pnu, one in device.parameters.items():
+        assert (again.parameters[pnu].grades, again.parameters[pnu].doubted) == (one.grades, one.doubted), pnu
+
+
+def test_import_writes_a_profile(tmp_path: Path) -> None:
+    """Preview on stdout, the profile where it was asked for, once."""
+    (tmp_path / "list.csv").write_text(STARTER, "utf-8")
+    own = tmp_path / "own.yaml"
+    words = ["catalogue", "import", str(tmp_path / "list.csv"), "--device", "sinamics-g120"]
+    first = CliRunner().invoke(cli, [*words, "--profile", str(own), "--json"])
+    assert {
+        "parameter": "P2940",
+        "fact": "new",
+        "catalogue": "",
+        "known": "",
+        "list": "Wobble generator amplitude",
+    } in (json.loads(first.stdout)["changes"])
+    assert find_device(str(own)).parameters[1120].array == 2
+    same = [*words, "--force", "--profile", str(tmp_path / "list.csv")]
+    assert CliRunner().invoke(cli, same).exit_code == 2
+    assert CliRunner().invoke(cli, [*words, "--profile", str(own)]).exit_code != 0
+    assert (
+        CliRunner()
+        .invoke(cli, [*words[:-1], str(own)])
+        .stdout.endswith("0 new parameters, 0 facts differ or were not read before\n")
+    )
