@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+import sys
+from functools import lru_cache
+from typing import Any, TypeVar
 
 from plcgen.diagnostics import PluginError
 
@@ -15,10 +17,8 @@ def plugins(group: str, shape: type[Plugin]) -> dict[str, Plugin]:
     Raises:
         PluginError: if one of them cannot be loaded or has not the shape.
     """
-    from importlib.metadata import entry_points
-
     found: dict[str, Plugin] = {}
-    for point in sorted(entry_points(group=group), key=lambda point: (point.name, point.value)):
+    for point in sorted(offered(tuple(sys.path)).select(group=group), key=lambda point: (point.name, point.value)):
         try:
             loaded = point.load()
         except Exception as problem:  # code of others: whatever it raises is told
@@ -27,3 +27,11 @@ def plugins(group: str, shape: type[Plugin]) -> dict[str, Plugin]:
             raise PluginError(f"{point.value} in {group} is no {shape.__name__}")
         found[point.name] = loaded
     return found
+
+
+@lru_cache(maxsize=1)
+def offered(_path: tuple[str, ...]) -> Any:
+    """Every entry point on ``sys.path``: to find them takes a look into each distribution, so it is done once."""
+    from importlib.metadata import entry_points
+
+    return entry_points()

@@ -29,6 +29,7 @@ def distribution(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[Callable[[str, str, str, str | Path], None]]:
     """Returns what installs a distribution: a module, as text or as the folder of a package, with an entry point."""
+    from plcgen.plugins import offered
     from plcgen.project.shape import spec_model
     from plcgen.protocols.ds47.kinds import kinds
     from plcgen.protocols.ds47.schema import sections
@@ -37,7 +38,7 @@ def distribution(
     site, modules = tmp_path / "site", set[str]()
     site.mkdir()
     monkeypatch.syspath_prepend(str(site))
-    caches = (kinds, sections, spec_model, protocols)
+    caches = (offered, kinds, sections, spec_model, protocols)
 
     def forget() -> None:
         for cached in caches:

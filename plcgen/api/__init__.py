@@ -6,40 +6,43 @@ diagnostic in the result, never an exception.
 
 from __future__ import annotations
 
-from plcgen.api.project import (
-    CheckResult,
-    EncodedTelegram,
-    EncodeResult,
-    GenerateResult,
-    Progress,
-    check,
-    default_folder,
-    encode,
-    generate,
-    review,
-    schema,
-    simulate,
-    verify,
-)
-from plcgen.api.sources import (
-    SPEC_SUFFIXES,
-    ConvertResult,
-    Family,
-    audit,
-    check_lock,
-    convert,
-    diff,
-    layout,
-    lock,
-)
-from plcgen.api.telegrams import (
-    decode,
-    decode_status,
-    encode_read,
-    encode_write,
-    explain,
-)
-from plcgen.review.layout.tables import LayoutResult
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from plcgen.api.project import (
+        CheckResult,
+        GenerateResult,
+        Progress,
+        check,
+        default_folder,
+        generate,
+        review,
+        schema,
+        simulate,
+        verify,
+    )
+    from plcgen.api.sources import (
+        SPEC_SUFFIXES,
+        ConvertResult,
+        Family,
+        audit,
+        check_lock,
+        convert,
+        diff,
+        layout,
+        lock,
+    )
+    from plcgen.api.telegrams import (
+        EncodedTelegram,
+        EncodeResult,
+        decode,
+        decode_status,
+        encode,
+        encode_read,
+        encode_write,
+        explain,
+    )
+    from plcgen.review.layout.tables import LayoutResult
 
 __all__ = [
     "SPEC_SUFFIXES",
@@ -71,3 +74,29 @@ __all__ = [
     "simulate",
     "verify",
 ]
+
+_SOURCES = frozenset(
+    {"SPEC_SUFFIXES", "ConvertResult", "Family", "audit", "check_lock", "convert", "diff", "layout", "lock"}
+)
+_TELEGRAMS = frozenset(
+    {"EncodeResult", "EncodedTelegram", "decode", "decode_status", "encode", "encode_read", "encode_write", "explain"}
+)
+
+
+def __getattr__(name: str) -> Any:
+    """Import a name of the API when it is first used: a verb starts without the modules of the others."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    module = (
+        "plcgen.review.layout.tables"
+        if name == "LayoutResult"
+        else f"{__name__}.{'sources' if name in _SOURCES else 'telegrams' if name in _TELEGRAMS else 'project'}"
+    )
+    found = globals()[name] = getattr(import_module(module), name)
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,4 +1,4 @@
-"""What is done with a spec: check, generate, verify, simulate, encode."""
+"""What is done with a spec: check, generate, verify, simulate."""
 
 from __future__ import annotations
 
@@ -79,29 +79,6 @@ class GenerateResult:
         symbols = [path for path in (self.folder / "symbols.sdf",) if path.is_file()]
         sources = read_sources([*paths, *symbols], classic=target.classic)
         return ProgramSize(estimate(sources, target.dialect), target.cpu, self.idle_statements)
-
-
-@dataclass(frozen=True, slots=True)
-class EncodedTelegram:
-    """A request as bytes: which job, which of its telegrams (from 1), the data block it lies in."""
-
-    job: str
-    index: int
-    block: str
-    data: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class EncodeResult:
-    """Requests as bytes, in the order in which they are sent."""
-
-    telegrams: tuple[EncodedTelegram, ...]
-    diagnostics: tuple[Diagnostic, ...]
-
-    @property
-    def ok(self) -> bool:
-        """Whether no diagnostic is an error."""
-        return not any(d.severity.label == "error" for d in self.diagnostics)
 
 
 STRICT = frozenset({"PG228"})
@@ -323,32 +300,6 @@ def review(
 
     own = Path(lock) if lock is not None else None
     return collect(ReviewRequest(Path(spec), _folder(spec, folder), against, faults, fault, own), progress)
-
-
-def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
-    """Return the requests of all jobs of a spec, or of one job, with their start values."""
-    from plcgen.diagnostics.suggest import did_you_mean
-
-    checked = _planned(spec)
-    if checked.project is None or not checked.ok:
-        return EncodeResult((), checked.diagnostics)
-    jobs = [planned for planned in checked.project.jobs if job in {None, planned.key}]
-    if not jobs:
-        names = [planned.key for planned in checked.project.jobs]
-        hint = f"{did_you_mean(job or '', names)} jobs of this spec: {', '.join(names)}".strip()
-        span = checked.project.loaded.key_span(("jobs",))
-        unknown = Diagnostic("PG703", f'the spec has no job "{job}"', span, help=hint)
-        return EncodeResult((), (*checked.diagnostics, unknown))
-    telegrams = [
-        EncodedTelegram(planned.key, number, _block_text(telegram.request.home), telegram.request.data)
-        for planned in jobs
-        for number, telegram in enumerate(planned.telegrams, 1)
-    ]
-    return EncodeResult(tuple(telegrams), checked.diagnostics)
-
-
-def _block_text(ref: Any) -> str:
-    return f'{ref.kind}{ref.number} "{ref.name}"'
 
 
 def schema() -> dict[str, Any]:

@@ -2,15 +2,43 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
+
+from plcgen.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plcgen.display.page import Page
+    from plcgen.project.nouns import BlockRef
     from plcgen.protocols.decoded import DecodedTelegram
     from plcgen.protocols.ds47.wire.model import ParameterAddress, ValueBlock
     from plcgen.protocols.ds47.wire.status import Status
+
+
+@dataclass(frozen=True, slots=True)
+class EncodedTelegram:
+    """A request as bytes: which job, which of its telegrams (from 1), the data block it lies in."""
+
+    job: str
+    index: int
+    block: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class EncodeResult:
+    """Requests as bytes, in the order in which they are sent."""
+
+    telegrams: tuple[EncodedTelegram, ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether no diagnostic is an error."""
+        return not any(d.severity.label == "error" for d in self.diagnostics)
 
 
 def encode_read(addresses: Sequence[ParameterAddress], *, drive_object: int = 1, reference: int = 1) -> bytes:
@@ -52,3 +80,30 @@ def explain(key: str) -> Page | None:
     from plcgen.api.explanation import explain_page
 
     return explain_page(key)
+
+
+def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
+    """Return the requests of all jobs of a spec, or of one job, with their start values."""
+    from plcgen.diagnostics.suggest import did_you_mean
+    from plcgen.project.opening import open_spec
+
+    opened = open_spec(Path(spec))
+    if opened.project is None or any(d.severity is Severity.ERROR for d in opened.diagnostics):
+        return EncodeResult((), opened.diagnostics)
+    jobs = [planned for planned in opened.project.jobs if job in {None, planned.key}]
+    if not jobs:
+        names = [planned.key for planned in opened.project.jobs]
+        hint = f"{did_you_mean(job or '', names)} jobs of this spec: {', '.join(names)}".strip()
+        span = opened.project.loaded.key_span(("jobs",))
+        unknown = Diagnostic("PG703", f'the spec has no job "{job}"', span, help=hint)
+        return EncodeResult((), (*opened.diagnostics, unknown))
+    telegrams = [
+        EncodedTelegram(planned.key, number, _block_text(telegram.request.home), telegram.request.data)
+        for planned in jobs
+        for number, telegram in enumerate(planned.telegrams, 1)
+    ]
+    return EncodeResult(tuple(telegrams), opened.diagnostics)
+
+
+def _block_text(ref: BlockRef) -> str:
+    return f'{ref.kind}{ref.number} "{ref.name}"'

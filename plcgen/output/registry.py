@@ -77,7 +77,7 @@ def names(kind: str) -> tuple[str, ...]:
 
 
 def _shipped() -> list[str]:
-    return [path.stem for path in Path(__file__).with_name("formats").glob("[!_]*.py")]
+    return [path.stem for path in Path(__file__).with_name("formats").iterdir() if path.match("[!_]*.py")]
 
 
 def _foreign() -> dict[str, OutputFormat]:

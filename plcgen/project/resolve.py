@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.project.cpus import CpuType, cpu_names, find_cpu
 from plcgen.project.loading import used_protocols
 from plcgen.project.nouns import Project
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec
 from plcgen.project.target import combination_problem, target
+
+if TYPE_CHECKING:
+    from plcgen.project.cpus import CpuType
 
 
 def resolve(loaded: LoadedSpec, report: Report) -> Project:
@@ -32,6 +36,8 @@ def _cpu(loaded: LoadedSpec, report: Report) -> CpuType | None:
     plc = loaded.spec.plc
     if plc.cpu is None:
         return None
+    from plcgen.project.cpus import cpu_names, find_cpu
+
     place = loaded.span(("plc", "cpu"))
     found = find_cpu(plc.cpu)
     if found is None:

@@ -7,7 +7,6 @@ from typing import Any
 
 from pydantic import create_model
 
-from plcgen.project.cpus import cpu_names
 from plcgen.project.schema import Spec
 from plcgen.protocols.base import Protocol
 
@@ -21,6 +20,8 @@ def spec_model(used: tuple[Protocol, ...]) -> type[Spec]:
 
 def json_schema(known: tuple[Protocol, ...]) -> dict[str, Any]:
     """JSON schema (draft 2020-12) of a job spec for editors, short forms included."""
+    from plcgen.project.cpus import cpu_names
+
     schema = spec_model(known).model_json_schema(by_alias=True)
     schema["$defs"]["Plc"]["properties"]["cpu"]["anyOf"].insert(0, {"enum": list(cpu_names())})
     for protocol in known:

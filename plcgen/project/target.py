@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import TYPE_CHECKING
 
-from plcgen.project.cpus import CpuType
 from plcgen.scl.dialect import Dialect
+
+if TYPE_CHECKING:
+    from plcgen.project.cpus import CpuType
 
 
 @dataclass(frozen=True, slots=True)

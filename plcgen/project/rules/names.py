@@ -10,7 +10,6 @@ from plcgen.diagnostics import Diagnostic, Note, Severity
 from plcgen.project.rules.places import by_importance, key_or_value, name_span, node_at
 from plcgen.protocols.base import Named
 from plcgen.s7.names import ROLES, check_name
-from plcgen.s7.system import standard_library
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -73,6 +72,8 @@ def _taken(project: Project) -> Iterator[tuple[str, str, Span | None]]:
     """Names that blocks of a spec must not have: of what every project gets, and of tables and tags."""
     yield "Main", "the example OB1", None
     if project.target.v5:
+        from plcgen.s7.system import standard_library
+
         yield from ((name, "a block of the standard library", None) for name in sorted(standard_library()))
     for block in project.blocks:
         if block.path == _FIXED:
