@@ -56,9 +56,7 @@ def plan_jobs(
     given = job.block.name
     block = numbering.block("FB", given or name, (*path, "block"), job.block.number, given=bool(given))
     if job.trigger is not None and len(drives) > 1:
-        message = f'flags cannot belong to {len(drives)} drives: "{key}" would start on all of them at once'
-        help_ = "leave trigger out: every instance has its execute in DriveJobs"
-        report.add(Diagnostic("PG404", message, loaded.key_span((*path, "trigger")), help=help_))
+        _report_shared_flags(key, len(drives), loaded, path, report)
     return tuple(
         DriveJob(
             key=key if len(drives) == 1 else f"{key}.{drive.key}",
@@ -83,6 +81,12 @@ def plan_jobs(
         )
         for drive in drives
     )
+
+
+def _report_shared_flags(key: str, drives: int, loaded: LoadedSpec, path: SpecPath, report: Report) -> None:
+    message = f'flags cannot belong to {drives} drives: "{key}" would start on all of them at once'
+    help_ = "leave trigger out: every instance has its execute in DriveJobs"
+    report.add(Diagnostic("PG404", message, loaded.key_span((*path, "trigger")), help=help_))
 
 
 class Slots:

@@ -22,14 +22,44 @@ from plcgen.protocols.ds47.words import (
 Row = tuple[str, str, str] | tuple[str, str, str, str]
 """Name, type, text and start value of a member; a type in quotes is a user type, ``n..m of`` an array."""
 
+_TURN: list[Row] = [
+    ("slotCount", "INT", "places of the unit; 0: the channel was never called"),
+    ("beat", "INT", "counts in every call of the channel"),
+    ("grant", "DINT", "who holds the unit: 100000 x slot + number under which it asked"),
+    ("served", "INT", "telegram of that job that has ended"),
+    ("status", "WORD", "its result"),
+]
+_ASK: list[Row] = [
+    ("telegram", "INT", "telegram that is handed over"),
+    ("mark", "INT", "counts in every call of the job while it is busy"),
+    ("want", "INT", "number under which the job asks; not positive: it does not"),
+]
+_PLACE: list[Row] = [
+    ("ask", "INT", "number under which the channel asks; 0: it does not"),
+    ("beat", "INT", "counts in every call of the channel"),
+    ("grant", "INT", "number that has a place; written by the gate"),
+]
+
 
 def types(plan: DrivePlan) -> list[TypeBlock]:
     """What the engine's blocks share, in the order in which a compiler wants it."""
-    engine, t15 = plan.engine, plan.target.t15
-    size = plan.variant
-    last, blocks = size.bytes - 1, size.parameters
+    engine = plan.engine
+    gate: list[Row] = [
+        ("channels", f'1..{plan.variant.channels} of "{engine.place.name}"', "written by the channel of that number")
+    ]
+    return [
+        TypeBlock(engine.order, _members(plan, _order(t15=plan.target.t15)), starts=True),
+        TypeBlock(engine.turn, _members(plan, _TURN)),
+        TypeBlock(engine.ask, _members(plan, _ASK)),
+        TypeBlock(engine.unit, _members(plan, _unit(plan))),
+        TypeBlock(engine.place, _members(plan, _PLACE)),
+        TypeBlock(engine.gate_type, _members(plan, gate)),
+    ]
+
+
+def _order(*, t15: bool) -> list[Row]:
     number = "DB_ANY" if t15 else "INT"
-    order: list[Row] = [
+    return [
         ("hardwareId", "HW_IO", "hardware identifier of the drive") if t15 else ("address", "DWORD", "ID of the drive"),
         ("length", "INT", "bytes of the request"),
         ("retries", "INT", "how often a telegram is tried again", "40"),
@@ -41,25 +71,19 @@ def types(plan: DrivePlan) -> list[TypeBlock]:
         ("responseDb", number, "data block of the response"),
         ("responseSize", "INT", "bytes of that one"),
     ]
-    turn: list[Row] = [
-        ("slotCount", "INT", "places of the unit; 0: the channel was never called"),
-        ("beat", "INT", "counts in every call of the channel"),
-        ("grant", "DINT", "who holds the unit: 100000 x slot + number under which it asked"),
-        ("served", "INT", "telegram of that job that has ended"),
-        ("status", "WORD", "its result"),
-    ]
-    ask: list[Row] = [
-        ("telegram", "INT", "telegram that is handed over"),
-        ("mark", "INT", "counts in every call of the job while it is busy"),
-        ("want", "INT", "number under which the job asks; not positive: it does not"),
-    ]
-    unit: list[Row] = [
+
+
+def _unit(plan: DrivePlan) -> list[Row]:
+    """The mailbox of a device: telegram and results, what the channel says, what its jobs say."""
+    engine, size = plan.engine, plan.variant
+    last, blocks = size.bytes - 1, size.parameters
+    return [
         (
             "telegram",
             f"0..{last} of BYTE",
             "request; then the answer, every value where it lies if all are as expected",
         ),
-        *([] if t15 else [("record", f"0..{last} of BYTE", "what the drive answered")]),
+        *([] if plan.target.t15 else [("record", f"0..{last} of BYTE", "what the drive answered")]),
         ("errors", f"1..{blocks} of WORD", "per parameter of the telegram, as at the job"),
         ("infos", f"1..{blocks} of WORD", "per parameter of the telegram, as at the job"),
         (
@@ -75,22 +99,6 @@ def types(plan: DrivePlan) -> list[TypeBlock]:
         ("retries", "INT", "retries of this telegram"),
         ("asks", f'1..{size.slots} of "{engine.ask.name}"', "written by the job that has the slot"),
         ("ended", f"1..{size.slots} of INT", "number that the channel serves no more"),
-    ]
-    place: list[Row] = [
-        ("ask", "INT", "number under which the channel asks; 0: it does not"),
-        ("beat", "INT", "counts in every call of the channel"),
-        ("grant", "INT", "number that has a place; written by the gate"),
-    ]
-    gate: list[Row] = [
-        ("channels", f'1..{size.channels} of "{engine.place.name}"', "written by the channel of that number")
-    ]
-    return [
-        TypeBlock(engine.order, _members(plan, order), starts=True),
-        TypeBlock(engine.turn, _members(plan, turn)),
-        TypeBlock(engine.ask, _members(plan, ask)),
-        TypeBlock(engine.unit, _members(plan, unit)),
-        TypeBlock(engine.place, _members(plan, place)),
-        TypeBlock(engine.gate_type, _members(plan, gate)),
     ]
 
 
