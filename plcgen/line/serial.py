@@ -9,9 +9,6 @@ from typing import Any
 
 from plcgen.line.model import BUSY, CANNOT_OPEN, CHUNK, MISSING_PACKAGE, LineError, LineLostError
 
-RATES = (9600, 19200, 187500)
-"""What an S7-200 knows; 187500 needs an adapter that can."""
-
 _WRITE_SECONDS = 10.0
 """A port that takes no byte for so long is gone."""
 

@@ -56,7 +56,7 @@ def _simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progres
     plan = opened.sound().plan(DrivePlan)
     report.extend(opened.diagnostics)
     if plan is None or not plan.jobs:
-        help_ = "plcgen verify runs PPI masters against simulated stations"
+        help_ = "plcgen verify runs the jobs of every protocol"
         raise usage(str(spec), "there is no drive job to be simulated", help_)
     jobs = _chosen(plan, settings.jobs)
     scan_time = parse_time(str(settings.scan_time))

@@ -44,7 +44,7 @@ CP_PIECE, CP_MORE_CALLS, CP_RESET_CALLS = 32, 2, 4
 """Bytes that a CP 341 moves in a program cycle; calls of a job beside those, three for up to 32 bytes; least calls of a
 RESET.
 """
-CP_NO_MODULE, CP_BAD_LENGTH, CP_NO_DB = 0x1E0E, 0x1E41, 0x1E0F
+CP_NO_MODULE, CP_BAD_LENGTH = 0x1E0E, 0x1E41
 
 Report = Callable[[str, str], None]
 Locate = Callable[[str, int], Memory | None]

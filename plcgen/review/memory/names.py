@@ -65,7 +65,6 @@ class BlockNames:
             for member in section.members
         }
         self.constants: dict[str, ast.Expression] = _constants(source.unit)
-        self.constant_types = {member.name.upper(): member.type for member in block.section(SectionKind.CONSTANT)}
 
     @property
     def has_instance(self) -> bool:

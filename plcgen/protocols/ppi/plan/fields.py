@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from plcgen.protocols.ppi.plan.nouns import LEAD, Placed, PpiField, WireItem
+from plcgen.protocols.ppi.plan.nouns import Placed, PpiField, WireItem
 from plcgen.protocols.ppi.wire.areas import JOB_HEADER, Function, SizeCode
 from plcgen.s7.types import ELEMENTARY, ArrayType, DataType
 
@@ -117,8 +117,3 @@ def value_length(wire: WireItem) -> int:
     octets = wire.item.octets
     code = wire.item.size_code
     return 1 if code == SizeCode.BIT else octets if code == SizeCode.OCTETS else 8 * octets
-
-
-def table_offset(frame: int) -> int:
-    """Offset in a table of a byte of the frame."""
-    return LEAD + frame

@@ -26,7 +26,6 @@ SD1, SD2, SD3, SD4 = 0x10, 0x68, 0xA2, 0xDC
 END = 0x16
 BROADCAST = 127
 LEAST_LENGTH, MOST_LENGTH = 4, 249
-LONGEST_FRAME = MOST_LENGTH + 6
 FIXED_SIZES = {SD1: 6, SD3: 14, SD4: 3, ACKNOWLEDGE: 1}
 """Bytes of the frames whose length does not vary, by their first byte."""
 
