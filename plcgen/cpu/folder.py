@@ -25,15 +25,17 @@ def load_folder(
     litter: bool = False,
     iec_check: IecCheck = IecCheck.AS_STATED,
     constants: Mapping[str, int] | None = None,
+    symbols: Mapping[str, tuple[str, str]] | None = None,
     more: Iterable[Source] = (),
 ) -> Program:
     """Load the generated sources of a folder; symbols come from ``*.sdf``, tags and numbers from ``xml/*.xml``.
 
-    ``constants`` are system constants by their names, ``more`` are sources that do not lie in the folder.
+    ``constants`` are system constants by their names; ``symbols`` (address and type by name) and ``more`` are tags and
+    sources that do not lie in the folder.
     """
     folder = Path(folder)
     sources: list[Source] = [*generated_sources(folder), *more]
-    tags: Tags = {}
+    tags: Tags = dict(symbols or {})
     numbers: dict[str, int] = {}
     for table in sorted(folder.glob("*.sdf")):
         tags |= read_symbols(table)

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from plcgen.documents.members import plain
 from plcgen.documents.nouns import Call, Command, FunctionBlock, MemberRow, TagRow, WatchRow
 from plcgen.documents.spelling import type_words
-from plcgen.project.nouns import BlockRef, Frame
+from plcgen.project.nouns import BlockRef, Frame, OwnSymbol
+from plcgen.s7.address import Address
 
 _SIGNALS = {
     "execute": ("BOOL", "a rising edge starts the job"),
@@ -28,9 +29,10 @@ def signals(frame: Frame, texts: dict[str, str] | None = None, *, starts: bool =
 
 
 def place(control: BlockRef, command: Command, name: str) -> str:
-    """Operand of a signal or value: its flag, else its member of the control DB."""
-    if name in command.flags:
-        return f'"{flag_name(command.stem, name)}"'
+    """Operand of a signal or value: its flag or symbol, else its member of the control DB."""
+    flag = command.flags.get(name)
+    if flag is not None:
+        return flag.text() if isinstance(flag, OwnSymbol) else f'"{flag_name(command.stem, name)}"'
     return f'"{control.name}".{command.member}.{name}'
 
 
@@ -56,6 +58,7 @@ def tags(command: Command) -> list[TagRow]:
             f"{signal}: {command.title}",
         )
         for signal, address in command.flags.items()
+        if isinstance(address, Address)
     ]
 
 
@@ -65,7 +68,7 @@ def watch_rows(control: BlockRef, command: Command) -> Iterator[WatchRow]:
         address = command.flags.get(signal.name)
         yield WatchRow(
             place(control, command, signal.name),
-            "" if address is None else address.text(percent=False),
+            address.text(percent=False) if isinstance(address, Address) else "",
             "Hex" if signal.name == "status" else "Bool",
             "TRUE" if signal.name == "execute" else "",
         )

@@ -10,8 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from plcgen.project.nouns import BlockRef
-from plcgen.s7.address import Address
+from plcgen.project.nouns import BlockRef, Flag
 
 
 class WatchRow(NamedTuple):
@@ -98,7 +97,7 @@ def _same(name: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A job as its caller sees it: a structure ``member`` of the control DB, or flags where the spec places signals.
+    """A job as its caller sees it: a structure ``member`` of the control DB, or where else the spec places signals.
 
     ``stem`` begins the names of the flags; ``pin`` gives the name of a signal or value at the block.
     """
@@ -106,7 +105,7 @@ class Command:
     member: str
     stem: str
     title: str
-    flags: Mapping[str, Address]
+    flags: Mapping[str, Flag]
     signals: Sequence[MemberRow]
     inputs: Sequence[CallerValue]
     outputs: Sequence[CallerValue]

@@ -39,11 +39,19 @@ def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> 
         "system_blocks": [name for contribution in seen.contributions for name in contribution.system_blocks],
         "tag_table": next(iter(seen.tags), ""),
         "parts": [part for before, _ in guides for part in before],
+        "foreign": list(_foreign(project)),
         "order": [*order, "scl/Main.scl"],
         "closing": [part for _, behind in guides for part in behind],
     }
     yield Document("IMPORT.md", "text/import.md.j2", view)
     yield Document("LAYOUT.md", "text/layout.md.j2", {"project": project.name, "sheets": seen.sheets})
+
+
+def _foreign(project: Project) -> Iterator[tuple[str, str, str]]:
+    """What of the user's program is named: symbol, type, what it is for."""
+    for job in project.jobs:
+        for signal, symbol in job.trigger.symbols():
+            yield symbol.text(), "WORD" if signal == "status" else "BOOL", f"{signal} of {job.key}"
 
 
 def _import_order(seen: Overview, sources: SourceWriter) -> list[str]:

@@ -102,19 +102,47 @@ class Telegram:
 
 
 @dataclass(frozen=True, slots=True)
+class OwnSymbol:
+    """A place in the user's own program: a tag, or a member of a data block; ``members`` with their indexes."""
+
+    name: str
+    members: tuple[str, ...] = ()
+
+    def text(self, *, percent: bool = False) -> str:
+        """As SCL writes it: ``"Plant".startRamps``; ``percent`` is for addresses."""
+        del percent
+        return ".".join((f'"{self.name}"', *self.members))
+
+    def __str__(self) -> str:
+        return self.text()
+
+
+Flag = Address | OwnSymbol
+"""Where the spec places a signal."""
+
+
+@dataclass(frozen=True, slots=True)
 class PlannedTrigger:
-    """Absolute flags of a call; None where the control DB's member is used."""
+    """Flags and symbols of a call; None where the control DB's member is used."""
 
-    execute: Address | None = None
-    busy: Address | None = None
-    done: Address | None = None
-    error: Address | None = None
-    status: Address | None = None
+    execute: Flag | None = None
+    busy: Flag | None = None
+    done: Flag | None = None
+    error: Flag | None = None
+    status: Flag | None = None
 
-    def items(self) -> list[tuple[str, Address]]:
-        """The flags that are absolute, by signal name."""
+    def items(self) -> list[tuple[str, Flag]]:
+        """What the spec places, by signal name."""
         pairs = [(name, getattr(self, name)) for name in ("execute", "busy", "done", "error", "status")]
-        return [(name, address) for name, address in pairs if address is not None]
+        return [(name, place) for name, place in pairs if place is not None]
+
+    def flags(self) -> list[tuple[str, Address]]:
+        """The absolute ones."""
+        return [(name, place) for name, place in self.items() if isinstance(place, Address)]
+
+    def symbols(self) -> list[tuple[str, OwnSymbol]]:
+        """Those in the user's program."""
+        return [(name, place) for name, place in self.items() if isinstance(place, OwnSymbol)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

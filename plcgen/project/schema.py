@@ -160,9 +160,9 @@ class BlockName(StrictModel):
 
 
 class Trigger(StrictModel):
-    """Absolute flags of the job's call; absent ones are symbolic members of the control DB."""
+    """Flags or symbols of the job's call; absent ones are members of the control DB."""
 
-    execute: str | None = Field(None, description="bit that starts the job, e.g. M50.0")
+    execute: str | None = Field(None, description="bit that starts the job, e.g. M50.0 or Plant.start")
     busy: str | None = None
     done: str | None = None
     error: str | None = None

@@ -9,6 +9,7 @@ from plcgen.cpu.folder import load_folder
 from plcgen.cpu.program import Program
 from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, Outcome
+from plcgen.proof.standins import stand_ins
 
 _SCANS = 4
 """In the first scans after a start blocks initialise themselves."""
@@ -18,7 +19,9 @@ def idle_statements(project: Project, folder: Path) -> int | None:
     """Statements of an idle scan of the blocks in a folder; None if they do not run or have no cyclic OB."""
     proofs = (plan.protocol.proof(plan) for plan in project.plans)
     constants = {name: number for proof in proofs for name, number in proof.constants().items()}
-    program = load_folder(folder, project.target.dialect, constants=constants)
+    foreign = stand_ins(project)
+    dialect, more = project.target.dialect, foreign.sources.values()
+    program = load_folder(folder, dialect, constants=constants, symbols=foreign.tags, more=more)
     return count(program) if program.ok else None
 
 

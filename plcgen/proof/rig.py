@@ -13,6 +13,7 @@ from plcgen.cpu.program import Program
 from plcgen.diagnostics import DiagnosticError
 from plcgen.project.nouns import BlockRef, Project
 from plcgen.proof.scenario import ScenarioError
+from plcgen.proof.standins import stand_ins
 from plcgen.s7.image import Tree
 from plcgen.s7.layout import Layout, locate
 from plcgen.s7.types import Elementary
@@ -22,9 +23,16 @@ def load_program(project: Project, folder: Path) -> Program:
     """Compile the folder's sources, with those of the proofs, with coverage; local data holds garbage, as in a CPU."""
     proofs = [plan.protocol.proof(plan) for plan in project.plans]
     constants = {name: number for proof in proofs for name, number in proof.constants().items()}
-    more = [source for proof in proofs for source in proof.stimulus()]
-    dialect = project.target.dialect
-    program = load_folder(folder, dialect, coverage=True, litter=True, constants=constants, more=more)
+    foreign = stand_ins(project)
+    program = load_folder(
+        folder,
+        project.target.dialect,
+        coverage=True,
+        litter=True,
+        constants=constants,
+        symbols=foreign.tags,
+        more=[*(source for proof in proofs for source in proof.stimulus()), *foreign.sources.values()],
+    )
     if not program.ok:
         raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
     return program

@@ -12,6 +12,7 @@ from plcgen.cpu.system.bus import Periphery
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import usage
+from plcgen.proof.standins import stand_ins
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.words import DRAIN_MS
 from plcgen.trace.jobs import JobWatch, UnitWatch, job_signals
@@ -53,7 +54,8 @@ def _simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progres
     from plcgen.project.opening import open_spec
 
     opened = open_spec(spec)
-    plan = opened.sound().plan(DrivePlan)
+    project = opened.sound()
+    plan = project.plan(DrivePlan)
     report.extend(opened.diagnostics)
     if plan is None or not plan.jobs:
         help_ = "plcgen verify runs the jobs of every protocol"
@@ -67,7 +69,7 @@ def _simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progres
         missing = Diagnostic("PG507", "there is no such folder", Span(str(folder)), help="run plcgen generate first")
         raise DiagnosticError([missing])
     constants = {drive.id_name: drive.id_value for drive in plan.drives if drive.id_name}
-    program = load_program(folder, plan.target.dialect, settings.own, constants)
+    program = load_program(folder, plan.target.dialect, settings.own, constants, stand_ins(project))
     report.extend(program.diagnostics)
     bus = Periphery({address: unit for address, (_, unit) in units.items()})
     cpu = RecordingCpu(program, bus, cast("Family", plan.target.family))

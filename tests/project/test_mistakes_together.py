@@ -89,12 +89,12 @@ def test_every_mistake_is_reported_in_one_run(tmp_path: Path) -> None:
         """
 plc: {name: a, family: s7-1500, toolchain: tia-v19, nmae: x}
 drives:
-  d: {device: sinamics-g120, hardware_id: 270}
+  d: {device: sinamics-g120, hardware_id: 270, parameters: {P2900: {type: FloatingPoint, min: 0.0}}}
   e: {hardware_id: 271}
 jobs:
   j: {drive: x, read: [P1120]}
   k: {drive: d, reed: [foo]}
-  l: {drive: d, write: {P1120: -1.0, P1121: {zz: 1}}, timeout: 10}
+  l: {drive: d, write: {P2900: -1.0, P1121: {zz: 1}}, timeout: 10}
   m: {drive: e, read: [P1120, foo]}
 """,
         "utf-8",
@@ -106,7 +106,7 @@ jobs:
         ("PG202", 7, 14),  # no drive x
         ("PG104", 8, 17),  # reed
         ("PG203", 8, 24),  # read as read: no parameter foo
-        ("PG209", 9, 32),  # -1 s
+        ("PG209", 9, 32),  # below min
         ("PG104", 9, 46),  # zz
         ("PG107", 9, 64),  # no unit
     ]  # nothing of m: its drive could not be read

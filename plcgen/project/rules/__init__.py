@@ -21,6 +21,7 @@ RULES: tuple[Callable[[Project], Iterator[Diagnostic]], ...] = (
     numbers.too_many,
     flags.overlap,
     flags.out_of_range,
+    flags.symbols,
     names.names,
     names.block_names,
     names.encoding_of_names,

@@ -1,4 +1,4 @@
-"""Rules about the absolute flags (bit memory) of the calls."""
+"""Rules about where the spec places signals of the calls: absolute flags (bit memory), symbols."""
 
 from __future__ import annotations
 
@@ -36,6 +36,29 @@ def overlap(project: Project) -> Iterator[Diagnostic]:
             furthest = flag
 
 
+def symbols(project: Project) -> Iterator[Diagnostic]:
+    """PG403 and PG404: two signals have one symbol; a symbol is a block that plcgen makes."""
+    made = {block.name.lower(): block for block in project.blocks}
+    first: dict[str, tuple[str, Span]] = {}
+    for job in project.jobs:
+        for signal, symbol in job.trigger.symbols():
+            span = _span(project, (*job.path, "trigger", signal))
+            block = made.get(symbol.name.lower())
+            if block is not None:
+                message = f'{symbol} ({signal} of {job.key}) is in {block.kind} "{block.name}", which plcgen makes'
+                help_ = "name a tag or data block of your own program, or leave the signal out"
+                yield Diagnostic("PG404", message, span, help=help_)
+            known, place = first.setdefault(symbol.text().lower(), (f"{signal} of {job.key}", span))
+            if place is not span:
+                yield Diagnostic(
+                    "PG403",
+                    f"{symbol} ({signal} of {job.key}) is {known} as well",
+                    span,
+                    help="one signal would overwrite the other: use another tag",
+                    notes=(Note("first use", place),),
+                )
+
+
 def out_of_range(project: Project) -> Iterator[Diagnostic]:
     """PG404: a flag lies behind the end of the CPU's flag memory."""
     size = project.target.flag_bytes
@@ -52,7 +75,7 @@ def out_of_range(project: Project) -> Iterator[Diagnostic]:
 
 def _flags(project: Project) -> Iterator[_Flag]:
     """Every flag: first bit, position in the spec, signal, path, address."""
-    found = ((job, signal, address) for job in project.jobs for signal, address in job.trigger.items())
+    found = ((job, signal, address) for job in project.jobs for signal, address in job.trigger.flags())
     for position, (job, signal, address) in enumerate(found):
         yield address.offset, position, f"{signal} of {job.key}", (*job.path, "trigger", signal), address
 

@@ -81,7 +81,7 @@ def _taken(project: Project) -> Iterator[tuple[str, str, Span | None]]:
     for plan in project.plans:
         yield from plan.protocol.rules().taken(plan)
     for job in project.jobs:
-        for signal in dict(job.trigger.items()):
+        for signal in dict(job.trigger.flags()):
             span = key_or_value(project, (*job.path, "trigger", signal))
             yield f"{job.member}{signal.capitalize()}", f'the {signal} flag of job "{job.key}"', span
 
