@@ -75,9 +75,10 @@ def damaged(text: str, by: str) -> Iterator[str]:
 @pytest.mark.parametrize("case", cases("pass"))
 def test_nothing_follows_from_what_cannot_be_read(case: dict[str, Any], tmp_path: Path) -> None:
     """A good spec with one value of a wrong type has that mistake and no other."""
+    anyway = {name for name, _ in check(tmp_path, case, case["spec"])}
     for by in ("{zz: [1]}", "[[]]", "-7.5"):
         for text in damaged(case["spec"], by):
-            found = [name for name, _ in check(tmp_path, case, text) if name != "PG227"]
+            found = [name for name, _ in check(tmp_path, case, text) if name not in anyway]
             if any(name < "PG2" for name in found):
                 assert not [name for name in found if name >= "PG2"], text
 
