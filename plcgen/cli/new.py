@@ -152,10 +152,15 @@ def _aligned(line: str) -> str:
     return f"{body:<{_COMMENT - 1}} # {comment}\n" if bar else f"{line}\n"
 
 
+_FAMILIAR = (1120, 1121, 50303, 50304)
+"""Ramp times: everybody knows what they do."""
+
+
 def _examples(device: Device) -> tuple[Parameter, Parameter]:
-    """One parameter to read and one to write: harmless, single value, preferably a REAL with a name."""
+    """One parameter to read and one to write: harmless, single value, of a known type, preferably a ramp time."""
     known = sorted((p for p in device.parameters.values() if p.type), key=lambda p: p.pnu)
     harmless = [p for p in known if not device.danger(p.pnu) and not p.bico and p.pnu not in device.bases]
     writable = [p for p in harmless if "w" in p.access]
-    best = [p for p in writable if p.type == "FloatingPoint" and p.name] or writable or known
+    sure = [p for p in writable if p.grades.get("type") != "recalled"]
+    best = [p for p in sure if p.pnu in _FAMILIAR] or [p for p in sure if p.name] or writable or known
     return best[0], best[min(1, len(best) - 1)]
