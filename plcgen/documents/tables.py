@@ -74,11 +74,31 @@ def _symbols(project: Project, seen: Overview, tags: Sequence[TagRow]) -> str:
         area = tag.address.rstrip("0123456789.")
         text = tag.text if encodable(tag.text, project.target) else ""
         rows.append((tag.name, f"{area} {tag.address[len(area) :]}", tag.type.upper(), text[:80]))
-    return _csv(rows, csv.QUOTE_ALL)
+    return "".join(map(_symbol_row, rows))
 
 
-def _csv(rows: Iterable[Sequence[str]], quoting: int = csv.QUOTE_MINIMAL) -> str:
+def _symbol_row(row: Sequence[str]) -> str:
+    """A line of a symbol table: name, address, type and comment in quotes, in columns of 24, 12, 10 and 80.
+
+    So are the 59 lines of SYMBOL.SDF, which STEP 7 brings along (public copy: github.com/ivangre4/PLC_Programms). A
+    number ends in column 9; for a bit the point is in column 10, as in exports of the same table as ASC.
+    """
+    name, address, type_, comment = row
+    cells = (name.ljust(24), _in_columns(address).ljust(12), _in_columns(type_).ljust(10), comment.ljust(80))
+    return ",".join(f'"{cell}"' for cell in (cell.replace('"', "'") for cell in cells)) + "\n"
+
+
+def _in_columns(text: str) -> str:
+    """``UDT 470`` with its number where a symbol table has it; an elementary type as it is."""
+    area, blank, number = text.partition(" ")
+    if not blank:
+        return text
+    byte, point, bit = number.partition(".")
+    return f"{area}{byte:>{9 - len(area)}}{point}{bit}"
+
+
+def _csv(rows: Iterable[Sequence[str]]) -> str:
     """Rows as CSV with LF."""
     out = io.StringIO()
-    csv.writer(out, quoting=quoting, lineterminator="\n").writerows(rows)  # type: ignore[arg-type]
+    csv.writer(out, lineterminator="\n").writerows(rows)
     return out.getvalue()

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import ast
-import csv
-import io
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,7 +16,7 @@ from plcgen.documents.engine import emit
 from plcgen.documents.environment import render_all
 from plcgen.documents.members import assignments, buffer_member, initializer, plain
 from plcgen.documents.nouns import CallerValue, Command, Contribution, DataBlock, FunctionBlock, MemberRow, TypeBlock
-from plcgen.project.nouns import BlockRef, BufferField, Plan, PlannedJob, Project
+from plcgen.project.nouns import BlockRef, BufferField, Plan, PlannedJob, PlannedTrigger, Project
 from plcgen.project.target import target
 from plcgen.s7.address import parse_address
 from plcgen.s7.types import ELEMENTARY, ArrayType, Elementary
@@ -89,7 +87,8 @@ def files(family: str, toolchain: str, folder: Path, monkeypatch: pytest.MonkeyP
     loaded = SimpleNamespace(spec=SimpleNamespace(model_dump=lambda **_: {}))
     frame: tuple[Any, ...] = (cast("Any", loaded), "Toys", target(family, toolchain), ("en-US",))
     blocks = (ref("FB", "Toy", 7), ref("DB", "Toy_DB", 8))
-    plan = Plan(*frame, protocol=cast("Any", Toy()), jobs=cast("list[PlannedJob]", [SimpleNamespace()]), blocks=blocks)
+    job = cast("PlannedJob", SimpleNamespace(trigger=PlannedTrigger()))
+    plan = Plan(*frame, protocol=cast("Any", Toy()), jobs=[job], blocks=blocks)
     made = render_all(emit(Project(*frame, plans=(plan,))))
     return {file.path: file.data.decode("utf-8-sig").replace("\r\n", "\n") for file in made}
 
@@ -106,12 +105,11 @@ def test_sources_are_spelled_for_the_compiler(toolchain: str, tmp_path: Path, mo
             "\n    code : WORD;  // what it is\n    data : ARRAY[0..1] OF BYTE;\n  END_"
         )
         assert made["compile.inp"] == "FrameType\nFrame\nToys\nToy\nToy_DB\n"
-        rows = list(csv.reader(io.StringIO(made["symbols.sdf"])))
-        assert rows == [
-            ["LIB", "FB 1", "FB 1", "library"],
-            ["Toy", "FB 7", "FB 7", ""],
-            ["Toy_DB", "DB 8", "FB 7", ""],
-            ["moveExecute", "M 50.0", "BOOL", "execute: Move it"],
+        assert made["symbols.sdf"].splitlines() == [  # the columns of STEP 7's own SYMBOL.SDF
+            f'"LIB                     ","FB      1   ","FB      1 ","{"library":80}"',
+            f'"Toy                     ","FB      7   ","FB      7 ","{"":80}"',
+            f'"Toy_DB                  ","DB      8   ","FB      7 ","{"":80}"',
+            f'"moveExecute             ","M      50.0 ","BOOL      ","{"execute: Move it":80}"',
         ]
     else:
         assert "// ---- Work ----\n#busy := #execute;\nEND_FUNCTION_BLOCK" in made["scl/Toy.scl"]
