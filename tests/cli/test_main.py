@@ -6,6 +6,7 @@ import sys
 
 import click
 import pytest
+from projects import FAQ
 
 from plcgen import __version__
 from plcgen.cli import main, output
@@ -143,6 +144,13 @@ HEAVY = {"pydantic", "yaml", "jinja2", "lxml", "plcgen.project.schema"}
 def test_version_imports_no_click():
     """--version answers before anything is loaded."""
     assert not imported("--version") & (HEAVY | {"click", "plcgen.cli.main", "plcgen.api"})
+
+
+def test_a_check_leaves_out_what_other_verbs_need():
+    """Neither their results, nor CPU types, system blocks, literals, templates or XML."""
+    others = {"plcgen.api.sources", "plcgen.api.telegrams", "plcgen.review.layout.tables", "plcgen.project.cpus"}
+    others |= {"plcgen.s7.system", "plcgen.s7.blocks", "plcgen.s7.literals", "jinja2", "lxml"}
+    assert not imported("check", "--quiet", str(FAQ)) & others
 
 
 @pytest.mark.parametrize("args", [["-h"], ["check", "-h"], ["explain", "0x11"], ["completion", "bash"]])

@@ -6,7 +6,6 @@ from plcgen.project.target import Target
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import Use
 from plcgen.protocols.ds47.wire.bico import read_bico
-from plcgen.s7.literals import format_literal
 from plcgen.s7.types import ArrayType, Elementary
 from plcgen.s7.values import unpack_value
 
@@ -15,6 +14,8 @@ _SHOWN = 4
 
 def value_text(use: Use, where: Target) -> str:
     """The literals of its values, the first four of many; octets as hexadecimal digits."""
+    from plcgen.s7.literals import format_literal
+
     type_ = interface_type(use.format, use.count, use.subindex, where)
     element = type_.element if isinstance(type_, ArrayType) else type_
     if not isinstance(element, Elementary):
