@@ -159,6 +159,23 @@ def test_a_parameter_that_was_not_read_is_marked_in_the_guide(acme: Path) -> Non
     assert [("not read in a manual" in row) for row in rows] == [False, True]
 
 
+def test_a_definition_in_the_spec_is_looked_up(acme: Path) -> None:
+    """Its type is no longer marked, its limits decide, and what it does not speak of stays."""
+    spec = acme.parent / "job.yaml"
+    spec.write_text(
+        "plc: {name: a, family: s7-300, toolchain: tia-v16}\n"
+        "drives: {d: {device: ./acme.yaml, address: 256, parameters: {P1: {type: Integer16, max: 7}, "
+        "P2: {type: Unsigned16}}}}\n"
+        "jobs: {j: {drive: d, write: {P1: 8, P2: 1}}}\n",
+        "utf-8",
+    )
+    (told,) = [d for d in api.check(spec).diagnostics if d.severity.name == "ERROR"]
+    assert told.message == "P1 = 8 is outside its limits 0..7"
+    spec.write_text(spec.read_text("utf-8").replace("P1: 8", "P1: 7"), "utf-8")
+    assert api.generate(spec, acme.parent / "out").ok
+    assert "not read in a manual" not in (acme.parent / "out" / "IMPORT.md").read_text("utf-8")
+
+
 def test_pages_know_danger_and_what_a_drive_had() -> None:
     """What a reader must know before writing."""
     page = pages.page(find_device("sinamics-s210"), find_device("sinamics-s210").parameters[1532])

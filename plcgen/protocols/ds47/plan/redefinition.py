@@ -15,7 +15,7 @@ _OWN = ("name", "title", "unit", "default")
 
 
 def merged(known: Parameter, own: Parameter) -> Parameter:
-    """What the spec says, and of the catalogue what the spec does not speak of."""
+    """What the spec says, and of the catalogue what the spec does not speak of; who defines a type has looked it up."""
     texts = {key: getattr(own, key) for key in _OWN if getattr(own, key) not in {None, ""}}
     return replace(
         known,
@@ -28,6 +28,7 @@ def merged(known: Parameter, own: Parameter) -> Parameter:
         maximum=known.maximum if own.maximum is None else own.maximum,
         bico=known.bico or own.bico,
         observed=known.observed if own.type == known.type else None,
+        grades={**known.grades, "type": "read"},
     )
 
 
