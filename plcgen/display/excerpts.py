@@ -8,6 +8,9 @@ from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.display.cells import clean, expand, window, wrap
 from plcgen.display.view import View
 
+REACH = 2_000
+"""So many characters of a line are looked at before and behind the place: exports can have one line of megabytes."""
+
 
 def diagnostic_text(diagnostic: Diagnostic, view: View) -> str:
     """One diagnostic with its excerpt, help and notes; ends with a line end."""
@@ -41,7 +44,9 @@ def _place(span: Span, gutter: int, style: str, view: View) -> list[str]:
         return out
     start = max(span.column - 1, 0)
     end = span.end_column - 1 if span.end_line == span.line else len(source.rstrip())
-    shown, first, last = expand(source, start, max(end, start + 1))
+    away = max(0, start - REACH)
+    near = source[away : start + REACH]
+    shown, first, last = expand(near, start - away, max(end, start + 1) - away)
     shown, first, last = window(shown, first, last, view.columns - gutter - 4)
     bar = view.paint("|", "gutter")
     number = view.paint(f"{span.line:>{gutter}}", "gutter")

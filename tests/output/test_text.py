@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.display import cells
 from plcgen.display.cells import clean, cut, expand, width, window, wrap
 from plcgen.display.excerpts import diagnostic_text, diagnostics_text, summary_text
 from plcgen.display.view import PLAIN, View
@@ -69,6 +70,23 @@ def test_long_line_is_cut_to_a_window_around_the_caret():
     assert line.startswith("1 | ...aaa")
     assert line.endswith("zzz...")
     assert line[caret.index("^") : caret.rindex("^") + 1] == "BAD"
+
+
+def test_of_a_line_of_megabytes_only_the_part_around_the_place_is_looked_at(monkeypatch):
+    """An export in one line of 50 MB kept the terminal busy for a minute; what is shown is the same."""
+    looked_at = []
+    category = cells.unicodedata.category
+    monkeypatch.setattr(cells.unicodedata, "category", lambda c: looked_at.append(c) or category(c))
+    shown = []
+    for head in (20_000, 2_000_000):
+        line = "x" * head + "é WRONG é" + "y" * head
+        error = Diagnostic("PG812", "no", Span("a.xml", 1, head + 3, end_column=head + 8))
+        text = diagnostic_text(error, View(lines=lambda _file, _line, line=line: line))
+        shown.append(text.splitlines()[2:])
+    assert shown[0] == shown[1]
+    assert "WRONG" in shown[0][1]
+    assert shown[0][1].index("WRONG") == shown[0][2].index("^^^^^")
+    assert len(looked_at) < 100_000
 
 
 def test_terminal_escapes_in_files_and_messages_are_harmless():
