@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from evidence.signatures import engineering
 from plcgen import api
-from plcgen.simaticml.reading.xml import child, children, local, text
+from plcgen.simaticml.reading.xml import child, children, load, local, parse_xml, text
+from plcgen.sources.plcs import by_plc
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -23,13 +24,14 @@ _DEFAULTS = {("Blank", "Num", "1"), ("NewLine", "Num", "1"), ("LineComment", "In
 
 def code_elements(block: Element) -> list[str] | None:
     """Elements of all networks of a block without UIds and defaults; None if one of them is not in SCL, or none is."""
-    found: list[str] = []
-    for unit in children(child(block, "ObjectList"), "SW.Blocks.CompileUnit"):
-        for network in children(child(child(unit, "AttributeList"), "NetworkSource")):
-            if local(network) != "StructuredText":
-                return None
-            found += _elements(network)
-    return found or None
+    networks = [
+        network
+        for unit in children(child(block, "ObjectList"), "SW.Blocks.CompileUnit")
+        for network in children(child(child(unit, "AttributeList"), "NetworkSource"))
+    ]
+    if any(local(network) != "StructuredText" for network in networks):
+        return None
+    return [element for network in networks for element in _elements(network)] or None
 
 
 def _elements(network: Element) -> Iterator[str]:
@@ -45,27 +47,45 @@ def _elements(network: Element) -> Iterator[str]:
 
 
 def compare(folder: Path, documents: dict[Path, Element]) -> Counter[str]:
-    """Blocks of one repository: ``same``, ``other``, or ``not made``, as where a callee is not among the files."""
+    """Blocks of one repository, each PLC on its own: ``same``, ``other``, or ``not made``, as where a callee lacks.
+
+    ``joined`` are those of several networks that are the same but for line breaks: a source has no networks.
+    """
+    counts: Counter[str] = Counter()
+    for place, paths in by_plc(documents).items():
+        if len(by_plc(documents)) == 1 or place is not None:
+            counts += _compare(place or folder, {path: documents[path] for path in paths})
+    return counts
+
+
+def _compare(folder: Path, documents: dict[Path, Element]) -> Counter[str]:
     before = {path: (root, found) for path, root in documents.items() if (found := _blocks(root))}
     counts: Counter[str] = Counter()
     if not before:
         return counts
     newest = Counter(engineering(root) for root, _ in before.values()).most_common(1)[0][0]
-    with TemporaryDirectory() as place:
-        out = Path(place)
+    with TemporaryDirectory() as made:
+        out = Path(made)
         api.convert(folder, to="scl", out=out / "scl", keep_going=True)
         api.convert(out / "scl", folder, to="xml", out=out / "xml", version=newest, keep_going=True)
         after = {name: code for path in (out / "xml").rglob("*.xml") for name, code in _read(path).items()}
     for _, found in before.values():
         for name, code in found.items():
-            made = after.get(name)
-            counts["not made" if made is None else "same" if made == code else "other"] += 1
+            counts[_verdict(code, after.get(name))] += 1
     return counts
 
 
-def _read(path: Path) -> dict[str, list[str]]:
-    from plcgen.simaticml.reading.xml import load, parse_xml
+def _verdict(before: list[str], after: list[str] | None) -> str:
+    if after is None or before == after:
+        return "not made" if after is None else "same"
+    return "joined" if _without_breaks(before) == _without_breaks(after) else "other"
 
+
+def _without_breaks(elements: list[str]) -> list[str]:
+    return [element for element in elements if not element.startswith("0 NewLine")]
+
+
+def _read(path: Path) -> dict[str, list[str]]:
     return _blocks(parse_xml(*load(path)))
 
 

@@ -120,7 +120,8 @@ def report(folder: Path, *, save: bool = False) -> Sequence[str]:
     if trips:
         lines.append(
             f"  {sum(trips.values())} blocks in SCL to text and back: {trips['same']} the same elements, "
-            f"{trips['other']} others, {trips['not made']} not made (a callee is not there)"
+            f"{trips['joined']} the same in one network instead of several, {trips['other']} others, "
+            f"{trips['not made']} not made (a callee is not there)"
         )
     if found.other:
         lines.append(f"  {found.other} other XML files")

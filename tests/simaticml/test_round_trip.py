@@ -255,6 +255,9 @@ GENUINE = {
     '<Access Scope="LocalVariable"><Symbol><Component Name="a&quot;; x := &quot;" />'
     "</Symbol></Access>": '#"a_; x := _"',
     '<Access Scope="LocalConstant"><Constant Name="for" /></Access>': '#"for"',
+    '<Access Scope="LocalVariable"><Symbol><Component Name="Array" /></Symbol></Access>': "#Array",
+    '<Access Scope="GlobalVariable"><Symbol><Component Name="a" /><Token Text="." /><Component Name="b">'
+    '<BooleanAttribute Name="HasHash">true</BooleanAttribute></Component></Symbol></Access>': '"a".#b',
 }
 
 

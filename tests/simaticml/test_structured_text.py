@@ -92,6 +92,17 @@ CASES = {
     "SHL(IN := #i, N := 8)": f'<Access Scope="Call"><Instruction Name="SHL">{token("(")}'
     f'<Parameter Name="IN">~{token(":=")}~{local("i")}</Parameter>{token(",")}~'
     f'<Parameter Name="N">~{token(":=")}~{number("8")}</Parameter>{token(")")}</Instruction></Access>',
+    "#t.#start": '<Access Scope="LocalVariable"><Symbol><Component Name="t" />'
+    f'{DOT}<Component Name="start"><BooleanAttribute Name="HasHash">true</BooleanAttribute></Component></Symbol>'
+    "</Access>",
+    "#data.VAR.Type": '<Access Scope="LocalVariable"><Symbol><Component Name="data" />'
+    f'{DOT}<Component Name="VAR" />{DOT}<Component Name="Type" /></Symbol></Access>',
+    "SHL_WORD(#i)": '<Access Scope="Call"><Instruction Name="SHL">'
+    f'<TemplateValue Name="value_type" Type="Type">Word</TemplateValue>{token("(")}'
+    f"<NamelessParameter>{local('i')}</NamelessParameter>{token(')')}</Instruction></Access>",
+    "TRUNC_LINT(#i)": '<Access Scope="Call"><Instruction Name="TRUNC">'
+    f'<TemplateValue Name="dest_type" Type="Type">LInt</TemplateValue>{token("(")}'
+    f"<NamelessParameter>{local('i')}</NamelessParameter>{token(')')}</Instruction></Access>",
     'SHL("IN" := 1, "a b" := 2)': f'<Access Scope="Call"><Instruction Name="SHL">{token("(")}'
     '<Parameter Name="IN"><BooleanAttribute Name="HasQuotes">true</BooleanAttribute>'
     f'~{token(":=")}~{number("1")}</Parameter>{token(",")}~'

@@ -11,11 +11,11 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity
-from plcgen.scl.lexer import KEYWORDS
 from plcgen.scl.parser import MAX_CHARACTERS
 from plcgen.simaticml.addresses import Operand
 from plcgen.simaticml.reading.values import is_literal
 from plcgen.simaticml.reading.xml import TAGS, local, span
+from plcgen.simaticml.writing.structured_text import is_plain
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -25,7 +25,6 @@ MAX_REPEAT = 10_000
 
 MAX_REPORTED = 100
 
-_PLAIN = re.compile(r"[^\W\d]\w*")
 _LINES = re.compile(r"[\r\n\x0b\x0c\x1c-\x1e\x85\u2028\u2029]+")
 _POINTER = re.compile(r"P#\s+(?=\S)", re.IGNORECASE)
 """The TIA Portal may write a blank into a pointer, which SCL has not."""
@@ -210,7 +209,8 @@ class CodeReader:
         for part in children:
             if local(part) == "Token" and part.get("Text") == "[":
                 bracket = True
-        out.append(_name(name, quoted=always or _has_quotes(element)))
+        hash_ = "#" if not first and children and _says(element, "HasHash") else ""
+        out.append(hash_ + _name(name, quoted=always or _has_quotes(element)))
         if bracket:
             self.elements(element)
         elif any(local(part) == "Access" for part in children):
@@ -335,8 +335,13 @@ def _is_assigned(parameter: Element) -> bool:
 
 def _has_quotes(element: Element) -> bool:
     """Whether a name stands in quotes though it would need none."""
+    return _says(element, "HasQuotes")
+
+
+def _says(element: Element, attribute: str) -> bool:
+    """Whether an attribute of a name is true."""
     for part in element:
-        if local(part) == "BooleanAttribute" and part.get("Name") == "HasQuotes":
+        if local(part) == "BooleanAttribute" and part.get("Name") == attribute:
             return (part.text or "").strip() == "true"
     return False
 
@@ -351,8 +356,7 @@ def _variable(scope: str, name: str) -> str:
 def _name(name: str, *, quoted: bool = False) -> str:
     """A name, in quotes where it has or needs them."""
     clean = _clean(name)
-    plain = _PLAIN.fullmatch(clean) is not None and clean.upper() not in KEYWORDS
-    return clean if plain and not quoted else f'"{clean}"'
+    return clean if is_plain(clean) and not quoted else f'"{clean}"'
 
 
 def _clean(name: str) -> str:

@@ -19,6 +19,9 @@ UID = f'UId="{SLOT}"'
 HAS_QUOTES = f'<BooleanAttribute Name="HasQuotes" {UID}>true</BooleanAttribute>'
 """Says of a name that it stands in quotes though it would need none."""
 
+HAS_HASH = f'<BooleanAttribute Name="HasHash" {UID}>true</BooleanAttribute>'
+"""Says of a name behind a dot that it begins with #, as in ``#a.#b``."""
+
 TAB = "    "
 """What a tab becomes: StructuredText has blanks only."""
 

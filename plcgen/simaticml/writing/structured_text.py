@@ -10,6 +10,7 @@ import re
 from bisect import bisect_left
 from typing import TYPE_CHECKING
 
+from plcgen.s7.types import elementary
 from plcgen.scl.cursor import unquote
 from plcgen.scl.lexer import (
     ADDRESS,
@@ -26,8 +27,10 @@ from plcgen.scl.lexer import (
     Tokens,
 )
 from plcgen.simaticml.addresses import address
+from plcgen.simaticml.datatypes import datatype
 from plcgen.simaticml.escape import attribute, content
 from plcgen.simaticml.writing.elements import (
+    HAS_HASH,
     HAS_QUOTES,
     SLOT,
     UID,
@@ -58,6 +61,15 @@ _OPERAND_ENDS = frozenset(
 )
 _MEMBER_INSTRUCTIONS = frozenset({"TP", "TON", "TOF", "TONR", "CTU", "CTD", "CTUD"})
 """Instructions that are called as a member of their timer or counter: ``#t.TON(..)``."""
+
+_TYPED = {
+    **dict.fromkeys(("SCALE_X", "NORM_X", "TRUNC", "ROUND", "CEIL", "FLOOR"), "dest_type"),
+    **dict.fromkeys(("SHL", "SHR", "ROL", "ROR", "SWAP", "LIMIT"), "value_type"),
+}
+"""Instructions that have the one type that they are used with behind their name (``SHL_WORD``): what that type is."""
+
+_DECLARING = frozenset({"VAR", "TYPE", "ARRAY", "STRUCT"})
+"""Keywords of declarations only: exports have VAR, Type and Array as names of members without quotes."""
 
 _ASSIGNS = frozenset({":=", "=>"})
 _NO_TITLE = frozenset({".", "[", "(", ":", ";", ",", ")", ":=", "+=", "-=", "*=", "/=", "&=", "**=", "?="})
@@ -224,7 +236,7 @@ class _Writer:
             self.operand("Local", text, quoted=False)
         elif following == "(":
             self.step()
-            self.call(f'<Instruction Name="{attribute(text)}" {UID}>', "</Instruction>")
+            self.call(_instruction(text), "</Instruction>")
         elif upper == "ENO":
             variable = f'<PredefinedVariable Name="ENO" {UID} />'
             self.out.append(f'<Access Scope="PredefinedVariable" {UID}>{variable}</Access>')
@@ -302,20 +314,22 @@ class _Writer:
     def member(self) -> str:
         """Write what stands behind a dot and return its name."""
         kind, text = self.kinds[self.pos], self.texts[self.pos]
-        if (kind == INT and text.isdigit()) or (kind in WORDS and text[0] != "%"):
-            name = unquote(text)
-            self.component(name, quoted=kind == QUOTED and is_plain(name), peripheral=text.endswith('":P'))
+        marks = HAS_HASH if kind == LOCAL else ""
+        if marks or (kind == INT and text.isdigit()) or (kind in WORDS and text[0] != "%"):
+            name = unquote(text.removeprefix("#"))
+            quoted = '"' in text and is_plain(name)
+            self.component(name, quoted=quoted, peripheral=text.endswith('":P'), marks=marks)
             return name
         self.token()
         return ""
 
-    def component(self, name: str, *, quoted: bool, peripheral: bool) -> None:
+    def component(self, name: str, *, quoted: bool, peripheral: bool, marks: str = "") -> None:
         """Write one component with its indices."""
         self.step()
         indexed = self.pos < self.last and self.kinds[self.pos] == "["
         modifier = ' SimpleAccessModifier="Periphery"' if peripheral or self.is_peripheral() else ""
         head = f'<Component Name="{attribute(name)}"{modifier} {UID}'
-        flag = HAS_QUOTES if quoted else ""
+        flag = marks + (HAS_QUOTES if quoted else "")
         if not indexed and not flag:
             self.out.append(f"{head} />")
         else:
@@ -425,6 +439,17 @@ class _Writer:
             self.out.append("</NamelessParameter>")
 
 
+def _instruction(name: str) -> str:
+    """The begin of the call of a function; a type behind its name is a value of its template."""
+    base, _, spelling = name.rpartition("_")
+    type_ = elementary(spelling)
+    kind = _TYPED.get(base.upper())
+    if kind is None or type_ is None:
+        return f'<Instruction Name="{attribute(name)}" {UID}>'
+    value = f'<TemplateValue Name="{kind}" Type="Type">{datatype(type_)}</TemplateValue>'
+    return f'<Instruction Name="{attribute(base)}" {UID}>{value}'
+
+
 def is_plain(name: str) -> bool:
-    """Whether a name needs no quotes; VAR is a keyword of declarations only."""
-    return _PLAIN.fullmatch(name) is not None and (name.upper() not in KEYWORDS or name.upper() == "VAR")
+    """Whether a name needs no quotes behind # or a dot."""
+    return _PLAIN.fullmatch(name) is not None and (name.upper() not in KEYWORDS or name.upper() in _DECLARING)
