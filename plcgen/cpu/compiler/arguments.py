@@ -76,15 +76,16 @@ class Arguments:
             if kind is not _OUT:
                 lender = called if isinstance(called, ProgramBlock) and kind is _INOUT else None
                 self.pass_input(argument, target, kind, lender, passed.lent)
-            if kind is _OUT or (kind is _INOUT and scalar_name(target.shape) not in {"POINTER", "ANY", ""}):
+            if kind is _OUT or (kind is _INOUT and scalar_name(target.shape) not in {"POINTER", "ANY", "VARIANT", ""}):
                 passed.outputs.append((argument, target))
         missing = [name for name, kind in allowed.items() if kind is _INOUT and name not in seen]
         if system is None:  # one of an elementary type keeps its value
             missing = [name for name in missing if self.is_structured(place, name)]
+        if missing and system is not None and self.context.link.dialect.is_tia:  # Siemens' LAcycCom calls WRREC so
+            self.context.error("PG827", f"the soft CPU takes no call without {missing[0]}", node)
+            return None
         if missing and self.context.link.dialect.is_tia:
             self.context.error("PG822", f"{missing[0]} is missing", node, "every IN_OUT parameter needs a variable")
-            if system is not None:
-                return None
         return passed
 
     def is_structured(self, place: MemoryPlace, name: str) -> bool:

@@ -49,6 +49,12 @@ _TEXT_FUNCTIONS = {
 _DELAYS = {"DIS_AIRT": "dis_airt", "SFC41": "dis_airt", "EN_AIRT": "en_airt", "SFC42": "en_airt"}
 
 
+def _bit_string(constant: object) -> str:
+    """Type in which a constant without one is shifted: a word, or as wide as it needs."""
+    bits = constant.bit_length() if isinstance(constant, int) else 0
+    return next((name for name in ("WORD", "DWORD") if bits <= WIDTHS[name]), "LWORD")
+
+
 class Reported(Exception):  # noqa: N818 - control flow inside the compiler, never seen outside
     """A call cannot be compiled, and a diagnostic says why: its value is UNKNOWN."""
 
@@ -168,7 +174,7 @@ class Functions:
         """SHL, SHR, ROL, ROR of bit strings, and of integers on S7-1200/1500."""
         bound = self.bind(node, ("IN", "N"))
         value, count = self.expressions.value(bound["IN"]), self.expressions.value(bound["N"])
-        type_ = "WORD" if value.type == INT_CONST else value.type
+        type_ = _bit_string(value.const) if value.type == INT_CONST else value.type
         free = not self.context.rules.checked
         if type_ in INTEGERS and self.context.classic and free:
             type_ = bit_string(type_)
