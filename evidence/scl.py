@@ -18,7 +18,7 @@ from typing import Any
 from evidence.faults import TOKEN, TYPE, faults
 from evidence.faults import found as is_found
 from plcgen.cpu.program import Program
-from plcgen.cpu.sources import SourceCheck, check_program, check_source, find_sources
+from plcgen.cpu.sources import SourceCheck, check_program, check_source, find_documents, find_sources
 from plcgen.cpu.type_rules import IecCheck
 from plcgen.diagnostics import Diagnostic, Severity
 from plcgen.scl.dialect import BY_NAME, Dialect
@@ -143,11 +143,12 @@ def _programs(place: Path, paths: list[Path], target: Dialect, judged: Judged, f
     """Check the files of one target; a block that is there twice makes another program of the files that repeat it."""
     name = place.name.replace("+", "/")
     known = judged.repositories.get(name, {})
+    documents = find_documents(place)
     rest = paths
     while rest:
         program, rest = _without_twins(rest)
-        strict = _problems(check_program(program, target, iec_check=IecCheck.AS_STATED))
-        free = _problems(check_program(program, target, iec_check=IecCheck.OFF))
+        strict = _problems(check_program(program, target, iec_check=IecCheck.AS_STATED, documents=documents))
+        free = _problems(check_program(program, target, iec_check=IecCheck.OFF, documents=documents))
         figures.strict += len([d for d in strict if d.code in TYPES]) - len([d for d in free if d.code in TYPES])
         for problem in free:
             short = Path(problem.span.file).relative_to(place).as_posix()

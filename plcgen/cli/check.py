@@ -73,7 +73,8 @@ def command(
     out = console()
     if program and target is None:
         raise click.UsageError(f"--program needs --target: one of {', '.join(TARGETS)}")
-    specs, sources = _sorted(paths)
+    documents = _documents(paths) if program else []
+    specs, sources = _sorted(tuple(path for path in paths if path not in documents))
     if program and not sources:
         raise click.UsageError("--program needs PLC sources (.scl .udt .db)")
     for option, given in (("--tags", tags), ("--iec-check", iec_check)):
@@ -83,7 +84,7 @@ def command(
     subjects: list[Subject] = _specs(specs, strict=strict)
     blocks = 0
     if program and target is not None:
-        found_sources, blocks = _program(sources, target, tags, checks, encoding)
+        found_sources, blocks = _programs(sources, documents, target, tags, checks, encoding)
         subjects += found_sources
     elif sources:
         found_sources, blocks = _files(sources, target, encoding, out)
@@ -158,25 +159,49 @@ def _files(sources: list[Path], target: str | None, encoding: str | None, out: C
     return subjects, sum(c.blocks for c in checks)
 
 
-def _program(
-    sources: list[Path], target: str, tags: tuple[Path, ...], checks: dict[str, str], encoding: str | None
+def _documents(paths: tuple[Path, ...]) -> list[Path]:
+    """SimaticML documents that are named or lie in the folders: what they declare is known to a program."""
+    from plcgen.cpu.sources import find_documents
+
+    named = [path for path in paths if path.is_dir() or path.suffix.lower() == ".xml"]
+    return list(dict.fromkeys(document for path in named for document in find_documents(path)))
+
+
+def _programs(
+    sources: list[Path],
+    documents: list[Path],
+    target: str,
+    tags: tuple[Path, ...],
+    checks: dict[str, str],
+    encoding: str | None,
 ) -> tuple[list[Subject], int]:
-    """All sources together; what has no place belongs to the first one."""
+    """The sources of each PLC together; what has no place belongs to the first one."""
     from plcgen.cpu.folder import Tags, read_tag_file
     from plcgen.cpu.sources import check_program
     from plcgen.cpu.type_rules import IecCheck
     from plcgen.scl.dialect import BY_NAME
+    from plcgen.sources.plcs import by_plc
 
     known: Tags = {}
     for path in tags:
         known |= read_tag_file(path)
-    check = IecCheck(checks.pop("", IecCheck.AS_STATED))
-    stated = {block: when == IecCheck.ON for block, when in checks.items() if when != IecCheck.AS_STATED}
-    result = check_program(sources, BY_NAME[target], known, iec_check=check, stated=stated, encoding=encoding)
+    check = IecCheck(checks.get("", IecCheck.AS_STATED))
+    stated = {block: when == IecCheck.ON for block, when in checks.items() if block and when != IecCheck.AS_STATED}
     by_file: dict[str, list[Diagnostic]] = {str(path): [] for path in sources}
-    for diagnostic in result.diagnostics:
-        by_file.setdefault(diagnostic.span.file or str(sources[0]), []).append(diagnostic)
-    return [(Path(file).as_posix(), found) for file, found in by_file.items()], result.blocks
+    groups, blocks = by_plc([*sources, *documents]), 0
+    for folder, paths in groups.items():
+        together = {*paths, *groups.get(None, ())}
+        own = [path for path in sources if path in together]
+        if not own or (folder is None and len(groups) > 1 and not set(paths) & set(sources)):
+            continue
+        beside = [path for path in documents if path in together]
+        result = check_program(
+            own, BY_NAME[target], known, iec_check=check, stated=stated, encoding=encoding, documents=beside
+        )
+        blocks += result.blocks
+        for diagnostic in result.diagnostics:
+            by_file.setdefault(diagnostic.span.file or str(own[0]), []).append(diagnostic)
+    return [(Path(file).as_posix(), list(dict.fromkeys(found))) for file, found in by_file.items()], blocks
 
 
 def _summary(out: Console, found: Findings, blocks: int | None) -> None:

@@ -100,6 +100,7 @@ class Linkage:
     counters: dict[tuple[Probe, bool], int] = field(default_factory=dict)
     iec_check: IecCheck = IecCheck.AS_STATED
     stated: Mapping[str, bool] = field(default_factory=dict)
+    user_constants: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     opaque: set[str] = field(default_factory=set)
     unknown: set[tuple[str, str]] = field(default_factory=set)
     guessed_bounds: bool = False

@@ -10,6 +10,7 @@ from pathlib import Path
 from plcgen.cpu.compiler.block import compile_block
 from plcgen.cpu.linkage import ENO, Compiled, Linkage, Probe, ProgramBlock
 from plcgen.cpu.start_values import with_constants
+from plcgen.cpu.surroundings import Surroundings
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.cpu.type_rules import IecCheck
 from plcgen.cpu.unknown_types import add_unknown_types
@@ -76,6 +77,7 @@ class Program:
         iec_check: IecCheck = IecCheck.AS_STATED,
         stated: Mapping[str, bool] | None = None,
         encoding: str | None = None,
+        beside: Surroundings | None = None,
     ) -> Program:
         """Read, check and compile sources in any order.
 
@@ -83,13 +85,18 @@ class Program:
         numbers (``DB 471``); ``numbers`` maps names of data blocks to their numbers, ``constants`` names of system
         constants to theirs. ``coverage`` counts statements and branches; with ``litter`` local data holds garbage at
         the start of a call. ``iec_check`` says which implicit conversions are right, ``stated`` the same of single
-        blocks; ``encoding`` names the code page of ANSI files.
+        blocks; ``encoding`` names the code page of ANSI files. What ``beside`` knows counts where nothing else says it.
         """
         program = cls(Linkage(dialect, coverage=coverage, litter=litter, iec_check=iec_check))
         program.link.constants = {name.upper(): number for name, number in (constants or {}).items()}
-        program.link.stated = {name.upper(): checked for name, checked in (stated or {}).items()}
+        beside = beside or Surroundings()
+        program.link.user_constants = beside.constants
+        program.link.stated = beside.stated | {name.upper(): checked for name, checked in (stated or {}).items()}
         for source in sources:
             program.read(source, encoding)
+        for file, text in beside.interfaces:
+            program.read_interface(file, text)
+        program.link.add_tags(beside.tags)
         for name in program.link.add_tags(tags or {}):
             program.report("PG820", f"the address of the tag {name} makes no sense")
         for name, number in (numbers or {}).items():
@@ -97,7 +104,8 @@ class Program:
         program.lay_out()
         program.compile()
         program.check_recursion()
-        unique = dict.fromkeys(program.diagnostics)
+        known = {file for file, _ in beside.interfaces}
+        unique = dict.fromkeys([*beside.diagnostics, *(d for d in program.diagnostics if d.span.file not in known)])
         program.diagnostics = sorted(unique, key=lambda d: d.sort_key)
         return program
 
@@ -130,6 +138,14 @@ class Program:
                 continue
             number = block.number
             self.link.blocks[key] = ProgramBlock(len(self.link.blocks), unit, block, result, number=number)
+
+    def read_interface(self, file: str, text: str) -> None:
+        """Keep the declarations of blocks that no source has; nothing is said about them."""
+        result = parse(text, file, bodies=False)
+        for unit, written in zip(result.units, declared_blocks(result, self.link.dialect)[0], strict=True):
+            block, _ = with_constants(written)
+            entry = ProgramBlock(len(self.link.blocks), unit, block, result, number=block.number)
+            self.link.blocks.setdefault(block.name.upper(), entry)
 
     def text_of(self, source: Source, encoding: str | None = None) -> tuple[str, str] | None:
         """File name and text of a source."""

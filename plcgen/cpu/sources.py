@@ -8,6 +8,7 @@ from itertools import islice
 from pathlib import Path
 
 from plcgen.cpu.program import Program
+from plcgen.cpu.surroundings import Surroundings
 from plcgen.cpu.type_rules import IecCheck
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Severity, Span
 from plcgen.input.files import read_bounded
@@ -69,14 +70,21 @@ def check_program(
     iec_check: IecCheck = IecCheck.AS_STATED,
     stated: Mapping[str, bool] | None = None,
     encoding: str | None = None,
+    documents: Iterable[Path] = (),
 ) -> SourceCheck:
     """Compile files that together are a program: names, types, calls, assignments and start values as well.
 
     ``tags`` maps names to address and type, see ``Program.load``. What the soft CPU cannot execute (PG827) is no
-    mistake here: nothing is run.
+    mistake here: nothing is run. ``documents`` are SimaticML exports beside them: what they declare is known, and
+    what they state of the IEC check of a block counts unless ``stated`` or ``iec_check`` says otherwise.
     """
     files = [Path(path) for path in paths]
-    program = Program.load(files, target, tags=tags, iec_check=iec_check, stated=stated, encoding=encoding)
+    beside = Surroundings.read(documents, target)
+    if iec_check is not IecCheck.AS_STATED:
+        beside.stated.clear()
+    program = Program.load(
+        files, target, tags=tags, iec_check=iec_check, stated=stated, encoding=encoding, beside=beside
+    )
     found = [problem for problem in program.diagnostics if problem.code != "PG827"]
     loaded = [load_text(path, target, encoding=encoding) for path in paths]
     refused = [problem for text in loaded if not isinstance(text, Diagnostic) for problem in text[1]]
@@ -97,6 +105,14 @@ def find_sources(path: Path | str) -> list[Path]:
         message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"
         raise DiagnosticError([Diagnostic("PG802", message, Span(str(path)), help="name a smaller folder")])
     return [entry for entry in sorted(found) if not _is_binary(entry)]
+
+
+def find_documents(path: Path) -> list[Path]:
+    """XML files below a folder, sorted; a file is returned as it is. Bounds as for sources."""
+    if not path.is_dir():
+        return [path]
+    seen = islice(path.rglob("*"), MAX_SEEN)
+    return sorted(islice((entry for entry in seen if entry.suffix.lower() == ".xml" and entry.is_file()), MAX_FILES))
 
 
 def _is_binary(path: Path) -> bool:

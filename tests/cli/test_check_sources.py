@@ -242,3 +242,118 @@ def test_a_folder_with_too_many_sources_is_refused(plcgen, tmp_path, monkeypatch
     result = plcgen("check", "many")
     assert result.code == 1
     assert "PG802" in result.out + result.err
+
+
+TYPE = """\
+TYPE "Order"
+VERSION : 0.1
+  STRUCT
+    count : Int;
+  END_STRUCT;
+END_TYPE
+"""
+MOTOR = """\
+FUNCTION_BLOCK "Motor"
+{ S7_Optimized_Access := 'TRUE' }
+VAR_INPUT
+  speed : Int;
+END_VAR
+BEGIN
+END_FUNCTION_BLOCK
+"""
+MOTOR_DB = 'DATA_BLOCK "Pump"\n{ S7_Optimized_Access := \'TRUE\' }\n"Motor"\nBEGIN\nEND_DATA_BLOCK\n'
+USER = """\
+FUNCTION_BLOCK "User"
+{ S7_Optimized_Access := 'TRUE' }
+VAR
+  order : "Order";
+END_VAR
+BEGIN
+  "Pump"(speed := #order.count);
+  IF "start" AND #order.count = "MAX_COUNT" THEN
+    #order.count := 0;
+  END_IF;
+  CASE #order.count OF
+    "MAX_COUNT": #order.count := 1;
+  END_CASE;
+END_FUNCTION_BLOCK
+"""
+TAGS = """\
+<Document><Engineering version="V19" /><SW.Tags.PlcTagTable ID="0"><AttributeList><Name>Tags</Name></AttributeList>
+<ObjectList><SW.Tags.PlcTag ID="1"><AttributeList><DataTypeName>Bool</DataTypeName>
+<LogicalAddress>%I0.0</LogicalAddress><Name>start</Name></AttributeList></SW.Tags.PlcTag>
+<SW.Tags.PlcUserConstant ID="2"><AttributeList><DataTypeName>Int</DataTypeName><Name>MAX_COUNT</Name>
+<Value>5</Value></AttributeList></SW.Tags.PlcUserConstant></ObjectList></SW.Tags.PlcTagTable></Document>
+"""
+
+
+@pytest.fixture
+def exports(plcgen, tmp_path):
+    """A folder of documents: a type, a function block with its instance, a tag table, and XML of something else."""
+    text, folder = tmp_path / "text", tmp_path / "mixed"
+    text.mkdir()
+    for name, source in (("Order.udt", TYPE), ("Motor.scl", MOTOR), ("Pump.db", MOTOR_DB)):
+        (text / name).write_text(source)
+    assert plcgen("convert", text, "--to", "xml", "--tia", "V19", "--out", folder).code == 0
+    (folder / "Tags.xml").write_text(TAGS)
+    (folder / "other.xml").write_text("<project/>")
+    return folder
+
+
+def test_documents_beside_the_sources_are_known(plcgen, exports, tmp_path):
+    """Blocks, types, tags and constants of exports: a program of sources alone does not know them."""
+    alone = tmp_path / "User.scl"
+    alone.write_text(USER)
+    (exports / "User.scl").write_text(USER)
+    result = plcgen("check", exports, "--program", "--target", "tia-1500")
+    assert (result.code, result.err) == (0, f"no problems in {exports}/User.scl (4 blocks)\n")
+    result = plcgen("check", alone, "--program", "--target", "tia-1500", "--json")
+    assert {d["code"] for d in json.loads(result.out)["diagnostics"]} >= {"PG806", "PG820"}
+    named = [path for path in sorted(exports.iterdir()) if path.suffix == ".xml"]
+    assert plcgen("check", alone, *named, "--program", "--target", "tia-1500").code == 0
+
+
+def test_mistakes_against_documents_are_found(plcgen, exports):
+    """A parameter that the exported function block does not have, a member that the type does not have."""
+    (exports / "User.scl").write_text(USER.replace("speed :=", "sped :=").replace(":= 0", ":= #order.total"))
+    result = plcgen("check", exports, "--program", "--target", "tia-1500", "--json")
+    found = [(d["code"], d["line"]) for d in json.loads(result.out)["diagnostics"]]
+    assert found == [("PG822", 7), ("PG820", 9)]
+
+
+def test_a_document_that_cannot_be_read_is_reported(plcgen, exports):
+    """What is not well-formed is no context."""
+    (exports / "User.scl").write_text(USER)
+    (exports / "broken.xml").write_text("<Document>")
+    result = plcgen("check", exports, "--program", "--target", "tia-1500")
+    assert result.code == 1
+    assert "PG811" in result.out
+    assert "broken.xml:1" in result.out
+
+
+def test_what_a_document_states_of_the_iec_check_decides(plcgen, exports, tmp_path):
+    """WORD to INT: right without IEC check, which the export of the block says; --iec-check has the last word."""
+    lax = GOOD.replace(": Int;\nEND_VAR\nVAR_OUTPUT", ": Word;\nEND_VAR\nVAR_OUTPUT").replace("#first + 1", "#first")
+    (exports / "Add.scl").write_text(lax)
+    run = ["check", exports, "--program", "--target", "tia-1500"]
+    assert "PG821" in plcgen(*run).out
+    assert plcgen("convert", exports / "Add.scl", "--to", "xml", "--tia", "V19", "--out", tmp_path / "x").code == 0
+    document = (tmp_path / "x" / "Add.xml").read_text("utf-8-sig")
+    stated = document.replace("<Interface>", "<IsIECCheckEnabled>false</IsIECCheckEnabled><Interface>", 1)
+    (exports / "Add.xml").write_text(stated)
+    assert plcgen(*run).code == 0
+    assert "PG821" in plcgen(*run, "--iec-check", "on").out
+    assert "PG821" in plcgen(*run, "--iec-check", "on:Add").out
+
+
+def test_each_plc_of_a_folder_is_a_program_of_its_own(plcgen, tmp_path):
+    """The same name in two PLCs is no second declaration, and a type of one PLC is none of the other."""
+    for plc, type_ in (("PLC_1", "Int"), ("PLC_2", "Real")):
+        folder = tmp_path / "vci" / plc / "Program blocks"
+        folder.mkdir(parents=True)
+        (folder / "Add.scl").write_text(GOOD.replace(": Int;", f": {type_};"))
+    (tmp_path / "vci" / "PLC_1" / "PLC data types").mkdir()
+    (tmp_path / "vci" / "PLC_1" / "PLC data types" / "Order.udt").write_text(TYPE)
+    assert plcgen("check", tmp_path / "vci", "--program", "--target", "tia-1500").code == 0
+    (tmp_path / "vci" / "PLC_2" / "Program blocks" / "User.scl").write_text(USER)
+    assert "unknown data type Order" in plcgen("check", tmp_path / "vci", "--program", "--target", "tia-1500").out

@@ -9,10 +9,11 @@ from plcgen.cpu.compiler.access import Access
 from plcgen.cpu.compiler.context import Context, Listing
 from plcgen.cpu.compiler.conversions import integer_code
 from plcgen.cpu.compiler.expressions import Expressions
+from plcgen.cpu.compiler.literals import literal_value
 from plcgen.cpu.compiler.opened import WIDTHS as _AREA_WIDTHS
 from plcgen.cpu.compiler.opened import OpenedBlocks
 from plcgen.cpu.compiler.scope import bare_shape, scalar_name
-from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Symbol, Val, constant
+from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Symbol, Val, constant, unknown
 from plcgen.cpu.linkage import ProgramBlock
 from plcgen.cpu.system.interfaces import system_fbs
 from plcgen.cpu.type_rules import BITS, INTEGERS, POINTERS, REALS, TEXTS, WIDTHS, canonical
@@ -24,6 +25,8 @@ from plcgen.s7.types import ELEMENTARY, ArrayType, NamedType, StringType
 from plcgen.scl import ast
 
 _TYPES = frozenset({BlockKind.UDT, BlockKind.FB})
+_TYPE = re.compile(rf"{'|'.join(TEXTS)}|TO_\w+")
+"""Types that a comparison names without quotes: ``TypeOf(#axis) = TO_SpeedAxis``."""
 _SHORT = re.compile(r"(%?DB\d+\.)D([XBWD])?(?=\d)", re.IGNORECASE)
 _INDEXED = re.compile(r"(?:DB|D)([XBWD])", re.IGNORECASE)
 _PLAIN_INDEXED = re.compile(r"(P?[IEQAM])([XBWD]?)", re.IGNORECASE)
@@ -69,9 +72,21 @@ class Places:
     def symbol(self, node: ast.Name) -> Symbol | None:
         """Local symbol of a name, if it has one."""
         if node.scope == "quoted":
-            number = self.context.link.constants.get(node.name.upper())
-            return None if number is None else Symbol(node.name, SectionKind.CONSTANT, constant=constant(number))
+            return self.project_constant(node.name)
         return self.context.scope.symbols.get(node.name.upper())
+
+    def project_constant(self, name: str) -> Symbol | None:
+        """A system constant or a user constant of a tag table."""
+        number = self.context.link.constants.get(name.upper())
+        if number is not None:
+            return Symbol(name, SectionKind.CONSTANT, constant=constant(number))
+        type_, literal = self.context.link.user_constants.get(name.upper(), ("", ""))
+        value = literal_value(literal, type_.upper())
+        if type_ and value is None:
+            return Symbol(name, SectionKind.CONSTANT, constant=unknown())
+        if isinstance(value, int) and not isinstance(value, bool) and type_.upper() in {*INTEGERS, *BITS}:
+            return Symbol(name, SectionKind.CONSTANT, constant=constant(value))
+        return Symbol(name, SectionKind.CONSTANT, constant=Val(repr(value), canonical(type_), value)) if type_ else None
 
     def undeclared(self, node: ast.Name) -> bool:
         """Whether a name without ``#`` and quotes is none of the block: then it may be a word of the language."""
@@ -100,7 +115,8 @@ class Places:
                 self.context.error("PG820", f"{node.name} is {block.block.kind.value}, not data", node)
                 return None
             if not self.context.classic and (
-                block is not None or (node.scope == "bare" and (canonical(upper) in ELEMENTARY or upper in TEXTS))
+                block is not None
+                or (node.scope == "bare" and (canonical(upper) in ELEMENTARY or _TYPE.fullmatch(upper)))
             ):
                 self.context.error("PG827", f"the soft CPU does not compare with the type {node.name}", node)
                 return None
