@@ -58,7 +58,7 @@ class Shape:
     ``align`` and ``first_align`` are the alignment with and without literature rules; ``has_struct`` says that it
     is a structure or has one inside; ``count`` is how many entries a member of this type adds to a layout.
     ``doubts`` are the literature rules (``evidence``) that the size rests on, ``stride_doubts`` those of the places
-    of an array's elements but the first.
+    of an array's elements but the first. ``spare`` are the bits that an ARRAY OF BOOL leaves free in its last byte.
     """
 
     type: DataType
@@ -75,6 +75,7 @@ class Shape:
     element: Shape | None = None
     strides: tuple[int, ...] = ()
     stride_doubts: frozenset[str] = NO_DOUBTS
+    spare: int = 0
 
 
 @dataclass(slots=True)
@@ -117,6 +118,8 @@ class _Cursor:
             if shape.has_struct and first != shape.align:
                 self.doubts = doubts  # its own padding is then unknown: the two ways do not surely meet again
         self.bits, self.low = offset + shape.bits, low + shape.bits
+        if low % 8 and shape.element is not None and shape.element.bits == 1:  # it ends elsewhere than from a byte on
+            self.low += _up(low + shape.used - shape.spare, 8) - low - shape.used
         return doubts
 
     def even(self) -> None:
@@ -319,6 +322,7 @@ class ShapeBuilder:
             element=element,
             strides=tuple(strides),
             stride_doubts=doubts,
+            spare=_up(row, 8) - row if element.bits == 1 else 0,
         )
 
     def _name(self, type_: NamedType, member: Member) -> Shape:

@@ -88,6 +88,18 @@ def test_a_place_names_the_rules_it_rests_on(declarations, path, doubts):
     assert doubts == locate(layout_block(db(*declarations), {}), path).doubts
 
 
+@pytest.mark.parametrize("last", [7, 8, 13])
+def test_bits_that_would_begin_in_the_middle_of_a_byte(last):
+    """By the manual x at 0.0, a from 2.0 on, b at 4.0; without it a could follow at 0.1 and b at 2.0."""
+    inside = named([{"type": "BOOL"}, {"type": f"ARRAY[0..{last}] OF BOOL"}])
+    built, types = block(
+        {"id": "bits", "kind": "GlobalDB", "members": named([{"type": "STRUCT", "members": inside}, {"type": "BOOL"}])}
+    )
+    place = locate(layout_block(built, types), "m1")
+    assert place.offset == 32
+    assert "composite-start" in place.doubts
+
+
 plain_types = st.sampled_from(
     ["BOOL", "BYTE", "CHAR", "WORD", "INT", "DWORD", "REAL", "DATE_AND_TIME", "ANY", "STRING[3]", "STRING[4]"]
 ) | st.builds(
