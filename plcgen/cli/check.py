@@ -36,7 +36,7 @@ Subject = tuple[str, Sequence["Diagnostic"]]
     metavar="TARGET",
     help=f"Compiler of the sources: {', '.join(TARGETS)} (S7-1200 too).  [default: any of them]",
 )
-@click.option("--program", is_flag=True, help="The sources are a whole program: check names, types and calls.")
+@click.option("--program", is_flag=True, help="Sources and documents are one program: check names, types, calls.")
 @click.option(
     "--tags", type=PATH, multiple=True, metavar="FILE", help="With --program: symbols as SDF, CSV or tag table XML."
 )
@@ -44,8 +44,8 @@ Subject = tuple[str, Sequence["Diagnostic"]]
     "--iec-check",
     multiple=True,
     metavar="WHEN[:BLOCK]",
-    help="With --program: IEC check of the blocks or of one, on, off or as-stated: that of the tool, on for tia-1500, "
-    "off for tia-300.  [default: as-stated]",
+    help="With --program: IEC check of the blocks or of one, on, off or as-stated: by the document of the block, else "
+    "that of the tool, on for tia-1500, off for tia-300.  [default: as-stated]",
 )
 @click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")
 @strict_option

@@ -14,6 +14,7 @@ from plcgen.scl.parser import parse_value
 _NAMED = re.compile(r"""[#"]?[^\W\d]\w*"?(?!#)(?:\s*[-+*/].*)?|.*[-+*/]\s*[#"]?[^\W\d]\w*"?""")
 _APART = re.compile(r"[-+]\s+[0-9][0-9.eE_]*")
 """A number with a blank behind its sign."""
+_NAME_IN_LIST = re.compile(r'"[^"]+"|#\w+')
 _WORDS = frozenset({"TRUE", "FALSE", "NULL", "NIL"})
 
 
@@ -40,6 +41,9 @@ def _written_out(member: Member, texts: dict[str, str], numbers: dict[str, int],
     text = (member.start or "").strip()
     if _APART.fullmatch(text):
         return replace(member, start="".join(text.split()))
+    if text.startswith("[") and "'" not in text:
+        text = _NAME_IN_LIST.sub(lambda name: texts.get(name[0].strip('#"').upper(), name[0]), text)
+        return _elsewhere(member, text, found) if '"' in text else replace(member, start=text)
     if not _NAMED.fullmatch(text) or text.upper() in _WORDS or "'" in text:
         return member
     name = text.strip('#"').upper()
@@ -49,8 +53,10 @@ def _written_out(member: Member, texts: dict[str, str], numbers: dict[str, int],
     value = evaluate(node, numbers) if node is not None else None
     if value is not None:
         return replace(member, start=str(value))
-    if text.startswith('"'):
-        message = f"the constant {text} has its value outside of these sources"
-        found.append(Diagnostic("PG827", message, member.span or Span("")))
-        return replace(member, start=None)
-    return member
+    return _elsewhere(member, text, found) if text.startswith('"') else member
+
+
+def _elsewhere(member: Member, text: str, found: list[Diagnostic]) -> Member:
+    message = f"a constant in {text} has its value outside of these sources"
+    found.append(Diagnostic("PG827", message, member.span or Span("")))
+    return replace(member, start=None)

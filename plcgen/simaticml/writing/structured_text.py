@@ -446,7 +446,7 @@ def _instruction(name: str) -> str:
     kind = _TYPED.get(base.upper())
     if kind is None or type_ is None:
         return f'<Instruction Name="{attribute(name)}" {UID}>'
-    value = f'<TemplateValue Name="{kind}" Type="Type">{datatype(type_)}</TemplateValue>'
+    value = f'<TemplateValue Name="{kind}" Type="Type" {UID}>{datatype(type_)}</TemplateValue>'
     return f'<Instruction Name="{attribute(base)}" {UID}>{value}'
 
 
