@@ -153,8 +153,7 @@ class InterfaceReader:
         for sub in element:
             tag = tags[sub.tag]
             if tag == "Comment":
-                for item in sub:
-                    comment = comment or (item.text or "").strip()
+                comment = comment or _first_text(sub)
             elif tag == "StartValue":
                 literal = literal or self.value(sub)
             elif tag == "AttributeList":
@@ -307,6 +306,14 @@ class InterfaceReader:
         if len(self.diagnostics) >= MAX_PROBLEMS:
             return
         self.diagnostics.append(Diagnostic("PG812", message, span(element, self.file)))
+
+
+def _first_text(comment: Element) -> str:
+    """The first text of a comment that is not empty; most have one, and a look is cheaper than a loop."""
+    found = (comment[0].text or "").strip() if len(comment) else ""
+    if found or len(comment) < 2:
+        return found
+    return next((text for item in comment if (text := (item.text or "").strip())), "")
 
 
 def _own_constants(root: Element) -> dict[str, int]:
