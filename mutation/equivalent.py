@@ -13,6 +13,12 @@ EQUIVALENT = {
     r"^DW#16#7FFFFFFF -> DW#16#7FFFFFFE: CLOCK_MASK": (
         "odd times become 1 ms shorter, and all limits are even: time >= limit stays what it was"
     ),
+    r"^\d+ -> \d+: (CALL|EVENT|PHASE)_[A-Z]+ : I(nt|NT) :=": (
+        "a number that only the block compares; if another constant had it already, the block would go wrong"
+    ),
+    r"^< -> <=: IF #?tempFailed = 0 OR #?tempIndex < #?tempFailed": (
+        "no two items of a telegram have the same first address"
+    ),
 }
 """Reasons by the description of a mutant."""
 

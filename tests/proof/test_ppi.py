@@ -108,7 +108,7 @@ DAMAGE: dict[str, tuple[str, str]] = {
     ),
     "polls are not bounded": ("#statPolls >= #MAX_POLLS", "#statPolls >= 30000"),
     "retries are not bounded": ("#statRetries < #MAX_RETRIES", "#statRetries < 30000"),
-    "the first write is not preceded by a read": ("IF #statSync > 0 THEN", "IF #statSync > 99 THEN"),
+    "the first write is not preceded by a read": ("#statCurrent := #statSync;", ";"),
     "the reference of the reply is not looked at": ("= #statReferenceLow THEN", "<> B#16#00 THEN"),
     "the checksum is not looked at": ("IF #tempSum = WORD_TO_INT(", "IF #tempSum <> -1 OR #tempSum = WORD_TO_INT("),
     "the sender is not looked at": ("AND #statReceive[#tempFirst + 1] = #statAddress THEN", "THEN"),
@@ -141,7 +141,25 @@ DAMAGE: dict[str, tuple[str, str]] = {
     "a reply that broke off is not joined": ("#statKept := #statKept + 1;", "#statKept := 0;"),
     "a damaged E5 is not followed by a poll": ("#statHeard := #statHeard OR NOT #tempClean;", ";"),
     "no pause before the next poll": ("#statPause := #POLL_PAUSE;", "#statPause := L#60000;"),
+    "a pause ends a call late": ("#tempElapsed >= #statPause", "#tempElapsed > #statPause"),
+    "a token by itself is damage": ("#tempPosition + 3 <= #tempLength", "#tempPosition + 3 < #tempLength"),
+    "half a token is one": ("#tempPosition + 3 <= #tempLength", "#tempPosition - 3 <= #tempLength"),
+    "short answers count as those of others": ("#tempMine := TRUE;", "#tempMine := FALSE;"),
+    "errors of the receiving block are those of sending": ("#tempFault := FALSE;  // of", ";  // of"),
+    "counts overflow": ("#statDamaged < 32767", "#statDamaged <= 32767"),
+    "replies of high priority are passed over": ("#tempByte = B#16#0A", "#tempByte = B#16#0B"),
+    "acknowledgements refuse nothing": (" OR #statReceive[#tempFirst + 4] = B#16#02", ""),
+    "another protocol is taken": ("#statReceive[#tempFirst + 3] = B#16#32", "#statReceive[#tempFirst + 3] <> B#16#FF"),
+    "a reply in three parts is not joined": ("      #statKept := 0;\n      IF", "      IF"),
+    "errors stay when the reply turns out to be malformed": ("          #statErrors[#tempIndex] := W#16#0000;", ";"),
+    "nobody sees the state": ("#diagnostics.state := #statState;", ";"),
+    "polls are those of the job before": ("      #statPolls := 0;\n      #statFailed", "      #statFailed"),
 }
+CLASSIC: dict[str, tuple[str, str]] = {
+    "the number of the buffer is tried once": ("#statProbe[0] <> B#16#AA", "#statProbe[0] = B#16#00"),
+    "the clock loses 1 ms when it starts again": ("#CLOCK_END + 1;", "#CLOCK_END;"),
+}
+"""The same of a master with a CP 341."""
 
 
 @pytest.fixture(scope="module")
@@ -158,6 +176,14 @@ def test_damage_of_the_block_is_noticed(what: str, small: tuple[Project, Path], 
     shutil.copytree(folder, tmp_path / "out")
     damage(tmp_path / "out", *DAMAGE[what])
     assert executed(Work(ProgramBench(project, tmp_path / "out"), "quick"), "m").text
+
+
+@pytest.mark.parametrize("what", CLASSIC)
+def test_damage_of_a_block_for_a_cp_341_is_noticed(what: str, tmp_path: Path) -> None:
+    """The same for what only a CP 341 has."""
+    spec = made("t3", tmp_path, SMALL)
+    damage(tmp_path / "out", *CLASSIC[what])
+    assert executed(Work(ProgramBench(project_of(spec), tmp_path / "out"), "quick"), "m").text
 
 
 def damage(folder: Path, old: str, new: str) -> None:

@@ -267,9 +267,10 @@ class Receiver(PortBlock):
         area, first, room = self.target(memory, offset, buffer)
         if area is not None and area.area == "L":
             self.report("PG831", f"{self.area} of {self.kind} is local data: what is received is lost")
-        if not self.enabled(memory, offset) or not port.waiting:
+        refused = port.refusals.get(self.kind.upper(), 0)
+        if refused or not self.enabled(memory, offset) or not port.waiting:
             self.jobs.pop(key, None)
-            self.finish(memory, offset, (False, False), self.idle)
+            self.finish(memory, offset, (False, bool(refused)), refused or self.idle)
             return
         job = self.jobs.setdefault(key, Transfer(port, (id(area), first), area, b"", self.needed(port)))
         if (id(area), first) != job.place:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from plcgen.proof.runner import Run
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ppi.proof.end import End
+from plcgen.protocols.ppi.proof.limits import StateLimits
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import PpiScenario
 from plcgen.protocols.ppi.proof.tables import litter
@@ -30,6 +31,7 @@ class MasterConduct:
         self.configured = False
         self.longest = 0
         self.counts = (0, 0)
+        self.limits = StateLimits(rig)
 
     def plain(self, name: str) -> PpiScenario:
         """A run of which only the result counts."""
@@ -66,7 +68,7 @@ class MasterConduct:
         port.sent.clear()
         port.faults, port.hang, port.refusals = dict(scenario.port), scenario.hang, dict(scenario.refusals)
         rig.edited.edit, rig.edited.bend = scenario.edit, scenario.bend
-        rig.edited.broken, rig.edited.rest = scenario.broken, scenario.rest
+        rig.edited.broken, rig.edited.again, rig.edited.rest = scenario.broken, scenario.again, scenario.rest
         port.echo, port.stuck = scenario.echo, scenario.stuck
         port.transmissions = port.configured = port.conditioned = 0
         if scenario.forgets:
@@ -101,7 +103,7 @@ class MasterConduct:
         """Inputs count in the call that starts the job; later they are something else."""
         self.rig.put_inputs(wrong=not run.fresh)
         longest = self.rig.master.ob1_cycle
-        return run.random.randint(1, longest) if run.scenario.wild else min(run.scenario.scan, longest)
+        return run.random.randint(0, longest) if run.scenario.wild else min(run.scenario.scan, longest)
 
     def start(self, run: Run[PpiScenario]) -> None:
         """Everything of the job before is gone."""
@@ -112,6 +114,7 @@ class MasterConduct:
         """No other job moves."""
         if run.scenario.measured:
             self.longest = max(self.longest, self.rig.statements(run.before))
+        self.limits.observe(run)
         other = self.rig.moving()
         if other is not None:
             raise ScenarioError(f'job "{other.key}" moves although nobody started it')
@@ -120,13 +123,15 @@ class MasterConduct:
         """Values, diagnostics, frames, tables."""
         if (
             not self.rig.plan.target.classic
-            and not run.scenario.happens
+            and not run.scenario.restarts
             and not run.scenario.gone
             and not run.scenario.refusals
         ):
             self.check_settings()
         self.configured = status in {DONE, WORDS["ITEM_ERROR"], WORDS["REFUSED"]}
         End(self.rig, run.scenario, self.codes).check(status)
+        if run.scenario.clock is not None and not self.rig.plan.target.classic and self.rig.clock() >= CLOCK_END:
+            raise ScenarioError(f"the clock of the block runs beyond {CLOCK_END} ms")
         self.check_counts(run.scenario)
 
     def check_counts(self, scenario: PpiScenario) -> None:
@@ -149,7 +154,7 @@ class MasterConduct:
         rig = self.rig
         rig.port.hang, rig.port.faults, rig.port.refusals = False, {}, {}
         rig.edited.edit = rig.edited.bend = None
-        rig.edited.broken = 0
+        rig.edited.broken = rig.edited.again = 0
         rig.port.echo = rig.port.stuck = False
         rig.line.faults.clear()
         rig.bus.ports[rig.master.port] = rig.port

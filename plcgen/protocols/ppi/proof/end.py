@@ -29,7 +29,7 @@ class End:
             self.check_values()
         self.check_diagnostics(status)
         self.check_frames(status)
-        if not self.scenario.happens and status in {DONE, WORDS["ITEM_ERROR"]}:
+        if not self.scenario.restarts and status in {DONE, WORDS["ITEM_ERROR"]}:
             check_tables(self.rig, self.job, refused=status != DONE)
         self.check_last(status)
 
@@ -51,7 +51,7 @@ class End:
         number, code = rig.db.get("telegram"), self.codes.get(job.station.address, 0)
         if number != numbers[-1] if status == DONE else number not in numbers:
             raise ScenarioError(f"diagnostics.telegram is {number} at the end of telegrams {numbers}")
-        if rig.db.get("functionCode") != code and not self.scenario.happens:
+        if rig.db.get("functionCode") != code and not self.scenario.restarts:
             raise ScenarioError(f"diagnostics.functionCode is {rig.db.get('functionCode'):02X}h instead of {code:02X}h")
 
     def check_values(self) -> None:
@@ -90,7 +90,7 @@ class End:
         if scenario.polls is not None and seen:
             expected["polls"] = scenario.polls
         for name, value in expected.items():
-            if rig.db.get(name) != value and not scenario.happens:
+            if rig.db.get(name) != value and not scenario.restarts:
                 raise ScenarioError(f"diagnostics.{name} is {rig.db.get(name)} instead of {value} (16#{status:04X})")
 
     def check_frames(self, status: int) -> None:
@@ -125,7 +125,7 @@ class End:
         """The function code of a new frame: 6Ch first, then the frame count bit alternates."""
         before = self.codes.get(frame.destination)
         wanted = FIRST if before is None else 0x5C | (~before & FCB)
-        if frame.function != wanted and not self.scenario.happens:
+        if frame.function != wanted and not self.scenario.restarts:
             raise ScenarioError(f"function code {frame.function:02X}h follows {before or 0:02X}h")
         self.codes[frame.destination] = frame.function
 

@@ -48,14 +48,15 @@ class RecordingStation(StationCpu):
 class EditedLine:
     """A line on which replies are changed: ``edit`` every PDU, with a new frame around it, ``bend`` the first frame.
 
-    ``broken`` cuts the first one behind so many bytes, the others come ``rest`` ms later.
+    ``broken`` cuts the first one behind so many bytes, the others come ``rest`` ms later; ``again`` is how many come if
+    even those break off.
     """
 
     def __init__(self, line: Line) -> None:
         self.line = line
         self.edit: Edit | None = None
         self.bend: Bend | None = None
-        self.broken = self.rest = 0
+        self.broken = self.again = self.rest = 0
         self._held: tuple[int, bytes] | None = None
 
     def receive(self, data: bytes, now: int) -> None:
@@ -71,7 +72,7 @@ class EditedLine:
         """Bytes of the stations, changed if they are one reply."""
         if self._held is not None and self._held[0] <= now:
             held, self._held = self._held[1], None
-            return held
+            return self._hold_back(held, now) if self.again else held
         data = self.line.transmit(now)
         if self.edit is None and self.bend is None and not self.broken:
             return data
@@ -83,8 +84,14 @@ class EditedLine:
         if self.bend is not None:
             data, self.bend = self.bend(data), None
         if self.broken:
-            data, rest, self.broken = data[: self.broken], data[self.broken :], 0
-            self._held = now + self.rest + len(data) * CHARACTER_MS, rest
+            self.broken, self.again, next_ = 0, self.broken, self.again
+            data, self.again = self._hold_back(data, now), next_
+        return data
+
+    def _hold_back(self, data: bytes, now: int) -> bytes:
+        """The first ``again`` bytes; the others come later."""
+        data, rest, self.again = data[: self.again], data[self.again :], 0
+        self._held = now + self.rest + len(data) * CHARACTER_MS, rest
         return data
 
 
@@ -144,6 +151,10 @@ class MasterRig:
     def scans(self) -> int:
         """Scans of OB1 so far."""
         return self.cpu.scans
+
+    def clock(self) -> int:
+        """The clock of the block on S7-1200/1500 in ms."""
+        return int(str(self.cpu[f'"{self.db.block}".instClock.ET']))
 
     def counts(self) -> tuple[int, int]:
         """Frames that were passed over so far, and damaged ones."""

@@ -24,8 +24,12 @@ POLL_MS = 60
 """Milliseconds that a poll and E5 take in scans of 2 ms."""
 FRAME_MS = 300
 """Milliseconds that the longest frame takes at 9600 bit/s: 255 characters of 11 bits."""
+LOST_SCANS = 3
+"""When the clock of a master on S7-1200/1500 starts again, its timer needs two calls to run: that time is lost."""
 MOMENTS = 60
 """Scans of a job in which something happens to it, unless it is every one: more than a job of one telegram has."""
+RECEIVE_FAULT = {"RECEIVE_P2P": 0x80E1, "P_RCV_RK": 0x080C}
+"""STATUS of a parity error: TIA Portal information system, "Error messages"; CP 341, event class 8."""
 HEADER_ERRORS = (0x8001, 0x8104, 0x8404, 0x8500, 0xD602)
 
 Edit = Callable[[bytes], bytes]
@@ -40,7 +44,8 @@ class PpiScenario(Scenario):
 
     The line: ``faults`` of the simulated stations; ``edit`` changes the PDU of every reply, whose frame stays right,
     ``bend`` the bytes of the first one, which is ``broken`` behind so many bytes (from the end if negative) and goes on
-    ``rest`` ms later; ``echo`` lets the module hear what it sends while it sends it.
+    ``rest`` ms later, with ``again`` bytes and another break if that is not 0;
+    ``echo`` lets the module hear what it sends while it sends it.
 
     The module: ``port`` maps the n-th transmission (0: every one) to a STATUS it fails with, ``hang`` keeps
     transmissions busy, ``stuck`` a RESET, too; ``refusals`` are what its other blocks fail with, ``gone`` takes it
@@ -62,6 +67,7 @@ class PpiScenario(Scenario):
     edit: Edit | None = None
     bend: Bend | None = None
     broken: int = 0
+    again: int = 0
     rest: int = PAUSE
     echo: bool = False
     forgets: bool = False
@@ -76,6 +82,11 @@ class PpiScenario(Scenario):
     measured: bool = False
     ignored: int | None = None
     damaged: int | None = None
+
+    @property
+    def restarts(self) -> bool:
+        """Whether the CPU starts again in the middle of the job: what was before is forgotten."""
+        return any(happening in {"cold", "warm"} for happening in self.happens.values())
 
 
 def fault(kind: str, at: At = "any", times: int | None = 1, **more: int) -> Fault:
@@ -138,16 +149,18 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
         yield PpiScenario(name=f"an old answer {how}", faults=stale, retries=min(1, most), status=again)
     yield from _ready(polls)
     yield PpiScenario(name="the module hears what it sends", echo=True)
-    for name, bend in _bends():
-        ignored = int(name == "another destination")
+    for name, bend, ignored in _bends():
         yield PpiScenario(
             name=f"reply with {name}", bend=bend, ignored=ignored, damaged=1 - ignored, **_repeated(master)
         )
+    yield PpiScenario(name="a reply of high priority (0Ah)", bend=_changed(6, 0x02, sums=True), ignored=0, damaged=0)
     broken = (fault("cut", "poll", None, value=20),)
     yield PpiScenario(
         name="replies that break off, forever", faults=broken, status=silent, retries=most, polls=None, follow=False
     )
     yield PpiScenario(name="a job after a reply that broke off")
+    yield PpiScenario(name="reply that breaks off twice and goes on", broken=9, again=7)
+    yield from _alone(master)
     in_front: tuple[tuple[str, At], ...] = (("token", "any"), ("foreign", "any"), ("noise", "poll"))
     for kind, at in in_front:
         yield PpiScenario(name=f"{kind} in front of every answer", faults=(fault(kind, at, None),))
@@ -173,6 +186,8 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
             faults=(fault("nack", "request", value=value),),
             status=(WORDS[word],),
             polls=0,
+            ignored=0,
+            damaged=0,
         )
     refused = fault("nack", "request", None, value=2)
     yield PpiScenario(name="refused with 02h forever", faults=(refused,), status=silent, retries=most, polls=0)
@@ -316,22 +331,48 @@ def _edits(job: PpiJob) -> Iterator[tuple[str, Edit]]:
         yield "another value length", lambda pdu: pdu[:17] + bytes((pdu[17] ^ 0x08,)) + pdu[18:]
 
 
-def _bends() -> Iterator[tuple[str, Bend]]:
-    """Replies whose frame is wrong at one place, or not for this master, and otherwise right to the last bit."""
+def _alone(master: PlannedMaster) -> Iterator[PpiScenario]:
+    """Messages that hold nothing but a token, or the beginning of one or of a short frame; the answer comes later."""
+    for data, what, damaged in (
+        (b"\xdc\x03\x05", "a token", 0),
+        (b"\xdc\x03", "two bytes of a token", 1),
+        (b"\x68\x10\x11\x00", "a head with two lengths", 1),
+        (b"\x10\x03\x05\x49\x51", "a short frame without its end", 1),
+    ):
+        noise = replace(fault("noise", "poll"), data=data)
+        yield PpiScenario(
+            name=f"{what} by itself",
+            faults=(noise, fault("late", "poll", milliseconds=LATE_MS)),
+            damaged=damaged if master.reply_timeout > LATE_MS + POLL_MS else None,
+            ignored=0,
+            retries=None,
+            polls=None,
+            status=(DONE,) if master.reply_timeout > LATE_MS + POLL_MS else (DONE, WORDS["NO_ANSWER"]),
+        )
 
-    def changed(at: int, bits: int, sums: int = 0) -> Bend:
-        def bend(data: bytes) -> bytes:
-            found = bytearray(data)
-            found[at] ^= bits
-            found[-2] = sum(found[4:-2]) & 0xFF if sums else found[-2]
-            return bytes(found)
 
-        return bend
+def _changed(at: int, bits: int, *, sums: bool = False) -> Bend:
+    """Some bits of a byte are others, with ``sums`` the checksum is right nevertheless."""
 
-    yield "another destination", changed(4, 0x40, sums=1)
-    yield "another repeated length", changed(2, 0x01)
-    yield "another second start byte", changed(3, 0x01)
-    yield "another end byte", changed(-1, 0x01)
+    def bend(data: bytes) -> bytes:
+        found = bytearray(data)
+        found[at] ^= bits
+        found[-2] = sum(found[4:-2]) & 0xFF if sums else found[-2]
+        return bytes(found)
+
+    return bend
+
+
+def _bends() -> Iterator[tuple[str, Bend, int]]:
+    """Replies whose frame is wrong at one place, or not for this master, and otherwise right to the last bit; whether
+    they are frames that are passed over (1) or damaged ones (0).
+    """
+    yield "another destination", _changed(4, 0x40, sums=True), 1
+    yield "another protocol", _changed(7, 0x01, sums=True), 1
+    yield "the code of a request", _changed(8, 0x02, sums=True), 1
+    yield "another repeated length", _changed(2, 0x01), 0
+    yield "another second start byte", _changed(3, 0x01), 0
+    yield "another end byte", _changed(-1, 0x01), 0
 
 
 def _first_read(job: PpiJob) -> Iterator[PpiScenario]:
@@ -380,6 +421,17 @@ def _refusals(job: PpiJob, *, every: bool) -> Iterator[PpiScenario]:
             status=(WORDS["REFUSED"],),
             header=code,
         )
+    yield PpiScenario(
+        name="job refused with an acknowledgement (ROSCTR 2)", faults=(fault("header", code=HEADER_ERRORS[0]),),
+        edit=lambda pdu: pdu[:1] + b"\x02" + pdu[2:], status=(WORDS["REFUSED"],), header=HEADER_ERRORS[0],
+        retries=None, polls=None,
+    )  # fmt: skip
+    if job.telegrams[0].response is not None:
+        yield PpiScenario(
+            name="an item refused in a reply with a byte too many",
+            faults=tuple(fault("item", item=n, code=5) for n, _ in enumerate(job.telegrams[0].items, 1)),
+            edit=lambda pdu: _data(pdu, pdu[14:] + b"\xff"), status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None,
+        )  # fmt: skip
     for after, telegram in enumerate(job.telegrams):
         for number, wire in enumerate(telegram.items if telegram.response is not None else (), 1):
             positions = sorted({placed.value.position for placed in wire.values})
@@ -449,7 +501,12 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
             name="Port_Config fails after a failure", refusals={"PORT_CONFIG": 0x81A1},
             status=(WORDS["CONFIG_ERROR"],), polls=0, module=0x81A1,
         )  # fmt: skip
-    yield from hangs(job, classic=classic)
+    yield from hangs(master, job, classic=classic)
+    deaf = RECEIVE_FAULT["P_RCV_RK" if classic else "RECEIVE_P2P"]
+    yield PpiScenario(
+        name="receiving fails", refusals={"P_RCV_RK" if classic else "RECEIVE_P2P": deaf},
+        status=(WORDS["NO_ANSWER"],), retries=most, polls=0, module=deaf,
+    )  # fmt: skip
     if classic:
         yield PpiScenario(
             name="module hangs, and RESET too",
@@ -461,17 +518,24 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
         )
 
 
-def hangs(job: PpiJob, *, classic: bool) -> Iterator[PpiScenario]:
+def hangs(master: PlannedMaster, job: PpiJob, *, classic: bool) -> Iterator[PpiScenario]:
     """A module that never ends: every job has a timeout of its own, also across the end of the clock."""
-    cancelled = CP_RESET_CALLS * 10 if classic else DRAIN_MS
     for clock in (None, CLOCK_END - job.timeout // 2):
+        # a clock that is 2 ms wrong behind its end shows if so little is missing from a scan to the timeout
+        steps = (n for n in (9, 7, 6, 3) if job.timeout % n in {1, 2} and n <= master.ob1_cycle)
+        scan = next(steps, 2) if clock and classic else 10
+        scan = min(scan, master.ob1_cycle)
+        begun = scan * (1 - (-job.timeout // scan))  # the job starts in the first scan
+        end = begun + (scan * CP_RESET_CALLS if classic else scan * -(-DRAIN_MS // scan))
+        late = LOST_SCANS * scan if clock and not classic else 0
         yield PpiScenario(
             name=f"module hangs{', the clock starts again' if clock else ''}",
             hang=True,
             status=(WORDS["TIMEOUT"] if classic else WORDS["DRAIN_TIMEOUT"],),
             polls=0,
             clock=clock,
-            took=(job.timeout + cancelled - 10, job.timeout + cancelled + 50),
+            scan=scan,
+            took=(end, end + late),
         )
 
 
@@ -492,7 +556,7 @@ def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int, *, classic: b
         yield PpiScenario(
             name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None
         )
-    yield from hangs(job, classic=classic)
+    yield from hangs(master, job, classic=classic)
     yield PpiScenario(name="execute dropped", happens={scans // 2: "drop"})
     yield PpiScenario(name="cold restart", happens={scans // 2: "cold"}, retries=None, polls=None)
     yield PpiScenario(name="scans of random length", wild=True, retries=None, polls=None)
@@ -521,6 +585,9 @@ def cpu_scenarios(scans: int, clock_end: int, ob1: int, *, retentive: bool, ever
         name="a scan as long as the timeout", happens={scans // 4: "jump"}, status=(WORDS["TIMEOUT"],),
         retries=None, polls=None,
     )  # fmt: skip
+    yield PpiScenario(
+        name="the second scan is as long as the timeout", happens={2: "jump"}, status=(WORDS["TIMEOUT"],), polls=0
+    )
     for length in sorted({1, min(3, ob1), min(20, ob1), ob1}):
         yield PpiScenario(name=f"scans of {length} ms", scan=length, retries=None, polls=None)
     for number in range(5):

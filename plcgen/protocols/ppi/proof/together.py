@@ -20,6 +20,8 @@ from plcgen.protocols.ppi.wire.model import VariableFrame
 
 ROW = 600
 ROUNDS = 4
+FULL = 32_767
+"""Highest value of an INT."""
 UNUSED_NUMBER = 59_998
 LONGEST = 512
 """Bytes of the longest message."""
@@ -41,6 +43,7 @@ def procedures(plan: PpiPlan, program: Program, master: PlannedMaster) -> Iterat
         yield Procedure("jobs with a cycle", bed, cycles)
     yield Procedure("longest scan", bed, longest_scan)
     yield Procedure(f"{ROW} jobs in a row", bed, row)
+    yield Procedure("counters at their end", bed, full_counters)
     if plan.target.classic:
         yield Procedure("buffer DB with a wrong number", lambda: misnumbered(plan, program, master), wrong_number)
 
@@ -284,6 +287,19 @@ def row(rig: MasterRig) -> None:
         raise ScenarioError("diagnostics.pduReference is not that of the last request")
 
 
+def full_counters(rig: MasterRig) -> None:
+    """The counts of frames passed over and damaged stay at their highest value."""
+    for kind, name in ((FaultKind.FOREIGN, "ignored"), (FaultKind.NOISE, "damaged")):
+        rig.cpu[f'"{rig.db.block}".stat{name.capitalize()}'] = FULL - 1
+        for _ in range(2):
+            rig.line.faults[:] = [Fault(kind, times=None, at="poll", data=b"\xff" if kind is FaultKind.NOISE else b"")]
+            _once(rig, rig.job.timeout // step(rig), step(rig))
+            rig.db.set(rig.pin("execute"), 0)
+            rig.cpu.call(rig.db.block, step(rig))
+            if rig.db.get(f"{name}Frames") != FULL:
+                raise ScenarioError(f"diagnostics.{name}Frames goes from {FULL - 1} to {rig.db.get(f'{name}Frames')}")
+
+
 def _once(rig: MasterRig, scans: int, length: int) -> int:
     """Start the job and call the block until it ends; its status."""
     rig.db.set(rig.pin("execute"), 1)
@@ -312,9 +328,14 @@ def misnumbered(plan: PpiPlan, program: Program, master: PlannedMaster) -> Maste
 
 
 def wrong_number(rig: MasterRig) -> None:
-    """The buffer DB has another number than the block expects: nothing is sent."""
+    """The buffer DB has another number than the block expects: nothing is sent, whatever lies in the wrong one."""
     rig.job = next((job for job in rig.master.jobs if job.cycle), rig.job)
-    status = _once(rig, 20, step(rig))
-    rig.cpu.call(rig.db.block, 1)
-    if status != WORDS["WRONG_DB"] or rig.port.sent:
-        raise ScenarioError(f"the wrong number gives 16#{status:04X}, not 16#8204")
+    wrong = rig.cpu.db(rig.plan.control_db.name)
+    for byte in range(0x100):
+        wrong[0] = byte
+        status = _once(rig, 20, step(rig))
+        rig.cpu.call(rig.db.block, 1)
+        rig.db.set(rig.pin("execute"), 0)
+        rig.cpu.call(rig.db.block, step(rig))
+        if status != WORDS["WRONG_DB"] or rig.port.sent:
+            raise ScenarioError(f"the wrong number gives 16#{status:04X}, not 16#8204")

@@ -207,7 +207,7 @@ class _Views:
             "station": {"index": job.station.index, "address": job.station.address},
             "first": job.telegrams[0].number,
             "last": job.telegrams[-1].number,
-            "sync": self.syncs.get(job.station.key, 0) if job.kind != "read" else 0,
+            "sync": job.telegrams[0].number if job.kind == "read" else self.syncs[job.station.key],
             "inputs": [self.input(job, value) for value in job.inputs],
             "outputs": [self.output(job, value) for value in job.outputs],
         }
@@ -284,8 +284,6 @@ class _Views:
         if not any(job.values for job in self.master.jobs):
             unused |= {"Error", "Item", "LastItem", "Failed"}
         rows = [(f"temp{name}", kind) for kind, names in kinds.items() for name in names.split() if name not in unused]
-        if any(job.cycle for job in self.master.jobs):
-            rows.append(("tempCycle", t["DINT"]))
         rows.append(("tempReceived", "UInt") if self.where.t15 else ("tempMove", t["INT"]))
         return rows
 
