@@ -341,7 +341,7 @@ def _alone(master: PlannedMaster) -> Iterator[PpiScenario]:
     ):
         noise = replace(fault("noise", "poll"), data=data)
         yield PpiScenario(
-            name=f"{what} by itself",
+            name=f"{what} alone",
             faults=(noise, fault("late", "poll", milliseconds=LATE_MS)),
             damaged=damaged if master.reply_timeout > LATE_MS + POLL_MS else None,
             ignored=0,
