@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.cli.completed import codes as completed
 from plcgen.cli.options import console, format_option, verb
 from plcgen.cli.output import OK, PROBLEMS, error_line, help_line
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     "plcgen explain hardware-id      which identifier or address leads to a drive",
     "plcgen explain --list",
 )
-@click.argument("codes", nargs=-1, metavar="CODE...")
+@click.argument("codes", nargs=-1, metavar="CODE...", shell_complete=completed)
 @click.option("--list", "list_all", is_flag=True, help="List every diagnostic code.")
 @format_option("answer")
 def command(*, codes: tuple[str, ...], list_all: bool, format_: OutputFormat) -> int:

@@ -93,6 +93,10 @@ click.version_option(__version__, "-V", "--version", message="plcgen %(version)s
 def run(args: Sequence[str] | None = None) -> int:
     """Run the command line; every way it can end becomes an exit code here and nowhere else."""
     output.prepare_streams()
+    if os.environ.get("_PLCGEN_COMPLETE", "").startswith("powershell"):
+        from plcgen.cli.powershell import register
+
+        register()
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # saves the search for plugins we do not use
     try:
         code = cli.main(args=None if args is None else list(args), prog_name="plcgen", standalone_mode=False)

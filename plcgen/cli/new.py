@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.cli.completed import devices, toolchains
 from plcgen.cli.options import PATH, console, verb
 from plcgen.cli.output import OK, PROBLEMS, OutputError, error_line, help_line
 
@@ -59,9 +60,20 @@ _COMMENT = 36
     "plcgen new press.yaml --device sinamics-dcm --family s7-300",
 )
 @click.argument("path", type=PATH, default="job.yaml", metavar="[PATH]")
-@click.option("--device", default="sinamics-s120", metavar="DEVICE", help="Device profile.  [default: sinamics-s120]")
+@click.option(
+    "--device",
+    default="sinamics-s120",
+    metavar="DEVICE",
+    shell_complete=devices,
+    help="Device profile.  [default: sinamics-s120]",
+)
 @click.option("--family", type=click.Choice(FAMILIES), default="s7-1500", help="CPU family.  [default: s7-1500]")
-@click.option("--toolchain", metavar="TOOL", help="step7-v5 or tia-v13sp1 .. tia-v21.  [default: by family]")
+@click.option(
+    "--toolchain",
+    metavar="TOOL",
+    shell_complete=toolchains,
+    help="step7-v5 or tia-v13sp1 .. tia-v21.  [default: by family]",
+)
 @click.option("--force", is_flag=True, help="Overwrite an existing file.")
 def command(*, path: Path, device: str, family: str, toolchain: str | None, force: bool) -> int:
     """Write a commented starter spec (job.yaml); PATH - writes to stdout."""

@@ -84,7 +84,10 @@ def read_symbols(path: Path | str) -> Tags:
 
 
 def read_tags(path: Path | str) -> Tags:
-    """Tag table as CSV: name, data type, logical address, comment, with a header line."""
+    """Tag table as CSV: name, data type, logical address, comment; what separates them is told by the header line."""
     with Path(path).open(encoding="utf-8-sig", newline="") as file:
-        rows = [row for row in csv.reader(file) if len(row) >= 3]
+        header = file.readline()
+        file.seek(0)
+        separator = ";" if header.count(";") > header.count(",") else ","
+        rows = [row for row in csv.reader(file, delimiter=separator) if len(row) >= 3]
     return {row[0].strip(): (row[2].strip().removeprefix("%"), row[1].strip()) for row in rows[1:]}

@@ -10,6 +10,7 @@ from typing import Any
 
 from plcgen._version import __version__
 from plcgen.documents.environment import RenderedFile
+from plcgen.input.hashes import text_digest
 from plcgen.project.nouns import Project
 from plcgen.sources.generated import MANIFEST
 
@@ -33,7 +34,7 @@ def manifest(project: Project, entries: Sequence[dict[str, Any]]) -> RenderedFil
         "project": project.name,
         "family": project.target.family,
         "toolchain": project.target.toolchain,
-        "spec_sha256": digest(project.loaded.text.encode()),
+        "spec_sha256": text_digest(project.loaded.text.encode()),
         "jobs": [],
         **{key: value for plan in project.plans for key, value in plan.protocol.documents(plan).manifest().items()},
         "files": sorted(entries, key=itemgetter("path")),

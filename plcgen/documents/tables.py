@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
+from plcgen.display.table import Row, csv_table
 from plcgen.documents.document import Document
 from plcgen.documents.nouns import TagRow, WatchRow
 from plcgen.documents.overview import Overview
 from plcgen.documents.sources import SourceWriter
 from plcgen.documents.spelling import encodable
 from plcgen.project.nouns import Project
+from plcgen.sources.generated import ATTRIBUTES
+
+_ATTRIBUTES = """\
+# Written by plcgen: git leaves the line ends of these files as they are, whatever core.autocrlf says.
+* -text
+"""
 
 
 def watch_document(name: str, rows: Sequence[WatchRow]) -> Document:
     """The watch table of a function block as CSV."""
-    return Document(f"watch/{name}.csv", text=_csv((("name", "address", "display format", "modify value"), *rows)))
+    return _sheet(f"watch/{name}.csv", ("name", "address", "display format", "modify value"), rows)
 
 
 def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> Iterator[Document]:
@@ -28,7 +33,7 @@ def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> 
         yield sources.table("compile.inp", "".join(f"{path.split('/')[1].removesuffix('.scl')}\n" for path in order))
     elif tags:
         rows = [(tag.name, tag.type, f"%{tag.address}", tag.text) for tag in tags]
-        yield Document("tags.csv", text=_csv((("Name", "Data Type", "Logical Address", "Comment"), *rows)))
+        yield _sheet("tags.csv", ("Name", "Data Type", "Logical Address", "Comment"), rows)
     guides = [contribution.guide() for contribution in seen.contributions]
     view = {
         "project": project.name,
@@ -45,6 +50,12 @@ def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> 
     }
     yield Document("IMPORT.md", "text/import.md.j2", view)
     yield Document("LAYOUT.md", "text/layout.md.j2", {"project": project.name, "sheets": seen.sheets})
+    yield Document(ATTRIBUTES, text=_ATTRIBUTES)
+
+
+def _sheet(path: str, header: Row, rows: Sequence[Row]) -> Document:
+    """A table for a spreadsheet: semicolons and a byte order mark, as an Excel with German settings opens them."""
+    return Document(path, text=csv_table(header, rows, ";"), encoding="utf-8-sig")
 
 
 def _foreign(project: Project) -> Iterator[tuple[str, str, str]]:
@@ -95,10 +106,3 @@ def _in_columns(text: str) -> str:
         return text
     byte, point, bit = number.partition(".")
     return f"{area}{byte:>{9 - len(area)}}{point}{bit}"
-
-
-def _csv(rows: Iterable[Sequence[str]]) -> str:
-    """Rows as CSV with LF."""
-    out = io.StringIO()
-    csv.writer(out, lineterminator="\n").writerows(rows)
-    return out.getvalue()

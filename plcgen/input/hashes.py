@@ -18,6 +18,19 @@ def text_digest(data: bytes) -> str:
     return hashlib.sha256(data.replace(b"\r\n", b"\n")).hexdigest()
 
 
+def same_text(one: bytes, other: bytes) -> bool:
+    """Whether two files differ in nothing but line ends."""
+    return one == other or one.replace(b"\r\n", b"\n") == other.replace(b"\r\n", b"\n")
+
+
+def has_digest(data: bytes, digest: str) -> bool:
+    """Whether a SHA-256 is that of a file as it is, or with the other line ends."""
+    if hashlib.sha256(data).hexdigest() == digest:
+        return True
+    plain = data.replace(b"\r\n", b"\n")
+    return digest in {hashlib.sha256(text).hexdigest() for text in (plain, plain.replace(b"\n", b"\r\n"))}
+
+
 def path_hashes(paths: Sequence[Path]) -> Iterator[tuple[str, str]]:
     """Each path with its hash; a folder has that over the sorted list of its files, a file that is large has none."""
     for path in paths[:_SHOWN]:

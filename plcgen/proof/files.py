@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import codecs
-import hashlib
 from collections.abc import Iterator
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.input.files import read_bounded
+from plcgen.input.hashes import has_digest
 from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
@@ -84,7 +84,7 @@ def _changed(folder: Path, known: dict[str, str]) -> list[Diagnostic]:
             )
         elif not path.is_file():
             found.append(Diagnostic("PG601", "generated file is missing", Span(str(path)), help="run plcgen generate"))
-        elif hashlib.sha256(path.read_bytes()).hexdigest() != expected:
+        elif not has_digest(path.read_bytes(), expected):
             found.append(
                 Diagnostic(
                     "PG602",

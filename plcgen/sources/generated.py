@@ -10,6 +10,8 @@ from plcgen.input.files import read_bounded
 MANIFEST = "manifest.json"
 JOURNAL = ".plcgen-journal.json"
 """Stands in a folder while its files are replaced."""
+ATTRIBUTES = ".gitattributes"
+"""Tells git to leave the line ends of the files as they are."""
 MAX_MANIFEST = 64 * 1024 * 1024
 """Bytes of a manifest that are read: a hundred thousand files and more."""
 SOURCES = (".scl", ".udt", ".db", ".awl")

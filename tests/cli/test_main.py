@@ -1,12 +1,14 @@
 """The frame around the verbs: help, usage, streams, exit codes, what gets imported."""
 
 import os
+import re
+import shutil
 import subprocess
 import sys
 
 import click
 import pytest
-from projects import FAQ
+from projects import FAQ, ROOT
 
 from plcgen import __version__
 from plcgen.cli import main, output
@@ -227,12 +229,51 @@ def test_interrupt_in_a_real_process():
     assert done.stderr.strip() == "error: interrupted"
 
 
-@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish", "powershell"])
 def test_completion(plcgen, shell):
     """A script for each shell that calls plcgen back."""
     result = plcgen("completion", shell)
     assert result.code == 0
-    assert f"_PLCGEN_COMPLETE={shell}_complete" in result.out
+    assert re.search(rf"_PLCGEN_COMPLETE ?= ?'?{shell}_complete", result.out)
+
+
+@pytest.mark.parametrize(
+    ("words", "current", "expected"),
+    [
+        (["new", "--device"], "sinamics-g", ["sinamics-g120"]),
+        (["encode", "read", "--device"], "sinamics-g", ["sinamics-g120"]),
+        (["new", "--toolchain"], "tia-v2", ["tia-v20", "tia-v21"]),
+        (["explain"], "pg20", ["PG201", "PG202", "PG203", "PG204", "PG205", "PG206", "PG207", "PG208", "PG209"]),
+        ([], "rev", ["review"]),
+        (["new"], "'--dev'", ["--device"]),
+        (["explain", "&calc"], "$(x)", []),
+    ],
+)
+def test_powershell_is_answered_with_values(process, words, current, expected):
+    """Words come one a line, answers with kind, value and text; PowerShell wants a text that is not empty."""
+    asked = {"_PLCGEN_COMPLETE": "powershell_complete", "COMP_WORDS": "\n".join(["plcgen", *words])}
+    done = process(env={**asked, "COMP_CURRENT": current})
+    lines = [line.split("\t") for line in done.stdout.decode().splitlines() if line]
+    assert [line[1] for line in lines] == expected
+    assert all(len(line) == 3 and line[0] == "plain" and line[2] for line in lines)
+
+
+def test_powershell_completes(tmp_path):
+    """The script as PowerShell runs it."""
+    if shutil.which("pwsh") is None:
+        pytest.skip("not run: pwsh is not installed")
+    (tmp_path / "plcgen").write_text(f'#!/bin/sh\nexec {sys.executable} -m plcgen "$@"\n', "utf-8")
+    (tmp_path / "plcgen").chmod(0o755)
+    script = (
+        "plcgen completion powershell | Out-String | Invoke-Expression; $line = 'plcgen new --device sinamics-g';"
+        "(TabExpansion2 -inputScript $line -cursorColumn $line.Length).CompletionMatches.CompletionText"
+    )
+    path = f"{tmp_path}{os.pathsep}{os.environ['PATH']}"
+    environment = {**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        ["pwsh", "-NoProfile", "-Command", script], capture_output=True, text=True, check=True, env=environment
+    )
+    assert done.stdout.split() == ["sinamics-g120"]
 
 
 def test_completion_of_verbs(process):

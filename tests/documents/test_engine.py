@@ -126,17 +126,17 @@ def test_tables_come_from_the_same_nouns(tmp_path: Path, monkeypatch: pytest.Mon
     """Watch table, tags, layout sheet, guide and SimaticML of an S7-1500."""
     made = files("s7-1500", "tia-v19", tmp_path, monkeypatch)
     assert made["watch/Toy.csv"].splitlines()[1:] == [
-        '"""moveExecute""",M50.0,Bool,TRUE',
-        '"""Toys"".move.busy",,Bool,',
-        '"""Toys"".move.done",,Bool,',
-        '"""Toys"".move.error",,Bool,',
-        '"""Toys"".move.status",,Hex,',
-        '"""Toys"".move.speed",,FloatingPoint,',
-        '"""Frame"".code",DB5.DBW0,Hex,',
-        '"""Frame"".data[0]",DB5.DBB2,Hex,',
-        '"""Frame"".data[1]",DB5.DBB3,Hex,',
+        '"""moveExecute""";M50.0;Bool;TRUE',
+        '"""Toys"".move.busy";;Bool;',
+        '"""Toys"".move.done";;Bool;',
+        '"""Toys"".move.error";;Bool;',
+        '"""Toys"".move.status";;Hex;',
+        '"""Toys"".move.speed";;FloatingPoint;',
+        '"""Frame"".code";DB5.DBW0;Hex;',
+        '"""Frame"".data[0]";DB5.DBB2;Hex;',
+        '"""Frame"".data[1]";DB5.DBB3;Hex;',
     ]
-    assert made["tags.csv"].splitlines()[1:] == ["moveExecute,Bool,%M50.0,execute: Move it"]
+    assert made["tags.csv"].splitlines()[1:] == ["moveExecute;Bool;%M50.0;execute: Move it"]
     assert '## Toy: Toy of all\n\n- frame 12 34\n\n### DB5 "Frame", 4 bytes\n' in made["LAYOUT.md"]
     assert "| 0 | DB5.DBW0 | code | Word | 2 | 16#1234 | what it is |" in made["LAYOUT.md"]
     assert (

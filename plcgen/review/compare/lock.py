@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
+from plcgen.input.hashes import same_text
 from plcgen.review.compare.lockfile import lock_text, reduced
 from plcgen.review.compare.lockread import read_lock
 from plcgen.review.compare.model import Comparison, Snapshot
@@ -48,7 +49,7 @@ def write_lock(paths: Sequence[Path], path: Path, *, classic: bool = False, forc
         _check_target(path, force=force)
         text = lock_text(state, _names(chosen, path))
         data = text.encode()
-        changed = not path.is_file() or path.read_bytes() != data
+        changed = not path.is_file() or not same_text(path.read_bytes(), data)
         if changed:
             _replace(path, data)
     except DiagnosticError as problem:
