@@ -51,7 +51,7 @@ def parse_xml(data: bytes, file: str) -> Element:
     """
     from lxml import etree
 
-    head = data.replace(b"\0", b"")
+    head = data.replace(b"\0", b"") if b"\0" in data[:1024] else data
     prolog = _PROLOG.match(head)
     doctype = prolog.end() if prolog else 0
     if head.startswith(b"<!DOCTYPE", doctype):
