@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bench import codec, generation, layout_speed, ppi, scl_speed, simaticml_reading, startup, work_memory
+from bench import codec, generation, layout_speed, plants, ppi, scl_speed, simaticml_reading, startup, work_memory
 from plcgen.__main__ import collect_rarely
 
 
@@ -34,6 +34,7 @@ def main() -> None:
     simaticml_reading.main()
     layout_speed.main()
     work_memory.main()
+    plants.main()
 
 
 if __name__ == "__main__":

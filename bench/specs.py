@@ -40,14 +40,45 @@ def hundred_lines() -> str:
     return "\n".join(lines).replace("p945", "r945") + "\n"
 
 
-def plant(drives: int = 20) -> str:
-    """A spec of an S7-300 with STEP 7 V5: three jobs, each on every drive."""
-    names = [f"fan{i:02}" for i in range(1, drives + 1)]
-    lines = ["plc: {name: Plant, family: s7-300, toolchain: step7-v5}\n", "drives:\n"]
-    lines += [f"  {name}: {{device: sinamics-g120, address: {256 + 20 * i}}}\n" for i, name in enumerate(names, 1)]
-    every = f"drive: [{', '.join(names)}]"
-    lines.append("jobs:\n")
-    lines.append(f"  read_ramps: {{{every}, read: [P1120, P1121]}}\n")
-    lines.append(f"  set_ramps: {{{every}, write: {{P1120: null, P1121: null}}}}\n")
-    lines.append(f"  read_fault: {{{every}, read: [r947]}}\n")
+PLCS = {
+    "S7-300 V5": ("s7-300", "step7-v5", "address"),
+    "S7-1200": ("s7-1200", "tia-v19", "hardware_id"),
+    "S7-1500": ("s7-1500", "tia-v19", "hardware_id"),
+}
+"""PLCs of the plants: family, toolchain, what a drive is addressed with."""
+
+
+def plant(drives: int = 20, plc: str = "S7-300 V5") -> str:
+    """A spec of three jobs, each on every drive."""
+    every = ", ".join(fans(drives))
+    return "".join(
+        (
+            *_head(drives, plc),
+            f"  read_ramps: {{drive: [{every}], read: [P1120, P1121]}}\n",
+            f"  set_ramps: {{drive: [{every}], write: {{P1120: null, P1121: null}}}}\n",
+            f"  read_fault: {{drive: [{every}], read: [r947]}}\n",
+        )
+    )
+
+
+def shapes(count: int, drives: int, plc: str = "S7-1500") -> str:
+    """A spec of ``count`` different jobs, each on every one of ``drives``; on one drive they are spread over ten."""
+    places = max(drives, 10)
+    lines = list(_head(places, plc))
+    for i in range(count):
+        where = ", ".join(fans(places)) if drives > 1 else fans(places)[i % places]
+        indexes = ", ".join(f'"r945[{index}]"' for index in range(i % 20 + 1))
+        what = f"read: [P1120, {indexes}]" if i % 2 else f"write: {{P1120: null, P1121: {i + 1}.0}}"
+        lines.append(f"  job_{i}: {{drive: [{where}], {what}}}\n")
     return "".join(lines)
+
+
+def fans(drives: int) -> list[str]:
+    """Names of drives."""
+    return [f"fan{i:02}" for i in range(1, drives + 1)]
+
+
+def _head(drives: int, plc: str) -> list[str]:
+    family, toolchain, place = PLCS[plc]
+    rows = [f"  {name}: {{device: sinamics-g120, {place}: {276 + 20 * i}}}\n" for i, name in enumerate(fans(drives))]
+    return [f"plc: {{name: Plant, family: {family}, toolchain: {toolchain}}}\n", "drives:\n", *rows, "jobs:\n"]

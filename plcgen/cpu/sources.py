@@ -19,6 +19,8 @@ from plcgen.sources.text import is_binary, load_text, read_source
 SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".st"})
 """What counts as a PLC source when a folder is searched."""
 
+MAX_DIGITS = 10
+"""Digits of the largest constant, an UDINT."""
 _HEAD = 4096
 """So many bytes of a file tell whether it is text."""
 
@@ -74,21 +76,45 @@ def check_program(
 ) -> SourceCheck:
     """Compile files that together are a program: names, types, calls, assignments and start values as well.
 
-    ``tags`` maps names to address and type, see ``Program.load``. What the soft CPU cannot execute (PG827) is no
-    mistake here: nothing is run. ``documents`` are SimaticML exports beside them: what they declare is known, and
-    what they state of the IEC check of a block counts unless ``stated`` or ``iec_check`` says otherwise.
+    ``tags`` maps names to address and type, see ``Program.load``; a number instead of an address is the value of a
+    system constant. What the soft CPU cannot execute (PG827) is no mistake here: nothing is run. ``documents`` are
+    SimaticML exports beside them: what they declare is known, and what they state of the IEC check of a block counts
+    unless ``stated`` or ``iec_check`` says otherwise.
     """
     files = [Path(path) for path in paths]
     beside = Surroundings.read(documents, target)
     if iec_check is not IecCheck.AS_STATED:
         beside.stated.clear()
+    constants, places = _apart(tags or {})
     program = Program.load(
-        files, target, tags=tags, iec_check=iec_check, stated=stated, encoding=encoding, beside=beside
+        files,
+        target,
+        tags=places,
+        constants=constants,
+        iec_check=iec_check,
+        stated=stated,
+        encoding=encoding,
+        beside=beside,
     )
     found = [problem for problem in program.diagnostics if problem.code != "PG827"]
     loaded = [load_text(path, target, encoding=encoding) for path in paths]
     refused = [problem for text in loaded if not isinstance(text, Diagnostic) for problem in text[1]]
     return SourceCheck(tuple(map(Path, paths)), len(program.link.blocks), (*refused, *found))
+
+
+def _apart(
+    tags: Mapping[str, str | tuple[str, str]],
+) -> tuple[dict[str, int], dict[str, str | tuple[str, str]]]:
+    """System constants with their values, and all other tags."""
+    places: dict[str, str | tuple[str, str]] = {}
+    constants: dict[str, int] = {}
+    for name, target in tags.items():
+        text = (target if isinstance(target, str) else target[0]).strip()
+        if text.isascii() and text.isdecimal() and len(text) <= MAX_DIGITS:
+            constants[name] = int(text)
+        else:
+            places[name] = target
+    return constants, places
 
 
 def find_sources(path: Path | str) -> list[Path]:

@@ -92,6 +92,19 @@ def test_specs_and_sources_together(plcgen, good, sources):
     assert (result.code, result.err) == (0, "no problems in 2 files (1 block)\n")
 
 
+def test_system_constants_come_from_a_table(plcgen, tmp_path):
+    """A number instead of an address is the value of a constant; without it the name is unknown."""
+    (tmp_path / "use.scl").write_text(
+        'FUNCTION "Use" : Void\nVAR_OUTPUT\n  id : HW_IO;\nEND_VAR\nBEGIN\n  #id := "Cu1~Drive_3";\nEND_FUNCTION\n'
+    )
+    (tmp_path / "constants.csv").write_text("Name,Data Type,Value\nCu1~Drive_3,Hw_SubModule,284\n")
+    command = ("check", "use.scl", "--program", "--target", "tia-1500")
+    alone = plcgen(*command)
+    assert (alone.code, "Cu1~Drive_3 is not defined" in alone.out) == (1, True)
+    result = plcgen(*command, "--tags", "constants.csv")
+    assert (result.code, result.out) == (0, "")
+
+
 @pytest.mark.parametrize(
     ("args", "message"),
     [
