@@ -69,7 +69,7 @@ EDITS = {
     "gap": ("udt/typeWR_DataBuffer.udt", "Axis : Byte;", "Axis : Byte; gap : Byte;", "PG603", "layout.WR_DataBuffer"),
     "reference 0": (WR, "Request_Ref : Byte := 16#03", "Request_Ref : Byte", "PG604", "telegram.WR_DataBuffer"),
     "value": (WR_1, "Value : Real := 100.0", "Value : Real := 10.0", "PG604", "telegram.WR_DataBuffer_1"),
-    "syntax": ("scl/ReadRampUp.scl", "  END_IF;\n  IF #statTicket.b", "  END_IFS;\n  IF #statTicket.b", "PG801", "files.syntax"),
+    "syntax": ("scl/ReadRampUp.scl", "  END_IF;\n  IF #statT", "  END_IFS;\n  IF #statT", "PG801", "files.syntax"),
     "type in XML": (
         "xml/RD_DataBuffer.xml", f'{VALUE_XML}"Real"', f'{VALUE_XML}"Int"', "PG603", "layout.RD_DataBuffer",
     ),

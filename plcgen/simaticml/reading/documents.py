@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import gc
 import re
-from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -19,7 +17,7 @@ from plcgen.simaticml.reading.xml import child, children, load, local, parse_xml
 from plcgen.simaticml.writing.documents import HEADER
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
     from pathlib import Path
 
     from lxml.etree import _Element as Element
@@ -81,20 +79,7 @@ def read_simaticml(
     root, name, diagnostics = _open(source, file)
     if root is None:
         return [], diagnostics
-    with _kept():
-        return _blocks(root, name, diagnostics, constants or {}, classic=classic), diagnostics
-
-
-@contextmanager
-def _kept() -> Iterator[None]:
-    """Do not look for circles of garbage meanwhile: members by the hundred thousand are made, and every one is kept."""
-    running = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if running:
-            gc.enable()
+    return _blocks(root, name, diagnostics, constants or {}, classic=classic), diagnostics
 
 
 def _blocks(
@@ -105,7 +90,7 @@ def _blocks(
     *,
     classic: bool | None,
 ) -> list[Block]:
-    blocks: list[Block] = []
+    blocks = []
     whole = text(child(child(root, "DocumentInfo"), "ExportSetting")).strip() == _WHOLE
     for element in children(root):
         tag = local(element)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gc
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -278,14 +276,3 @@ def test_watch_tables():
     assert third == WatchEntry('"x"', None, "", None, third.span)
     assert first == WatchEntry('"WR_DataBuffer".Request_Ref', None, "Hex", "16#03", first.span)
     assert second == WatchEntry("", "%DB4.DBD6", "FloatingPoint", None, second.span)
-
-
-@pytest.mark.parametrize("running", [True, False])
-def test_reading_leaves_the_collector_of_garbage_as_it_was(running):
-    """It stands still while members are made; after a document with mistakes it goes on, too."""
-    try:
-        (gc.enable if running else gc.disable)()
-        read_simaticml(global_db('<Member Name="a" Datatype="Int" /><Member Name="a" />').encode())
-        assert gc.isenabled() is running
-    finally:
-        gc.enable()
