@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -12,6 +12,7 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Sp
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from plcgen.documents.writing import WrittenFolder
     from plcgen.project.nouns import Project
     from plcgen.project.target import Target
     from plcgen.proof.checks import Verification
@@ -197,13 +198,7 @@ def generate(
         else:
             result = write_folder(files, target, force=force)
             written, unchanged, removed = result.written, result.unchanged, result.removed
-            for name in result.kept:
-                message = "kept: it is no longer generated, but was changed by hand"
-                place = Span(str(target / name))
-                report.add(Diagnostic("PG502", message, place, Severity.WARNING, help="delete it if it is not needed"))
-            if result.recovered:
-                note = "an earlier generation was interrupted: its files were completed or discarded"
-                report.add(Diagnostic("PG505", note, Span(str(target)), Severity.NOTE))
+            report.extend(_left_behind(result, target))
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
     idle = None
@@ -222,6 +217,17 @@ def generate(
         checked.project.target,
         idle,
     )
+
+
+def _left_behind(result: WrittenFolder, target: Path) -> Iterator[Diagnostic]:
+    """PG502: what writing did not remove. PG505: what an earlier generation had left half-way."""
+    for name in result.kept:
+        message = "kept: it is no longer generated, but was changed by hand"
+        place = Span(str(target / name))
+        yield Diagnostic("PG502", message, place, Severity.WARNING, help="delete it if it is not needed")
+    if result.recovered:
+        note = "an earlier generation was interrupted: its files were completed or discarded"
+        yield Diagnostic("PG505", note, Span(str(target)), Severity.NOTE)
 
 
 def verify(

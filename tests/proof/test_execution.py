@@ -131,8 +131,8 @@ DAMAGE = {
     "wrong record": (
         "DriveCalls",
         "#channelTwo(",
-        "recordIndex := 47",
-        "recordIndex := 48",
+        "slots := 2",
+        "slots := 2, recordIndex := 48",
         "recordIndex of two is 48",
     ),
     "wrong drive": ("DriveCalls", "#setTwo(", "hardwareId := 271", 'hardwareId := "Fan~1"', "hardwareId of set.two"),
@@ -150,7 +150,7 @@ DAMAGE = {
     "expected type": ("Get", "", "DW#16#08010004;  // P1120", "DW#16#07010004;", "expected of P1120"),
     "expected number": ("Get", "", "DW#16#06080010", "DW#16#06070010", "expected of r945"),
     "swapped outputs": ("Get", "", "View.rampUpTime", "View.rampDownTime", "rampUpTime is"),
-    "output of another parameter": ("Get", "", "#unit.errors[2]", "#unit.errors[1]", "is .* instead of"),
+    "output of another parameter": ("Get", "", "#errors[2] = W", "#errors[1] = W", "is .* instead of"),
     "drive object of the spec": (
         "Get",
         "",
