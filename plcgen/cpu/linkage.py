@@ -75,8 +75,9 @@ class Linkage:
 
     ``constants`` are system constants of the project, hardware identifiers by name.
     ``mixed``: blocks with standard and with optimised access meet. ``eno``: some block speaks of ENO or OK. ``litter``:
-    local data holds garbage at the start of a call. ``probes`` grows while blocks are compiled for coverage, ``points``
-    while they are compiled for preemption; the preemptive form counts with the ``counters`` of the plain one.
+    local data holds garbage at the start of a call, of one kind (1) or another (2). ``probes`` grows while blocks are
+    compiled for coverage, ``points`` while they are compiled for preemption; the preemptive form counts with the
+    ``counters`` of the plain one.
 
     ``stated`` says of single blocks whether their IEC check is on, ``iec_check`` of all others.
     ``opaque`` are the types that nobody declares: they are reported once, and nothing is said about what they hold.
@@ -94,7 +95,7 @@ class Linkage:
     mixed: bool = False
     eno: bool = False
     coverage: bool = False
-    litter: bool = False
+    litter: int = 0
     probes: list[Probe] = field(default_factory=list)
     points: list[Probe] = field(default_factory=list)
     counters: dict[tuple[Probe, bool], int] = field(default_factory=dict)

@@ -244,8 +244,9 @@ def test_litter_in_local_data(interrupt):
         "code": "#a := #w; #b := #r; #c := #f; #s.a := 1; #d := #s.b;",
     }
     names = ("a", "b", "c", "d")
-    dirty, clean = Cpu(load(case, litter=True)), Cpu(load(case))
-    dirty.run("Test_DB", interrupt=interrupt)
-    clean.run("Test_DB", interrupt=interrupt)
+    clean, dirty, other = (Cpu(load(case, litter=kind)) for kind in (0, 1, 2))
+    for cpu in (clean, dirty, other):
+        cpu.run("Test_DB", interrupt=interrupt)
     assert all(dirty[f"Test_DB.{name}"] for name in names)
     assert not any(clean[f"Test_DB.{name}"] for name in names)
+    assert all(dirty[f"Test_DB.{name}"] != other[f"Test_DB.{name}"] for name in names)

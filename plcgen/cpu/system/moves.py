@@ -11,7 +11,10 @@ from plcgen.diagnostics import PlcgenError
 _CODES = {0x80: "P", 0x81: "I", 0x82: "Q", 0x83: "M", 0x84: "DB", 0x85: "DB", 0x86: "L"}
 _AREA_CODES = {"P": 0x80, "I": 0x81, "Q": 0x82, "M": 0x83, "DB": 0x84, "L": 0x86}
 _BAD_POSITION = 0x80B4 - 0x10000
-_SIZES = {2: 1, 3: 1, 4: 2, 5: 2, 6: 4, 7: 4, 8: 4, 9: 2, 10: 4, 11: 4, 12: 2, 14: 8, 0x13: 1}
+_SIZES = {1: 1, 2: 1, 3: 1, 4: 2, 5: 2, 6: 4, 7: 4, 8: 4, 9: 2, 10: 4, 11: 4, 12: 2, 14: 8, 0x13: 1}
+_S7 = 0x10
+"""Syntax ID of an ANY for S7 (System and Standard Functions, "Format of the Parameter Type ANY")."""
+_NO_ANY: Reference = None, 0, -1
 
 MOVE_LIMIT = 1 << 28
 """Bytes that blocks and structures may move in one scan."""
@@ -113,9 +116,11 @@ class MemoryMoves:
         return None if area is None else self.locate(area, number)
 
     def any_of(self, memory: bytearray, offset: int) -> Reference:
-        """Reference behind an ANY that lies in memory."""
+        """Reference behind an ANY that lies in memory; to nothing if it has another syntax ID or no type of data."""
         data = bytes(memory[offset : offset + 10])
-        size = _SIZES.get(data[1], 1) * int.from_bytes(data[2:4])
+        if data[0] != _S7 or data[1] not in _SIZES:
+            return _NO_ANY
+        size = _SIZES[data[1]] * int.from_bytes(data[2:4])
         return self.area(data[6], int.from_bytes(data[4:6])), (int.from_bytes(data[7:10]) & 0x7FFFF) >> 3, size
 
     def opened(self, number: int) -> Memory:
@@ -154,6 +159,8 @@ class MemoryMoves:
     def problem(self, reference: Reference, parameter: int, code: int) -> int:
         """RET_VAL of a reference that cannot be used, 0 if it can; beyond the end is a misuse too."""
         memory, offset, size = reference
+        if reference is _NO_ANY:
+            return (0x8001 | parameter << 8) - 0x10000
         if memory is None:
             return (0x803A | parameter << 8) - 0x10000
         if offset < 0 or offset + size > len(memory):
