@@ -140,3 +140,33 @@ END_ORGANIZATION_BLOCK
     mixed.scan()
     same.scan()
     assert ([m.code for m in mixed.misuses], [m.code for m in same.misuses]) == (["PG831"], [])
+
+
+TWO = """DATA_BLOCK "Other"
+{ S7_Optimized_Access := 'TRUE' }
+STRUCT pair : "Pair"; END_STRUCT;
+BEGIN
+END_DATA_BLOCK
+FUNCTION_BLOCK "Both"
+{ S7_Optimized_Access := 'FALSE' }
+VAR_IN_OUT
+one : "Pair"; two : "Pair";
+END_VAR
+BEGIN
+#one.a := #one.a + 1; #two.a := #two.a + 1;
+END_FUNCTION_BLOCK
+DATA_BLOCK "Both_DB"
+{ S7_Optimized_Access := 'FALSE' }
+"Both"
+BEGIN
+END_DATA_BLOCK
+"""
+
+
+def test_copies_are_known_until_their_call_ends():
+    """However many there were before: 6000 calls with two copies each."""
+    call = '"Both_DB"(one := "Shared".pair, two := "Other".pair);'
+    cpu = load_scl(PROGRAM % {"data": "TRUE", "outer": "TRUE", "inner": "TRUE", "call": call} + TWO).cpu
+    for _ in range(6000):
+        cpu.call("Main", 1)
+    assert (cpu["Shared.pair.a"], cpu["Other.pair.a"], cpu.misuses) == (6000, 6000, [])

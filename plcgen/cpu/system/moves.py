@@ -16,6 +16,8 @@ _S7 = 0x10
 """Syntax ID of an ANY for S7 (System and Standard Functions, "Format of the Parameter Type ANY")."""
 _NO_ANY: Reference = None, 0, -1
 
+_HANDLES = 4000
+"""Pointers to local data that are known at once."""
 MOVE_LIMIT = 1 << 28
 """Bytes that blocks and structures may move in one scan."""
 
@@ -42,6 +44,7 @@ class MemoryMoves:
         self.locate = locate
         self.report = report
         self.handles: dict[int, Memory] = {}
+        self.lent = 0
         self.moved = 0
 
     def functions(self) -> dict[str, Callable[..., Any]]:
@@ -84,10 +87,11 @@ class MemoryMoves:
             return bytes(6)
         number = memory.number
         if memory.area == AREA_L:
-            if len(self.handles) > 4000:
-                self.handles.clear()
-            number = len(self.handles) + 1
+            # the oldest goes: those of the calls that run are the newest
+            number = self.lent = self.lent % 0xFFFF + 1
             self.handles[number] = memory
+            if len(self.handles) > _HANDLES:
+                del self.handles[next(iter(self.handles))]
         return number.to_bytes(2) + bytes((_AREA_CODES[memory.area],)) + (offset * 8).to_bytes(3)
 
     def any10(self, reference: Reference) -> bytes:

@@ -113,8 +113,9 @@ class EngineWork:
 
 
 def run_faults(engine: DriveEngine, errand: Errand, most: int = MAX_FAILURES) -> Result:
-    """Every fault of one job; behind a failure on another CPU."""
+    """Every fault of one job; behind a failure on another CPU. Local data of changes holds other garbage than of reads."""
     statistics = Statistics()
+    engine = replace(engine, litter=2 if errand.writes else 1)
     result = Result(statistics=statistics)
 
     def runner() -> Runner[EngineScenario]:

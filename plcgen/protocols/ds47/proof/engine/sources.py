@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
@@ -31,17 +32,26 @@ BLOCKS = ("channel", "ticket", "gate")
 SHORT = 12
 """Hexadecimal digits of a hash that a report shows."""
 _DECLARED = re.compile(r'^\s*(?:FUNCTION_BLOCK|TYPE)\s+"?([^"\s:]+)"?', re.MULTILINE | re.IGNORECASE)
+_CALLERS = re.compile(
+    r"""("(?:Unit[1-3]|GateData|ProofCalls|OB[0-9]+)"(?: : Void)?\s*\{ S7_Optimized_Access := )'FALSE'"""
+)
+"""Access of the data that others share, and of those who call with it."""
 _TITLE = re.compile(r"^\s*TITLE\s*=.*$", re.MULTILINE)
 _LIBRARY_VERSION = re.compile(r"(LibVersion\s*:=\s*)'[0-9.]*'")
 
 
 @dataclass(frozen=True)
 class DriveEngine:
-    """The engine of one target: file names and texts; ``names`` are those of its blocks and types by their roles."""
+    """The engine of one target: file names and texts; ``names`` are those of its blocks and types by their roles.
+
+    ``litter`` is the kind of garbage in its local data, ``mixed`` says that units and their callers have optimised access.
+    """
 
     dialect: Dialect
     sources: tuple[tuple[str, str], ...]
     names: Mapping[str, str] = field(default_factory=lambda: dict(NAMES))
+    litter: int = 1
+    mixed: bool = False
 
     @classmethod
     def of(cls, files: Iterable[Path], dialect: Dialect, names: Mapping[str, str] = NAMES) -> DriveEngine:
@@ -68,7 +78,10 @@ class DriveEngine:
     def program(self) -> Program:
         """The engine with the stimulus around it, compiled. Raises DiagnosticError."""
         text = stimulus(self.dialect, self.names, self.sizes)
-        program = Program.load([*self.sources, ("stimulus.scl", text)], self.dialect, coverage=True, litter=True)
+        if self.mixed:
+            text = _CALLERS.sub(r"\1'TRUE'", text)
+        sources = [*self.sources, ("stimulus.scl", text)]
+        program = Program.load(sources, self.dialect, coverage=True, litter=self.litter)
         if not program.ok:
             raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
         return program
@@ -128,6 +141,6 @@ class DriveEngine:
                     yield unit
                 unit = []
 
-    def __reduce__(self) -> tuple[type[DriveEngine], tuple[Dialect, tuple[tuple[str, str], ...], Mapping[str, str]]]:
+    def __reduce__(self) -> tuple[Any, ...]:
         """A program cannot be pickled: a worker compiles it again."""
-        return DriveEngine, (self.dialect, self.sources, self.names)
+        return DriveEngine, (self.dialect, self.sources, self.names, self.litter, self.mixed)
