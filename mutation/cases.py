@@ -6,6 +6,7 @@ import atexit
 import os
 import shutil
 import tempfile
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,6 +40,11 @@ class Case:
     file: str
     key: str
     mutant: Mutant
+
+    @property
+    def group(self) -> str:
+        """Line of the table: the engine of a target, or the blocks of a spec."""
+        return f"engine, {project_of(self.spec).target.dialect.label}" if self.key == ENGINE else self.spec
 
 
 _projects: dict[str, Project] = {}
@@ -99,6 +105,19 @@ def cases(specs: Iterable[str], kinds: Iterable[str] = tuple(KINDS), *, main: bo
             for kind in kinds:
                 for mutant in KINDS[kind](text):
                     yield Case(spec, file, key, mutant)
+
+
+def spread(work: Iterable[Case]) -> list[Case]:
+    """Mutants of the engine that are spelled the same in several targets in one of them, in turn; all others."""
+    found: dict[tuple[object, ...], list[Case]] = {}
+    counts: Counter[tuple[str, str, str]] = Counter()
+    for case in work:
+        what = case.mutant.what.replace("#", "")
+        counts[case.spec, case.file, what] += 1
+        number = counts[case.spec, case.file, what]
+        key = ("", case.file, what, number) if case.key == ENGINE else (case.spec, case.file, what, number)
+        found.setdefault(key, []).append(case)
+    return [same[number % len(same)] for number, same in enumerate(found.values())]
 
 
 def known_cases() -> Iterator[Case]:

@@ -16,7 +16,7 @@ class Known:
     new: str
 
 
-MM4, FAQ = "s7-300_mm440_dp", "s7-300_6ra80_dp_tia"
+MM4, FAQ, PUMP = "s7-300_mm440_dp", "s7-300_6ra80_dp_tia", "s7-1500_g120_pn"
 READ, WRITE, CHANNEL = "scl/ReadParams.scl", "scl/WriteParams.scl", "scl/DriveChannel.scl"
 KNOWN = (
     Known("every value of a multi-write from the first parameter", MM4, WRITE, "B#16#41, B#16#B0", "B#16#41, B#16#30"),

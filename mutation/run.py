@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import shutil
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mutation.cases import Case, encoding_of, golden, project_of, run_folder
@@ -17,13 +18,23 @@ from plcgen.proof.scenario import Failure
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What was noticed, empty if nothing; ``located`` if scenario, scan and line of the source are named."""
+    """What was noticed, empty if nothing; ``located`` if scenario, scan and line of the source are named.
+
+    ``seconds`` of CPU time it took.
+    """
 
     text: str = ""
     located: bool = False
+    seconds: float = 0.0
 
 
 def notice(case: Case) -> Verdict:
+    """What verify says about a mutant, and how long that took."""
+    started = time.process_time()
+    return replace(said(case), seconds=time.process_time() - started)
+
+
+def said(case: Case) -> Verdict:
     """What verify says about a mutant."""
     folder = run_folder() / str(os.getpid()) / case.spec
     if not folder.exists():

@@ -11,9 +11,12 @@ from ds47 import engine_folders
 
 from plcgen.diagnostics import DiagnosticError
 from plcgen.proof.checks import Outcome
+from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.proof.engine.__main__ import dialect_of
-from plcgen.protocols.ds47.proof.engine.checks import EngineWork, engine_checks, run_faults
-from plcgen.protocols.ds47.proof.engine.errands import READ_ONE, READ_SPLIT, WRITE_SPLIT
+from plcgen.protocols.ds47.proof.engine.checks import GROUPS, EngineWork, engine_checks, run_faults
+from plcgen.protocols.ds47.proof.engine.errands import MATRIX, READ_ONE, READ_SPLIT, WRITE_ONE, WRITE_SPLIT
+from plcgen.protocols.ds47.proof.engine.field import JobField
+from plcgen.protocols.ds47.proof.engine.interrupts import interrupts
 from plcgen.protocols.ds47.proof.engine.known import proven
 from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
 from plcgen.protocols.ds47.proof.engine.verdict import FOREIGN, judge
@@ -174,11 +177,57 @@ def test_a_defect_is_noticed(engines: dict[tuple[str, str], DriveEngine], name: 
     assert run_faults(engine, errand, most=1).failures, name
 
 
+MISSING = {
+    "a job that is gone keeps the unit": (
+        "t15",
+        "IF #tempGone THEN\n    #tempResult := #STATUS_LOST;",
+        "IF #tempGone THEN\n    ;",
+        "a job is not called any more, no answer comes",
+    ),
+    "done of the job before stays": (
+        "t15",
+        "#done := FALSE; #error := FALSE;\n  #status := #STATUS_STARTED;",
+        "#error := FALSE;\n  #status := #STATUS_STARTED;",
+        "execute comes again with the end",
+    ),
+    "an idle gate looks for someone who waits": ("v5", "tempWaiting := FALSE;", ";", "nobody asks for a place"),
+    "an ANY without its syntax ID": (
+        "v5",
+        "tempOtherPointer.id := B#16#10;",
+        ";",
+        "telegrams in data blocks of their own",
+    ),
+    "what WRREC says of garbage counts": ("v5", "tempCode := 0;", ";", WRITE_ONE.key),
+    "places count beyond 30,000": ("t3", "#statAsk MOD 30000 + 1", "#statAsk MOD 30001 + 1", "counters wrap"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MISSING)
+def test_what_is_missing_is_noticed(engines: dict[tuple[str, str], DriveEngine], name: str) -> None:
+    """Each by a scenario of its own."""
+    target, old, new, scenario = MISSING[name]
+    for engine, good in ((engines[target, "S"], True), (changed(engines[target, "S"], old, new), False)):
+        work = EngineWork(engine)
+        (index,) = (n for n, piece in enumerate(work.pieces) if piece.name == scenario)
+        assert (not work(index).failures) is good
+
+
+@pytest.mark.slow
+def test_mixed_access_loses_what_an_interrupt_writes(engines: dict[tuple[str, str], DriveEngine]) -> None:
+    """The copy of the unit goes back over it (FAQ 109478253); with one access setting nothing is lost."""
+    name, run = next(iter(interrupts()))
+    run(JobField(engines["t15", "S"], MATRIX))
+    with pytest.raises(ScenarioError):
+        run(JobField(replace(engines["t15", "S"], mixed=True), MATRIX))
+    assert "OB35" in name
+
+
 def test_some_of_every_group(engines: dict[tuple[str, str], DriveEngine]) -> None:
     """Every sixth procedure; all of them run when an engine is recorded."""
     work = EngineWork(engines["t15", "S"])
     chosen = [n for n, piece in enumerate(work.pieces) if piece.errand is None][::6]
-    assert {work.pieces[n].group for n in chosen} == {"formats", "units", "places", "restarts", "interrupts"}
+    assert {work.pieces[n].group for n in chosen} == {*GROUPS} - {"faults"}
     assert not [failure for n in chosen for failure in work(n).failures]
 
 

@@ -1,9 +1,9 @@
 """Prove the engines of generated folders and record them: ``python -m plcgen.protocols.ds47.proof.engine FOLDER...``.
 
-Every folder is one that ``plcgen generate`` wrote. ``--thorough`` runs an interrupt at every point of every scan, every
-set of data blocks loaded behind every scan, and 70,000 jobs in a row. The file of proven engines is written anew: it
-holds the engines of these folders and no other. Of those that differ in their sizes only the first is run through
-everything. If one fails, the exit code is 1 and nothing is written.
+Every folder is one that ``plcgen generate`` wrote. ``--thorough`` runs an interrupt at every point of every scan, and
+loads every set of data blocks behind every scan. The file of proven engines is written anew: it holds the engines of
+these folders and no other. Of those that differ in their sizes only the first is run through everything, 70,000 jobs in
+a row included. If one fails, the exit code is 1 and nothing is written.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def main(arguments: list[str] | None = None) -> int:
         engine = DriveEngine.of(generated_sources(folder), dialect)
         if engine.hash in found:
             continue
-        effort: Effort = "thorough" if options.thorough else "ordinary"
+        effort: Effort = "thorough" if options.thorough else "recorded"
         if any(engine.differs_in_sizes_only(other) for other in whole):
             effort = "sizes"
         else:

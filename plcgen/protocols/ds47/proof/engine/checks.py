@@ -19,6 +19,7 @@ from plcgen.proof.suite import CodeBlock, Procedure, Progress
 from plcgen.proof.workers import shared_out
 from plcgen.protocols.ds47.proof.engine.answer_faults import answer_faults, error_matrix
 from plcgen.protocols.ds47.proof.engine.conduct import EngineConduct
+from plcgen.protocols.ds47.proof.engine.copies import copies
 from plcgen.protocols.ds47.proof.engine.errands import MATRIX, READ_PINNED, WRITE_PINNED, Errand, every_format, full
 from plcgen.protocols.ds47.proof.engine.field import JobField
 from plcgen.protocols.ds47.proof.engine.formats import formats
@@ -36,8 +37,9 @@ from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
 
 PAGE = "docs/generated-code.md"
-Effort = Literal["sizes", "ordinary", "thorough"]
-"""How much is run: what depends on sizes, everything, or an interrupt at every point and every set of loaded blocks."""
+Effort = Literal["sizes", "ordinary", "recorded", "thorough"]
+"""How much is run: what depends on sizes; everything; the same and 70,000 jobs in a row; the same with an interrupt at
+every point and every set of loaded blocks."""
 SIZES = frozenset({"formats", "units"})
 """Groups that run if an engine differs from a proven one in its sizes only."""
 GROUPS = {
@@ -46,6 +48,7 @@ GROUPS = {
     "units": "jobs that share a unit: turns, slots, limits, silence",
     "places": "record jobs of the CPU: never too many, in turn",
     "restarts": "restart of the CPU, data blocks loaded again",
+    "copies": "units of optimised access: what one organization block calls",
     "interrupts": "OB1 < OB35 < OB82, one comes at every point of another",
 }
 
@@ -80,11 +83,12 @@ class EngineWork:
         if self.effort == "sizes":
             found = found[:1]
         for group, procedures in (
-            ("formats", formats(classic=classic, thorough=thorough)),
+            ("formats", formats(classic=classic, many=self.effort in {"recorded", "thorough"})),
             ("interrupts", interrupts(thorough=thorough)),
             ("restarts", restarts(thorough=thorough)),
             ("places", places()),
             ("units", mailboxes()),
+            ("copies", () if classic else copies()),
         ):
             if self.effort != "sizes" or group in SIZES:
                 found += [Piece(group, name, run=run) for name, run in procedures]
@@ -113,7 +117,7 @@ class EngineWork:
 
 
 def run_faults(engine: DriveEngine, errand: Errand, most: int = MAX_FAILURES) -> Result:
-    """Every fault of one job; behind a failure on another CPU. Local data of changes holds other garbage than of reads."""
+    """Every fault of one job; behind a failure on another CPU. Garbage in local data is another kind for a change."""
     statistics = Statistics()
     engine = replace(engine, litter=2 if errand.writes else 1)
     result = Result(statistics=statistics)

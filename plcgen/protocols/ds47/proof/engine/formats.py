@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import partial
 from itertools import permutations
 
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import ScenarioError, Statistics
 from plcgen.protocols.ds47.proof.engine.conduct import EngineConduct
+from plcgen.protocols.ds47.proof.engine.end import following
 from plcgen.protocols.ds47.proof.engine.errands import (
     READ_ONE,
     READ_PINNED,
@@ -22,26 +22,33 @@ from plcgen.protocols.ds47.proof.engine.field import JobField
 from plcgen.protocols.ds47.proof.engine.partner import STATE_CONFLICT
 from plcgen.protocols.ds47.proof.engine.scenario import CALLS, EngineScenario
 from plcgen.protocols.ds47.proof.engine.stimulus import WRONG_UNIT_DB
-from plcgen.protocols.ds47.proof.words import WORDS
+from plcgen.protocols.ds47.proof.words import COUNTERS, DONE, WORDS
 
 ROW = 600
 MANY = 70_000
 Run = Callable[[JobField], None]
 
 
-def formats(*, classic: bool, thorough: bool = False) -> Iterator[tuple[str, Run]]:
-    """Names and procedures; ``thorough`` runs 70,000 jobs in a row."""
+def formats(*, classic: bool, many: bool = False) -> Iterator[tuple[str, Run]]:
+    """Names and procedures; ``many`` runs 70,000 jobs in a row."""
     yield "reads and writes of every format", _every_format
     yield "full records, all parameters, the last slot", _full
     yield "telegrams in data blocks of their own", _pinned
-    yield f"{MANY if thorough else ROW} jobs in a row", partial(_row, MANY if thorough else ROW)
+    yield f"{ROW} jobs in a row", _row
+    if many:
+        yield f"{MANY:,} jobs in a row on one instance", _many
     if classic:
         yield "unitDb is another data block", _wrong_db
 
 
 def run(field: JobField, errand: Errand, *scenarios: EngineScenario) -> None:
     """Scenarios of one job on the CPU of a field. Raises ScenarioError."""
-    runner = Runner(EngineConduct(field.rig, errand), Statistics())
+    attempt(field, EngineConduct(field.rig, errand), *scenarios)
+
+
+def attempt(field: JobField, conduct: EngineConduct, *scenarios: EngineScenario) -> None:
+    """Scenarios of a job that was set up. Raises ScenarioError."""
+    runner = Runner(conduct, Statistics())
     for scenario in scenarios:
         failure = runner.try_run(scenario)
         field.rig.scans += failure.scan if failure is not None else 1
@@ -64,11 +71,7 @@ def _full(field: JobField) -> None:
     for errand in full(sizes.last + 1, sizes.blocks):
         conduct = EngineConduct(field.rig, errand)
         conduct.job.db.set("slot", sizes.slots)
-        runner = Runner(conduct, Statistics())
-        for scenario in (EngineScenario(name="first run"), EngineScenario(name="by size", generic=True)):
-            failure = runner.try_run(scenario)
-            if failure is not None:
-                raise ScenarioError(str(failure))
+        attempt(field, conduct, EngineScenario(name="first run"), EngineScenario(name="by size", generic=True))
 
 
 def _pinned(field: JobField) -> None:
@@ -86,9 +89,7 @@ def _pinned(field: JobField) -> None:
                 scenario = EngineScenario(
                     name=f"room for {room}", reads=reads, status=status, calls=None, retries=None, follow=False
                 )
-                failure = Runner(conduct, Statistics()).try_run(scenario)
-                if failure is not None:
-                    raise ScenarioError(str(failure))
+                attempt(field, conduct, scenario)
                 sent = next(e.data for e in reversed(rig.drives[0].journal) if e.direction == "write")
                 came = rig.drives[0].journal[-1].data[:room]
                 if bytes(request[: len(sent)]) != sent:
@@ -97,13 +98,39 @@ def _pinned(field: JobField) -> None:
                     raise ScenarioError(f"the response's data block of {room} bytes does not hold the answer")
 
 
-def _row(count: int, field: JobField) -> None:
-    """The reference begins again at 1 behind 255 jobs, the number of the order behind 30,000."""
+def _row(field: JobField) -> None:
+    """The reference begins again at 1 behind 255 jobs."""
     for errand in (READ_ONE, WRITE_ONE):
-        scenarios = (
-            EngineScenario(name=f"job {n} of {count} in a row", busy=(0, 0), follow=False) for n in range(count // 2)
-        )
+        scenarios = (EngineScenario(name=f"job {n} in a row", busy=(0, 0), follow=False) for n in range(ROW // 2))
         run(field, errand, *scenarios)
+
+
+def _many(field: JobField) -> None:
+    """On one instance: the numbers of orders and places begin again behind 30,000, twice, signs of life 20 times."""
+    job, unit, drive = field.give(1, WRITE_ONE), field.rig.units[0], field.rig.drives[0]
+    field.rig.bus.write_busy = field.rig.bus.read_busy = 0
+    field.step()
+    began = dict.fromkeys(("asks[1].want", "asks[1].mark", "turn.beat"), 0)
+    before, reference = dict.fromkeys(began, 0), 0
+    for number in range(MANY):
+        field.start(1)
+        field.expect(field.until_end((1,)), {1: (DONE,)})
+        field.right(1)
+        field.drop(1)
+        field.step()
+        if job.signals() != (False, False, False, 0x7000):
+            raise ScenarioError(f"job {number} is not idle behind its end")
+        for name, last in before.items():
+            before[name] = abs(unit.get(name, signed=True))
+            began[name] += before[name] < last
+        sent = [exchange.data[0] for exchange in drive.journal]
+        if len(sent) != 2 or (number and sent[0] != following(reference)):
+            raise ScenarioError(f"request references {sent} follow {reference}")
+        reference = sent[0]
+        drive.journal.clear()
+        field.sent.clear()
+    if min(began.values()) < 2 or before["asks[1].want"] != (MANY - 1) % COUNTERS + 1:
+        raise ScenarioError(f"counters began {began} times again")
 
 
 def _wrong_db(field: JobField) -> None:

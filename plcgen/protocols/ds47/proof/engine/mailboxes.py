@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from itertools import product
 
-from plcgen.proof.scenario import ScenarioError
+from plcgen.proof.rig import Members
+from plcgen.proof.scenario import STARTED, ScenarioError
 from plcgen.protocols.ds47.proof.engine.errands import READ_SPLIT, TRIGGER, WRITE_SPLIT
 from plcgen.protocols.ds47.proof.engine.field import ALL, JobField
 from plcgen.protocols.ds47.proof.engine.partner import STATE_CONFLICT
@@ -14,6 +15,9 @@ from plcgen.protocols.ds47.proof.engine.scenario import EngineScenario
 from plcgen.protocols.ds47.proof.words import CALLS_LIMIT, COUNTERS, DONE, GRANT, LEASE_MS, WORDS
 
 OFFSETS = 14
+STUCK = ("without a place", "WRREC has no resources", "no answer comes")
+"""What a job may wait for longer than LEASE."""
+NO_RESOURCES = 0xC080C300
 ORDERS = ((1, 2, 5, 6, 7), (7, 6, 5, 2, 1), (5, 2, 6, 1, 7))
 Run = Callable[[JobField], None]
 
@@ -30,6 +34,9 @@ def mailboxes() -> Iterator[tuple[str, Run]]:
     for conflicts in (0, 1):
         yield f"a job is not called any more, {conflicts} retries", partial(_silent_job, conflicts)
         yield f"a channel is not called any more, {conflicts} retries", partial(_silent_channel, conflicts)
+    for stuck in STUCK:
+        yield f"a job is not called any more, {stuck}", partial(_stuck, stuck)
+    yield "execute comes again with the end", _at_once
     for fast, calls in product((True, False), ((2,), (1, 2), (2, 5), (1, 2, 5))):
         where = "more" if fast else "less"
         yield f"{calls} are called {where} often than the rest", partial(_two_levels, calls, fast=fast)
@@ -180,26 +187,37 @@ def _no_slot(field: JobField) -> None:
 
 
 def _wrap(field: JobField) -> None:
-    """Numbers of orders, signs of life and places just before they begin again."""
+    """Numbers of orders and requests for places and signs of life just before they begin again, at 1."""
     three(field)
     field.rig.call(ORDERS[0])
     field.step()
-    unit = field.rig.units[0]
+    unit, gate = field.rig.units[0], field.rig.gate
+    channel = Members(field.cpu, field.rig.program, "Channel1", ("statAsk",))
     for at in (COUNTERS - 4, COUNTERS - 1, COUNTERS):
         unit.set("turn.beat", at)
+        channel.set("statAsk", at)
         for slot in (1, 3, 4):
             unit.set(f"asks[{slot}].want", -at)
             unit.set(f"asks[{slot}].mark", at)
             unit.set(f"ended[{slot}]", at)
-        wants = []
+        wants: list[int] = []
+        seen: dict[str, set[int]] = {"beat": set(), "mark": set(), "ask": set()}
         for _ in range(6):
             field.start(1, 2, 3)
+            for _ in range(40):
+                field.step()
+                seen["beat"].add(unit.get("turn.beat"))
+                seen["mark"].add(unit.get("asks[1].mark"))
+                seen["ask"].add(gate.get("channels[1].ask") or 1)
             field.expect(field.until_end((1, 2, 3)), dict.fromkeys((1, 2, 3), (DONE,)))
             field.right(1, 2, 3)
             wants.append(-unit.get("asks[3].want", signed=True))
             field.idle(1, 2, 3)
         if wants != [(at + n) % COUNTERS + 1 for n in range(6)]:
             raise ScenarioError(f"orders count {wants}")
+        for name, numbers in seen.items():
+            if not {1, at % COUNTERS + 1} <= numbers or max(numbers) > COUNTERS:
+                raise ScenarioError(f"{name} counts {sorted(numbers)}")
 
 
 def _silent_job(conflicts: int, field: JobField) -> None:
@@ -235,6 +253,61 @@ def _silent_job(conflicts: int, field: JobField) -> None:
         field.wire()
         field.idle(1, 2)
         field.again(1, 2)
+
+
+def _stuck(stuck: str, field: JobField) -> None:
+    """Whatever the job of 60 s waits for: behind LEASE the unit and its place are free, and nothing more is sent."""
+    three(field)
+    field.give(1, READ_SPLIT, timeout=60_000).times(60_000, 200, 1000)
+    field.rig.call((2, 5, 6, 7) if stuck == STUCK[0] else ORDERS[0])
+    writes = {0: NO_RESOURCES} if stuck == STUCK[1] else {}
+    reads = {0: STATE_CONFLICT} if stuck == STUCK[2] else {}
+    unit = field.rig.units[0]
+    for scans in range(30, 70, 7):
+        field.rig.begin(EngineScenario(name="stuck", writes=writes, reads=reads))
+        field.step()
+        field.start(1)
+        for _ in range(scans):
+            field.step()
+        field.rig.call((2, 6, 7) if stuck == STUCK[0] else (1, 2, 6, 7))
+        began = field.cpu.clock
+        while unit.get("state") and field.cpu.clock - began < 2 * LEASE_MS:
+            field.step()
+        took = field.cpu.clock - began
+        if not LEASE_MS - 200 <= took <= LEASE_MS + 100 or field.rig.gate.get("channels[1].ask"):
+            raise ScenarioError(f"a job that is gone, {stuck}, has the unit for {took} ms")
+        count = len(field.rig.drives[0].journal)
+        for _ in range(50):
+            field.step()
+        if len(field.rig.drives[0].journal) != count:
+            raise ScenarioError("something is sent for a job that is gone")
+        field.rig.begin(EngineScenario(name="again"))
+        field.rig.call(ORDERS[0])
+        field.expect(field.until_end((1,)), {1: (WORDS["LOST"],)})
+        field.again(2, 3)
+        field.idle(1)
+        field.rig.call((2, 5, 6, 7) if stuck == STUCK[0] else ORDERS[0])
+
+
+def _at_once(field: JobField) -> None:
+    """Execute falls while the job runs, and rises in the call behind its end: nothing of that job is left."""
+    three(field)
+    field.rig.call(ORDERS[0])
+    for status, word in ((0, DONE), (0xDF809000, WORDS["WRITE_ERROR"])):
+        field.rig.begin(EngineScenario(name="at once", writes={1: status}))
+        field.step()
+        field.start(1)
+        field.step()
+        field.drop(1)
+        field.expect(field.until_end((1,)), {1: (word,)})
+        field.rig.begin(EngineScenario(name="again"))
+        field.start(1)
+        field.step()
+        if field.job(1).signals() != (True, False, False, STARTED):
+            raise ScenarioError(f"busy, done, error and status of the next job are {field.job(1).signals()}")
+        field.expect(field.until_end((1,)), {1: (DONE,)})
+        field.right(1)
+        field.idle(1)
 
 
 def _silent_channel(conflicts: int, field: JobField) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import partial
 
+from plcgen.proof.rig import Source
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.proof.engine.errands import READ_ONE, READ_SPLIT, WRITE_SPLIT
 from plcgen.protocols.ds47.proof.engine.field import JobField
@@ -13,6 +14,9 @@ from plcgen.protocols.ds47.proof.words import DONE, GATE, LEASE_MS, READ, WORDS,
 CALLS = (1, 2, 3, 4, 5, 8, 9)
 """The gate, three channels, a job of each unit."""
 JOBS = (1, 4, 5)
+GATE_CALL = CALLS[0]
+MANY = 32
+"""Channels of a gate that every engine has room for."""
 NO_RESOURCE = 0x80C3
 Run = Callable[[JobField], None]
 
@@ -27,6 +31,7 @@ def places() -> Iterator[tuple[str, Run]]:
     for state in (GATE, WRITE, READ):
         yield f"a channel that is not called any more in state {state}", partial(_dead, state)
     yield "the gate is not called", _no_gate
+    yield "nobody asks for a place", _nobody
     yield "numbers of channels and places", _numbers
 
 
@@ -130,6 +135,27 @@ def _dead(state: int, field: JobField) -> None:
         field.wire()
         field.idle(1, 4)
         field.again(1, 4, 5)
+
+
+def _nobody(field: JobField) -> None:
+    """An idle scan is short: the gate looks at each channel once, with five statements at most."""
+    three(field)
+    field.rig.call(CALLS)
+    field.rig.plan.set("channels", MANY)
+    field.again(*JOBS)
+    field.rig.call((GATE_CALL,))
+    source = Source(field.rig.program, field.rig.engine.names["gate"])
+    own = [
+        n for n, probe in enumerate(field.rig.program.probes) if probe.file == source.file and probe.kind == "statement"
+    ]
+    for _ in range(400):
+        before = sum(field.cpu.coverage[n] for n in own)
+        field.step()
+        passed = sum(field.cpu.coverage[n] for n in own) - before
+        if passed > 5 * MANY:
+            raise ScenarioError(f"an idle gate of {MANY} channels runs {passed} statements")
+    field.rig.call(CALLS)
+    field.again(*JOBS)
 
 
 def _no_gate(field: JobField) -> None:

@@ -44,7 +44,7 @@ _LIBRARY_VERSION = re.compile(r"(LibVersion\s*:=\s*)'[0-9.]*'")
 class DriveEngine:
     """The engine of one target: file names and texts; ``names`` are those of its blocks and types by their roles.
 
-    ``litter`` is the kind of garbage in its local data, ``mixed`` says that units and their callers have optimised access.
+    ``litter`` is the kind of garbage in its local data; ``mixed``: units and their callers have optimised access.
     """
 
     dialect: Dialect
