@@ -9,6 +9,7 @@ from plcgen.proof.rig import Source
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.proof.engine.errands import READ_ONE, READ_SPLIT, WRITE_SPLIT
 from plcgen.protocols.ds47.proof.engine.field import JobField
+from plcgen.protocols.ds47.proof.engine.stimulus import SHARED_PLACE
 from plcgen.protocols.ds47.proof.words import DONE, GATE, LEASE_MS, READ, WORDS, WRITE
 
 CALLS = (1, 2, 3, 4, 5, 8, 9)
@@ -33,6 +34,7 @@ def places() -> Iterator[tuple[str, Run]]:
     yield "the gate is not called", _no_gate
     yield "nobody asks for a place", _nobody
     yield "numbers of channels and places", _numbers
+    yield "two channels have one place", _twice
 
 
 def three(field: JobField) -> None:
@@ -199,3 +201,25 @@ def _numbers(field: JobField) -> None:
     field.rig.plan.set("places", 4)
     for _ in range(3):
         field.again(*JOBS)
+
+
+def _twice(field: JobField) -> None:
+    """Nobody notices it, but nothing wrong is sent: every job is done, or hears in its time that there is no place."""
+    three(field)
+    field.give(1, READ_SPLIT, timeout=2000)
+    field.give(4, WRITE_SPLIT, timeout=2000)
+    ends = (DONE, WORDS["NO_PLACE"])
+    for calls in ((1, 2, SHARED_PLACE, 5, 8), (1, SHARED_PLACE, 2, 5, 8), (8, 5, SHARED_PLACE, 2, 1)):
+        field.rig.call(calls)
+        for offset in range(12):
+            field.start(1)
+            for _ in range(offset):
+                field.step()
+            field.start(4)
+            found = field.until_end((1, 4))
+            field.expect(found, {1: ends, 4: ends})
+            field.right(*(number for number, status in found.items() if status == DONE))
+            field.wire()
+            field.idle(1, 4)
+    field.rig.call(CALLS)
+    field.again(*JOBS)

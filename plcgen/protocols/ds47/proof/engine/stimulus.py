@@ -21,6 +21,8 @@ LEVELS = {"OB1": 0, "OB35": 10, "OB82": 20}
 """Organization blocks, and where their list of calls begins."""
 WRONG_UNIT_DB = 10
 """On S7-300/400: the channel of unit 1 with the number of another data block at ``unitDb``."""
+SHARED_PLACE = 11
+"""The channel of unit 2 with the place of the channel of unit 1."""
 _WRONG = """    10:
       {call:channel:Channel1}(slots := "Plan".slots, waitLimit := "Plan".waitLimit{unitDb:2},
         unit := "Unit1".unit, place := "GateData".gate.channels[1]);
