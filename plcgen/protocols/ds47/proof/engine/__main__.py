@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 from plcgen._version import __version__
-from plcgen.proof.checks import Check, Outcome
+from plcgen.proof.checks import Check
 from plcgen.protocols.ds47.proof.engine.checks import Effort, prove
 from plcgen.protocols.ds47.proof.engine.known import Proven, write
 from plcgen.protocols.ds47.proof.engine.sources import SHORT, DriveEngine
@@ -60,7 +60,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"{folder}: {dialect.label}, {sizes.last + 1} bytes, {sizes.slots} slots, engine {engine.hash[:SHORT]}")  # noqa: T201
         for check in proof.checks:
             print(shown(check), flush=True)  # noqa: T201
-        good = good and all(check.outcome is Outcome.OK for check in proof.checks)
+        good = good and proof.ok
         found[engine.hash] = Proven(
             target=dialect.value,
             bytes=sizes.last + 1,
