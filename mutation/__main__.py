@@ -99,7 +99,7 @@ def counted(work: Sequence[Case], found: Mapping[Case, Verdict]) -> dict[str, Co
             count.all += 1
             count.noticed += bool(verdict.text)
             count.located += verdict.located
-            count.argued += not verdict.text and bool(reason(case.mutant))
+            count.argued += not verdict.text and bool(reason(case.file, case.mutant))
     table["all"] = table.pop("all", Count())
     return table
 
@@ -119,11 +119,11 @@ def main() -> int:
     started = time.monotonic()
     known = [] if given.deletions else list(known_cases())
     work = chosen(given)
-    run = [*known, *(case for case in work if given.argued or not reason(case.mutant))]
+    run = [*known, *(case for case in work if given.argued or not reason(case.file, case.mutant))]
     found = dict(zip(run, verdicts_of(run, given.workers), strict=True))
     for case in (*known, *work):
         verdict = found.get(case, Verdict())
-        text = verdict.text or reason(case.mutant) or "NOT NOTICED"
+        text = verdict.text or reason(case.file, case.mutant) or "NOT NOTICED"
         if given.verbose or text == "NOT NOTICED" or (given.deletions and case in found and not verdict.located):
             say(f"{case.spec}/{case.file}:{case.mutant.line}: {case.mutant.what}: {text}")
     table = counted(work, found)

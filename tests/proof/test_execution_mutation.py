@@ -9,11 +9,13 @@ from projects import ROOT
 
 sys.path.insert(0, str(ROOT))
 
-from mutation.cases import Case, cases, known_cases
+from mutation.__main__ import counted
+from mutation.cases import Case, cases, known_cases, spread
+from mutation.engine import ENGINE
 from mutation.equivalent import reason
-from mutation.known import FAQ
+from mutation.known import FAQ, MM4, PUMP
 from mutation.operators import Mutant, mutants, numbers
-from mutation.run import notice
+from mutation.run import Verdict, notice
 
 SOURCE = "FUNCTION_BLOCK f\nVAR\n  a : INT;\nEND_VAR\nBEGIN\n"
 SOURCE += "IF a > 1 THEN\n  a := 2;\n  a := a + 1;\nEND_IF;\nEND_FUNCTION_BLOCK\n"
@@ -56,8 +58,33 @@ def test_every_deleted_statement_is_noticed_and_located(file: str) -> None:
 
 
 def test_an_equivalent_mutant_has_a_reason() -> None:
-    """The table explains a mutant by its description, in both spellings; anything else has to be noticed."""
-    moved = "exchanged: {0}tempMove := {1}(SRCBLK := P#DB3.DBX0 / {0}tempMove := {1}(SRCBLK := P#DB4.DBX0"
-    assert reason(Mutant(moved.format("#", "BLKMOV"), 1, ""))
-    assert reason(Mutant(moved.format("", "SFC20"), 1, ""))
-    assert not reason(Mutant("dropped: tempMove := SFC20(SRCBLK := P#DB3.DBX0", 1, ""))
+    """The table explains a mutant by block and description, in both spellings; anything else has to be noticed."""
+    assert reason("scl/DriveChannel.scl", Mutant("dropped: #tempBusy := FALSE", 1, ""))
+    assert reason("scl/DriveChannel.scl", Mutant("dropped: tempBusy := FALSE", 1, ""))
+    assert not reason("scl/DriveChannel.scl", Mutant("dropped: tempDone := FALSE", 1, ""))
+    assert not reason("scl/Other.scl", Mutant("dropped: tempBusy := FALSE", 1, ""))
+
+
+def test_what_targets_share_is_damaged_in_one_of_them() -> None:
+    """Each statement of the engine once, in every target some."""
+    every = list(cases([FAQ, MM4, PUMP], ["dropped"]))
+    chosen = spread(every)
+    plain = [(case.file, case.mutant.what.replace("#", "")) for case in every if case.key == ENGINE]
+    kept = [(case.file, case.mutant.what.replace("#", "")) for case in chosen if case.key == ENGINE]
+    assert set(kept) == set(plain)
+    assert len(kept) < len(plain) / 2
+    assert {case.spec for case in chosen if case.key == ENGINE} == {FAQ, MM4, PUMP}
+    assert [case for case in chosen if case.key != ENGINE] == [case for case in every if case.key != ENGINE]
+
+
+def test_the_table() -> None:
+    """What was not noticed is open unless it has a reason; the share is of those that change something."""
+    good, argued, bad = (
+        Case(MM4, "scl/DriveChannel.scl", ENGINE, Mutant(what, 1, ""))
+        for what in ("1 -> 2: x", "dropped: tempBusy := FALSE", "2 -> 3: x")
+    )
+    found = {good: Verdict("noticed", located=True, seconds=1.0), bad: Verdict()}
+    table = counted([good, argued, bad], found)
+    assert list(table) == ["engine, STEP 7 V5", "all"]
+    line = table["all"]
+    assert (line.all, line.noticed, line.argued, line.located, line.share) == (3, 1, 1, 1, 50.0)
