@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from plcgen.proof.runner import Run
 from plcgen.proof.scenario import ScenarioError
-from plcgen.protocols.ds47.proof.end import check_end
+from plcgen.protocols.ds47.proof.end import check_end, check_errors
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.words import DRAIN_MS, state_name
+from plcgen.protocols.ds47.proof.words import DRAIN_MS, NO_ANSWER, state_name
 
 
 class JobConduct:
@@ -71,7 +71,8 @@ class JobConduct:
         return run.scenario.scan
 
     def start(self, run: Run[DriveScenario]) -> None:
-        """Nothing: what is left of the job before may stand there until there is something new."""
+        """No parameter has an answer yet, whatever was there before; values stay until there are new ones."""
+        check_errors(self.rig, [(NO_ANSWER, 0)] * len(self.rig.job.uses))
 
     def observe(self, run: Run[DriveScenario]) -> None:
         """What is handed over to the channel; no output changes before its telegram is answered."""

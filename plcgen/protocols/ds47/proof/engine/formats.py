@@ -119,7 +119,7 @@ def _many(field: JobField) -> None:
         field.drop(1)
         field.step()
         if job.signals() != (False, False, False, 0x7000):
-            raise ScenarioError(f"job {number} is not idle behind its end")
+            raise ScenarioError(f"job {number} is not idle after its end")
         for name, last in before.items():
             before[name] = abs(unit.get(name, signed=True))
             began[name] += before[name] < last
