@@ -192,11 +192,12 @@ def generate(
     diff = ""
     try:
         files = render_project(checked.project, progress)
+        owned = checked.project.loaded.spec.plc.user_owned
         if check_only:
-            diff, found = compare_folder(files, target)
+            diff, found = compare_folder(files, target, owned)
             report.extend(found)
         else:
-            result = write_folder(files, target, force=force)
+            result = write_folder(files, target, force=force, owned=owned)
             written, unchanged, removed = result.written, result.unchanged, result.removed
             report.extend(_left_behind(result, target))
     except DiagnosticError as problem:

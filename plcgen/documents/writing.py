@@ -13,7 +13,7 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path, PurePosixPath
 from typing import Self
@@ -26,6 +26,7 @@ from plcgen.documents.folder_lock import exclusive
 from plcgen.documents.manifest import digest
 from plcgen.input.files import read_bounded
 from plcgen.input.hashes import has_digest, same_text
+from plcgen.project.ownership import is_owned
 from plcgen.sources.generated import ATTRIBUTES, JOURNAL, MANIFEST, known_files
 
 STAGE = ".plcgen-stage-"
@@ -49,14 +50,18 @@ class WrittenFolder:
     recovered: bool = False
 
 
-def write_folder(files: Iterable[RenderedFile], folder: Path, *, force: bool = False) -> WrittenFolder:
+def write_folder(
+    files: Iterable[RenderedFile], folder: Path, *, force: bool = False, owned: Collection[str] = ()
+) -> WrittenFolder:
     """Bring a folder to exactly these files; each may be made when it is asked for, none is kept in memory.
+
+    ``owned`` names files that stay as the user left them, whatever ``force`` says.
 
     Raises:
         DiagnosticError: PG501/PG502/PG506 if something of the user is in the way, PG503 if the folder cannot be
             written; the old state is then untouched.
     """
-    return _write(files, folder, force=force, whole=True)
+    return _write(files, folder, force=force, whole=True, owned=owned)
 
 
 def add_files(files: Iterable[RenderedFile], folder: Path, *, force: bool = False) -> WrittenFolder:
@@ -68,14 +73,16 @@ def add_files(files: Iterable[RenderedFile], folder: Path, *, force: bool = Fals
     return _write(files, folder, force=force, whole=False)
 
 
-def _write(files: Iterable[RenderedFile], folder: Path, *, force: bool, whole: bool) -> WrittenFolder:
+def _write(
+    files: Iterable[RenderedFile], folder: Path, *, force: bool, whole: bool, owned: Collection[str] = ()
+) -> WrittenFolder:
     """``whole``: the folder belongs to plcgen, so its manifest tells what may be replaced and what is left over."""
     try:
         with exclusive(folder):
             recovered = recover(folder)
             known = _known(folder) if whole else None
             with _Stage(folder) as stage:
-                unchanged = _staged(files, stage, known, force=force)
+                unchanged = _staged(files, stage, known, force=force, owned=owned)
                 removed, kept = _obsolete({*stage.moves, *unchanged}, folder, known or {})
                 stage.commit(removed)
     except OSError as problem:
@@ -143,8 +150,10 @@ class _Stage:
             raise DiagnosticError([Diagnostic("PG503", why, place, help=help_)]) from problem
 
 
-def compare_folder(files: Iterable[RenderedFile], folder: Path) -> tuple[str, list[Diagnostic]]:
-    """Unified diff from the folder to what would be generated, and one PG504 per file that differs."""
+def compare_folder(
+    files: Iterable[RenderedFile], folder: Path, owned: Collection[str] = ()
+) -> tuple[str, list[Diagnostic]]:
+    """Unified diff from the folder to what would be generated, and one PG504 per file that differs, if not owned."""
     found: list[Diagnostic] = []
     diff: list[str] = []
     try:
@@ -155,7 +164,7 @@ def compare_folder(files: Iterable[RenderedFile], folder: Path) -> tuple[str, li
             wanted.add(file.path)
             path = folder / file.path
             old = path.read_bytes() if path.is_file() else None
-            if old is not None and same_text(old, file.data):
+            if old is not None and (same_text(old, file.data) or is_owned(file.path, owned)):
                 continue
             found.append(_stale(path, "file is missing" if old is None else "file is out of date"))
             diff += _diff(file, old)
@@ -294,7 +303,14 @@ def _known(folder: Path) -> dict[str, str]:
         return {}
 
 
-def _staged(files: Iterable[RenderedFile], stage: _Stage, known: dict[str, str] | None, *, force: bool) -> list[str]:
+def _staged(
+    files: Iterable[RenderedFile],
+    stage: _Stage,
+    known: dict[str, str] | None,
+    *,
+    force: bool,
+    owned: Collection[str],
+) -> list[str]:
     """Stage what differs from the folder and return the rest; every conflict with the user's files is told at once."""
     problems: list[Diagnostic] = []
     unchanged: list[str] = []
@@ -308,7 +324,9 @@ def _staged(files: Iterable[RenderedFile], stage: _Stage, known: dict[str, str] 
         blocked = _blocking_parent(stage.folder, target)
         exists = blocked is None and os.path.lexists(target)
         old = target.read_bytes() if exists and target.is_file() else None
-        if exists and old is not None and same_text(old, file.data):
+        changed = old is not None and known is not None and not has_digest(old, known.get(file.path, ""))
+        same = old is not None and same_text(old, file.data)
+        if exists and (same or (changed and is_owned(file.path, owned))):
             unchanged.append(file.path)
             continue
         conflict = _conflict(target, file.path, old, known) if exists else blocked

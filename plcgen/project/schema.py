@@ -149,6 +149,9 @@ class Plc(StrictModel):
         ("en-US",), min_length=1, max_length=16, description="comment languages; the first is the main one"
     )
     numbers: Numbers = Field(Numbers(), description="where automatic block numbers start")
+    user_owned: tuple[Annotated[str, Field(min_length=1, max_length=200)], ...] = Field(
+        (), max_length=1000, description="blocks or files of the output folder that are yours: never written over"
+    )
     instructions: Instructions = Field(Instructions(), description="versions of WRREC, RDREC and TON_TIME")
 
 

@@ -48,11 +48,10 @@ def _verify(
     dissector: bool,
 ) -> Verification:
     from plcgen.project.opening import open_spec
+    from plcgen.proof.delivery import delivered
     from plcgen.proof.execution import check_execution
-    from plcgen.proof.files import check_files
     from plcgen.proof.folder import read_folder
     from plcgen.proof.layouts import check_layout
-    from plcgen.proof.twins import check_twins
 
     opened = open_spec(spec)
     project = opened.sound()
@@ -69,7 +68,7 @@ def _verify(
     ledger = tuple(assumption for proof in proofs for assumption in proof.ledger())
     executed = check_execution(project, folder, faults, progress, partner=partner, engine=engine)
     groups = [
-        CheckGroup("files", "Files", (*check_files(project, files), *check_twins(project, files))),
+        CheckGroup("files", "Files", delivered(project, files)),
         CheckGroup("layout", "Layout", tuple(layouts)),
         CheckGroup("telegrams", "Telegrams", tuple(telegrams)),
         *(group for group in exchanges if group is not None),

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import zip_longest
 
-from plcgen.diagnostics import Diagnostic
+from plcgen.diagnostics import Diagnostic, DiagnosticError
 from plcgen.project.nouns import Project
+from plcgen.project.ownership import is_owned
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.s7.blocks import Block, BlockKind, SectionKind
+from plcgen.s7.image import image
 from plcgen.s7.initializers import flatten, parse_initializer
+from plcgen.s7.layout import layout_block
 from plcgen.s7.literals import LiteralError
 from plcgen.s7.types import ArrayType, DataType, Member, StructType
 from plcgen.scl.lexer import KEYWORDS, Tokens, tokenize
@@ -21,21 +25,23 @@ MOST_VALUES = 100_000
 
 
 def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
-    """One check over every code block and instance DB, for targets that get documents."""
+    """One check over every block, for targets that get documents; those of the user's own are left out."""
     if project.target.xml_version is None:
         return
     problems: list[Diagnostic] = []
     tokens = blocks = 0
     for name, block in folder.text.items():
-        if block.kind not in _CODE and (block.instance_of or "").upper() not in folder.text:
+        if block.instance_of and block.instance_of.upper() not in folder.text:
             continue  # instances of blocks that the compiler brings have no document
+        if is_owned(block.name, project.loaded.spec.plc.user_owned):
+            continue
         blocks += 1
         other = folder.xml.get(name)
         if other is None:
             message = f'{block.kind} "{block.name}" is missing in the SimaticML documents'
             problems.append(Diagnostic("PG608", message, folder.place(name), help="run plcgen generate"))
             continue
-        found, count = difference(block, other, folder.text)
+        found, count = difference(block, other, folder.text, folder.xml)
         tokens += count
         if found:
             message = f'{block.kind} "{block.name}": {found}'
@@ -49,10 +55,15 @@ def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
         yield Check("files.twins", "text and SimaticML", text, Outcome.OK, "agree")
 
 
-def difference(text: Block, document: Block, known: dict[str, Block]) -> tuple[str, int]:
-    """What differs between the two spellings of a block (empty if nothing), and the tokens compared."""
+def difference(text: Block, document: Block, known: dict[str, Block], documents: dict[str, Block]) -> tuple[str, int]:
+    """What differs between the two spellings of a block (empty if nothing), and the tokens compared.
+
+    ``known`` and ``documents`` are all blocks, from the text sources and from the documents.
+    """
     if (text.kind, text.instance_of) != (document.kind, document.instance_of):
         return "the document is another kind of block", 0
+    if text.kind not in _CODE and not text.instance_of:
+        return _stored(text, document, known, documents or known), 0
     if text.title.strip() != document.title.strip() or text.comment.strip() != document.comment.strip():
         return "title or comment differ", 0
     declared = known.get((text.instance_of or "").upper(), text)
@@ -67,6 +78,28 @@ def difference(text: Block, document: Block, known: dict[str, Block]) -> tuple[s
     if document.code is None:
         return "the document has no SCL", 0
     return _tokens(tokenize(text.code, "text"), tokenize(document.code, "document"))
+
+
+def _stored(text: Block, document: Block, known: dict[str, Block], documents: dict[str, Block]) -> str:
+    """A data block or type: the same places, the same bytes at start."""
+    try:
+        places = [
+            [(one.path, one.offset, one.size, _plain(one.type)) for one in layout_block(block, blocks).entries]
+            for block, blocks in ((text, known), (document, documents))
+        ]
+        starts = [bytes(image(block, blocks)) for block, blocks in ((text, known), (document, documents))]
+    except (DiagnosticError, LiteralError):
+        return ""  # the checks of layout and telegrams tell
+    for one, two in zip_longest(*places):
+        if one != two:
+            return f"{(one or two)[0]} is declared otherwise in the document"
+    at = next((at for at, pair in enumerate(zip(*starts, strict=True)) if pair[0] != pair[1]), None)
+    return "" if at is None else f"byte {at} has another start value in the document"
+
+
+def _plain(type_: DataType) -> object:
+    """A type without the members of a structure, whose places say enough."""
+    return str(getattr(type_, "bounds", "")) if _inside(type_) else type_
 
 
 def _members(first: tuple[Member, ...], second: tuple[Member, ...], where: str) -> str:

@@ -377,3 +377,24 @@ def test_killed_writers_lose_nothing(tmp_path: Path) -> None:
         command, capture_output=True, text=True, check=False, env={**os.environ, "PYTHONPATH": str(ROOT)}
     )
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_what_is_the_users_own_is_left_alone(tmp_path: Path) -> None:
+    """``user_owned: [Main]``: a changed Main stays, whatever --force says; verify reports it; others are errors."""
+    spec, out = tmp_path / "job.yaml", tmp_path / "out"
+    text = FAQ.read_text("utf-8")
+    spec.write_text(text.replace("names: faq}", "names: faq, user_owned: [Main, notes.md]}"), "utf-8")
+    assert api.generate(spec, out).ok
+    main = out / "scl/Main.scl"
+    main.write_text(main.read_text("utf-8").replace("An example: if", "Mine: if"), "utf-8")
+    (out / "notes.md").write_text("mine")
+    mine = main.read_bytes()
+    assert api.generate(spec, out, force=True).ok
+    assert main.read_bytes() == mine
+    assert api.generate(spec, out, check_only=True).ok
+    found = api.verify(spec, out, faults="none")
+    assert found.ok, [check.verdict for check in found.checks()]
+    assert next(check.text for check in found.checks() if check.id == "files.owned") == "notes.md, scl/Main.scl"
+    (out / "scl/more.scl").write_text("// not mine")
+    codes = {check.diagnostic.code for check in api.verify(spec, out, faults="none").checks() if check.diagnostic}
+    assert "PG613" in codes

@@ -21,6 +21,7 @@ from plcgen.proof.scenario import Failure, Statistics
 from plcgen.proof.suite import CodeBlock, LaidOut, Level, Procedure, Progress
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof import stimulus
+from plcgen.protocols.ds47.proof.commands import check_commands, check_guide
 from plcgen.protocols.ds47.proof.conduct import JobConduct
 from plcgen.protocols.ds47.proof.dissected import dissected_checks
 from plcgen.protocols.ds47.proof.engine.checks import engine_checks
@@ -70,8 +71,10 @@ class DriveProof:
                 yield LaidOut(telegram.response, _no_reserve, room=max(positive, negative), note=note)
 
     def telegrams(self, folder: Folder) -> Iterator[Check]:
-        """Start values of the requests."""
-        return check_telegrams(self.plan, folder)
+        """Start values of the requests, and of the commands of all jobs."""
+        yield from check_telegrams(self.plan, folder)
+        yield from check_commands(self.plan, folder)
+        yield from check_guide(self.plan, folder)
 
     def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:
         """Every telegram against the simulated drive, or the one in a drive file."""

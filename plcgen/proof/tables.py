@@ -1,0 +1,345 @@
+"""Tables and lists around the blocks, against the plan and against each other: tags, symbols, orders, watch tables."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import re
+import struct
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.input.files import read_bounded
+from plcgen.project.nouns import Project
+from plcgen.proof.checks import Check
+from plcgen.proof.folder import Folder
+from plcgen.proof.headers import MAIN, verdict
+from plcgen.s7.blocks import BlockKind
+from plcgen.s7.layout import layout_block, locate
+from plcgen.s7.spelling import type_text
+from plcgen.s7.types import Elementary
+from plcgen.simaticml.reading.documents import read_tag_table, read_watch_table
+
+MAX_BYTES = 16 * 1024 * 1024
+SCRIPT = "71c1efc87965a8168662ab1f6f056777857f9149363e0fe293b6a28fb528b7e2"
+"""SHA-256 of ``xml/import.ps1`` without the version of the documents: it is the same text for every project."""
+_QUOTED = re.compile(r'"([^"\n]+)"')
+_ITEM = re.compile(r"^\d+\. `+ ?(.+?) ?`+$", re.MULTILINE)
+_PLACE = re.compile(r'"([^"]+)"(?:\.(.+))?')
+_LITERAL = re.compile(r"(?:(?:[A-Z]+#)?16#([0-9A-F]+)|(?:[A-Z]+#)?(-?\d+(?:\.\d+)?))?")
+_SHEET = re.compile(r'(?:DB(\d+) )?"(.+)", (\d+) bytes')
+_ROW = re.compile(r"\| \d")
+_ADDRESS = re.compile(r"DB(\d+)\.DB[XBWDL](\d+)(?:\.\d)?")
+
+Look = Callable[[], Iterator[str]]
+
+
+class _WrongError(Exception):
+    """A file cannot be looked at."""
+
+
+@dataclass(frozen=True, slots=True)
+class Flag:
+    """A tag: name, type in capitals, address without percent sign."""
+
+    name: str
+    type: str
+    address: str
+
+
+def check_tables(project: Project, folder: Folder) -> Iterator[Check]:
+    """One check over all of them."""
+    problems: list[Diagnostic] = []
+    looks = dict(_Tables(project, folder).looks())
+    for name, look in looks.items():
+        try:
+            problems += [Diagnostic("PG614", text, Span(str(folder.path / name))) for text in look()]
+        except _WrongError as wrong:
+            problems.append(Diagnostic("PG614", str(wrong), Span(str(folder.path / name))))
+        except DiagnosticError as problem:
+            problems += problem.diagnostics
+    yield verdict("files.tables", "tables", f"{len(looks)} files", problems, "say what plan and blocks say")
+
+
+class _Tables:
+    """The tables of one folder."""
+
+    def __init__(self, project: Project, folder: Folder) -> None:
+        self.project, self.folder = project, folder
+        self.v5 = project.target.v5
+        self.numbers = {ref.name: ref.number for ref in project.blocks}
+        self.known = set(folder.text)
+
+    def looks(self) -> Iterator[tuple[str, Look]]:
+        """Every file that is looked at, and how."""
+        flags = self.wanted()
+        if self.v5:
+            yield "symbols.sdf", self.symbols
+            yield "compile.inp", partial(self.order, "compile.inp")
+        elif flags:
+            yield "tags.csv", partial(self.tags, "tags.csv", self.csv_flags)
+        yield "IMPORT.md", partial(self.order, "IMPORT.md")
+        yield "LAYOUT.md", self.sheet
+        for path in sorted(self.folder.path.glob("watch/*.csv")):
+            yield f"watch/{path.name}", partial(self.watch, path.stem)
+        if self.project.target.xml_version is not None:
+            for path in sorted(self.folder.path.glob("xml/*Tags.xml")):
+                yield f"xml/{path.name}", partial(self.tags, f"xml/{path.name}", self.xml_flags)
+        if self.project.target.t15:
+            yield "xml/import.json", self.imports
+            yield "xml/import.ps1", self.script
+
+    def text(self, name: str) -> str:
+        """Text of a file of the folder."""
+        try:
+            data = read_bounded(self.folder.path / name, MAX_BYTES)
+        except OSError as problem:
+            raise _WrongError(f"cannot be read: {problem.strerror or problem}") from problem
+        return data.decode("cp1252" if self.v5 and name.endswith((".sdf", ".inp")) else "utf-8-sig", "replace")
+
+    # ---- tags
+
+    def wanted(self) -> dict[str, str]:
+        """Type of every flag that the spec asks for, by its address."""
+        return {
+            address.text(percent=False): "BOOL" if address.width_bits == 1 else "WORD"
+            for job in self.project.jobs
+            for _, address in job.trigger.items()
+        }
+
+    def starters(self) -> set[str]:
+        """Addresses of the flags that start a job."""
+        found = (job.trigger.execute for job in self.project.jobs)
+        return {address.text(percent=False) for address in found if address is not None}
+
+    def csv_flags(self, name: str) -> list[Flag]:
+        """Rows of ``tags.csv``."""
+        rows = list(csv.reader(self.text(name).splitlines()))
+        if not rows or rows[0] != ["Name", "Data Type", "Logical Address", "Comment"]:
+            raise _WrongError("the header is not that of a tag table")
+        return [Flag(row[0], row[1].upper(), row[2].removeprefix("%")) for row in rows[1:] if len(row) == 4]
+
+    def xml_flags(self, name: str) -> list[Flag]:
+        """Tags of a tag table document."""
+        tables, _ = read_tag_table(self.folder.path / name)
+        return [Flag(tag.name, tag.type.upper(), tag.address.removeprefix("%")) for one in tables for tag in one.tags]
+
+    def tags(self, name: str, read: Callable[[str], list[Flag]]) -> Iterator[str]:
+        """Exactly the flags of the spec, each under the name by which the caller knows it."""
+        yield from self.flags(read(name))
+
+    def flags(self, found: Sequence[Flag]) -> Iterator[str]:
+        """Flags against those of the spec."""
+        wanted = self.wanted()
+        used = {name for block in self.folder.text.values() for name in _QUOTED.findall(block.code or "")}
+        seen: dict[str, Flag] = {}
+        for flag in found:
+            if wanted.get(flag.address) != flag.type:
+                said = wanted.get(flag.address, "no flag")
+                yield f"{flag.name} is {flag.type} at {flag.address}, the spec has {said} there"
+            if flag.address in seen:
+                yield f"{flag.address} has two names: {seen[flag.address].name} and {flag.name}"
+            if flag.name not in used:
+                yield f"no block uses {flag.name}"
+            seen[flag.address] = flag
+        yield from (f"no tag has the address {address}" for address in wanted if address not in seen)
+        for job in self.project.jobs:
+            for signal, address in job.trigger.items():
+                known = seen.get(address.text(percent=False))
+                if known is not None and known.name.lower() != f"{job.member}{signal}".lower():
+                    yield f"{known.address} is {signal} of {job.key}, and called {known.name}"
+
+    def symbols(self) -> Iterator[str]:
+        """The symbol table of STEP 7 V5: every block with its number, every flag."""
+        numbers = {ref.name: f"{ref.kind} {ref.number}" for ref in self.project.blocks}
+        flags = []
+        seen = set()
+        for row in csv.reader(self.text("symbols.sdf").splitlines()):
+            if len(row) != 4:
+                yield f"a row has {len(row)} columns"
+                continue
+            name, address, type_, _ = row
+            if address.startswith("M"):
+                flags.append(Flag(name, type_, address.replace(" ", "")))
+            elif name in numbers:
+                seen.add(name)
+                if address != numbers[name]:
+                    yield f"{name} is {address}, the plan has {numbers[name]}"
+                block = self.folder.text.get(name.upper())
+                of = (block.instance_of or "") if block is not None else ""
+                if type_ != numbers.get(of, address) and of.upper() in self.folder.text:
+                    yield f"{name} is made of {type_}, the source of {of}"
+                if not of and type_ != address:
+                    yield f"{name} has the type {type_}"
+        yield from (f"{name} is missing" for name in numbers if name not in seen)
+        yield from self.flags(flags)
+
+    # ---- orders
+
+    def order(self, name: str) -> Iterator[str]:
+        """Every source once, and behind what it needs; the example of OB1 last, or not at all."""
+        text = self.text(name)
+        if name == "IMPORT.md":
+            listed = [item.rsplit("/", 1)[-1].rsplit(".", 1)[0] for item in _ITEM.findall(_section(text, "## Order"))]
+        else:
+            listed = text.split()
+        wanted = {path.stem for path in self.folder.files.values()} - ({MAIN} if name == "compile.inp" else set())
+        yield from _differences(listed, wanted)
+        yield from self.behind(listed)
+
+    def behind(self, names: Iterable[str]) -> Iterator[str]:
+        """Blocks in front of something that they need."""
+        seen: set[str] = set()
+        for name in names:
+            block = self.folder.text.get(name.upper())
+            path = self.folder.files.get(name.upper())
+            if block is None or path is None:
+                continue
+            seen.add(name.upper())
+            used = {found.upper() for found in _QUOTED.findall(path.read_text("utf-8-sig", "replace"))}
+            if block.instance_of:
+                used.add(block.instance_of.upper())
+            for one in sorted((used & self.known) - seen):
+                yield f"{name} stands in front of {self.folder.text[one].name}, which it needs"
+
+    def imports(self) -> Iterator[str]:
+        """The steps of the import script: every document once, in an order that compiles."""
+        try:
+            steps = json.loads(self.text("xml/import.json"))["steps"]
+            listed = [(step["kind"], step["switch"], name) for step in steps for name in step["files"]]
+        except (ValueError, KeyError, TypeError) as problem:
+            raise _WrongError(f"is no list of steps: {problem}") from problem
+        found = {path.name for path in self.folder.path.glob("xml/*.xml")}
+        yield from _differences([name for *_, name in listed], found)
+        yield from self.behind(name.removesuffix(".xml") for *_, name in listed)
+        for kind, switch, name in listed:
+            block = self.folder.xml.get(name.removesuffix(".xml").upper())
+            right = "type" if block is not None and block.kind is BlockKind.UDT else "block"
+            if block is not None and kind != right:
+                yield f"{name} is imported as {kind}"
+            asked = MAIN if name == f"{MAIN}.xml" else "WatchTables" if name.startswith("Watch_") else ""
+            if switch != asked:
+                yield f"{name} is imported {f'with -{switch}' if switch else 'without being asked for'}"
+
+    def script(self) -> Iterator[str]:
+        """The text that all projects share."""
+        text = self.text("xml/import.ps1").replace(self.project.target.xml_version or "", "")
+        if hashlib.sha256(text.encode()).hexdigest() != SCRIPT:
+            yield "is not the script of this version of plcgen"
+
+    # ---- layout sheet
+
+    def sheet(self) -> Iterator[str]:
+        """Every row of the layout sheet against the layout of its block."""
+        seen = 0
+        buffers = [buffer for job in self.project.jobs for one in job.telegrams for buffer in one.buffers]
+        starts = {buffer.home.name: buffer.image for buffer in buffers}
+        for part in self.text("LAYOUT.md").split("\n### ")[1:]:
+            head = _SHEET.match(part)
+            block = self.folder.text.get(head[2].replace("\\", "").upper()) if head else None
+            if head is None or block is None:
+                yield f"{part.splitlines()[0]} is no block"
+                continue
+            seen += 1
+            number = self.numbers.get(block.name)
+            layout = layout_block(block, self.folder.text)
+            if head[1] and int(head[1]) != number:
+                yield f"{block.name} is DB{head[1]}, the plan has DB{number}"
+            if int(head[3]) not in {layout.size, layout.size - 1}:  # an odd one is filled up
+                yield f"{block.name} has {head[3]} bytes, its source {layout.size}"
+            rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in part.splitlines() if _ROW.match(line)]
+            entries = {entry.path.replace('"', ""): entry for entry in layout.entries}
+            for offset, address, name, type_, size, start, *_ in rows:
+                plain = name.replace("\\", "")
+                entry = entries.get(plain) or entries.get(f"telegram.{plain}")
+                if entry is None:
+                    yield f"{block.name} has no {name}"
+                    continue
+                right = (str(entry.byte), type_text(entry.type).upper(), str((entry.size + 7) // 8))
+                if (offset, type_.upper(), size) != right:
+                    yield f"{block.name}.{name} lies at {right[0]}, {right[1]}, {right[2]} bytes"
+                held = starts.get(block.name, b"")[entry.byte : entry.byte + entry.size // 8]
+                if held and isinstance(entry.type, Elementary) and _number(start, len(held)) not in {None, held}:
+                    yield f"{block.name}.{name} starts with {held.hex(' ').upper()}"
+                said = _ADDRESS.fullmatch(address)
+                if address and (said is None or (int(said[1]), int(said[2])) != (number, entry.byte)):
+                    yield f"{block.name}.{name} is not at {address}"
+            if len(rows) < sum(entry.depth == 0 for entry in layout.entries):
+                yield f"{block.name} has members that are not listed"
+        missing = len({buffer.home.name for buffer in buffers}) - seen
+        if missing > 0:
+            yield f"{missing} buffers are missing"
+
+    # ---- watch tables
+
+    def watch(self, stem: str) -> Iterator[str]:
+        """Rows of a watch table: places that exist, their addresses, and the document beside it."""
+        rows = list(csv.reader(self.text(f"watch/{stem}.csv").splitlines()))
+        if not rows or rows[0] != ["name", "address", "display format", "modify value"]:
+            raise _WrongError("the header is not that of a watch table")
+        flags = self.wanted()
+        for row in rows[1:]:
+            if len(row) != 4:
+                yield f"a row has {len(row)} columns"
+                continue
+            yield from self.place(row[0], row[1], row[3], flags)
+        document = self.folder.path / "xml" / f"Watch_{stem}.xml"
+        if self.project.target.xml_version is not None:
+            tables, _ = read_watch_table(document) if document.is_file() else ([], [])
+            names = [entry.name for table in tables for entry in table.entries]
+            if names != [row[0] for row in rows[1:]]:
+                yield "the document beside it has other rows"
+
+    def place(self, name: str, address: str, modify: str, flags: dict[str, str]) -> Iterator[str]:
+        """One row."""
+        found = _PLACE.fullmatch(name)
+        block = self.folder.text.get(found[1].upper()) if found else None
+        if found is None:
+            yield f"{name} is no place"
+        elif block is None:
+            if address not in flags:
+                yield f"{name} at {address} is neither in a block nor a flag of the spec"
+            elif (modify == "TRUE") != (address in self.starters()) or modify not in {"", "TRUE"}:
+                yield f"{name} is set to {modify or 'nothing'}"
+        else:
+            try:
+                entry = locate(layout_block(block, self.folder.text), found[2] or "")
+            except KeyError:
+                yield f"{name} does not exist"
+                return
+            said = _ADDRESS.fullmatch(address)
+            number = self.numbers.get(block.name)
+            if address and (said is None or (int(said[1]), int(said[2])) != (number, entry.byte)):
+                yield f"{name} lies at DB{number}, byte {entry.byte}, not at {address}"
+            command = name.rsplit(".", 1)[-1].lower() == "execute"
+            if modify and not command and entry.member.start is None and modify.strip("16#0."):
+                yield f"{name} is set to {modify}, which has no start value"
+            if command and modify != "TRUE":
+                yield f"{name} is set to {modify or 'nothing'}"
+
+
+def _number(text: str, size: int) -> bytes | None:
+    """Bytes of a number as a sheet shows it, zeros for nothing; None if it is something else."""
+    found = _LITERAL.fullmatch(text)
+    if found is None:
+        return None
+    if found[2] and "." in found[2]:
+        return struct.pack(">f", float(found[2])) if size == 4 else None
+    value = int(found[1], 16) if found[1] else int(found[2] or 0)
+    return (value & (1 << 8 * size) - 1).to_bytes(size, "big")
+
+
+def _section(text: str, heading: str) -> str:
+    """What stands below a heading, up to the next one."""
+    behind = text.partition(f"\n{heading}\n")[2]
+    return behind.split("\n## ", 1)[0]
+
+
+def _differences(listed: Sequence[str], wanted: set[str]) -> Iterator[str]:
+    yield from (f"{name} is missing" for name in sorted(wanted - set(listed)))
+    yield from (f"{name} does not exist" for name in sorted(set(listed) - wanted))
+    yield from (f"{name} stands there twice" for name, count in sorted(Counter(listed).items()) if count > 1)

@@ -1,0 +1,111 @@
+"""DriveJobs as it is delivered: a structure for each job, no job started, inputs with the values of the spec.
+
+Signals and their types as docs/generated-code.md has them; values are compared as bytes, which are the same in the
+telegram and in the CPU.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.input.files import read_bounded
+from plcgen.proof.checks import Check, Outcome
+from plcgen.proof.folder import Folder
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
+from plcgen.protocols.ds47.wire import formats
+from plcgen.s7.image import image
+from plcgen.s7.layout import Layout, layout_block, locate
+from plcgen.s7.literals import LiteralError
+from plcgen.s7.types import Elementary
+
+MAX_BYTES = 16 * 1024 * 1024
+SIGNALS = {"execute": "BOOL", "busy": "BOOL", "done": "BOOL", "error": "BOOL", "status": "WORD"}
+
+
+def check_commands(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
+    """One check of the control DB, in the text source; its document is held against it elsewhere."""
+    name = plan.control_db.name
+    block = folder.text.get(name.upper())
+    if not plan.jobs or block is None:
+        return  # what is missing is told elsewhere
+    try:
+        layout, start = layout_block(block, folder.text), bytes(image(block, folder.text))
+        problems = [problem for job in plan.jobs for problem in _job(job, layout, start)]
+        expected = tuple(f"{job.member}.{use.member}" for job in plan.jobs for use in job.inputs)
+        problems += [
+            f"{entry.path} has the start value {entry.member.start}"
+            for entry in layout.entries
+            if entry.member.start is not None and not entry.path.replace('"', "").startswith(expected)
+        ]
+    except (DiagnosticError, LiteralError) as problem:
+        problems = [str(problem)]
+    if problems:
+        found = Diagnostic("PG614", f'"{name}": {problems[0]}', folder.place(name))
+        yield Check("commands", f'"{name}"', "", Outcome.ERROR, problems[0], found)
+    else:
+        good = "inputs as in the spec, no job started"
+        yield Check("commands", f'"{name}"', f"{len(plan.jobs)} jobs", Outcome.OK, good)
+
+
+def check_guide(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
+    """What IMPORT.md says that the blocks write: every value of the spec, and no other."""
+    wanted = {(job.block.name, job.drive.key, use.label): use for job in plan.jobs if job.writes for use in job.uses}
+    path = folder.path / "IMPORT.md"
+    try:
+        text = read_bounded(path, MAX_BYTES).decode("utf-8", "replace")
+    except OSError:
+        return  # told as missing
+    below = text.partition("\n## What these blocks write\n")[2]
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in below.splitlines() if line.startswith("| ")]
+    found = {(row[0], row[1], row[2].replace("\\", "")): row[4] for row in rows[1:] if len(row) == 6}
+    problems = [f"{key[0]} writes {key[2]} of {key[1]}: it is not listed" for key in wanted if key not in found]
+    problems += [f"{key[0]} does not write {key[2]} of {key[1]}" for key in found if key not in wanted]
+    problems += [
+        f"{key[0]} writes {key[2]} = {value}, the spec says otherwise"
+        for key, value in found.items()
+        if key in wanted and not _said(wanted[key], value)
+    ]
+    if problems:
+        problem = Diagnostic("PG614", problems[0], Span(str(path)))
+        yield Check("guide", "IMPORT.md", "", Outcome.ERROR, problems[0], problem)
+    elif wanted:
+        yield Check("guide", "IMPORT.md", f"{len(wanted)} values", Outcome.OK, "lists what is written")
+
+
+def _said(use: Use, text: str) -> bool:
+    """Whether a text names the value of a use; values that are no single number are not compared."""
+    if text.startswith("input, ") == use.constant:
+        return False
+    if use.count != 1 or use.format.is_string or use.sources:
+        return True
+    value = formats.unpack_values(use.format, 1, use.data)[0]
+    number = re.search(r"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?", text)
+    if number is None or isinstance(value, str | bytes | bool):
+        return True
+    return math.isclose(float(number[0]), value, rel_tol=1e-6)
+
+
+def _job(job: DriveJob, layout: Layout, start: bytes) -> Iterator[str]:
+    """What is wrong with the structure of a job."""
+    flags = {name for name, _ in job.trigger.items()}
+    values = {use.member for use in (*job.inputs, *job.outputs)}
+    wanted = {name for name in SIGNALS if name not in flags} | values
+    prefix = f"{job.member}."
+    paths = (entry.path.replace('"', "") for entry in layout.entries if entry.depth == 1)
+    found = {path.removeprefix(prefix) for path in paths if path.startswith(prefix)}
+    for name in sorted(wanted ^ found):
+        yield f"{prefix}{name} {'is missing' if name in wanted else 'is no member of the job'}"
+    for name in sorted(wanted & found & set(SIGNALS) - values):
+        entry = locate(layout, f"{prefix}{name}")
+        if not isinstance(entry.type, Elementary) or entry.type.name != SIGNALS[name]:
+            yield f"{prefix}{name} is no {SIGNALS[name]}"
+    for use in job.inputs:
+        if use.member in found:
+            entry = locate(layout, f"{prefix}{use.member}")
+            held = start[entry.byte : entry.byte + len(use.data)]
+            if held != use.data:
+                said = f"the spec says {use.data.hex(' ').upper()}"
+                yield f"{prefix}{use.member} starts with {held.hex(' ').upper()}, {said}"
