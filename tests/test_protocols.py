@@ -38,7 +38,7 @@ def test_a_toy_is_generated_and_verified(toy: Path, tmp_path: Path) -> None:
     verification = api.verify(toy, tmp_path / "out")
     telegrams = [(c.subject, c.text, c.outcome.value) for c in verification.checks() if c.id.startswith("telegram.")]
     assert telegrams == [("red", "BE 03", "ok"), ("green", "BE 04", "ok")]
-    assert verification.ok
+    assert verification.ok, [(c.id, c.verdict) for c in verification.checks() if c.outcome.value == "error"]
 
 
 def test_the_proof_of_a_toy_can_fail(toy: Path, tmp_path: Path) -> None:

@@ -86,12 +86,14 @@ def _block(project: Project, folder: Folder, ref: BlockRef | None, block: Block,
     if not document and block.attributes.get("AUTHOR", AUTHOR) != AUTHOR:
         yield f"its author is {block.attributes['AUTHOR']}"
     twin = folder.text.get(block.name.upper())
-    if document and twin is not None and block.attributes not in ({}, twin.attributes):
+    both = set(block.attributes) & set(twin.attributes) if twin is not None else set()
+    if document and twin is not None and any(block.attributes[name] != twin.attributes[name] for name in both):
         yield "author, family, name or version are others than in the source"
     if block.kind is BlockKind.DB and not (block.non_retain or block.instance_of or project.target.v5):
         yield "keeps its values (RETAIN)"
     optimized = _access(project, folder, block)
-    if block.kind is not BlockKind.UDT and block.optimized is not None and block.optimized != optimized:
+    stated = block.optimized is not None and (not document or twin is None or twin.optimized is not None)
+    if block.kind is not BlockKind.UDT and stated and block.optimized != optimized:
         yield f"has {'optimized' if block.optimized else 'standard'} access"
     for member in _members(member for section in block.sections for member in section.members):
         if block.kind not in _CODE and not block.instance_of and member.attributes:

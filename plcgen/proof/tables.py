@@ -18,6 +18,7 @@ from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check
 from plcgen.proof.folder import Folder
 from plcgen.proof.headers import MAIN, verdict
+from plcgen.s7.address import Address
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.layout import layout_block, locate
 from plcgen.s7.spelling import type_text
@@ -109,12 +110,18 @@ class _Tables:
             address.text(percent=False): "BOOL" if address.width_bits == 1 else "WORD"
             for job in self.project.jobs
             for _, address in job.trigger.items()
+            if isinstance(address, Address)
         }
 
     def starters(self) -> set[str]:
         """Addresses of the flags that start a job."""
         found = (job.trigger.execute for job in self.project.jobs)
-        return {address.text(percent=False) for address in found if address is not None}
+        return {address.text(percent=False) for address in found if isinstance(address, Address)}
+
+    def own(self) -> set[str]:
+        """Places of the user's own program."""
+        places = (place for job in self.project.jobs for _, place in job.trigger.items())
+        return {place.text() for place in places if not isinstance(place, Address)}
 
     def csv_flags(self, name: str) -> list[Flag]:
         """Rows of ``tags.csv``."""
@@ -149,7 +156,7 @@ class _Tables:
         yield from (f"no tag has the address {address}" for address in wanted if address not in seen)
         for job in self.project.jobs:
             for signal, address in job.trigger.items():
-                known = seen.get(address.text(percent=False))
+                known = seen.get(address.text(percent=False)) if isinstance(address, Address) else None
                 if known is not None and known.name.lower() != f"{job.member}{signal}".lower():
                     yield f"{known.address} is {signal} of {job.key}, and called {known.name}"
 
@@ -298,6 +305,8 @@ class _Tables:
         """One row."""
         found = _PLACE.fullmatch(name)
         block = self.folder.text.get(found[1].upper()) if found else None
+        if name in self.own():
+            return  # in the user's own program
         if found is None:
             yield f"{name} is no place"
         elif block is None:

@@ -55,7 +55,9 @@ def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
         yield Check("files.twins", "text and SimaticML", text, Outcome.OK, "agree")
 
 
-def difference(text: Block, document: Block, known: dict[str, Block], documents: dict[str, Block]) -> tuple[str, int]:
+def difference(
+    text: Block, document: Block, known: dict[str, Block], documents: dict[str, Block] | None = None
+) -> tuple[str, int]:
     """What differs between the two spellings of a block (empty if nothing), and the tokens compared.
 
     ``known`` and ``documents`` are all blocks, from the text sources and from the documents.

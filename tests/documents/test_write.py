@@ -383,7 +383,7 @@ def test_what_is_the_users_own_is_left_alone(tmp_path: Path) -> None:
     """``user_owned: [Main]``: a changed Main stays, whatever --force says; verify reports it; others are errors."""
     spec, out = tmp_path / "job.yaml", tmp_path / "out"
     text = FAQ.read_text("utf-8")
-    spec.write_text(text.replace("names: faq}", "names: faq, user_owned: [Main, notes.md]}"), "utf-8")
+    spec.write_text(text.replace("names: faq,", "names: faq, user_owned: [Main, notes.md],"), "utf-8")
     assert api.generate(spec, out).ok
     main = out / "scl/Main.scl"
     main.write_text(main.read_text("utf-8").replace("An example: if", "Mine: if"), "utf-8")
