@@ -169,7 +169,7 @@ class _Tables:
             if len(row) != 4:
                 yield f"a row has {len(row)} columns"
                 continue
-            name, address, type_, _ = row
+            name, address, type_, _ = (" ".join(cell.split()) for cell in row)  # columns are filled up
             if address.startswith("M"):
                 flags.append(Flag(name, type_, address.replace(" ", "")))
             elif name in numbers:

@@ -136,12 +136,12 @@ for name, old, new in (
     damage(f"watch table: {name}", TIA, "watch/ReadRampUp.csv", old, new)
 damage("watch table document: another row", TIA, "xml/Watch_ReadRampUp.xml", "readRampUp.busy", "readRampUp.done")
 for name, old, new in (
-    ("another number", '"FB 474","FB 474"', '"FB 475","FB 475"'),
-    ("another type of an instance", '"DB 471","FB 473"', '"DB 471","FB 474"'),
-    ("another kind", '"UDT 470","UDT 470"', '"UDT 470","DB 470"'),
-    ("a block is missing", '"DriveGate","FB 472","FB 472",""\n', ""),
-    ("another flag", '"M 10.0"', '"M 10.2"'),
-    ("another type of a flag", '"MW 22","WORD"', '"MW 22","INT"'),
+    ("another number", '"FB    474   ","FB    474 "', '"FB    475   ","FB    475 "'),
+    ("another type of an instance", '"DB    471   ","FB    473 "', '"DB    471   ","FB    474 "'),
+    ("another kind", '"UDT   470   ","UDT   470 "', '"UDT   470   ","DB    470 "'),
+    ("a block is missing", '"DriveGate               ","FB ', '"DriveGates              ","FB '),
+    ("another flag", '"M      10.0 "', '"M      10.2 "'),
+    ("another type of a flag", '"MW     22   ","WORD ', '"MW     22   ","INT  '),
     ("another name of a flag", "readParamsExecute", "readParamsStart"),
 ):
     damage(f"symbols.sdf: {name}", V5, "symbols.sdf", old, new)
