@@ -125,7 +125,7 @@ class _Tables:
 
     def csv_flags(self, name: str) -> list[Flag]:
         """Rows of ``tags.csv``."""
-        rows = list(csv.reader(self.text(name).splitlines()))
+        rows = _rows(self.text(name))
         if not rows or rows[0] != ["Name", "Data Type", "Logical Address", "Comment"]:
             raise _WrongError("the header is not that of a tag table")
         return [Flag(row[0], row[1].upper(), row[2].removeprefix("%")) for row in rows[1:] if len(row) == 4]
@@ -285,7 +285,7 @@ class _Tables:
 
     def watch(self, stem: str) -> Iterator[str]:
         """Rows of a watch table: places that exist, their addresses, and the document beside it."""
-        rows = list(csv.reader(self.text(f"watch/{stem}.csv").splitlines()))
+        rows = _rows(self.text(f"watch/{stem}.csv"))
         if not rows or rows[0] != ["name", "address", "display format", "modify value"]:
             raise _WrongError("the header is not that of a watch table")
         flags = self.wanted()
@@ -340,6 +340,12 @@ def _number(text: str, size: int) -> bytes | None:
         return struct.pack(">f", float(found[2])) if size == 4 else None
     value = int(found[1], 16) if found[1] else int(found[2] or 0)
     return (value & (1 << 8 * size) - 1).to_bytes(size, "big")
+
+
+def _rows(text: str) -> list[list[str]]:
+    """Rows of a table, divided by what divides its header."""
+    lines = text.splitlines()
+    return list(csv.reader(lines, delimiter=";" if lines and ";" in lines[0] else ","))
 
 
 def _section(text: str, heading: str) -> str:

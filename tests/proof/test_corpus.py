@@ -110,10 +110,10 @@ for name, file, old, new in (
     damage(name, NEW, file, old, new)
 for name, old, new in (
     ("another address", "%M50.0", "%M50.1"),
-    ("another type", "readRampUpExecute,Bool", "readRampUpExecute,Word"),
+    ("another type", "readRampUpExecute;Bool", "readRampUpExecute;Word"),
     ("another name", "readRampUpDone", "readRampUpReady"),
-    ("two tags exchanged", "readRampUpExecute,Bool,%M50.0", "readRampUpExecute,Bool,%M150.0"),
-    ("a tag is missing", "readRampUpDone,Bool,%M50.5,done: Read the ramp-up time P50303\n", ""),
+    ("two tags exchanged", "readRampUpExecute;Bool;%M50.0", "readRampUpExecute;Bool;%M150.0"),
+    ("a tag is missing", "readRampUpDone;Bool;%M50.5;done: Read the ramp-up time P50303\n", ""),
     ("another header", "Logical Address", "Address"),
 ):
     damage(f"tags.csv: {name}", TIA, "tags.csv", old, new)
@@ -127,10 +127,10 @@ for name, old, new in (
     ("another place", "DB3.DBB0", "DB3.DBB1"),
     ("another data block", "DB4.DBD6", "DB5.DBD6"),
     ("a member that is none", 'RD_DataBuffer"".ParameterValue', 'RD_DataBuffer"".Value'),
-    ("execute is not set", "M50.0,Bool,TRUE", "M50.0,Bool,FALSE"),
-    ("done is set", "M50.5,Bool,", "M50.5,Bool,TRUE"),
+    ("execute is not set", "M50.0;Bool;TRUE", "M50.0;Bool;FALSE"),
+    ("done is set", "M50.5;Bool;", "M50.5;Bool;TRUE"),
     ("a flag that is none", "M50.0", "M51.0"),
-    ("a row is missing", '"""RD_DataBuffer"".ParameterValue",DB4.DBD6,FloatingPoint,\n', ""),
+    ("a row is missing", '"""RD_DataBuffer"".ParameterValue";DB4.DBD6;FloatingPoint;\n', ""),
     ("another header", "display format", "format"),
 ):
     damage(f"watch table: {name}", TIA, "watch/ReadRampUp.csv", old, new)
