@@ -199,7 +199,7 @@ def prove(
 def left_out(work: EngineWork) -> list[str]:
     """What is not run with this effort."""
     groups = {piece.group for piece in work.pieces}
-    found = ["two instances with one slot, of which one interrupts the start of the other"]
+    found = ["two instances with one slot, of which one interrupts the other in several scans"]
     if work.effort != "thorough":
         found = ["an interrupt at every point of every scan", "every set of blocks loaded behind every scan", *found]
     if work.effort in {"sizes", "ordinary"}:

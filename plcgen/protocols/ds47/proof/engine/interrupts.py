@@ -7,10 +7,10 @@ from functools import partial
 
 from plcgen.cpu.preemption import Chosen, Interrupt, Point
 from plcgen.proof.scenario import ScenarioError
-from plcgen.protocols.ds47.proof.engine.errands import TRIGGER, WRITE_ONE
+from plcgen.protocols.ds47.proof.engine.errands import READ_ONE, READ_SPLIT, TRIGGER, WRITE_ONE, WRITE_SPLIT
 from plcgen.protocols.ds47.proof.engine.field import JobField
 from plcgen.protocols.ds47.proof.engine.mailboxes import three
-from plcgen.protocols.ds47.proof.words import DONE
+from plcgen.protocols.ds47.proof.words import DONE, WORDS
 
 Run = Callable[[JobField], None]
 LEVELS: tuple[tuple[tuple[int, ...], tuple[int, ...], tuple[int, ...]], ...] = (
@@ -26,6 +26,14 @@ LEVELS: tuple[tuple[tuple[int, ...], tuple[int, ...], tuple[int, ...]], ...] = (
     ((5, 6, 7), (), (1, 2)),
     ((1, 2), (), (5, 6, 7)),
 )
+ONE_SLOT = (
+    ((1, 2, 5), (6,), ()),
+    ((5, 1, 2), (6,), ()),
+    ((5,), (6, 1, 2), ()),
+    ((5, 2), (1, 6), ()),
+    ((5,), (6,), (1, 2)),
+)
+"""Jobs 5 and 6 have the same slot."""
 FEW = 40
 """Runs of a level unless every point is asked for: the points of a scan are met at different scans of each run."""
 
@@ -34,6 +42,8 @@ def interrupts(*, thorough: bool = False) -> Iterator[tuple[str, Run]]:
     """Names and procedures; ``thorough`` puts an interrupt at every point of every scan."""
     for levels in LEVELS:
         yield f"OB1 calls {levels[0]}, OB35 {levels[1]}, OB82 {levels[2]}", partial(_everywhere, levels, thorough)
+    for levels in ONE_SLOT:
+        yield f"one slot for two: OB1 calls {levels[0]}, OB35 {levels[1]}, OB82 {levels[2]}", partial(_one_slot, levels)
 
 
 def _everywhere(levels: tuple[tuple[int, ...], ...], thorough: bool, field: JobField) -> None:  # noqa: FBT001
@@ -111,3 +121,44 @@ def _scan(field: JobField, at: int, inner: int, second: int) -> None:
     field.step(10, chosen)
     for block in [name for name, seen in came.items() if not seen]:
         field.step(0, block=block)
+
+
+def _one_slot(levels: tuple[tuple[int, ...], ...], field: JobField) -> None:
+    """The start of one job comes at every point of the scan in which the other starts: both hear it, none is served."""
+    taken, blocks = (WORDS["SLOT_TAKEN"],), ("OB35", "OB82")
+    for first, second in ((READ_SPLIT, WRITE_SPLIT), (WRITE_ONE, READ_ONE)):
+        field.give(1, first, slot=2)
+        field.give(2, second, slot=2, drive_object=3)
+        field.rig.call(*levels)
+        _all_levels(field)
+        at, came = 0, True
+        while came:
+            field.start(1, 2)
+            came = _come(field, at)
+            for _ in range(20):
+                field.step(10)
+                for block in blocks:
+                    field.step(0, block=block)
+            field.expect({number: field.job(number).signals()[3] for number in (1, 2)}, {1: taken, 2: taken})
+            field.wire()
+            field.drop(1, 2)
+            for _ in range(3):
+                _all_levels(field)
+            at += 1
+
+
+def _come(field: JobField, at: int) -> bool:
+    """OB35 comes at one point of OB1, else behind it; OB82 behind both. Whether the scan had that point."""
+    came: list[Point] = []
+
+    def chosen(point: Point) -> Chosen | None:
+        if point.depth or point.number != at:
+            return None
+        came.append(point)
+        return Interrupt("OB35", {})
+
+    field.step(10, chosen)
+    if not came:
+        field.step(0, block="OB35")
+    field.step(0, block="OB82")
+    return bool(came)
