@@ -11,12 +11,13 @@ EQUIVALENT = {
     r"^DriveChannel: dropped: tempBusy := FALSE$": (
         "WRREC and RDREC set it in every call, and it is looked at in states only in which one of them was called"
     ),
-    r"^\d+ -> \d+: (CALL|EVENT|PHASE)_[A-Z]+ : I(nt|NT) :=": (
+    r"^\w+: \d+ -> \d+: (CALL|EVENT|PHASE)_[A-Z]+ : I(nt|NT) :=": (
         "a number that only the block compares; if another constant had it already, the block would go wrong"
     ),
-    r"^< -> <=: IF #?tempFailed = 0 OR #?tempIndex < #?tempFailed": (
+    r"^\w+: < -> <=: IF tempFailed = 0 OR tempIndex < tempFailed": (
         "no two items of a telegram have the same first address"
     ),
+    r"^\w+: 0 -> 1: tempCount := 0;": "fewer than three bytes are no frame of PPI, whether none or one",
 }
 """Reasons by block and description of a mutant, without the # of the TIA Portal."""
 

@@ -63,6 +63,10 @@ def test_an_equivalent_mutant_has_a_reason() -> None:
     assert reason("scl/DriveChannel.scl", Mutant("dropped: tempBusy := FALSE", 1, ""))
     assert not reason("scl/DriveChannel.scl", Mutant("dropped: tempDone := FALSE", 1, ""))
     assert not reason("scl/Other.scl", Mutant("dropped: tempBusy := FALSE", 1, ""))
+    assert reason("scl/PpiMaster.scl", Mutant("3 -> 4: EVENT_REPLY : Int := 3;", 1, ""))
+    assert reason("scl/PpiMaster.scl", Mutant("< -> <=: IF #tempFailed = 0 OR #tempIndex < #tempFailed THEN", 1, ""))
+    assert reason("scl/PpiMaster.scl", Mutant("0 -> 1: #tempCount := 0;", 1, ""))
+    assert not reason("scl/PpiMaster.scl", Mutant("3 -> 4: #tempCount := 3;", 1, ""))
 
 
 def test_what_targets_share_is_damaged_in_one_of_them() -> None:
