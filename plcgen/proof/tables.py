@@ -26,8 +26,8 @@ from plcgen.s7.types import Elementary
 from plcgen.simaticml.reading.documents import read_tag_table, read_watch_table
 
 MAX_BYTES = 16 * 1024 * 1024
-SCRIPT = "71c1efc87965a8168662ab1f6f056777857f9149363e0fe293b6a28fb528b7e2"
-"""SHA-256 of ``xml/import.ps1`` without the version of the documents: it is the same text for every project."""
+SCRIPT = "2abb9af59cd36568d6da8b2f624d74d64615689148c94b9ae226a1f65f272ebd"
+"""SHA-256 of ``xml/import.ps1``, the same text for every project, without the version of the documents and with LF."""
 _QUOTED = re.compile(r'"([^"\n]+)"')
 _ITEM = re.compile(r"^\d+\. `+ ?(.+?) ?`+$", re.MULTILINE)
 _PLACE = re.compile(r'"([^"]+)"(?:\.(.+))?')
@@ -90,7 +90,7 @@ class _Tables:
         if self.project.target.xml_version is not None:
             for path in sorted(self.folder.path.glob("xml/*Tags.xml")):
                 yield f"xml/{path.name}", partial(self.tags, f"xml/{path.name}", self.xml_flags)
-        if self.project.target.t15:
+        if self.project.target.t15 and self.project.target.xml_version is not None:
             yield "xml/import.json", self.imports
             yield "xml/import.ps1", self.script
 
@@ -100,7 +100,8 @@ class _Tables:
             data = read_bounded(self.folder.path / name, MAX_BYTES)
         except OSError as problem:
             raise _WrongError(f"cannot be read: {problem.strerror or problem}") from problem
-        return data.decode("cp1252" if self.v5 and name.endswith((".sdf", ".inp")) else "utf-8-sig", "replace")
+        encoding = "cp1252" if self.v5 and name.endswith((".sdf", ".inp")) else "utf-8-sig"
+        return data.decode(encoding, "replace").replace("\r\n", "\n")
 
     # ---- tags
 
@@ -325,7 +326,7 @@ class _Tables:
             if address and (said is None or (int(said[1]), int(said[2])) != (number, entry.byte)):
                 yield f"{name} lies at DB{number}, byte {entry.byte}, not at {address}"
             command = name.rsplit(".", 1)[-1].lower() == "execute"
-            if modify and not command and entry.member.start is None and modify.strip("16#0."):
+            if modify and not command and entry.member.start is None and not _nothing(modify):
                 yield f"{name} is set to {modify}, which has no start value"
             if command and modify != "TRUE":
                 yield f"{name} is set to {modify or 'nothing'}"
@@ -340,6 +341,14 @@ def _number(text: str, size: int) -> bytes | None:
         return struct.pack(">f", float(found[2])) if size == 4 else None
     value = int(found[1], 16) if found[1] else int(found[2] or 0)
     return (value & (1 << 8 * size) - 1).to_bytes(size, "big")
+
+
+def _nothing(text: str) -> bool:
+    """Whether a value is what a member without a start value has; what is no number is not judged."""
+    found = _LITERAL.fullmatch(text)
+    if found is None:
+        return text != "TRUE"
+    return not (int(found[1], 16) if found[1] else float(found[2] or 0))
 
 
 def _rows(text: str) -> list[list[str]]:

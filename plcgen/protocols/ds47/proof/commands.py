@@ -55,7 +55,7 @@ def check_guide(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
     wanted = {(job.block.name, job.drive.key, use.label): use for job in plan.jobs if job.writes for use in job.uses}
     path = folder.path / "IMPORT.md"
     try:
-        text = read_bounded(path, MAX_BYTES).decode("utf-8", "replace")
+        text = read_bounded(path, MAX_BYTES).decode("utf-8", "replace").replace("\r\n", "\n")
     except OSError:
         return  # told as missing
     below = text.partition("\n## What these blocks write\n")[2]
@@ -81,6 +81,8 @@ def _said(use: Use, text: str) -> bool:
         return False
     if use.count != 1 or use.format.is_string or use.sources:
         return True
+    if digits := "".join(re.findall(r"16#([0-9A-F]+)", text)):
+        return use.data.hex().upper().startswith(digits)  # a long one is cut short
     value = formats.unpack_values(use.format, 1, use.data)[0]
     number = re.search(r"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?", text)
     if number is None or isinstance(value, str | bytes | bool):
