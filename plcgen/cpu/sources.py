@@ -8,6 +8,7 @@ from itertools import islice
 from pathlib import Path
 
 from plcgen.cpu.program import Program
+from plcgen.cpu.sharing import sharing
 from plcgen.cpu.surroundings import Surroundings
 from plcgen.cpu.type_rules import IecCheck
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Severity, Span
@@ -76,6 +77,8 @@ def check_program(
 ) -> SourceCheck:
     """Compile files that together are a program: names, types, calls, assignments and start values as well.
 
+    Then look for what two of its parts share and must not (``plcgen.cpu.sharing``).
+
     ``tags`` maps names to address and type, see ``Program.load``; a number instead of an address is the value of a
     system constant. What the soft CPU cannot execute (PG827) is no mistake here: nothing is run. ``documents`` are
     SimaticML exports beside them: what they declare is known, and what they state of the IEC check of a block counts
@@ -99,6 +102,7 @@ def check_program(
     found = [problem for problem in program.diagnostics if problem.code != "PG827"]
     loaded = [load_text(path, target, encoding=encoding) for path in paths]
     refused = [problem for text in loaded if not isinstance(text, Diagnostic) for problem in text[1]]
+    found = sorted([*found, *sharing(program.link)], key=lambda d: d.sort_key)
     return SourceCheck(tuple(map(Path, paths)), len(program.link.blocks), (*refused, *found))
 
 
