@@ -100,7 +100,7 @@ class CallSites:
 
     link: Linkage
     by_block: dict[int, list[CallSite]] = field(default_factory=dict)
-    names: dict[int, Names] = field(default_factory=dict)
+    names: dict[int, LocalNames] = field(default_factory=dict)
 
     @classmethod
     def of(cls, link: Linkage) -> CallSites:
@@ -108,7 +108,7 @@ class CallSites:
         found = cls(link)
         for entry in link.blocks.values():
             if entry.block.kind in _CODE and not entry.skipped:
-                names = found.names[entry.index] = Names(link, entry.block)
+                names = found.names[entry.index] = LocalNames(link, entry.block)
                 calls = (node for statement in entry.unit.statements for node in ast.walk(statement))
                 sites = (names.site(entry, node) for node in calls if isinstance(node, ast.Call))
                 found.by_block[entry.index] = [site for site in sites if site is not None]
@@ -178,7 +178,7 @@ def placed(place: DataPath | None, within: DataPath | None) -> DataPath | None:
     return within.inside(place.steps) if within is not None else None
 
 
-class Names:
+class LocalNames:
     """What names, paths and constants mean inside one block."""
 
     def __init__(self, link: Linkage, block: Block) -> None:

@@ -87,9 +87,7 @@ class _Sharing:
         notes = [Note(f"the way from {known.chain[0].caller.name}", known.chain[0].span)]
         if call.site is not call.chain[0]:
             notes.append(Note("the call of the instance", call.site.span))
-        help_ = (
-            "call it from one of them; for the other OB take an instance of its own, and for a device one channel only"
-        )
+        help_ = "call it in one of them; the other OB takes an instance of its own, but a device has one channel"
         return Diagnostic("PG840", message, call.chain[0].span, Severity.WARNING, help=help_, notes=tuple(notes))
 
     def _way(self, call: Reached) -> str:
@@ -161,9 +159,8 @@ class _Sharing:
             job = drives.get(drive) if drive is not None else None
             if job is None or (isinstance(index, int) and index not in _PARAMETER_RECORDS):
                 continue
-            message = (
-                f"{site.called} talks to {site.text('ID')}, the drive of the job {job.called_as}, past its channel"
-            )
+            drive_text = site.text("ID")
+            message = f"{site.called} talks to {drive_text}, the drive of the job {job.called_as}, past its channel"
             help_ = "read and write it with a job; an answer goes to whoever fetches it first"
             notes = (Note("the job", job.span),)
             yield Diagnostic("PG842", message, site.span, Severity.WARNING, help=help_, notes=notes)
