@@ -47,6 +47,8 @@ class _Sharing:
     channels: set[str] = field(init=False)
     jobs: set[str] = field(init=False)
     calls: list[tuple[ProgramBlock, Reached]] = field(init=False)
+    spelled: dict[str, str] = field(default_factory=dict)
+    """Members as declared by their upper-case names, for messages."""
 
     def __post_init__(self) -> None:
         direct = {site.caller.name.upper() for site in self.sites if site.called in self.records}
@@ -97,7 +99,11 @@ class _Sharing:
         """The instance as one reads it in the sources."""
         entry = self.link.blocks.get(instance.root)
         name = entry.name if entry is not None else instance.root
-        return f'"{name}"' + "".join(step if step.startswith("[") else f".{step}" for step in instance.steps)
+        if not self.spelled:
+            blocks = (known.block for known in self.link.blocks.values())
+            self.spelled.update((m.name.upper(), m.name) for b in blocks for s in b.sections for m in s.members)
+        steps = (step if step.startswith("[") else f".{self.spelled.get(step, step)}" for step in instance.steps)
+        return f'"{name}"' + "".join(steps)
 
     # --- two channels, one unit -----------------------------------------------------------------------
 
