@@ -106,9 +106,11 @@ class CallSites:
     def of(cls, link: Linkage) -> CallSites:
         """Resolve all calls; one whose block nobody knows is left out."""
         found = cls(link)
+        outside = {name: integer(literal) for name, (_, literal) in link.user_constants.items()} | link.constants
+        known = {name: value for name, value in outside.items() if value is not None}
         for entry in link.blocks.values():
             if entry.block.kind in _CODE and not entry.skipped:
-                names = found.names[entry.index] = LocalNames(link, entry.block)
+                names = found.names[entry.index] = LocalNames(link, entry.block, known)
                 calls = (node for statement in entry.unit.statements for node in ast.walk(statement))
                 sites = (names.site(entry, node) for node in calls if isinstance(node, ast.Call))
                 found.by_block[entry.index] = [site for site in sites if site is not None]
@@ -181,16 +183,17 @@ def placed(place: DataPath | None, within: DataPath | None) -> DataPath | None:
 class LocalNames:
     """What names, paths and constants mean inside one block."""
 
-    def __init__(self, link: Linkage, block: Block) -> None:
+    def __init__(self, link: Linkage, block: Block, known: dict[str, int]) -> None:
         self.link = link
         self.block = block
         self.own: dict[str, tuple[SectionKind, Member]] = {
             member.name.upper(): (section.kind, member) for section in block.sections for member in section.members
         }
         constants = {m.name.upper(): integer(m.start or "") for m in block.section(SectionKind.CONSTANT)}
-        outside = {name: integer(literal) for name, (_, literal) in link.user_constants.items()}
-        known = {n: value for n, value in (outside | link.constants).items() if n not in self.own} | constants
-        self.constants = {name: value for name, value in known.items() if value is not None}
+        self.constants = known
+        if not self.own.keys().isdisjoint(known) or constants:
+            self.constants = {name: value for name, value in known.items() if name not in self.own}
+            self.constants |= {name: value for name, value in constants.items() if value is not None}
 
     def site(self, entry: ProgramBlock, node: ast.Call) -> CallSite | None:
         """Resolve a call; None for a function of the language and for what nobody knows."""
