@@ -34,6 +34,7 @@ _PLACE = re.compile(r'"([^"]+)"(?:\.(.+))?')
 _LITERAL = re.compile(r"(?:(?:[A-Z]+#)?16#([0-9A-F]+)|(?:[A-Z]+#)?(-?\d+(?:\.\d+)?))?")
 _SHEET = re.compile(r'(?:DB(\d+) )?"(.+)", (\d+) bytes')
 _ROW = re.compile(r"\| \d")
+_BAR = re.compile(r"(?<!\\)\|")
 _ADDRESS = re.compile(r"DB(\d+)\.DB[XBWDL](\d+)(?:\.\d)?")
 
 Look = Callable[[], Iterator[str]]
@@ -259,7 +260,7 @@ class _Tables:
                 yield f"{block.name} is DB{head[1]}, the plan has DB{number}"
             if int(head[3]) not in {layout.size, layout.size - 1}:  # an odd one is filled up
                 yield f"{block.name} has {head[3]} bytes, its source {layout.size}"
-            rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in part.splitlines() if _ROW.match(line)]
+            rows = [[cell.strip() for cell in _BAR.split(line)[1:-1]] for line in part.splitlines() if _ROW.match(line)]
             entries = {entry.path.replace('"', ""): entry for entry in layout.entries}
             for offset, address, name, type_, size, start, *_ in rows:
                 plain = name.replace("\\", "")

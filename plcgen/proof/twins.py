@@ -29,6 +29,7 @@ def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
     if project.target.xml_version is None:
         return
     problems: list[Diagnostic] = []
+    english = any(language.lower().startswith("en") for language in project.languages)
     tokens = blocks = 0
     for name, block in folder.text.items():
         if block.instance_of and block.instance_of.upper() not in folder.text:
@@ -41,7 +42,7 @@ def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
             message = f'{block.kind} "{block.name}" is missing in the SimaticML documents'
             problems.append(Diagnostic("PG608", message, folder.place(name), help="run plcgen generate"))
             continue
-        found, count = difference(block, other, folder.text, folder.xml)
+        found, count = difference(block, other, folder.text, folder.xml, english=english)
         tokens += count
         if found:
             message = f'{block.kind} "{block.name}": {found}'
@@ -56,23 +57,30 @@ def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
 
 
 def difference(
-    text: Block, document: Block, known: dict[str, Block], documents: dict[str, Block] | None = None
+    text: Block,
+    document: Block,
+    known: dict[str, Block],
+    documents: dict[str, Block] | None = None,
+    *,
+    english: bool = True,
 ) -> tuple[str, int]:
     """What differs between the two spellings of a block (empty if nothing), and the tokens compared.
 
-    ``known`` and ``documents`` are all blocks, from the text sources and from the documents.
+    ``known`` and ``documents`` are all blocks, from the text sources and from the documents. Documents of a project
+    without ``english`` leave out what nobody translated.
     """
     if (text.kind, text.instance_of) != (document.kind, document.instance_of):
         return "the document is another kind of block", 0
     if text.kind not in _CODE and not text.instance_of:
         return _stored(text, document, known, documents or known), 0
-    if text.title.strip() != document.title.strip() or text.comment.strip() != document.comment.strip():
+    words = ((text.title, document.title), (text.comment, document.comment))
+    if any(not _same_words(one, two, english=english) for one, two in words):
         return "title or comment differ", 0
     declared = known.get((text.instance_of or "").upper(), text)
     for kind in SectionKind:
         if text.instance_of and kind in {SectionKind.TEMP, SectionKind.CONSTANT, SectionKind.RETURN}:
             continue
-        problem = _members(declared.section(kind), document.section(kind), kind.value)
+        problem = _members(declared.section(kind), document.section(kind), kind.value, english=english)
         if problem:
             return problem, 0
     if text.code is None:
@@ -104,23 +112,27 @@ def _plain(type_: DataType) -> object:
     return str(getattr(type_, "bounds", "")) if _inside(type_) else type_
 
 
-def _members(first: tuple[Member, ...], second: tuple[Member, ...], where: str) -> str:
+def _same_words(text: str, document: str, *, english: bool) -> bool:
+    return text.strip() == document.strip() or not (english or document)
+
+
+def _members(first: tuple[Member, ...], second: tuple[Member, ...], where: str, *, english: bool) -> str:
     names = [m.name for m in first], [m.name for m in second]
     if names[0] != names[1]:
         return f"{where} has other members in the document"
     for one, two in zip(first, second, strict=True):
-        if _facts(one) != _facts(two):
+        if _facts(one) != _facts(two) or not _same_words(one.comment, two.comment, english=english):
             return f"{where} {one.name} is declared otherwise in the document"
-        inner = _members(_inside(one.type), _inside(two.type), one.name)
+        inner = _members(_inside(one.type), _inside(two.type), one.name, english=english)
         if inner:
             return inner
     return ""
 
 
 def _facts(member: Member) -> tuple[object, ...]:
-    """What a declaration says, without the members of a structure."""
+    """What a declaration says but for its comment, without the members of a structure."""
     type_ = member.type if not _inside(member.type) else str(getattr(member.type, "bounds", ""))
-    return type_, _start(member.start), member.comment, member.at, member.attributes
+    return type_, _start(member.start), member.at, member.attributes
 
 
 def _start(text: str | None) -> object:

@@ -82,6 +82,23 @@ def test_every_data_type_verifies_on_every_target(target: str, tmp_path: Path) -
     assert [f"{c.subject}: {c.verdict}" for c in result.checks() if c.outcome.value in {"error", "warning"}] == []
 
 
+GERMAN = """
+plc: {name: Halle, family: s7-1500, toolchain: tia-v18, languages: [de-DE, zh-CN]}
+drives:
+  pump: {device: sinamics-g120, hardware_id: 270, parameters: {P2907: {type: "VisibleString[6]"}}}
+jobs:
+  set_label: {drive: pump, write: {P1120: null, P2907: "ab|c_d"}}
+"""
+
+
+def test_texts_that_nobody_translated_and_bars_in_values(tmp_path: Path) -> None:
+    """Documents without English leave English comments out; a bar in a value divides no cells of IMPORT.md."""
+    (tmp_path / "job.yaml").write_text(GERMAN, encoding="utf-8")
+    assert api.generate(tmp_path / "job.yaml").ok
+    result = api.verify(tmp_path / "job.yaml", faults="none")
+    assert [f"{c.subject}: {c.verdict}" for c in result.checks() if c.outcome.value in {"error", "warning"}] == []
+
+
 REQUEST = "Request_Ref@0 Request_ID@1 Axis@2 Num_of_Para@3 Para_Attribute@4 Num_of_Element@5 Para_No@6 Subindex@8"
 MIRROR = "Request_Ref_Mirror@0 Request_ID@1 Axis_Mirror@2"
 FIGURES = {

@@ -22,6 +22,8 @@ from plcgen.s7.literals import LiteralError
 from plcgen.s7.types import Elementary
 
 MAX_BYTES = 16 * 1024 * 1024
+_BAR = re.compile(r"(?<!\\)\|")
+"""What divides the cells of a table."""
 SIGNALS = {"execute": "BOOL", "busy": "BOOL", "done": "BOOL", "error": "BOOL", "status": "WORD"}
 
 
@@ -59,7 +61,7 @@ def check_guide(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
     except OSError:
         return  # told as missing
     below = text.partition("\n## What these blocks write\n")[2]
-    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in below.splitlines() if line.startswith("| ")]
+    rows = [[c.strip() for c in _BAR.split(line)[1:-1]] for line in below.splitlines() if line.startswith("| ")]
     found = {(row[0], row[1], row[2].replace("\\", "")): row[4] for row in rows[1:] if len(row) == 6}
     problems = [f"{key[0]} writes {key[2]} of {key[1]}: it is not listed" for key in wanted if key not in found]
     problems += [f"{key[0]} does not write {key[2]} of {key[1]}" for key in found if key not in wanted]
