@@ -33,10 +33,7 @@ Progress = Callable[[str, int, int], None]
 
 MAX_RUNS = 12
 """Jobs whose runs are recorded; instances of one job count once."""
-_LEDGER = (
-    "a ledger of assumptions: what was not read in a manual, never imported or seen in no compiled block "
-    "is marked where it stands"
-)
+_NO_LEDGER = "a ledger of assumptions: the protocols of this spec keep none"
 
 
 def collect(request: ReviewRequest, progress: Progress | None = None) -> Review:
@@ -57,7 +54,7 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
     verification = verify(request.spec, request.folder, None, progress, faults)
     project = _project(request.spec)
     sheet = _sheet(project)
-    missing: list[str] = [_LEDGER]
+    missing: list[str] = [] if verification.ledger else [_NO_LEDGER]
     files = _files(request.folder)
     if base is None:
         missing.append("what changed: nothing to compare with was named (--against)")

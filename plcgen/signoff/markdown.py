@@ -80,6 +80,9 @@ def _parts(review: Review) -> Iterator[_Part]:
     yield _writes(review)
     missing = [f"- {escape(check.subject)}: {escape(check.verdict)}" for check in review.not_run]
     yield _Part("Not run, not there", (), [*missing, *(f"- {escape(text)}" for text in review.missing)])
+    rests = [(a.subject, a.text, a.grade.value, a.source) for a in review.assumptions]
+    table = markdown_table(("about", "what is assumed", "how it is known", "source"), rests)
+    yield _Part(f"Rests on {len(rests)} assumptions", table[:2], table[2:], folded=True)
     yield _matrix(review)
     yield _Part("Telegrams", *_telegrams(review), folded=True)
     for pair in review.layouts:

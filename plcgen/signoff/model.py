@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Severity
 from plcgen.proof.checks import Check, Outcome, Verification
+from plcgen.proof.ledger import Assumption, Grade
 from plcgen.review.compare.model import Comparison
 from plcgen.review.layout.tables import BlockTable
 from plcgen.review.sheet import ReviewSheet
@@ -123,6 +125,17 @@ class Review:
     def not_run(self) -> tuple[Check, ...]:
         """Checks that exist and were not executed."""
         return tuple(check for check in self.verification.checks() if check.outcome is Outcome.NOT_RUN)
+
+    @property
+    def assumptions(self) -> tuple[Assumption, ...]:
+        """What the result rests on, the worst known first."""
+        order = list(Grade)
+        return tuple(sorted(self.verification.ledger, key=lambda one: -order.index(one.grade)))
+
+    @property
+    def grades(self) -> tuple[tuple[str, int], ...]:
+        """How many assumptions are known how well, the worst first."""
+        return tuple(Counter(one.grade.value for one in self.assumptions).items())
 
     def count(self, outcome: Outcome) -> int:
         """How many checks had this outcome."""

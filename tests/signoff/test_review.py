@@ -59,9 +59,22 @@ def test_a_run_without_and_with_the_fault_is_recorded_for_every_job():
 
 def test_the_page_says_what_is_not_there():
     page = show("html", faq_review())
-    for sentence in ("a ledger of assumptions", "nothing to compare with was named", "there is no plcgen.lock.yaml"):
+    for sentence in ("nothing to compare with was named", "there is no plcgen.lock.yaml"):
         assert sentence in page
     assert "in order as far as it was run" in page
+
+
+@pytest.mark.parametrize("format_", ["html", "markdown"])
+def test_the_page_says_what_the_result_rests_on(format_):
+    """Every assumption of the report, the worst known first; the FAQ is what its telegrams rest on."""
+    review = faq_review()
+    assert sorted(map(str, review.assumptions)) == sorted(map(str, review.verification.ledger))
+    order = ["general knowledge", "spec", "second source", "observed", "manual"]
+    places = [order.index(one.grade.value) for one in review.assumptions]
+    assert places == sorted(places)
+    page = show(format_, review)
+    assert "figure 5-1: DB3 and DB4" in page
+    assert f"{len(review.assumptions)} assumptions" in page
 
 
 def test_the_page_needs_nothing_and_permits_its_own_script_only():
