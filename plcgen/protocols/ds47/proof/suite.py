@@ -91,7 +91,7 @@ class DriveProof:
         if dissector:
             yield from dissected_checks(self.plan, folder)
         elif self.plan.jobs:
-            yield Check("wireshark", "Wireshark", "", Outcome.NOT_RUN, "not run: only if asked for with --oracle tshark")
+            yield Check("wireshark", "Wireshark", "", Outcome.NOT_RUN, "not run: only with --oracle tshark")
 
     def ledger(self) -> Iterator[Assumption]:
         """What documents say about devices, telegrams and parameters."""
