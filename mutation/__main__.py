@@ -7,7 +7,7 @@ import multiprocessing
 import os
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
@@ -27,12 +27,14 @@ def say(line: str) -> None:
     sys.stdout.flush()
 
 
-def verdicts_of(work: Sequence[Case], workers: int | None) -> list[Verdict]:
-    """Run every case; ``workers`` None takes every core."""
+def verdicts_of(work: Sequence[Case], workers: int | None, told: Callable[[Case, Verdict], None]) -> list[Verdict]:
+    """Run every case and tell of each at once; ``workers`` None takes every core."""
     found = []
     with ProcessPoolExecutor(workers or os.cpu_count(), multiprocessing.get_context("fork")) as pool:
-        for number, verdict in enumerate(pool.map(notice, work, chunksize=4), 1):
+        verdicts = zip(work, pool.map(notice, work, chunksize=4), strict=True)
+        for number, (case, verdict) in enumerate(verdicts, 1):
             found.append(verdict)
+            told(case, verdict)
             if sys.stderr.isatty():
                 sys.stderr.write(f"\r{number}/{len(work)} " if number < len(work) else "\r\033[K")
     return found
@@ -120,12 +122,17 @@ def main() -> int:
     known = [] if given.deletions else list(known_cases())
     work = chosen(given)
     run = [*known, *(case for case in work if given.argued or not reason(case.file, case.mutant))]
-    found = dict(zip(run, verdicts_of(run, given.workers), strict=True))
-    for case in (*known, *work):
-        verdict = found.get(case, Verdict())
+    tried = set(run)
+
+    def told(case: Case, verdict: Verdict) -> None:
         text = verdict.text or reason(case.file, case.mutant) or "NOT NOTICED"
-        if given.verbose or text == "NOT NOTICED" or (given.deletions and case in found and not verdict.located):
+        if given.verbose or text == "NOT NOTICED" or (given.deletions and case in tried and not verdict.located):
             say(f"{case.spec}/{case.file}:{case.mutant.line}: {case.mutant.what}: {text}")
+
+    found = dict(zip(run, verdicts_of(run, given.workers, told), strict=True))
+    for case in work:
+        if case not in tried:
+            told(case, Verdict())
     table = counted(work, found)
     show(table, "deletions" if given.deletions else "mutants", located=given.deletions)
     count, good = table["all"], all(found[case].text for case in known)
