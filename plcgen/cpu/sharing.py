@@ -127,7 +127,8 @@ class _Sharing:
                 pairs.add(pair)
                 sure = other.block.kind is root.block.kind is BlockKind.OB
                 severity = Severity.ERROR if sure else Severity.WARNING
-                yield self._two_channels(parameter, known, call, severity)
+                names = f"{self._title(known.instance)} and {self._title(call.instance)}"
+                yield self._two_channels(names, parameter, (known, call), severity)
 
     def _actual(self, call: Reached, parameter: str) -> DataPath | None:
         """Where the actual parameter lies."""
@@ -137,9 +138,10 @@ class _Sharing:
         place = self.sites.names[call.site.caller.index].place(argument.value)
         return placed(place, call.within)
 
-    def _two_channels(self, parameter: str, known: Reached, call: Reached, severity: Severity) -> Diagnostic:
-        assert known.instance is not None and call.instance is not None  # noqa: S101, PT018 - both were compared
-        names = f"{self._title(known.instance)} and {self._title(call.instance)}"
+    def _two_channels(
+        self, names: str, parameter: str, calls: tuple[Reached, Reached], severity: Severity
+    ) -> Diagnostic:
+        known, call = calls
         message = f"two channels, {names}, have the same {parameter.lower()}: {call.site.text(parameter)}"
         help_ = "give each channel a unit and a place of its own; for one device, leave one of the channels out"
         argument = call.site.argument(parameter)

@@ -65,7 +65,7 @@ def version() -> str | None:
     if program is None:
         return None
     try:
-        done = subprocess.run([program, "--version"], capture_output=True, timeout=TIME, check=True)  # noqa: S603
+        done = subprocess.run([program, "--version"], capture_output=True, timeout=TIME, check=True)  # noqa: S603 - tshark itself
     except (OSError, subprocess.SubprocessError):
         return None
     return done.stdout.decode("utf-8", "replace").split("\n", 1)[0].strip().rstrip(".")
@@ -85,7 +85,7 @@ def dissect(records: Sequence[WireRecord]) -> list[tuple[Dissected, Dissected]]:
         path.write_bytes(capture(records))
         command = [program, "-n", "-r", str(path), "-T", "json"]
         try:
-            done = subprocess.run(command, capture_output=True, timeout=TIME, check=True)  # noqa: S603
+            done = subprocess.run(command, capture_output=True, timeout=TIME, check=True)  # noqa: S603 - a list
             packets = json.loads(done.stdout, object_pairs_hook=list)
         except (OSError, subprocess.SubprocessError, ValueError) as problem:
             raise WiresharkError(f"tshark failed: {problem}") from problem

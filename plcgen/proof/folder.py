@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -12,6 +13,8 @@ from plcgen.s7.shapes import TypeTable
 from plcgen.simaticml.reading.documents import read_simaticml
 from plcgen.sources.generated import generated_documents, generated_sources
 from plcgen.sources.text import read_source
+
+_BAR = re.compile(r"(?<!\\)\|")
 
 
 @dataclass(slots=True)
@@ -57,3 +60,10 @@ def read_folder(path: Path, where: Target, progress: Callable[[str, int, int], N
         if progress is not None and number % 50 == 0:
             progress("read", number, total)
     return folder
+
+
+def table_rows(text: str) -> Iterator[list[str]]:
+    """Cells of every row of the Markdown tables in a text, without blanks around; their rules of dashes have none."""
+    for line in text.splitlines():
+        if line.startswith("| "):
+            yield [cell.strip() for cell in _BAR.split(line)[1:-1]]

@@ -16,7 +16,7 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
 from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check
-from plcgen.proof.folder import Folder
+from plcgen.proof.folder import Folder, table_rows
 from plcgen.proof.headers import MAIN, verdict
 from plcgen.s7.address import Address
 from plcgen.s7.blocks import BlockKind
@@ -33,8 +33,6 @@ _ITEM = re.compile(r"^\d+\. `+ ?(.+?) ?`+$", re.MULTILINE)
 _PLACE = re.compile(r'"([^"]+)"(?:\.(.+))?')
 _LITERAL = re.compile(r"(?:(?:[A-Z]+#)?16#([0-9A-F]+)|(?:[A-Z]+#)?(-?\d+(?:\.\d+)?))?")
 _SHEET = re.compile(r'(?:DB(\d+) )?"(.+)", (\d+) bytes')
-_ROW = re.compile(r"\| \d")
-_BAR = re.compile(r"(?<!\\)\|")
 _ADDRESS = re.compile(r"DB(\d+)\.DB[XBWDL](\d+)(?:\.\d)?")
 
 Look = Callable[[], Iterator[str]]
@@ -260,7 +258,7 @@ class _Tables:
                 yield f"{block.name} is DB{head[1]}, the plan has DB{number}"
             if int(head[3]) not in {layout.size, layout.size - 1}:  # an odd one is filled up
                 yield f"{block.name} has {head[3]} bytes, its source {layout.size}"
-            rows = [[cell.strip() for cell in _BAR.split(line)[1:-1]] for line in part.splitlines() if _ROW.match(line)]
+            rows = [row for row in table_rows(part) if row and row[0][:1].isdigit()]
             entries = {entry.path.replace('"', ""): entry for entry in layout.entries}
             for offset, address, name, type_, size, start, *_ in rows:
                 plain = name.replace("\\", "")

@@ -70,8 +70,8 @@ class _Axis:
         self.units = place
 
     def x(self, scan: int) -> float:
-        """Left edge of a scan at which something changes."""
-        return _GUTTER + (self._places[scan] - 1) * self.unit
+        """Left edge of a scan at which something changes; of any other, of the gutter."""
+        return self.at(self._places.get(scan, 1))
 
     def at(self, place: float) -> float:
         """Pixel of a place on the axis."""
@@ -170,7 +170,7 @@ def _states(axis: _Axis, story: _Story, y: int) -> Iterator[Bar]:
     names: Mapping[int, str] = signal.names if signal is not None else {}
     for begin, end, value in story.lane("state"):
         name = names.get(value, str(value)) if isinstance(value, int) else str(value)
-        x = axis.x(begin) if begin in axis._places else _GUTTER  # noqa: SLF001 - the first stretch begins at no step
+        x = axis.x(begin)
         wide = axis.x(end) - x
         if wide <= 0:
             continue

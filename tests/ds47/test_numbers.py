@@ -158,7 +158,7 @@ def test_import_is_lazy():
         "assert e._sinamics.cache_info().currsize == 0 == s._tables.cache_info().currsize;"
         "assert not {'yaml', 'pydantic', 'jinja2', 'lxml', 'click'} & set(sys.modules)"
     )
-    subprocess.run([sys.executable, "-c", code], check=True)
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 @pytest.mark.parametrize(

@@ -187,41 +187,46 @@ def test_walk_visits_everything_in_source_order() -> None:
     assert (names, literals) == (["a", "b", "c", "d"], ["1", "2"])
 
 
+def survives(text: str, dialect: Dialect | None) -> None:
+    """Units and diagnostics with places inside the text, never an exception."""
+    blocks, diagnostics = read_text(text, "t.scl", dialect)
+    lines = len(text.splitlines()) + 1
+    assert all(0 <= d.span.line <= lines for d in diagnostics)
+    assert all(d.code.startswith("PG80") for d in diagnostics)
+    assert len(blocks) < len(text) + 2
+
+
 @settings(max_examples=300)
 @given(st.lists(WORDS, max_size=80).map(" ".join), st.sampled_from([None, *Dialect]))
 def test_any_sequence_of_words_is_survived(text: str, dialect: Dialect | None) -> None:
-    """Words in any order give units and diagnostics with places inside the text, never an exception."""
+    """Words in any order are survived, behind the head of a block too."""
     for prefix in ("", FB, "DATA_BLOCK a STRUCT "):
-        blocks, diagnostics = read_text(prefix + text, "t.scl", dialect)
-        lines = (prefix + text).count("\n") + 1
-        assert all(0 <= d.span.line <= lines for d in diagnostics)
-        assert all(d.code.startswith("PG80") for d in diagnostics)
-        assert len(blocks) < len(text) + 2
+        survives(prefix + text, dialect)
 
 
 @settings(max_examples=200)
 @given(st.text(max_size=200))
 def test_any_text_is_survived(text: str) -> None:
-    """Arbitrary Unicode never raises."""
-    read_text(text, "t.scl", Dialect.TIA_1200_1500)
+    """Arbitrary Unicode is survived."""
+    survives(text, Dialect.TIA_1200_1500)
 
 
 @settings(max_examples=150)
 @given(st.data())
 def test_a_damaged_source_is_survived(data: st.DataObject) -> None:
-    """A cut or a doubled piece anywhere in a good source never raises, whatever the dialect."""
+    """A cut or a doubled piece anywhere in a good source is survived, whatever the dialect."""
     text = source(data.draw(st.sampled_from(["job_v5.scl", "job_t15.scl", "faq_buffers.db"])))
     start = data.draw(st.integers(0, len(text)))
     end = data.draw(st.integers(start, min(len(text), start + 60)))
     damaged = data.draw(st.sampled_from([text[:start] + text[end:], text[:end] + text[start:], text[:start]]))
-    read_text(damaged, "t.scl", data.draw(st.sampled_from(list(Dialect))))
+    survives(damaged, data.draw(st.sampled_from(list(Dialect))))
 
 
 def test_a_source_that_ends_anywhere_is_survived() -> None:
-    """A source cut at any character never raises; the dot of a qualified CASE label is such a place."""
+    """A source cut at any character is survived; the dot of a qualified CASE label is such a place."""
     text = 'FUNCTION "f" : VOID\nBEGIN\nCASE #s OF\n_.Unit.Mode#RUN, 2..3: "a".b[%ID(1):P].x := w.%X0;\nEND_CASE;\n'
     for end in range(len(text)):
-        read_text(text[:end], "t.scl", Dialect.TIA_1200_1500)
+        survives(text[:end], Dialect.TIA_1200_1500)
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from plcgen.input.yaml import Scalar
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.catalogue.lists import ListedParameter, one_line
 from plcgen.protocols.ds47.catalogue.pages import facts, label
@@ -154,7 +155,7 @@ def _laid_over(base: Parameter, one: ListedParameter, stated: Mapping[Fact, Any]
     )
 
 
-def _inside(value: bool | float | str | None, low: float | None, high: float | None) -> bool | float | str | None:  # noqa: FBT001 - one of the kinds of a value
+def _inside(value: Scalar, low: float | None, high: float | None) -> Scalar:
     """A value, unless it is a number beyond the limits."""
     if not isinstance(value, int | float):
         return value

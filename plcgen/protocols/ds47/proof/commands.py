@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
 from plcgen.proof.checks import Check, Outcome
-from plcgen.proof.folder import Folder
+from plcgen.proof.folder import Folder, table_rows
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.wire import formats
 from plcgen.s7.image import image
@@ -22,7 +22,6 @@ from plcgen.s7.literals import LiteralError
 from plcgen.s7.types import Elementary
 
 MAX_BYTES = 16 * 1024 * 1024
-_BAR = re.compile(r"(?<!\\)\|")
 """What divides the cells of a table."""
 SIGNALS = {"execute": "BOOL", "busy": "BOOL", "done": "BOOL", "error": "BOOL", "status": "WORD"}
 
@@ -61,8 +60,8 @@ def check_guide(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
     except OSError:
         return  # told as missing
     below = text.partition("\n## What these blocks write\n")[2]
-    rows = [[c.strip() for c in _BAR.split(line)[1:-1]] for line in below.splitlines() if line.startswith("| ")]
-    found = {(row[0], row[1], row[2].replace("\\", "")): row[4] for row in rows[1:] if len(row) == 6}
+    rows = list(table_rows(below))[1:]
+    found = {(row[0], row[1], row[2].replace("\\", "")): row[4] for row in rows if len(row) == 6}
     problems = [f"{key[0]} writes {key[2]} of {key[1]}: it is not listed" for key in wanted if key not in found]
     problems += [f"{key[0]} does not write {key[2]} of {key[1]}" for key in found if key not in wanted]
     problems += [

@@ -154,12 +154,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
             name=f"reply with {name}", bend=bend, ignored=ignored, damaged=1 - ignored, **_repeated(master)
         )
     yield PpiScenario(name="a reply of high priority (0Ah)", bend=_changed(6, 0x02, sums=True), ignored=0, damaged=0)
-    broken = (fault("cut", "poll", None, value=20),)
-    yield PpiScenario(
-        name="replies that break off, forever", faults=broken, status=silent, retries=most, polls=None, follow=False
-    )
-    yield PpiScenario(name="a job after a reply that broke off")
-    yield PpiScenario(name="reply that breaks off twice and goes on", broken=9, again=7)
+    yield from _broken_off(silent, most)
     yield from _alone(master)
     in_front: tuple[tuple[str, At], ...] = (("token", "any"), ("foreign", "any"), ("noise", "poll"))
     for kind, at in in_front:
@@ -180,6 +175,30 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
             yield PpiScenario(
                 name=f"reply with a wrong {kind}", faults=(fault(kind, "poll"),), status=(WORDS["REPLY_FORMAT"],)
             )
+    yield from _line_refusals(master)
+    yield from _late(master)
+    yield from _refusals(job, every=every)
+    yield from _short(master, job)
+    yield from _first_read(job)
+    for name, edit in _edits(job):
+        yield PpiScenario(
+            name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None
+        )
+
+
+def _broken_off(silent: tuple[int, ...], most: int) -> Iterator[PpiScenario]:
+    """Replies that end before their end byte."""
+    broken = (fault("cut", "poll", None, value=20),)
+    yield PpiScenario(
+        name="replies that break off, forever", faults=broken, status=silent, retries=most, polls=None, follow=False
+    )
+    yield PpiScenario(name="a job after a reply that broke off")
+    yield PpiScenario(name="reply that breaks off twice and goes on", broken=9, again=7)
+
+
+def _line_refusals(master: PlannedMaster) -> Iterator[PpiScenario]:
+    """A station that refuses the request on the line (10h 02h ...)."""
+    most, silent = master.retries, (WORDS["NO_ANSWER"],)
     for value, word in ((1, "LINE_REFUSED"), (3, "LINE_REFUSED")):
         yield PpiScenario(
             name=f"refused with {value:02X}h",
@@ -199,14 +218,6 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
     yield PpiScenario(
         name="refused with 02h once", faults=(fault("nack", "request", value=2),), **_repeated(master, polls=0)
     )
-    yield from _late(master)
-    yield from _refusals(job, every=every)
-    yield from _short(master, job)
-    yield from _first_read(job)
-    for name, edit in _edits(job):
-        yield PpiScenario(
-            name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None
-        )
 
 
 def pace_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:

@@ -116,6 +116,11 @@ def _status_always(errand: Errand) -> Iterator[EngineScenario]:
             again=RETRIES,
             took=(2000, 3000),
         )
+    yield from _no_resources()
+    yield from _no_answer_yet(errand)
+
+
+def _no_resources() -> Iterator[EngineScenario]:
     # no retry is counted: 9000 ms end it, in the first call in which they are over
     for base, name in ((WRITE, "WRREC"), (READ, "RDREC"), (LOCAL, "WRREC locally")):
         script: dict[str, Any] = {"reads" if name == "RDREC" else "writes": {0: base | RESOURCES << 8}}
@@ -131,6 +136,9 @@ def _status_always(errand: Errand) -> Iterator[EngineScenario]:
             yield EngineScenario(
                 name=f"{name} ends {times} times so", calls=(times, 0) if name[0] == "W" else (0, times), **few
             )
+
+
+def _no_answer_yet(errand: Errand) -> Iterator[EngineScenario]:
     for times in (1, 3, RETRIES):
         count = times if len(errand.letters) == 1 else 0
         yield EngineScenario(
