@@ -85,7 +85,7 @@ class EngineWork:
         for group, procedures in (
             ("formats", formats(classic=classic, many=self.effort in {"recorded", "thorough"})),
             ("interrupts", interrupts(thorough=thorough)),
-            ("restarts", restarts(thorough=thorough)),
+            ("restarts", restarts(classic=classic, thorough=thorough)),
             ("places", places()),
             ("units", mailboxes()),
             ("copies", () if classic else copies()),

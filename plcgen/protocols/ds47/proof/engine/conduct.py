@@ -27,7 +27,7 @@ class EngineConduct:
         self.job.db.set("slot", 1)
         self.draw = random.Random(errand.key)  # noqa: S311 - test values
         self.reference: int | None = None
-        self.restarted = False
+        self.restarted = self.unsure = False
         self.state = IDLE
         self.settled = True
         self.clock = 0
@@ -60,6 +60,7 @@ class EngineConduct:
         journal = [e.data[0] for e in rig.drives[0].journal if e.direction == "write"]
         self.reference = None if self.restarted else journal[-1] if journal else self.reference
         self.restarted = bool(scenario.happens) or scenario.again is None
+        self.unsure = False
         self.job.times(scenario.timeout, scenario.pause, scenario.most)
         self.job.draw(self.draw)
         rig.begin(scenario)
@@ -97,6 +98,7 @@ class EngineConduct:
             self.rig.drives[0].journal.clear()
             self.reference = None
         elif happening == "lost":
+            self.unsure = self.errand.once and any(job.write for job in self.rig.cpu.records.jobs.values())
             self.rig.cpu.drop_records()
         elif happening == "zero":
             self.rig.cpu.clock = 0
@@ -139,7 +141,9 @@ class EngineConduct:
     # --- the end --------------------------------------------------------------------------------------
 
     def end(self, run: Run[EngineScenario], status: int) -> None:
-        """Results, wire, foreign bytes."""
+        """Results, wire, foreign bytes; of a trigger that was lost on its way nobody knows what the drive did."""
+        if self.unsure and status != WORDS["UNKNOWN"]:
+            raise ScenarioError(f"a trigger whose WRREC was lost ends with 16#{status:04X}")
         Ending(self.rig, self.job, run.scenario, self.reference).check(status)
         if self.guards is not None:
             self.guards.check()

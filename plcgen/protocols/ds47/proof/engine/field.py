@@ -13,7 +13,7 @@ from plcgen.protocols.ds47.proof.engine.rig import EngineRig, JobPlace
 from plcgen.protocols.ds47.proof.engine.scenario import PAUSE, RETRIES, TIMEOUT, EngineScenario
 from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
 from plcgen.protocols.ds47.proof.engine.stimulus import FIRST_CHANNEL, FIRST_JOB, GATE
-from plcgen.protocols.ds47.proof.words import DONE
+from plcgen.protocols.ds47.proof.words import DONE, HOLD, state_name
 
 ALL = (GATE, FIRST_CHANNEL, FIRST_CHANNEL + 1, FIRST_CHANNEL + 2, *range(FIRST_JOB, FIRST_JOB + 5))
 """Everything, in the order in which a caller has it."""
@@ -86,7 +86,10 @@ class JobField:
         if misuses or self.cpu.faulted:
             raise ScenarioError(f"misuse {misuses[0] if misuses else ''}")
         self.cpu.misuses.clear()
-        grant = self.rig.units[0].get("turn.grant")
+        unit = self.rig.units[0]
+        grant, state = unit.get("turn.grant"), unit.get("state")
+        if grant and state < HOLD:
+            raise ScenarioError(f"grant is {grant} in state {state_name(state)}")
         if grant and (not self.granted or self.granted[-1] != grant):
             self.granted.append(grant)
 

@@ -34,6 +34,7 @@ def mailboxes() -> Iterator[tuple[str, Run]]:
     for conflicts in (0, 1):
         yield f"a job is not called any more, {conflicts} retries", partial(_silent_job, conflicts)
         yield f"a channel is not called any more, {conflicts} retries", partial(_silent_channel, conflicts)
+    yield "the next job has the sign of life of the silent one", _same_mark
     for stuck in STUCK:
         yield f"a job is not called any more, {stuck}", partial(_stuck, stuck)
     yield "execute comes again with the end", _at_once
@@ -253,6 +254,30 @@ def _silent_job(conflicts: int, field: JobField) -> None:
         field.wire()
         field.idle(1, 2)
         field.again(1, 2)
+
+
+def _same_mark(field: JobField) -> None:
+    """Signs of life are numbers: the next job may have the last one of the job that is gone, and is there."""
+    three(field)
+    field.rig.call(ORDERS[0])
+    unit = field.rig.units[0]
+    channel = Members(field.cpu, field.rig.program, "Channel1", ("statMark",))
+    field.step()
+    field.start(1)
+    for _ in range(5):
+        field.step()
+    field.rig.call((1, 2, 6, 7))
+    field.start(2)
+    for _ in range(2 * LEASE_MS // 10):
+        field.step()
+        if unit.get("turn.grant") // GRANT == 3:
+            break
+    channel.set("statMark", unit.get("asks[3].mark"))
+    field.expect(field.until_end((2,)), {2: (DONE,)})
+    field.right(2)
+    field.rig.call(ORDERS[0])
+    field.expect(field.until_end((1,)), {1: (WORDS["LOST"],)})
+    field.idle(1, 2)
 
 
 def _stuck(stuck: str, field: JobField) -> None:

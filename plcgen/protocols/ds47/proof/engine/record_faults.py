@@ -257,6 +257,15 @@ def _old(errand: Errand) -> Iterator[EngineScenario]:
                 retries=count if number == total else 0,
                 calls=(0, count),
             )
+    if total > 1:
+        yield EngineScenario(
+            name="an old answer before that of telegram 1, no answer yet to telegram 2",
+            stale=range(1, 2),
+            reads={3: STATE_CONFLICT},
+            follow=False,
+            retries=1 if total == 2 else 0,
+            calls=(0, 2),
+        )
     yield EngineScenario(
         name="old answers forever",
         status=(WORDS["RETRIES"],),

@@ -26,10 +26,12 @@ WITHIN = 12_000
 """Time in ms within which everything has ended: LEASE twice, DRAIN_LIMIT, a job."""
 
 
-def restarts(*, thorough: bool = False) -> Iterator[tuple[str, Run]]:
+def restarts(*, classic: bool, thorough: bool = False) -> Iterator[tuple[str, Run]]:
     """Names and procedures; ``thorough`` loads every set of blocks behind every scan."""
+    yield "first reference after a start", partial(_first_reference, classic=classic)
     for kind in ("warm", "lost"):
         yield f"{kind} with three jobs on one unit", partial(_together, kind)
+    yield "channel loaded while nobody else waits", _load_alone
     for errand in (READ_SPLIT, WRITE_SPLIT, TRIGGER):
         for count in range(1, len(PARTS)):
             for parts in itertools.combinations(PARTS, count):
@@ -44,6 +46,24 @@ def restarts(*, thorough: bool = False) -> Iterator[tuple[str, Run]]:
 def _chosen(errand: Errand, parts: tuple[tuple[str, str], ...]) -> bool:
     """One block alone; of jobs that write two, and all."""
     return len(parts) == 1 if errand is READ_SPLIT else len(parts) in {1, 2, 5}
+
+
+def _first_reference(field: JobField, *, classic: bool) -> None:
+    """On S7-1200/1500 it comes from the milliseconds of the clock (255 and 510 count as 0), on S7-300/400 it is 1."""
+    for at in (0, 100, 245, 254, 255, 500, 700, 990):
+        field.cpu.restart("cold")
+        field.rig.begin(EngineScenario(name="start"))
+        field.rig.call(ORDERS[0])
+        field.give(1, READ_SPLIT)
+        field.step(at - field.cpu.clock % 1000 + 1000)
+        field.start(1)
+        begun = field.cpu.clock
+        field.expect(field.until_end((1,)), {1: (DONE,)})
+        sent = next(e.data[0] for e in field.rig.drives[0].journal if e.direction == "write")
+        within = range(begun, begun + 50, 10)
+        if sent not in ({1} if classic else {ms % 1000 % 255 + 1 for ms in within}):
+            raise ScenarioError(f"the first reference {begun % 1000} ms behind a full second is {sent}")
+        field.idle(1)
 
 
 def _together(kind: str, field: JobField) -> None:
@@ -63,6 +83,26 @@ def _together(kind: str, field: JobField) -> None:
         field.right(1, 2, 3)
         field.wire()
         field.idle(1, 2, 3)
+
+
+def _load_alone(field: JobField) -> None:
+    """Behind each scan of a job: it is told, and the unit is free at once."""
+    three(field)
+    field.rig.call(ORDERS[0])
+    field.tolerated = ("PG830",)
+    field.step()
+    for at in SCANS:
+        field.start(1)
+        for _ in range(at):
+            field.step()
+        field.rig.load("Channel1")
+        found = field.until_end((1,), most=WITHIN)
+        if found[1] not in ENDS:
+            raise ScenarioError(f"job 1, its channel loaded behind scan {at}, ends with 16#{found[1]:04X}")
+        field.drop(1)
+        for _ in range(10):
+            field.step()
+        field.again(1)
 
 
 def _load(errand: Errand, parts: tuple[tuple[str, str], ...], scans: range, field: JobField) -> None:
