@@ -12,6 +12,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 from mutation.cases import KINDS, PPI, ROOT, Case, cases, known_cases, project_of, spread
+from mutation.engine import ENGINE
 from mutation.equivalent import reason
 from mutation.known import FAQ, KNOWN, MM4, PUMP
 from mutation.run import Verdict, notice
@@ -53,6 +54,7 @@ def options() -> argparse.Namespace:
     )
     parser.add_argument("--kind", choices=tuple(KINDS), action="append", help="this kind of damage only; repeatable")
     parser.add_argument("--every", type=int, default=1, help="take every n-th mutant only")
+    parser.add_argument("--part", choices=("engine", "jobs"), help="the blocks that all projects share, or all others")
     parser.add_argument("--file", default="", help="only files with this in their name")
     parser.add_argument("--text", default="", help="only mutants with this in their description")
     parser.add_argument("--argued", action="store_true", help="run those too that have a reason why nobody can notice")
@@ -73,7 +75,9 @@ def chosen(given: argparse.Namespace) -> list[Case]:
     kinds = ("dropped",) if given.deletions else given.kind or tuple(KINDS)
     found = list(cases(specs, kinds, main=given.deletions))
     found = found if given.deletions else spread(found)
-    return [c for c in found if given.file in c.file and given.text in c.mutant.what][:: given.every]
+    parts = {"engine": {True}, "jobs": {False}}.get(given.part, {True, False})
+    found = [c for c in found if (c.key == ENGINE) in parts and given.file in c.file and given.text in c.mutant.what]
+    return found[:: given.every]
 
 
 @dataclass(slots=True)

@@ -45,7 +45,7 @@ def test_two_instances_with_different_drives_keep_their_values_apart(shape: str,
     cpu = Cpu(made.program, Periphery())
     cpu.restart("cold")
     trio = Trio(made.plan, made.program, cpu, made.plan.shapes[number - 1], number)
-    trio.run(0, 0)
+    assert list(trio.run(0, 0))
     seen = set()
     for one in trio.all:
         for use in trio.job.uses:

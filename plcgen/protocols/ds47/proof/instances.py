@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -89,13 +90,14 @@ class Trio:
         """Whether all have ended."""
         return all(one.db.flag("done") or one.db.flag("error") for one in self.all)
 
-    def run(self, near: int, far: int) -> None:
-        """Start the second and third so many scans behind the first, until all have ended."""
+    def run(self, near: int, far: int) -> Iterator[int]:
+        """Start the second and third so many scans behind the first, until all have ended; yields in every scan."""
         for instance, begins in zip(self.all, (0, near, far), strict=False):
             instance.begins = begins
         for scan in range(self.patience + near + far):
             self.begin(scan)
             self.cpu.call(self.block, 10)
+            yield scan
             if self.cpu.misuses or self.cpu.faulted:
                 raise ScenarioError("misuse")
             if self.over and scan >= max(near, far):

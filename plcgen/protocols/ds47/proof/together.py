@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.record import PLACES, RecordPlaces
-from plcgen.proof.rig import Members, layout_of
+from plcgen.proof.rig import Members, Source, layout_of
 from plcgen.proof.scenario import ScenarioError
 from plcgen.proof.suite import Procedure
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedUnit
@@ -176,7 +176,9 @@ def _access(plan: DrivePlan, program: Program) -> None:
 
 def _instances(job: DriveJob, number: int, near: int) -> Callable[[Plant], None]:
     def run(plant: Plant) -> None:
-        Trio(plant.plan, plant.program, plant.cpu, job, number).run(near, near // 2)
+        plant.place = Source(plant.program, job.block.name).file, 1
+        for _ in Trio(plant.plan, plant.program, plant.cpu, job, number).run(near, near // 2):
+            plant.scans += 1
 
     return run
 
