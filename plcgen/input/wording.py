@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 
@@ -16,6 +17,28 @@ def at_tab(text: str, mark: Any) -> bool:
     """Whether a tab stands at or before the place a parser stumbled over."""
     lines = text.splitlines() if mark is not None else []
     return mark is not None and mark.line < len(lines) and "\t" in lines[mark.line][: mark.column + 1]
+
+
+_NAME_BEFORE = re.compile(r"[A-Za-z_]\w*(?=[ \t]*\Z)")
+_INDEX = re.compile(r"\[([ 0-9.…–-]*[0-9])")
+
+
+def at_bracket(text: str, mark: Any) -> tuple[str, str] | None:
+    """What and what to do where a parser stumbled over the index of a name; None if it did not.
+
+    Indexes close behind their names are hidden from the parser, see ``brackets``: this one stands apart or is open.
+    """
+    lines = text.splitlines() if mark is not None else []
+    if mark is None or mark.line >= len(lines):
+        return None
+    line = lines[mark.line]
+    name, index = _NAME_BEFORE.search(line[: mark.column]), _INDEX.match(line[mark.column :])
+    if name is None or index is None:
+        return None
+    return (
+        "an index that YAML takes for a list",
+        f"write {name[0]}[{index[1].strip()}], closed and without a space before it",
+    )
 
 
 _WORDING = (

@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Report, Span
-from plcgen.input.wording import at_tab, plain_words, reader_position
+from plcgen.input.brackets import hide_indexes, show_indexes
+from plcgen.input.wording import at_bracket, at_tab, plain_words, reader_position
 
 MAX_BYTES = 16 * 1024 * 1024
 MAX_DEPTH = 40
@@ -141,8 +142,9 @@ def resolve_plain(text: str) -> Scalar:
 class _Builder:
     """Builds nodes from parser events with an explicit stack."""
 
-    def __init__(self, file: str, report: Report) -> None:
+    def __init__(self, file: str, report: Report, *, hidden: bool = False) -> None:
         self.file = file
+        self.hidden = hidden
         self.report = report
         self.root: YamlNode | None = None
         self.stack: list[tuple[YamlNode, YamlNode | None]] = []
@@ -232,7 +234,7 @@ class _Builder:
 
     def scalar(self, event: Any) -> None:
         span = self.span(event)
-        text: str = event.value
+        text: str = show_indexes(event.value) if self.hidden else event.value
         plain = not event.style and event.implicit[0]
         value: Scalar = text
         if event.tag is not None:
@@ -287,7 +289,8 @@ def parse_yaml(text: str, file: str, report: Report) -> YamlNode | None:
     import yaml
 
     loader: Any = getattr(yaml, "CSafeLoader", None)
-    builder = _Builder(file, report)
+    shown, text = text, hide_indexes(text)
+    builder = _Builder(file, report, hidden=text != shown)
     try:
         parser = loader(text) if loader else yaml.SafeLoader(text)
         for event in _events(parser):
@@ -296,11 +299,12 @@ def parse_yaml(text: str, file: str, report: Report) -> YamlNode | None:
     except yaml.MarkedYAMLError as problem:
         mark = problem.problem_mark or problem.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
-        what = plain_words(problem.problem, problem.context)
+        what, help_ = at_bracket(shown, problem.problem_mark) or (
+            plain_words(problem.problem, problem.context),
+            "check the indentation and the brackets on this line and the one before",
+        )
         place = Span(file, line, column, line, column + 1)
-        tab = at_tab(text, problem.problem_mark)
-        help_ = "check the indentation and the brackets on this line and the one before"
-        if tab:
+        if at_tab(text, problem.problem_mark):
             what, help_ = "a tab where only spaces may stand", "indent with spaces: YAML does not allow tabs"
         builder.error("PG101", what, place, help_)
         return None

@@ -51,6 +51,10 @@ def short_item(key: str) -> BeforeValidator:
     return BeforeValidator(lambda value: {key: value} if isinstance(value, str) else value)
 
 
+ONE_OR_MORE = BeforeValidator(lambda value: (value,) if isinstance(value, str) else value)
+"""Widens a text where a list stands: ``P50`` to ``[P50]``."""
+
+
 def short_items(key: str) -> BeforeValidator:
     """Widens a mapping to a list: ``{P50: 1, P51: {as: x}}`` to ``[{key: P50, value: 1}, {key: P51, as: x}]``."""
 
@@ -66,8 +70,9 @@ def short_items(key: str) -> BeforeValidator:
 
 
 def short_item_schema(item: str) -> dict[str, Any]:
-    """JSON schema of a list of what :func:`short_item` widens to the definition ``item``."""
-    return {"type": "array", "items": {"anyOf": [{"type": "string"}, {"$ref": f"#/$defs/{item}"}]}}
+    """JSON schema of a list of what :func:`short_item` widens to the definition ``item``, or of a single text."""
+    items = {"anyOf": [{"type": "string"}, {"$ref": f"#/$defs/{item}"}]}
+    return {"anyOf": [{"type": "string"}, {"type": "array", "items": items}]}
 
 
 def short_items_schema(definitions: dict[str, Any], item: str, key: str, *, lists: bool) -> dict[str, Any]:

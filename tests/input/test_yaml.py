@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from plcgen.diagnostics import DiagnosticError, Report
+from plcgen.input.brackets import hide_indexes, show_indexes
 from plcgen.input.yaml import MAX_DEPTH, load_yaml, parse_yaml, resolve_plain
 
 
@@ -41,6 +42,62 @@ def test_traps_are_refused_at_their_place(word: str) -> None:
     """What YAML 1.1 and 1.2 read differently is an error where it stands; in quotes it is text."""
     assert codes(f"a:\n  key: {word}\n") == [("PG108", 2, 8)]
     assert codes(f'a:\n  key: "{word}"\n') == []
+
+
+@pytest.mark.parametrize(
+    ("text", "data"),
+    [
+        ("[r0947[0..7], r21]", ("r0947[0..7]", "r21")),
+        ("{P2155[1..2]: [10.0, 20.0], P2156[0]: 1}", {"P2155[1..2]": (10.0, 20.0), "P2156[0]": 1}),
+        ("[{as: code[ 0 .. 7 ], type: OctetString[4]}]", ({"as": "code[ 0 .. 7 ]", "type": "OctetString[4]"},)),
+        ("[r0947[0, 7], r0947[0: 7]]", ("r0947[0, 7]", "r0947[0: 7]")),
+        ("{execute: Plant.line[i].start}", {"execute": "Plant.line[i].start"}),
+        ("['a[0]', \"b[1]\", [1, 2]]", ("a[0]", "b[1]", (1, 2))),
+        ("{a: &x [1], b: *x, c: !!str [1]}", None),
+        ("a[b, c]", "a[b, c]"),
+        ('["\\ue000[0]"]', ("\ue000[0]",)),
+    ],
+)  # fmt: skip
+def test_an_index_belongs_to_its_name(text: str, data: object) -> None:
+    """Brackets close behind a name are part of it in YAML's own brackets, too; lists stay lists, quotes quotes."""
+    report = Report()
+    node = parse_yaml(f"x: {text}\n", "t.yaml", report)
+    if data is None:
+        assert report.has_errors
+    else:
+        assert list(report) == []
+        assert node is not None
+        assert node.data() == {"x": data}
+
+
+def test_an_index_moves_nothing() -> None:
+    """Positions behind an index are those of the file."""
+    node = load_yaml("x: [r0947[0..7], zwölf[1], 3]\n", "t.yaml")
+    assert [(item.span.column, item.span.end_column) for item in node.find(["x"]).items] == [
+        (5, 16),
+        (18, 26),
+        (28, 29),
+    ]
+
+
+@given(st.text(alphabet='ab1 [].,:{}"\n-&*', max_size=40))
+def test_an_index_changes_nothing_that_is_yaml(text: str) -> None:
+    """What was YAML before means the same with the hiding of indexes."""
+    try:
+        plain = yaml.load(text, Loader=yaml.BaseLoader)  # noqa: S506 - texts only
+    except yaml.YAMLError:
+        return
+    hidden = hide_indexes(text)
+    assert len(hidden) == len(text)
+    assert _shown(yaml.load(hidden, Loader=yaml.BaseLoader)) == plain  # noqa: S506
+
+
+def _shown(data: object) -> object:
+    if isinstance(data, dict):
+        return {_shown(key): _shown(value) for key, value in data.items()}
+    if isinstance(data, list):
+        return [_shown(item) for item in data]
+    return show_indexes(data) if isinstance(data, str) else data
 
 
 def test_keys_are_text() -> None:

@@ -36,7 +36,7 @@ def test_shipped_specs_validate(path: Path) -> None:
         "read: [P1], colour: red",
         "read: [{parameter: P1, kind: x}]",
         "read: [P1], timeout: 10",
-        "read: P1",
+        "read: {P1: 2}",
         "read: [P1], split: 3",
     ],
 )

@@ -17,6 +17,7 @@ from plcgen.input.validation import StrictModel
 from plcgen.plugins import plugins
 from plcgen.project.schema import (
     OF_AN_INPUT,
+    ONE_OR_MORE,
     Text,
     Value,
     short_item,
@@ -78,7 +79,7 @@ SHIPPED = (
     JobKind(
         key="read",
         writes=False,
-        shape=tuple[Annotated[ReadItem, short_item("parameter")], ...],
+        shape=Annotated[tuple[Annotated[ReadItem, short_item("parameter")], ...], ONE_OR_MORE],
         description="parameters to read",
         example="read: [P50303]",
         short=lambda _: short_item_schema("ReadItem"),

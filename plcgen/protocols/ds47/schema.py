@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import AfterValidator, BeforeValidator, Field, create_model
 
 from plcgen.input.validation import StrictModel, problem
-from plcgen.project.schema import BlockName, Duration, Naming, Text, Trigger, trigger_short
+from plcgen.project.schema import ONE_OR_MORE, BlockName, Duration, Naming, Text, Trigger, trigger_short
 from plcgen.protocols.ds47.device import Line, ParameterDef, ParameterNumber
 from plcgen.protocols.ds47.devices import offer_names
 from plcgen.protocols.ds47.kinds import kinds
@@ -119,14 +119,10 @@ class BufferSettings(StrictModel):
     members: dict[str, str] = Field(default_factory=dict, description="own member names: generated name -> yours")
 
 
-def _one_or_more(value: object) -> object:
-    return (value,) if isinstance(value, str) else value
-
-
 class JobTarget(StrictModel):
     """What every job begins with."""
 
-    drive: Annotated[tuple[str, ...], BeforeValidator(_one_or_more)] = Field(
+    drive: Annotated[tuple[str, ...], ONE_OR_MORE] = Field(
         min_length=1, description="key of a drive, or a list of them: one function block, an instance for each"
     )
 

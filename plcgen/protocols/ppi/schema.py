@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field
 from plcgen.input.validation import StrictModel
 from plcgen.project.schema import (
     OF_AN_INPUT,
+    ONE_OR_MORE,
     BlockName,
     Duration,
     Text,
@@ -67,7 +68,7 @@ class MasterJob(StrictModel):
     """One job: read or write some addresses of one station, or switch it to RUN or STOP."""
 
     station: str = Field(description="key of a station of this master")
-    read: tuple[Annotated[PpiReadItem, short_item("item")], ...] | None = Field(
+    read: Annotated[tuple[Annotated[PpiReadItem, short_item("item")], ...], ONE_OR_MORE] | None = Field(
         None, description="addresses or symbols to read"
     )
     write: Annotated[tuple[PpiWriteItem, ...], short_items("item")] | None = Field(

@@ -33,6 +33,28 @@ def parse_reference(text: str) -> Reference | None:
     return Reference(int(number[1]) if number else None, "" if number else match[1], first, last)
 
 
+_NEARLY = re.compile(
+    r"\s*([A-Za-z_]\w*|[0-9]+)\s*[\[({]\s*([0-9]{1,6})\s*(\.{1,4}|…|–|-|:|,|;|\s+to\s+)\s*([0-9]{1,6})\s*[\])}]?\s*\Z"
+)
+_ONE = re.compile(r"\s*([PpRr][0-9]{1,5})\s*(?:[({]\s*([0-9]{1,6})\s*[)}]?|\[\s*([0-9]{1,6})|(\.)([0-9]{1,6}))\s*\Z")
+_LIST = re.compile(r"[\s\w\[\].]*,[\s\w\[\].,]*\Z")
+
+
+def spelling_hint(text: str) -> str:
+    """How to write what is no reference, as far as it can be told what is meant."""
+    array, one = _NEARLY.match(text), _ONE.match(text)
+    if array:
+        name, first, between, last = array.groups()
+        each = f", or {name}[{first}], {name}[{last}] for these two" if between in ",;" else ""
+        return f"write {name}[{first}..{last}]{each}"
+    if one:
+        bit = f" for an index; a bit is read with its word: {one[1]}" if one[4] else ""
+        return f"write {one[1]}[{one[2] or one[3] or one[5]}]{bit}"
+    if _LIST.match(text):
+        return f"write [{text}]"
+    return "write P50303, P2155[1..2] or a name"
+
+
 def number_of(text: str) -> int | None:
     """Number of a parameter as written; None for a name or what is no reference."""
     reference = parse_reference(text)
