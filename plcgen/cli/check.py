@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.api import default_folder
 from plcgen.cli.options import PATH, console, format_option, output_option, strict_option, verb
 from plcgen.cli.output import OK, PROBLEMS, Console
 
@@ -24,7 +25,7 @@ Subject = tuple[str, Sequence["Diagnostic"]]
 @verb(
     "check",
     "plcgen check job.yaml",
-    "plcgen check machines/*.yaml --format github",
+    "plcgen check machines/ --format github",
     "plcgen check job.yaml --format sarif --output plcgen.sarif",
     "plcgen check old_project/ --target tia-1500     what TIA would refuse in V5 sources",
     "plcgen check sources/ --program --target v5     compile it: names, types, calls",
@@ -65,8 +66,9 @@ def command(
 ) -> int:
     """Check specs (.yaml) and PLC sources (.scl .udt .db .awl), and show every problem at its place.
 
-    Sources are read as the SCL compiler of a target reads them; a folder stands for all sources below it. Nothing
-    is written. Exit code 1 if there is an error anywhere; warnings alone give 0.
+    Sources are read as the SCL compiler of a target reads them; a folder stands for all specs and sources below it,
+    but for what was generated from these specs. Nothing is written. Exit code 1 if there is an error anywhere;
+    warnings alone give 0.
     """
     from plcgen.display.results import Findings
 
@@ -74,7 +76,7 @@ def command(
     if program and target is None:
         raise click.UsageError(f"--program needs --target: one of {', '.join(TARGETS)}")
     documents = _documents(paths) if program else []
-    specs, sources = _sorted(tuple(path for path in paths if path not in documents))
+    specs, sources = _sorted(tuple(path for path in paths if path not in documents), program=program)
     if program and not sources:
         raise click.UsageError("--program needs PLC sources (.scl .udt .db)")
     for option, given in (("--tags", tags), ("--iec-check", iec_check)):
@@ -108,8 +110,8 @@ def _iec_checks(values: tuple[str, ...]) -> dict[str, str]:
     return found
 
 
-def _sorted(paths: tuple[Path, ...]) -> tuple[list[Path], list[Path]]:
-    """Tell specs from sources; what is no known source is taken for a spec."""
+def _sorted(paths: tuple[Path, ...], *, program: bool) -> tuple[list[Path], list[Path]]:
+    """Tell specs from sources; what is no known source is taken for a spec. A folder has both, a program no specs."""
     specs: list[Path] = []
     sources: list[Path] = []
     for path in dict.fromkeys(paths):
@@ -118,16 +120,20 @@ def _sorted(paths: tuple[Path, ...]) -> tuple[list[Path], list[Path]]:
         if suffix in {".yaml", ".yml"} or (not folder and not suffix):
             specs.append(path)
             continue
+        from plcgen.cli.specs import specs_below
         from plcgen.cpu.sources import SUFFIXES, find_sources
 
         if folder or suffix in SUFFIXES:
-            below = find_sources(path)
-            if not below:
-                raise click.UsageError(f"there is no PLC source (.scl .udt .db .awl) below {path}")
-            sources += below
+            below, inside = find_sources(path), specs_below(path) if folder and not program else []
+            if not below and not inside:
+                what = "PLC source (.scl .udt .db .awl)" if program or not folder else "spec and no PLC source"
+                raise click.UsageError(f"there is no {what} below {path}")
+            specs += inside
+            made = [default_folder(spec) for spec in inside]  # what plcgen made of these is for verify
+            sources += [source for source in below if not any(map(source.is_relative_to, made))]
         else:
             specs.append(path)
-    return specs, list(dict.fromkeys(sources))
+    return list(dict.fromkeys(specs)), list(dict.fromkeys(sources))
 
 
 def _specs(specs: list[Path], *, strict: bool) -> list[Subject]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     "generate",
     "plcgen generate job.yaml",
     "plcgen generate job.yaml --out plc/drives",
-    "plcgen generate job.yaml --check",
+    "plcgen generate machines/ --check",
 )
-@click.argument("spec", type=PATH)
+@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="SPEC|FOLDER...")
 @folder_option("Output folder")
 @click.option("--check", "check_only", is_flag=True, help="Write nothing; exit 1 if the folder is not up to date.")
 @click.option("--diff", is_flag=True, help="Show what would change as a unified diff; write nothing.")
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 @format_option("findings")
 def command(
     *,
-    spec: Path,
+    paths: tuple[Path, ...],
     folder: Path | None,
     check_only: bool,
     diff: bool,
@@ -41,27 +41,33 @@ def command(
     stats: bool,
     format_: OutputFormat,
 ) -> int:
-    """Generate the PLC sources of a spec into a folder.
+    """Generate the PLC sources of specs, each into a folder of its own; a folder stands for the specs below it.
 
-    The folder is replaced as a whole or not at all. Files that you changed by hand are never overwritten
+    The folder of a spec is replaced as a whole or not at all. Files that you changed by hand are never overwritten
     without --force. With --check the folder is compared, the diff printed, and the exit code is 1 if it is
     stale: commit the folder and run this in CI. --diff prints the same diff but only looks (exit code 0).
     """
     from plcgen import api
+    from plcgen.cli.specs import find_specs, one_folder
 
     out = console()
-    target = folder or default_folder(spec)
-    with out.progress() as progress:
-        looking = check_only or diff
-        result = api.generate(spec, target, check_only=looking, force=force, stats=stats, progress=progress)
-    if diff and not check_only:
-        found = tuple(d for d in result.diagnostics if d.code != STALE)
-        result = dataclasses.replace(result, diagnostics=found)
-    if format_.name == "text":
-        _show(out, result, looking=looking, stats=stats)
-    else:
-        _machine(out, result, format_)
-    return OK if result.ok else PROBLEMS
+    specs = find_specs(paths)
+    one_folder(specs, folder)
+    results = []
+    for spec in specs:
+        target = folder or default_folder(spec)
+        with out.progress() as progress:
+            looking = check_only or diff
+            result = api.generate(spec, target, check_only=looking, force=force, stats=stats, progress=progress)
+        if diff and not check_only:
+            found = tuple(d for d in result.diagnostics if d.code != STALE)
+            result = dataclasses.replace(result, diagnostics=found)
+        if format_.name == "text":
+            _show(out, result, looking=looking, stats=stats)
+        results.append(result)
+    if format_.name != "text":
+        _machine(out, results, format_)
+    return OK if all(result.ok for result in results) else PROBLEMS
 
 
 STALE = "PG504"
@@ -107,13 +113,20 @@ def _stale(result: GenerateResult, stale: list[Diagnostic]) -> None:
     help_line(f"plcgen generate {result.spec}")
 
 
-def _machine(out: Console, result: GenerateResult, format_: OutputFormat) -> None:
+def _machine(out: Console, results: list[GenerateResult], format_: OutputFormat) -> None:
+    """One spec has its keys at the top, several have theirs in a list."""
     from plcgen.display.results import Findings
 
-    spec = result.spec.as_posix()
+    specs = [result.spec.as_posix() for result in results]
+    parts = [_data(result) for result in results]
+    more = {"specs": specs, **(parts[0] if len(parts) == 1 else {"projects": parts})}
+    subjects = [(spec, result.diagnostics) for spec, result in zip(specs, results, strict=True)]
+    out.show(format_, "findings", Findings("generate", subjects, more))
+
+
+def _data(result: GenerateResult) -> dict[str, Any]:
     size = result.size() if result.ok else None
-    more = {
-        "specs": [spec],
+    return {
         "folder": result.folder.as_posix(),
         "written": list(result.written),
         "unchanged": list(result.unchanged),
@@ -121,4 +134,3 @@ def _machine(out: Console, result: GenerateResult, format_: OutputFormat) -> Non
         "diff": result.diff,
         "size": None if size is None else size.data(),
     }
-    out.show(format_, "findings", Findings("generate", [(spec, result.diagnostics)], more))

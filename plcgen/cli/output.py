@@ -130,6 +130,16 @@ class Console:
             self.show(format_, "verification", troubles(result) if short else result, output)
         return OK if result.ok else PROBLEMS
 
+    def verifications(self, format_: OutputFormat, found: Sequence[Verification], output: Path | None = None) -> int:
+        """Deliver what was verified of several specs and return the exit code, as :meth:`verification` does for one."""
+        from plcgen.output.verification import troubles
+
+        short = self.quiet and format_.name == "text"
+        shown = [troubles(each) for each in found if not each.ok] if short else found
+        if shown:
+            self.show(format_, "verifications", shown, output)
+        return OK if all(each.ok for each in found) else PROBLEMS
+
     def result(self, text: str, output: Path | None = None, *, force: bool = True) -> None:
         """Deliver a result to stdout, or to a file if one is given (UTF-8, LF); without ``force`` to a new one."""
         if output is not None:

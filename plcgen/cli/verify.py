@@ -17,11 +17,12 @@ if TYPE_CHECKING:
 @verb(
     "verify",
     "plcgen verify job.yaml",
+    "plcgen verify machines/",
     "plcgen verify job.yaml --drive press3.yaml",
     "plcgen verify job.yaml --faults full --engine",
     "plcgen verify job.yaml --format junit --output verify.xml",
 )
-@click.argument("spec", type=PATH)
+@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="SPEC|FOLDER...")
 @folder_option("Generated folder")
 @click.option("--drive", type=PATH, metavar="FILE", help="Drive file: the parameters of your real drive.")
 @click.option(
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 @output_option
 def command(
     *,
-    spec: Path,
+    paths: tuple[Path, ...],
     folder: Path | None,
     drive: Path | None,
     faults: Literal["none", "quick", "full"],
@@ -51,14 +52,23 @@ def command(
     """Run the files in a generated folder against a simulated drive and compare every byte.
 
     What lies on disk is read back, laid out and held to the telegrams, executed scan by scan and fed with
-    errors. Exit code 1 if any check fails; a check that could not be run is listed and fails nothing.
+    errors. Exit code 1 if any check fails; a check that could not be run is listed and fails nothing. Each spec has
+    its own folder; a folder named here stands for the specs below it.
     """
     from plcgen import api
+    from plcgen.cli.specs import find_specs, one_folder
 
     out = console()
-    with out.progress() as progress:
-        target = folder or default_folder(spec)
-        result = api.verify(
-            spec, target, drive=drive, faults=faults, engine=engine, oracle=oracle, strict=strict, progress=progress
-        )
-    return out.verification(format_, result, output)
+    specs = find_specs(paths)
+    one_folder(specs, folder)
+    found = []
+    for spec in specs:
+        with out.progress() as progress:
+            target = folder or default_folder(spec)
+            result = api.verify(
+                spec, target, drive=drive, faults=faults, engine=engine, oracle=oracle, strict=strict, progress=progress
+            )
+        found.append(result)
+    if len(found) == 1:
+        return out.verification(format_, found[0], output)
+    return out.verifications(format_, found, output)

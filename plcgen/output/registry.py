@@ -5,7 +5,7 @@ A format is imported when it is asked for; all of them only to list their names.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from importlib import import_module
 from pathlib import Path
@@ -41,6 +41,7 @@ class OutputFormat:
     complete: bool = True
     findings: Renderer[Findings] | None = None
     verification: Renderer[Verification] | None = None
+    verifications: Renderer[Sequence[Verification]] | None = None
     layout: Renderer[LayoutResult] | None = None
     comparison: Renderer[Comparison] | None = None
     trace: Renderer[Trace] | None = None

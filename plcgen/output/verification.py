@@ -39,6 +39,15 @@ def verification_text(verification: Verification, view: View) -> str:
     return text + summary(verification, view) + "\n"
 
 
+def verifications_text(found: Sequence[Verification], view: View) -> str:
+    """The reports of several specs, one after the other, and how many of them are good."""
+    good = sum(each.ok for each in found)
+    count = view.paint(
+        f"{good} of {len(found)} specs verified without an error", "ok" if good == len(found) else "error"
+    )
+    return "\n".join(verification_text(each, view) for each in found) + f"\n{count}\n"
+
+
 def _group(group: CheckGroup, view: View) -> list[str]:
     """Lines of a group: one line a check, or subject and verdict above the figures if these are long."""
     out = [view.paint(clean(group.title), "bold")]

@@ -72,5 +72,5 @@ def diagnostic(code: str, key: str, failures: Sequence[Failure], page: str) -> D
     first = failures[0]
     more = f" (and {len(failures) - 1} more)" if len(failures) > 1 else ""
     line = f"; the statement is {Path(first.file).name}:{first.line}" if first.file and first.line else ""
-    span = Span(first.file, first.line)
+    span = Span(first.file, first.line, min(first.line, 1))
     return Diagnostic(code, f"{key}: {first}{more}", span, help=f"compare this place with {page}{line}")

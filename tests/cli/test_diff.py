@@ -1,6 +1,7 @@
 """``plcgen diff``: exit codes, streams, formats."""
 
 import json
+from xml.etree import ElementTree as ET
 
 import pytest
 
@@ -127,3 +128,33 @@ def test_a_report_beside_the_sources_is_written_again(plcgen, versions, tmp_path
     (tmp_path / "report.json").write_text("old report", encoding="utf-8")
     assert plcgen("check", "old.db", "new.db", "-f", "json", "-o", "report.json").code == 0
     assert json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["ok"] is True
+
+
+def test_annotations(plcgen, versions):
+    """For a pull request: what fails the run is an error at its line, other breaking changes a warning."""
+    changed = versions("  b :", "  x : Word;\n  b :")
+    expected = [
+        ("notice", 'line=1,col=1,endColumn=11,title=block-grown::compatible: DB "B": 4 -> 6 bytes'),
+        ("notice", 'line=4,col=3,endColumn=4,title=member-added::compatible: DB "B": added: x : WORD at 2.0'),
+        ("{}", 'line=5,col=3,endColumn=4,title=member-moved::breaking: DB "B": b: moved by +2 bytes: 2.0 -> 4.0'),
+    ]
+    for fail_on, word, code in (("breaking", "error", 1), ("never", "warning", 0)):
+        result = plcgen("diff", *changed, "-f", "github", "--fail-on", fail_on)
+        assert result.code == code
+        assert result.out.splitlines() == [f"::{word_.format(word)} file=new.db,{rest}" for word_, rest in expected]
+    assert plcgen("diff", "old.db", "old.db", "-f", "github").out == ""
+
+
+def test_test_cases(plcgen, versions):
+    """A test case per block that changed, which fails if a change fails the run; one that passes if nothing did."""
+
+    def cases(*args):
+        root = ET.fromstring(plcgen("diff", *args, "-f", "junit").out)  # noqa: S314 - our own output
+        counts = {key: root.get(key) for key in ("tests", "failures")}
+        return counts, [(case.get("name"), [part.tag for part in case]) for case in root.iter("testcase")]
+
+    changed = versions("  b :", "  x : Word;\n  b :")
+    assert cases(*changed) == ({"tests": "1", "failures": "1"}, [('DB "B"', ["failure"])])
+    assert cases(*changed, "--fail-on", "never") == ({"tests": "1", "failures": "0"}, [('DB "B"', ["system-out"])])
+    assert cases("old.db", "old.db") == ({"tests": "1", "failures": "0"}, [("nothing changed", [])])
+    assert cases("old.db", "no.db") == ({"tests": "1", "failures": "1"}, [("problems", ["failure"])])

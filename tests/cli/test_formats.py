@@ -42,7 +42,7 @@ def toy(distribution):
         ("findings", "text github json junit sarif"),
         ("verification", "text github json junit sarif"),
         ("layout", "text csv html json markdown svg"),
-        ("comparison", "text json markdown sarif"),
+        ("comparison", "text github json junit markdown sarif"),
         ("trace", "text json vcd"),
         ("answer", "text json"),
     ],

@@ -78,6 +78,7 @@ def test_what_is_no_list(text: str, message: str) -> None:
     assert told.code == "PG704"
     assert message in told.message
     assert told.help
+    assert told.span.column == min(told.span.line, 1)
 
 
 def test_spreadsheets_are_refused(tmp_path: Path) -> None:

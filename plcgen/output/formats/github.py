@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.output.registry import OutputFormat
 from plcgen.output.verification import problems
 
@@ -12,7 +13,9 @@ if TYPE_CHECKING:
     from plcgen.display.results import Findings
     from plcgen.display.view import View
     from plcgen.proof.checks import Verification
+    from plcgen.review.compare.model import Change, Comparison
 
+_CHANGE = {"breaking": "warning", "compatible": "notice", "documentation": "notice"}
 _COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
 
 
@@ -26,7 +29,15 @@ def _property(text: str) -> str:
 
 def annotation(diagnostic: Diagnostic) -> str:
     """One workflow command, with its line end."""
-    span = diagnostic.span
+    text = diagnostic.message
+    if diagnostic.help:
+        text += f"\nhelp: {diagnostic.help}"
+    for note in diagnostic.notes:
+        text += f"\n{note.span}: {note.message}"
+    return _command(_COMMAND[diagnostic.severity], diagnostic.span, diagnostic.code, text)
+
+
+def _command(command: str, span: Span, title: str, text: str) -> str:
     fields = [("file", span.file.replace("\\", "/"))] if span.file else []
     if span.line:
         fields.append(("line", str(span.line)))
@@ -35,14 +46,9 @@ def annotation(diagnostic: Diagnostic) -> str:
         fields.append(("col", str(span.column)))
         if span.end_line == span.line and span.end_column > span.column:
             fields.append(("endColumn", str(span.end_column)))
-    fields.append(("title", diagnostic.code))
-    text = diagnostic.message
-    if diagnostic.help:
-        text += f"\nhelp: {diagnostic.help}"
-    for note in diagnostic.notes:
-        text += f"\n{note.span}: {note.message}"
+    fields.append(("title", title))
     properties = ",".join(f"{name}={_property(value)}" for name, value in fields)
-    return f"::{_COMMAND[diagnostic.severity]} {properties}::{_message(text)}\n"
+    return f"::{command} {properties}::{_message(text)}\n"
 
 
 def _findings(found: Findings, _view: View) -> str:
@@ -61,4 +67,26 @@ def _verification(verification: Verification, _view: View) -> str:
     return text
 
 
-FORMAT = OutputFormat(name="github", findings=_findings, verification=_verification)
+def _comparison(comparison: Comparison, view: View) -> str:
+    """A change that fails the run (``--fail-on``) is an error, other breaking ones a warning, the rest notices."""
+    return "".join(
+        [_changed(change, view.fail_on) for change in comparison.changes]
+        + [annotation(diagnostic) for diagnostic in comparison.diagnostics]
+    )
+
+
+def _changed(change: Change, fail_on: str) -> str:
+    from plcgen.review.compare.policy import fails
+
+    command = "error" if fails(change.level, fail_on) else _CHANGE[change.level.value]
+    text = "\n".join([f"{change.level.value}: {change.subject}: {change.text}", *change.details])
+    return _command(command, change.span or Span(""), change.kind, text)
+
+
+def _verifications(found: Sequence[Verification], view: View) -> str:
+    return "".join(_verification(each, view) for each in found)
+
+
+FORMAT = OutputFormat(
+    name="github", findings=_findings, verification=_verification, verifications=_verifications, comparison=_comparison
+)

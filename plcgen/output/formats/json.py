@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from plcgen.display.data import diagnostics_data, dump, verification_data
+from plcgen.display.data import diagnostics_data, dump, head, verification_data
 from plcgen.output.registry import OutputFormat
 
 if TYPE_CHECKING:
@@ -23,6 +24,11 @@ def _findings(found: Findings, _view: View) -> str:
 
 def _verification(verification: Verification, _view: View) -> str:
     return dump(verification_data(verification))
+
+
+def _verifications(found: Sequence[Verification], _view: View) -> str:
+    parts = [verification_data(each) for each in found]
+    return dump({**head("verifications", ok=all(each.ok for each in found)), "verifications": parts})
 
 
 def _layout(result: LayoutResult, _view: View) -> str:
@@ -57,6 +63,7 @@ FORMAT = OutputFormat(
     name="json",
     findings=_findings,
     verification=_verification,
+    verifications=_verifications,
     layout=_layout,
     comparison=_comparison,
     trace=_trace,

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from plcgen.display.results import Findings
     from plcgen.display.view import View
     from plcgen.proof.checks import Check, CheckGroup, Verification
+    from plcgen.review.compare.model import Comparison
 
 _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _ESCAPES = {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"}
@@ -81,24 +82,55 @@ def _findings(found: Findings, _view: View) -> str:
 
 def _verification(verification: Verification, _view: View) -> str:
     """One suite per group; a last suite holds errors that belong to no check."""
-    verb = verification.verb
-    suites = [_group(group, verb) for group in verification.groups]
+    return _document(f"plcgen {verification.verb} {verification.spec}", _suites(verification))
+
+
+def _verifications(found: Sequence[Verification], _view: View) -> str:
+    """The suites of every spec, with its path in their names."""
+    return _document("plcgen verify", [suite for each in found for suite in _suites(each, each.spec)])
+
+
+def _suites(verification: Verification, spec: str = "") -> list[str]:
+    """``spec`` tells the checks of one spec from the same ones of another."""
+    verb, before = f"{verification.verb}.{spec}" if spec else verification.verb, f"{spec}: " if spec else ""
+    suites = [_group(group, verb, before) for group in verification.groups]
     own = {check.diagnostic for check in verification.checks()}
     rest = [d for d in _errors(verification.diagnostics) if d not in own]
     if rest:
         case = _case(f"plcgen.{verb}", "problems", _failure(rest[0].code, rest[0].message, _details(rest)))
-        suites.append(_suite("problems", [case]))
-    return _document(f"plcgen {verb} {verification.spec}", suites)
+        suites.append(_suite(f"{before}problems", [case]))
+    return suites
 
 
-def _group(group: CheckGroup, verb: str) -> str:
+def _comparison(comparison: Comparison, view: View) -> str:
+    """One test case for each block, job or drive that changed; it fails if a change fails the run (``--fail-on``)."""
+    from plcgen.review.compare.policy import fails
+
+    cases = []
+    for subject, changes in comparison.subjects():
+        lines = [f"{change.level.value} {change.kind}: {change.text}" for change in changes]
+        if fails(changes[0].level, view.fail_on):
+            body = _failure(changes[0].kind, changes[0].text, "\n".join(lines))
+        else:
+            body = f"<system-out>{_text(chr(10).join(lines))}</system-out>"
+        cases.append(_case("plcgen.diff", subject, body))
+    unread = _errors(comparison.diagnostics)
+    if unread:
+        body = _failure(unread[0].code, unread[0].message, _details(unread))
+        cases.append(_case("plcgen.diff", "problems", body))
+    if not cases:
+        cases.append(_case("plcgen.diff", "nothing changed"))
+    return _document(f"plcgen diff {comparison.old} {comparison.new}", [_suite("changes", cases)])
+
+
+def _group(group: CheckGroup, verb: str, before: str) -> str:
     seen: dict[str, int] = {}
     cases = []
     for check in group.checks:
         seen[check.id] = seen.get(check.id, 0) + 1
         name = check.id if seen[check.id] == 1 else f"{check.id} ({seen[check.id]})"
         cases.append(_case(f"plcgen.{verb}.{group.name}", name, _body(check)))
-    return _suite(group.name, cases)
+    return _suite(f"{before}{group.name}", cases)
 
 
 def _body(check: Check) -> str:
@@ -115,4 +147,6 @@ def _body(check: Check) -> str:
     return ""
 
 
-FORMAT = OutputFormat(name="junit", findings=_findings, verification=_verification)
+FORMAT = OutputFormat(
+    name="junit", findings=_findings, verification=_verification, verifications=_verifications, comparison=_comparison
+)

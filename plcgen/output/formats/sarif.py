@@ -111,10 +111,15 @@ def _findings(found: Findings, _view: View) -> str:
 
 
 def _verification(verification: Verification, _view: View) -> str:
+    return _verifications([verification], _view)
+
+
+def _verifications(found: Sequence[Verification], _view: View) -> str:
     """The diagnostics, and failed checks that have none."""
-    rules, results = _problems(problems(verification))
+    rules, results = _problems(list(dict.fromkeys(d for verification in found for d in problems(verification))))
     bare = [
         _check(check, verification.spec)
+        for verification in found
         for check in verification.checks()
         if check.diagnostic is None and check.outcome.value in {"error", "warning"}
     ]
@@ -156,4 +161,6 @@ def _change(change: Change, index: dict[str, int]) -> dict[str, Any]:
     return result
 
 
-FORMAT = OutputFormat(name="sarif", findings=_findings, verification=_verification, comparison=_comparison)
+FORMAT = OutputFormat(
+    name="sarif", findings=_findings, verification=_verification, verifications=_verifications, comparison=_comparison
+)

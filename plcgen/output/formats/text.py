@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from plcgen.output.registry import OutputFormat
@@ -25,6 +26,12 @@ def _verification(verification: Verification, view: View) -> str:
     from plcgen.output.verification import verification_text
 
     return verification_text(verification, view)
+
+
+def _verifications(found: Sequence[Verification], view: View) -> str:
+    from plcgen.output.verification import verifications_text
+
+    return verifications_text(found, view)
 
 
 def _layout(result: LayoutResult, view: View) -> str:
@@ -54,6 +61,7 @@ FORMAT = OutputFormat(
     complete=False,
     findings=_findings,
     verification=_verification,
+    verifications=_verifications,
     layout=_layout,
     comparison=_comparison,
     trace=_trace,

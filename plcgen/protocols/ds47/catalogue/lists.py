@@ -169,4 +169,4 @@ def _number(text: str) -> float | None:
 
 
 def _wrong(path: Path, message: str, help_: str, line: int = 0) -> DiagnosticError:
-    return DiagnosticError([Diagnostic("PG704", message, Span(str(path), line), help=help_)])
+    return DiagnosticError([Diagnostic("PG704", message, Span(str(path), line, min(line, 1)), help=help_)])

@@ -1,0 +1,101 @@
+"""Several specs and folders in one call of check, generate and verify."""
+
+import json
+import shutil
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from plcgen.cli.specs import specs_below
+
+
+@pytest.fixture
+def machines(tmp_path, good):
+    """A folder with two specs, and YAML files that are none."""
+    folder = tmp_path / "machines"
+    (folder / "hall2" / ".hidden").mkdir(parents=True)
+    shutil.copy(tmp_path / good, folder / "press.yaml")
+    text = (tmp_path / good).read_text("utf-8")
+    (folder / "hall2" / "saw.yml").write_text(f"\ufeff{text}", "utf-8")
+    (folder / "drive.yaml").write_text("parameters: {P50303: 10.0}\n", "utf-8")
+    (folder / "hall2" / ".hidden" / "no.yaml").write_text(text, "utf-8")
+    return folder
+
+
+def test_specs_below(machines):
+    """Specs have a section plc; hidden folders, drive files and folders called *.yaml are none."""
+    (machines / "odd.yaml").mkdir()
+    (machines / "flow.yaml").write_text('{"plc": {name: a}}', "utf-8")
+    (machines / "text.yaml").write_text("comment: |\n  plc: in a text\n", "utf-8")
+    names = [path.relative_to(machines).as_posix() for path in specs_below(machines)]
+    assert names == ["flow.yaml", "hall2/saw.yml", "press.yaml"]
+
+
+def test_check_takes_folders(plcgen, machines):
+    """Every spec of the folder once, whatever else names it; sources that plcgen made of them are left to verify."""
+    assert plcgen("check", "machines", "machines/press.yaml").err == "no problems in 2 specs\n"
+    assert plcgen("generate", "machines", "-q").code == 0
+    assert plcgen("check", "machines").err == "no problems in 2 specs\n"
+    (machines / "own.scl").write_text("FUNCTION_BLOCK oops", "utf-8")
+    mixed = plcgen("check", "machines")
+    assert mixed.code == 1
+    assert "own.scl" in mixed.out
+
+
+def test_a_folder_without_specs(plcgen, tmp_path):
+    """It is wrong use, not a green run over nothing."""
+    (tmp_path / "empty").mkdir()
+    for verb in ("check", "generate", "verify"):
+        result = plcgen(verb, "empty")
+        assert result.code == 2
+        assert "there is no spec" in result.err
+        assert "below empty" in result.err
+
+
+def test_generate_and_verify_take_folders(plcgen, machines):
+    """Each spec has its own folder; one that fails does not keep the others from their turn."""
+    made = plcgen("generate", "machines")
+    assert made.code == 0
+    assert "hall2/saw_generated: " in made.err
+    assert "machines/press_generated: " in made.err
+    data = json.loads(plcgen("generate", "machines", "--check", "--json").out)
+    assert data["specs"] == ["machines/hall2/saw.yml", "machines/press.yaml"]
+    assert [project["folder"] for project in data["projects"]] == [
+        "machines/hall2/saw_generated",
+        "machines/press_generated",
+    ]
+    shutil.rmtree(machines / "hall2" / "saw_generated")
+    result = plcgen("verify", "machines", "--faults", "none")
+    assert result.code == 1
+    assert "S7" not in result.err
+    assert result.out.endswith("\n1 of 2 specs verified without an error\n")
+    assert plcgen("verify", "machines/press.yaml", "machines/press.yaml", "--faults", "none").out.count("Layout") == 1
+    short = plcgen("verify", "machines", "--faults", "none", "-q")
+    assert "press_generated" not in short.out
+
+
+def test_verify_several_for_machines(plcgen, machines):
+    """Every format tells the specs apart."""
+    assert plcgen("generate", "machines", "-q").code == 0
+    shutil.rmtree(machines / "press_generated")
+    found = {
+        name: plcgen("verify", "machines", "--faults", "none", "-f", name).out
+        for name in ("junit", "json", "sarif", "github")
+    }
+    root = ET.fromstring(found["junit"])  # noqa: S314 - our own output
+    cases = [(case.get("classname"), case.get("name")) for case in root.iter("testcase")]
+    assert len(set(cases)) == len(cases)
+    assert {suite.get("name").partition(": ")[0] for suite in root} == {"machines/hall2/saw.yml", "machines/press.yaml"}
+    assert [part["ok"] for part in json.loads(found["json"])["verifications"]] == [True, False]
+    results = json.loads(found["sarif"])["runs"][0]["results"]
+    assert any(result["level"] == "error" for result in results)
+    assert found["github"].startswith("::")
+
+
+def test_one_folder_for_one_spec(plcgen, machines):
+    """--out names the folder of one spec."""
+    for verb in ("generate", "verify"):
+        result = plcgen(verb, "machines", "--out", "plc")
+        assert result.code == 2
+        assert "--out is the folder of one spec, not of 2" in result.err
+    assert not list(machines.rglob("*_generated"))
