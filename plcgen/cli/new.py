@@ -10,54 +10,17 @@ import click
 from plcgen.cli.completed import devices, toolchains
 from plcgen.cli.options import PATH, console, verb
 from plcgen.cli.output import OK, PROBLEMS, OutputError, error_line, help_line
+from plcgen.cli.starter import FAMILIES, RECIPES, starter, usable
 
 if TYPE_CHECKING:
-    from plcgen.protocols.ds47.device import Device, Parameter
-
-FAMILIES = ("s7-300", "s7-400", "s7-1200", "s7-1500")
-
-STARTER = """\
-# A job spec of plcgen. Check it with    plcgen check {file}
-# and make the PLC sources with          plcgen generate {file}
-# All keys, for your editor:             plcgen schema
-
-plc:
-  name: My station
-  family: {family} | {families}
-  toolchain: {toolchain} | step7-v5, tia-v13sp1, tia-v14 .. tia-v21
-  # names: faq | member names as in Siemens FAQ 109750712; default: style guide
-  # languages: [en-US, de-DE] | languages of comments, the first is the main one
-
-drives:
-  drive1:
-    device: {device} | {title}; others: plcgen schema --devices
-    {address} | {address_hint}
-    drive_object: {drive_object} | {rule}
-
-jobs:
-  read_{read_name}:
-    drive: drive1
-    read:
-      - P{read_pnu} | {read_title}
-    # - P1234[0..3] | an array: indexes 0 to 3
-    # - {{parameter: P1234, type: Unsigned16}} | a parameter that the catalogue does not know
-    # trigger: M50.0 | start by this flag; default: a member of DB DriveJobs
-
-  write_{write_name}:
-    drive: drive1
-    write:
-      P{write_pnu}: | {write_title}; without a value: an input of the block
-    # P1234: 10.0 | a constant
-    # timeout: 10s | for the whole job, all retries included
-"""
-_COMMENT = 36
-"""Column of the comments."""
+    from plcgen.protocols.ds47.device import Device
 
 
 @verb(
     "new",
     "plcgen new",
     "plcgen new press.yaml --device sinamics-dcm --family s7-300",
+    "plcgen new fan.yaml --device sinamics-g120 --job actual-values --job faults",
 )
 @click.argument("path", type=PATH, default="job.yaml", metavar="[PATH]")
 @click.option(
@@ -74,12 +37,28 @@ _COMMENT = 36
     shell_complete=toolchains,
     help="step7-v5 or tia-v13sp1 .. tia-v21.  [default: by family]",
 )
+@click.option(
+    "--job",
+    "jobs",
+    multiple=True,
+    type=click.Choice(tuple(RECIPES)),
+    help="A job to start with (repeatable).  [default: all that the device is known to have]",
+)
 @click.option("--force", is_flag=True, help="Overwrite an existing file.")
-def command(*, path: Path, device: str, family: str, toolchain: str | None, force: bool) -> int:
-    """Write a commented starter spec (job.yaml); PATH - writes to stdout."""
+def command(*, path: Path, device: str, family: str, toolchain: str | None, jobs: tuple[str, ...], force: bool) -> int:
+    """Write a commented starter spec (job.yaml); PATH - writes to stdout.
+
+    It begins with reading actual values, setting ramps and reading the fault buffer.
+    """
     out = console()
     tool = _toolchain(family, toolchain)
-    text = starter(path, _device(device, path.parent), family, tool)
+    profile = _device(device, path.parent)
+    known = usable(profile)
+    for job in jobs:
+        if job not in known:
+            offered = f"there is: {', '.join(known)}" if known else "there is no job to choose"
+            raise click.UsageError(f"the catalogue of {device} is not sure of what --job {job} needs; {offered}")
+    text = starter("job.yaml" if path == Path("-") else path.name, profile, family, tool, jobs)
     if path == Path("-"):
         out.result(text)
         return OK
@@ -130,49 +109,3 @@ def _device(key: str, folder: Path) -> Device:
     if not found.parameters:
         raise click.UsageError(f"the profile {key} has no parameters to start from")
     return found
-
-
-def starter(path: Path, device: Device, family: str, toolchain: str) -> str:
-    """Return the text of a starter spec that passes every check."""
-    read, write = _examples(device)
-    classic = family in {"s7-300", "s7-400"}
-    hint = "logical address, see the hardware configuration" if classic else "hardware identifier, see the tag table"
-    file = "job.yaml" if path == Path("-") else path.name
-    text = STARTER.format(
-        file=file,
-        family=family,
-        families=", ".join(FAMILIES),
-        toolchain=toolchain,
-        device=device.key,
-        title=device.title,
-        address="address: 256" if classic else "hardware_id: 270",
-        address_hint=hint,
-        drive_object=device.drive_object,
-        rule=device.drive_object_rule,
-        read_name=read.name or f"p{read.pnu}",
-        read_pnu=read.pnu,
-        read_title=read.title,
-        write_name=write.name or f"p{write.pnu}",
-        write_pnu=write.pnu,
-        write_title=write.title,
-    )
-    return "".join(_aligned(line) for line in text.splitlines())
-
-
-def _aligned(line: str) -> str:
-    body, bar, comment = line.partition(" | ")
-    return f"{body:<{_COMMENT - 1}} # {comment}\n" if bar else f"{line}\n"
-
-
-_FAMILIAR = (1120, 1121, 50303, 50304)
-"""Ramp times: everybody knows what they do."""
-
-
-def _examples(device: Device) -> tuple[Parameter, Parameter]:
-    """One parameter to read and one to write: harmless, single value, of a known type, preferably a ramp time."""
-    known = sorted((p for p in device.parameters.values() if p.type), key=lambda p: p.pnu)
-    harmless = [p for p in known if not device.danger(p.pnu) and not p.bico and p.pnu not in device.bases]
-    writable = [p for p in harmless if "w" in p.access]
-    sure = [p for p in writable if p.grades.get("type") != "recalled"]
-    best = [p for p in sure if p.pnu in _FAMILIAR] or [p for p in sure if p.name] or writable or known
-    return best[0], best[min(1, len(best) - 1)]

@@ -7,6 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
+import yaml
 
 from plcgen import api as plcgen_api
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
@@ -341,6 +342,27 @@ def test_new_passes_check(plcgen, device, family):
     checked = plcgen("check", "x.yaml")
     assert checked.code == 0
     assert set(re.findall(r"PG\d{3}", checked.out + checked.err)) <= {"PG227", "PG228"}
+
+
+def test_new_starts_with_what_most_need(plcgen, tmp_path):
+    """Actual values, ramps and the fault buffer, as far as the catalogue is sure; what identifies a drive."""
+
+    def jobs(*args):
+        assert plcgen("new", "--force", *args).code == 0
+        text = (tmp_path / "job.yaml").read_text("utf-8")
+        assert "plcgen explain hardware-id" in text
+        return {key: job.get("read") or job.get("write") for key, job in yaml.safe_load(text)["jobs"].items()}
+
+    assert jobs("--device", "sinamics-g120") == {
+        "read_actual_values": ["r21", "r26", "r27", "r31"],
+        "set_ramps": {"P1120": {"start": 10.0}, "P1121": {"start": 10.0}},
+        "read_faults": ["r945[0..7]", "r949[0..7]"],
+    }
+    assert list(jobs("--device", "sinamics-g120", "--job", "faults", "--job", "ramps")) == ["set_ramps", "read_faults"]
+    assert jobs("--device", "sinamics-dcm")["read_ramp_up_time_1"] == ["P50303"]  # nobody has read r945 of a DCM
+    refused = plcgen("new", "--device", "sinamics-dcm", "--job", "faults", "--force")
+    assert refused.code == 2
+    assert "is not sure of what --job faults needs; there is: ramps" in refused.err
 
 
 def test_new_never_overwrites(plcgen, tmp_path):

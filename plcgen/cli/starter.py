@@ -1,0 +1,149 @@
+"""The text of a commented starter spec: jobs that most projects begin with, for what a device is known to have."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from plcgen.protocols.ds47.device import Device, Parameter
+
+FAMILIES = ("s7-300", "s7-400", "s7-1200", "s7-1500")
+
+_HEAD = """\
+# A job spec of plcgen. Check it with    plcgen check {file}
+# and make the PLC sources with          plcgen generate {file}
+# All keys, for your editor:             plcgen schema
+
+plc:
+  name: My station
+  family: {family} | {families}
+  toolchain: {toolchain} | step7-v5, tia-v13sp1, tia-v14 .. tia-v21
+  # names: faq | member names as in Siemens FAQ 109750712; default: style guide
+  # languages: [en-US, de-DE] | languages of comments, the first is the main one
+
+drives:
+  drive1:
+    device: {device} | {title}; others: plcgen schema --devices
+    {address} | {address_hint}: plcgen explain hardware-id
+    drive_object: {drive_object} | {rule}
+
+jobs:
+"""
+_MORE = {
+    False: """\
+    # - P1234[0..3] | an array: indexes 0 to 3
+    # - {parameter: P1234, type: Unsigned16} | a parameter that the catalogue does not know
+""",
+    True: """\
+      # P1234[0..1]: [1.0, 2.0] | an array of constants
+""",
+}
+_TAIL = """\
+    # trigger: M50.0 | start by this flag; default: a member of DB DriveJobs
+    # timeout: 10s | for the whole job, all retries included
+"""
+_COMMENT = 36
+"""Column of the comments."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """A job to start from: its key, whether it writes, the parameters that it takes of those that a device has.
+
+    ``indexes`` follows each of them, ``start`` is what inputs are that nothing is connected to. A device that has none
+    of the ``needed`` ones cannot have the job.
+    """
+
+    key: str
+    writes: bool
+    numbers: tuple[int, ...]
+    needed: frozenset[int]
+    indexes: str = ""
+    start: str = ""
+
+
+RECIPES = {
+    "actual-values": Recipe("read_actual_values", False, (21, 26, 27, 31), frozenset({21})),  # noqa: FBT003
+    "ramps": Recipe("set_ramps", True, (1120, 1121, 50303, 50304), frozenset({1121, 50304}), start="10.0"),  # noqa: FBT003
+    "faults": Recipe("read_faults", False, (945, 949), frozenset({945}), "[0..7]"),  # noqa: FBT003
+}
+"""Speed, DC link voltage, current and torque; ramp times; the eight faults of the present fault situation."""
+
+
+def usable(device: Device) -> tuple[str, ...]:
+    """Names of the recipes that a device has the parameters for, with types that are more than recalled."""
+    return tuple(name for name, recipe in RECIPES.items() if _known(device).keys() & recipe.needed)
+
+
+def starter(file: str, device: Device, family: str, toolchain: str, jobs: Sequence[str] = ()) -> str:
+    """A starter spec that passes every check.
+
+    It has the recipes ``jobs``, by default all that are usable, else a parameter to read and one to write.
+    """
+    classic = family in {"s7-300", "s7-400"}
+    hint = "logical address, see the hardware configuration" if classic else "hardware identifier"
+    head = _HEAD.format(
+        file=file,
+        family=family,
+        families=", ".join(FAMILIES),
+        toolchain=toolchain,
+        device=device.key,
+        title=device.title,
+        address="address: 256" if classic else "hardware_id: 270",
+        address_hint=hint,
+        drive_object=device.drive_object,
+        rule=device.drive_object_rule,
+    )
+    known = _known(device)
+    recipes = [RECIPES[name] for name in RECIPES if name in (jobs or usable(device))] or _any_two(device)
+    if not jobs and all(recipe.writes for recipe in recipes):
+        recipes.insert(0, _reading(known[next(number for number in recipes[0].numbers if number in known)]))
+    body = "\n".join(_job(recipe, known if recipe.needed else device.parameters) for recipe in recipes)
+    return "".join(_aligned(line) for line in (head + body + _MORE[recipes[-1].writes] + _TAIL).splitlines())
+
+
+def _known(device: Device) -> dict[int, Parameter]:
+    """What can be read without anything else being said about it."""
+    return {p.pnu: p for p in device.parameters.values() if p.type and p.grades.get("type") != "recalled"}
+
+
+def _job(recipe: Recipe, parameters: dict[int, Parameter]) -> str:
+    lines = [_line(parameters[number], recipe) for number in recipe.numbers if number in parameters]
+    return "\n".join(
+        [f"  {recipe.key}:", "    drive: drive1", f"    {'write' if recipe.writes else 'read'}:", *lines, ""]
+    )
+
+
+def _line(parameter: Parameter, recipe: Recipe) -> str:
+    letter = "r" if parameter.access == "r" else "P"
+    title = f"{parameter.title}{f', {parameter.unit}' if parameter.unit else ''}"
+    if not recipe.writes:
+        return f"      - {letter}{parameter.pnu}{recipe.indexes} | {title}"
+    value = f" {{start: {recipe.start}}}" if recipe.start else ""
+    return f"      {letter}{parameter.pnu}:{value} | {title}; an input of the block"
+
+
+def _any_two(device: Device) -> list[Recipe]:
+    """A parameter to read and one to write: harmless, single value, of a known type, preferably one with a name."""
+    known = sorted((p for p in device.parameters.values() if p.type), key=lambda p: p.pnu)
+    harmless = [p for p in known if not device.danger(p.pnu) and not p.bico and p.pnu not in device.bases]
+    writable = [p for p in harmless if "w" in p.access]
+    sure = [p for p in writable if p.grades.get("type") != "recalled"]
+    best = [p for p in sure if p.name] or writable or known
+    write = best[min(1, len(best) - 1)]
+    return [_reading(best[0]), Recipe(f"write_{_name(write)}", True, (write.pnu,), frozenset())]  # noqa: FBT003
+
+
+def _reading(parameter: Parameter) -> Recipe:
+    return Recipe(f"read_{_name(parameter)}", False, (parameter.pnu,), frozenset())  # noqa: FBT003
+
+
+def _name(parameter: Parameter) -> str:
+    return parameter.name or f"p{parameter.pnu}"
+
+
+def _aligned(line: str) -> str:
+    body, bar, comment = line.partition(" | ")
+    return f"{body:<{_COMMENT - 1}} # {comment}\n" if bar else f"{line}\n"
