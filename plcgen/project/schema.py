@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
 from plcgen.input.validation import StrictModel, problem
+from plcgen.project.editor import DURATION
 
 Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
 Toolchain = Literal[
@@ -46,6 +47,10 @@ def trigger_short(value: object) -> object:
     return {"execute": value} if isinstance(value, str) else value
 
 
+TRIGGER_SCHEMA = {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/Trigger"}, {"type": "null"}]}
+"""JSON schema of what :func:`trigger_short` widens."""
+
+
 def short_item(key: str) -> BeforeValidator:
     """Widens what names one thing: ``P50`` to ``{key: P50}``."""
     return BeforeValidator(lambda value: {key: value} if isinstance(value, str) else value)
@@ -72,7 +77,7 @@ def short_items(key: str) -> BeforeValidator:
 def short_item_schema(item: str) -> dict[str, Any]:
     """JSON schema of a list of what :func:`short_item` widens to the definition ``item``, or of a single text."""
     items = {"anyOf": [{"type": "string"}, {"$ref": f"#/$defs/{item}"}]}
-    return {"anyOf": [{"type": "string"}, {"type": "array", "items": items}]}
+    return {"anyOf": [{"type": "string"}, {"type": "array", "items": items}, {"type": "null"}]}
 
 
 def short_items_schema(definitions: dict[str, Any], item: str, key: str, *, lists: bool) -> dict[str, Any]:
@@ -90,6 +95,7 @@ def short_items_schema(definitions: dict[str, Any], item: str, key: str, *, list
         "anyOf": [
             {"type": "object", "additionalProperties": {"anyOf": below}},
             {"type": "array", "items": {"$ref": f"#/$defs/{item}"}},
+            {"type": "null"},
         ]
     }
 
@@ -98,7 +104,7 @@ Duration = Annotated[
     int,
     BeforeValidator(_duration),
     Field(ge=1, le=3_600_000),
-    WithJsonSchema({"type": "string", "pattern": r"^[0-9]{1,7}\s*(ms|s|min)$", "examples": ["200ms", "10s"]}),
+    WithJsonSchema({"type": "string", "pattern": DURATION, "examples": ["200ms", "10s"]}),
 ]
 CpuName = Annotated[
     str, BeforeValidator(_cpu_name), Field(max_length=40), WithJsonSchema({"type": ["string", "integer"]})
@@ -110,6 +116,7 @@ Text = Annotated[
         {"anyOf": [{"type": "string"}, {"type": "object", "additionalProperties": {"type": "string"}}]},
     ),
 ]
+COMMENT = "for readers: text, or one text per language"
 Value = bool | int | float | str
 
 
@@ -163,17 +170,17 @@ class Plc(StrictModel):
 class BlockName(StrictModel):
     """Name and number of the job's function block or its instance DB."""
 
-    name: str | None = Field(None, min_length=1, max_length=125)
-    number: int | None = Field(None, ge=1, le=65535)
+    name: str | None = Field(None, min_length=1, max_length=125, description="name; absent: from the job's key")
+    number: int | None = Field(None, ge=1, le=65535, description="number; absent: automatic")
 
 
 class Trigger(StrictModel):
     """Flags or symbols of the job's call; absent ones are members of the control DB."""
 
     execute: str | None = Field(None, description="bit that starts the job, e.g. M50.0 or Plant.start")
-    busy: str | None = None
-    done: str | None = None
-    error: str | None = None
+    busy: str | None = Field(None, description="bit that says that the job runs")
+    done: str | None = Field(None, description="bit that says that the job ended well, e.g. M50.5")
+    error: str | None = Field(None, description="bit that says that the job ended with an error")
     status: str | None = Field(None, description="word for the status, e.g. MW52")
 
 
@@ -181,4 +188,4 @@ class Spec(StrictModel):
     """What every spec has; each protocol that it uses adds its sections, see ``shape``."""
 
     version: Literal[1] = Field(1, description="version of the spec format")
-    plc: Plc
+    plc: Plc = Field(description="the controller")

@@ -7,8 +7,12 @@ from typing import Any
 
 from pydantic import create_model
 
+from plcgen.project.editor import in_a_file
 from plcgen.project.schema import Spec
 from plcgen.protocols.base import Protocol
+
+VERSION = 1
+"""Version of the spec format, the only one that ``version:`` may say."""
 
 
 @functools.cache
@@ -27,5 +31,10 @@ def json_schema(known: tuple[Protocol, ...]) -> dict[str, Any]:
     for protocol in known:
         protocol.complete(schema)
     schema["required"] = ["plc"]
-    schema["anyOf"] = [{"required": [protocol.sections[0]]} for protocol in known]
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "plcgen job spec"}
+    schema["anyOf"] = [
+        {"required": [name], "properties": {name: {"minProperties": 1}}}
+        for name in (protocol.sections[0] for protocol in known)
+    ]
+    schema["description"] = "A PLC, its drives and stations, and the jobs that read and write their values."
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": f"urn:plcgen:spec:{VERSION}"}
+    return {**head, "title": "plcgen job spec", **in_a_file(schema)}

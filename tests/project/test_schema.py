@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import copy
+import json
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import pytest
@@ -10,6 +14,7 @@ import yaml
 from projects import SPECS, every_type
 
 from plcgen.diagnostics import Report
+from plcgen.input.yaml import resolve_plain
 from plcgen.project.loading import parse_spec, spec_keys
 from plcgen.project.shape import json_schema
 from plcgen.protocols.ds47 import devices as catalog
@@ -47,6 +52,126 @@ def test_editor_and_tool_refuse_the_same(line: str) -> None:
     report = Report()
     assert parse_spec(text, "t.yaml", report) is None
     assert report.has_errors
+
+
+def _texts(schema: object, path: str = "") -> Iterator[str]:
+    """Keys of the schema that nothing is said about."""
+    if isinstance(schema, dict):
+        for key, value in schema.get("properties", {}).items():
+            if isinstance(value, dict) and not value.get("description") and value != {"minProperties": 1}:
+                yield f"{path}/{key}"
+        for key, value in schema.items():
+            yield from _texts(value, f"{path}/{key}")
+
+
+def test_every_key_is_explained() -> None:
+    """The text that an editor shows; and a name of the schema that stays what it is."""
+    schema = json_schema(protocols())
+    assert list(_texts(schema)) == []
+    assert schema["$id"] == "urn:plcgen:spec:1"
+
+
+def test_editors_complete() -> None:
+    """Devices, CPUs, data types, and names of parameters, of which only what can be written stands below write."""
+    schema = json_schema(protocols())
+    definitions = schema["$defs"]
+    assert "sinamics-g120" in definitions["DriveEntry"]["properties"]["device"]["anyOf"][0]["enum"]
+    assert "FloatingPoint" in definitions["ParameterDef"]["properties"]["type"]["anyOf"][0]["enum"]
+    assert "224XP" in definitions["PpiStation"]["properties"]["cpu"]["anyOf"][0]["enum"]
+    assert "fault_code" in definitions["ReadItem"]["properties"]["parameter"]["anyOf"][0]["enum"]
+    writable = definitions["Job"]["properties"]["write"]["anyOf"][0]["properties"]
+    assert writable["ramp_up_time"]["description"]
+    assert "fault_code" not in writable
+
+
+def test_defaults_are_written_as_in_a_file() -> None:
+    """A default that an editor inserts is one that the tool takes: 60s, not 60000."""
+    settings = json_schema(protocols())["$defs"]["DriveEntry"]["properties"]
+    assert settings["wait"]["default"] == "60s"
+    assert VALIDATOR.schema["$defs"]["Job"]["properties"]["retry_pause"]["default"] == "200ms"
+
+
+class _Editor(yaml.SafeLoader):
+    """YAML as an editor reads it, to which a number in the spelling of STEP 7 is a text."""
+
+
+_Editor.yaml_implicit_resolvers = {}
+_Editor.add_constructor(
+    "tag:yaml.org,2002:str",
+    lambda _, node: node.value if node.style or "#" in node.value else resolve_plain(node.value),
+)
+
+DRIVES = {
+    "plc": {"name": "a", "family": "s7-1500", "toolchain": "tia-v19"},
+    "units": {"u": {"device": "sinamics-s120", "drives": {"x": {"hardware_id": 281}}}},
+    "drives": {"d": {"device": "sinamics-g120", "hardware_id": 270, "parameters": {"P2900": {"type": "N2"}}}},
+    "jobs": {
+        "r": {"drive": "d", "read": [{"parameter": "r21"}], "trigger": {"execute": "M1.0"}, "block": {"number": 1}},
+        "w": {"drive": "d", "write": [{"parameter": "P1120"}], "request": {"db": 3}},
+        "m": {"drive": "d", "write": {"P1120": {"as": "x"}}},
+    },
+}
+MASTERS = {
+    "plc": {"name": "a", "family": "s7-1200", "toolchain": "tia-v19", "numbers": {"db": 5}, "instructions": {}},
+    "ppi": {
+        "m": {
+            "module": "cm1241",
+            "port": 270,
+            "stations": {"s": {"address": 2}},
+            "jobs": {
+                "r": {"station": "s", "read": [{"item": "VB1"}], "response": {"db": 3}},
+                "w": {"station": "s", "write": [{"item": "VB1"}]},
+            },
+        }
+    },
+}
+VALUES = [
+    "5", "0", "-1", "70000", "1.5", "true", "null", "abc", "''", "16#0A", "10s", "{}", "[a]", "[1]", "{a: 1}",
+    "{en-US: x}", "{P971: why}", "auto", "CDS", "profibus", "V2.1", "{execute: M50.0}", "[{parameter: P1}]", "[{item: VB1}]",
+]  # fmt: skip
+EDITORS_MAY_BE_STRICTER = {"device", "baud", "version"}
+"""What a rule refuses later, not the shape; and ``version: true``."""
+TEXTS = {"16#0A"}
+"""Numbers to the tool, texts to an editor."""
+NUMBERS = {"firmware"}
+"""2.1 is a version, 5 is none: to an editor both are numbers."""
+
+
+def _places(data: Any, at: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
+    """Every key that a spec has, or may have beside those it has."""
+    if isinstance(data, dict):
+        yield from ((*at, key) for key in dict.fromkeys([*spec_keys(at), *data]))
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ():
+        yield from _places(value, (*at, key))
+
+
+def _with(data: Any, path: tuple[str | int, ...], value: str) -> str:
+    spec: Any = copy.deepcopy(data)
+    node = spec
+    for step in path[:-1]:
+        node = node[step]
+    node[path[-1]] = "HERE"
+    return json.dumps(spec).replace('"HERE"', value)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("base", [DRIVES, MASTERS], ids=["drives", "masters"])
+def test_editor_and_tool_take_the_same(base: dict[str, Any]) -> None:
+    """Whatever stands at whatever key: the schema takes it if, and only if, the shape of a spec does."""
+    sections = set(base) | set(spec_keys(())) - {"ppi", "units", "drives", "jobs"}
+    different, seen = [], set()
+    for path in dict.fromkeys(place for place in _places(base) if place[0] in sections):
+        kind = (*spec_keys(path[:-1]), path[-1])
+        for value in VALUES if kind not in seen else ():
+            text, report = _with(base, path, value), Report()
+            tool = parse_spec(text, "t.yaml", report) is not None
+            if tool == VALIDATOR.is_valid(yaml.load(text, Loader=_Editor)):  # noqa: S506 - texts and numbers only
+                continue
+            if (tool and path[-1] in EDITORS_MAY_BE_STRICTER) or (not tool and (value in TEXTS or path[-1] in NUMBERS)):
+                continue
+            different.append((".".join(map(str, path)), value, "only the tool" if tool else "only the editor"))
+        seen.add(kind)
+    assert different == []
 
 
 def test_the_spec_of_every_type_has_the_right_shape() -> None:

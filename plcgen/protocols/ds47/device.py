@@ -127,14 +127,14 @@ class ParameterDef(StrictModel):
     type: str = Field(description="DS47 data type, e.g. FloatingPoint, Unsigned16, OctetString[4]")
     name: str | None = Field(None, description="symbolic name, snake_case; becomes the block's member name")
     title: str | None = Field(None, description="text for comments")
-    unit: str | None = None
+    unit: str | None = Field(None, description="text for comments, such as s or rpm")
     access: Literal["r", "w", "rw"] | None = Field(None, description="absent: rw, or r where it can only be read")
     array: Indexes | None = Field(
         None, description="number of indexes, or what it follows: CDS, DDS, EDS, MDS, n; absent: not indexed"
     )
-    min: float | None = None
-    max: float | None = None
-    default: Value | None = None
+    min: float | None = Field(None, description="least value that a constant may have")
+    max: float | None = Field(None, description="greatest value that a constant may have")
+    default: Value | None = Field(None, description="factory setting")
     bico: bool = Field(default=False, description="value is a BICO source such as r722.2")
 
 

@@ -17,7 +17,7 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.files import below
 from plcgen.input.text import read_text
 from plcgen.plugins import plugins
-from plcgen.protocols.ds47.device import Device
+from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.resources import specs_dir
 
 GROUP = "plcgen.devices"
@@ -135,6 +135,12 @@ def find_device(name: str) -> Device:
     if found is None:
         raise DiagnosticError(report)
     return found
+
+
+def named_parameters() -> dict[str, Parameter]:
+    """Parameters of any of the profiles by their names, for completion."""
+    found = {p.name: p for device in device_names() for p in find_device(device).parameters.values()}
+    return {name: found[name] for name in sorted(found) if name}
 
 
 def offer_names(schema: dict[str, Any]) -> None:

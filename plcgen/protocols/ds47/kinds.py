@@ -16,6 +16,7 @@ from pydantic import Field
 from plcgen.input.validation import StrictModel
 from plcgen.plugins import plugins
 from plcgen.project.schema import (
+    COMMENT,
     OF_AN_INPUT,
     ONE_OR_MORE,
     Text,
@@ -36,7 +37,7 @@ class ReadItem(StrictModel):
     parameter: str = Field(description="P50303, p2155[1..2], r0945[0..7] or a catalogue name")
     as_: str | None = Field(None, alias="as", description="name of the block's output")
     type: str | None = Field(None, description="DS47 data type if the catalogue has none")
-    comment: Text | None = None
+    comment: Text | None = Field(None, description=COMMENT)
 
 
 class WriteItem(StrictModel):
@@ -49,7 +50,7 @@ class WriteItem(StrictModel):
     start: Annotated[Value | tuple[Value, ...] | None, OF_AN_INPUT] = Field(
         None, description="start value of the input"
     )
-    comment: Text | None = None
+    comment: Text | None = Field(None, description=COMMENT)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,16 +7,28 @@ step sees one shape. Whatever needs knowledge of devices, types or targets is ch
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import AfterValidator, BeforeValidator, Field, create_model
+from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, create_model
 
 from plcgen.input.validation import StrictModel, problem
-from plcgen.project.schema import ONE_OR_MORE, BlockName, Duration, Naming, Text, Trigger, trigger_short
+from plcgen.project.editor import offered
+from plcgen.project.schema import (
+    COMMENT,
+    ONE_OR_MORE,
+    TRIGGER_SCHEMA,
+    BlockName,
+    Duration,
+    Naming,
+    Text,
+    Trigger,
+    trigger_short,
+)
 from plcgen.protocols.ds47.device import Line, ParameterDef, ParameterNumber
-from plcgen.protocols.ds47.devices import offer_names
+from plcgen.protocols.ds47.devices import named_parameters, offer_names
 from plcgen.protocols.ds47.kinds import kinds
+from plcgen.protocols.ds47.wire.formats import format_names
 
 
 def _address(value: int) -> int:
@@ -36,8 +48,15 @@ def _hardware_id(value: int | str) -> int | str:
 
 
 _LAST_ADDRESS = 32767
-Address = Annotated[int, Field(ge=0, le=65535), AfterValidator(_address)]
-HardwareNumber = Annotated[int, Field(ge=0, le=65535)]
+Address = Annotated[
+    int,
+    Field(ge=0, le=65535),
+    AfterValidator(_address),
+    WithJsonSchema({"type": "integer", "minimum": 0, "maximum": _LAST_ADDRESS}),
+]
+HardwareNumber = Annotated[
+    int, Field(ge=0, le=65535), WithJsonSchema({"type": "integer", "minimum": 1, "maximum": 65535})
+]
 ConstantName = Annotated[str, Field(min_length=1, max_length=128)]
 HardwareId = Annotated[HardwareNumber | ConstantName, AfterValidator(_hardware_id)]
 
@@ -54,7 +73,7 @@ class DriveSettings(StrictModel):
     )
     drive_object: int | None = Field(None, ge=0, le=255, description="drive object / axis; default of the device")
     parameters: dict[str, ParameterDef] = Field(default_factory=dict, description="parameters outside the catalogue")
-    comment: Text | None = None
+    comment: Text | None = Field(None, description=COMMENT)
 
 
 RecordIndex = Annotated[
@@ -106,7 +125,17 @@ def _signed(value: object) -> object:
     return value
 
 
-SignOff = Annotated[dict[ParameterNumber, Line], BeforeValidator(_signed)]
+SignOff = Annotated[
+    dict[ParameterNumber, Line],
+    BeforeValidator(_signed),
+    WithJsonSchema(
+        {
+            "type": "object",
+            "propertyNames": {"pattern": "^[PpRr]?[0-9]{1,9}$"},
+            "additionalProperties": {"type": "string", "maxLength": 300},
+        }
+    ),
+]
 """Parameters that a job may write although that can do harm, and why."""
 
 
@@ -152,7 +181,7 @@ class JobSettings(StrictModel):
     split: Literal["auto", "never"] = Field("auto", description="may the job be split into several telegrams")
     allow: SignOff = Field(default_factory=dict, description="dangerous parameters this job may write: why")
     allow_safety: SignOff = Field(default_factory=dict, description="Safety parameters this job may write: why")
-    comment: Text | None = None
+    comment: Text | None = Field(None, description=COMMENT)
 
 
 class JobEntry(JobSettings, JobTarget):
@@ -163,8 +192,8 @@ class DriveSections(StrictModel):
     """Units, drives and their jobs."""
 
     units: dict[str, UnitEntry] = Field(default_factory=dict, description="devices with several drive objects")
-    drives: dict[str, DriveEntry] = Field(default_factory=dict)
-    jobs: Mapping[str, JobEntry] = Field(min_length=1)
+    drives: dict[str, DriveEntry] = Field(default_factory=dict, description="drives by key")
+    jobs: Mapping[str, JobEntry] = Field(min_length=1, description="jobs by key")
 
     def placed(self) -> Iterator[PlacedDrive]:
         """Every drive, those of units first."""
@@ -187,19 +216,38 @@ def sections(*, alone: bool) -> type[DriveSections]:
     return create_model(
         "DriveSections",
         __base__=DriveSections,
-        jobs=(dict[str, job], Field(**least)),
+        jobs=(dict[str, job], Field(**least, description="jobs by key")),
     )
 
 
+def _offer(definition: dict[str, Any], key: str, names: Iterable[str]) -> None:
+    """Let an editor complete a text, which may be null if it could be before."""
+    entry = definition["properties"][key]
+    null = [{"type": "null"}] if "null" in str(entry.pop("anyOf", "")) else []
+    entry.pop("type", None)
+    entry["anyOf"] = [*offered(names)["anyOf"], *null]
+
+
 def complete(schema: dict[str, Any]) -> None:
-    """Put the short forms of jobs into the JSON schema of a spec."""
+    """Put the short forms of jobs, data types and names of parameters into the JSON schema of a spec."""
     definitions = schema["$defs"]
+    for name in ("ParameterDef", "ReadItem", "WriteItem"):
+        _offer(definitions[name], "type", format_names())
     job = definitions["Job"]["properties"]
     for kind in kinds():
         if kind.short is not None:
             job[kind.key] = {**kind.short(definitions), "description": kind.description}
-    job["drive"] = {"anyOf": [{"type": "string"}, job["drive"]], "description": job["drive"]["description"]}
-    job["trigger"] = {
-        "anyOf": [{"type": "string"}, {"$ref": "#/$defs/Trigger"}],
-        "description": job["trigger"]["description"],
+    names = named_parameters()
+    for name in ("ReadItem", "WriteItem"):
+        _offer(definitions[name], "parameter", names)
+    read, write = job["read"]["anyOf"], job["write"]["anyOf"]
+    read[0] = read[1]["items"]["anyOf"][0] = offered(names)
+    definitions["WriteValue"] = write[0]["additionalProperties"]
+    write[0]["additionalProperties"] = {"$ref": "#/$defs/WriteValue"}
+    write[0]["properties"] = {
+        name: {"$ref": "#/$defs/WriteValue", "description": parameter.title}
+        for name, parameter in names.items()
+        if "w" in parameter.access
     }
+    job["drive"] = {"anyOf": [{"type": "string"}, job["drive"]], "description": job["drive"]["description"]}
+    job["trigger"] = {**TRIGGER_SCHEMA, "description": job["trigger"]["description"]}

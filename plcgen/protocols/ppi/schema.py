@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from plcgen.input.validation import StrictModel
+from plcgen.project.editor import offered
 from plcgen.project.schema import (
+    COMMENT,
     OF_AN_INPUT,
     ONE_OR_MORE,
+    TRIGGER_SCHEMA,
     BlockName,
+    CpuName,
     Duration,
     Text,
     Trigger,
@@ -21,9 +25,19 @@ from plcgen.project.schema import (
     short_items_schema,
     trigger_short,
 )
+from plcgen.protocols.ppi.wire.profiles import profiles
 
 Module = Literal["cm1241", "cb1241", "cm-ptp", "cp341"]
 VERBS = ("read", "write", "run", "stop")
+
+
+_FIRMWARE = r"^[Vv]?[0-9]{1,2}\.[0-9]{1,2}(\.[0-9]{1,2})?$"
+Firmware = Annotated[
+    str,
+    BeforeValidator(str),
+    Field(pattern=_FIRMWARE),
+    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "pattern": _FIRMWARE}]}),
+]
 
 
 class PpiBuffer(StrictModel):
@@ -39,7 +53,7 @@ class PpiReadItem(StrictModel):
     item: str = Field(description="VB100, VW100, VD100, V100.3, M0.0, SMB34, AIW0, T32, C5, VB100[20] or a symbol")
     as_: str | None = Field(None, alias="as", description="name of the block's output")
     type: str | None = Field(None, description="type of the output, e.g. Int or Real; default Byte, Word, DWord, Bool")
-    comment: Text | None = None
+    comment: Text | None = Field(None, description=COMMENT)
 
 
 class PpiWriteItem(StrictModel):
@@ -50,18 +64,18 @@ class PpiWriteItem(StrictModel):
     as_: str | None = Field(None, alias="as", description="name of the block's input")
     type: str | None = Field(None, description="type of the input, e.g. Int or Real; default Byte, Word, DWord, Bool")
     start: Annotated[Value | None, OF_AN_INPUT] = Field(None, description="start value of the input")
-    comment: Text | None = None
+    comment: Text | None = Field(None, description=COMMENT)
 
 
 class PpiStation(StrictModel):
     """One S7-200 on the line."""
 
     address: int = Field(ge=0, le=126, description="PPI address of the CPU; 2 is the factory setting")
-    cpu: str = Field("226", description="221, 222, 224, 224XP, 226, ST20 or ST40: how much memory it has")
+    cpu: CpuName = Field("226", description="221, 222, 224, 224XP, 226, ST20 or ST40: how much memory it has")
     symbols: str | dict[str, str] | None = Field(
         None, description="CSV export of the Micro/WIN symbol table beside the spec, or symbols with their addresses"
     )
-    comment: Text | None = None
+    comment: Text | None = Field(None, description=COMMENT)
 
 
 class MasterJob(StrictModel):
@@ -85,24 +99,20 @@ class MasterJob(StrictModel):
     timeout: Duration = Field(10_000, description="whole job, waiting for the port and all retries included")
     split: Literal["auto", "never"] = Field("auto", description="may the job be split into several telegrams")
     merge: bool = Field(default=True, description="may neighbouring addresses share an item and its return code")
-    comment: Text | None = None
+    comment: Text | None = Field(None, description=COMMENT)
 
 
 class PpiMaster(StrictModel):
     """One serial port as PPI master."""
 
     module: Module = Field(description="cm1241, cb1241 (S7-1200), cm-ptp (S7-1200/1500) or cp341 (S7-300)")
-    firmware: Annotated[str, BeforeValidator(str)] | None = Field(
-        None,
-        pattern=r"^[Vv]?[0-9]{1,2}\.[0-9]{1,2}(\.[0-9]{1,2})?$",
-        description="firmware of the module, to be checked",
-    )
+    firmware: Firmware | None = Field(None, description="firmware of the module, to be checked")
     port: int | None = Field(None, ge=1, le=65535, description="hardware identifier of the port (S7-1200/1500)")
     address: int | None = Field(None, ge=0, le=32767, description="logical address of the CP 341 (S7-300/400)")
     own_address: int = Field(0, ge=0, le=126, description="PPI address of this master; 0 is that of a PC")
-    baud: int = Field(9600, description="9600 or 19200")
-    stations: dict[str, PpiStation] = Field(min_length=1)
-    jobs: dict[str, MasterJob] = Field(min_length=1)
+    baud: Annotated[int, WithJsonSchema({"enum": [9600, 19200]})] = Field(9600, description="9600 or 19200")
+    stations: dict[str, PpiStation] = Field(min_length=1, description="stations on the line by key")
+    jobs: dict[str, MasterJob] = Field(min_length=1, description="jobs by key")
     block: BlockName = Field(BlockName(), description="the master's function block")
     instance: BlockName = Field(BlockName(), description="the function block's instance DB")
     ob1_cycle: Duration = Field(50, ge=1, description="longest cycle time of OB1; the timeouts are computed with it")
@@ -112,7 +122,7 @@ class PpiMaster(StrictModel):
     poll_pause: Duration = Field(20, description="pause before the next poll of a station that is not ready")
     retries: int = Field(3, ge=0, le=20, description="repetitions of one telegram that is not answered")
     polls: int = Field(10, ge=1, le=100, description="polls of one request that is answered with E5")
-    comment: Text | None = None
+    comment: Text | None = Field(None, description=COMMENT)
 
 
 class PpiSection(StrictModel):
@@ -128,7 +138,10 @@ def complete(schema: dict[str, Any]) -> None:
     shapes = {
         "read": short_item_schema("PpiReadItem"),
         "write": short_items_schema(definitions, "PpiWriteItem", "item", lists=False),
-        "trigger": {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/Trigger"}]},
+        "trigger": TRIGGER_SCHEMA,
     }
+    station = definitions["PpiStation"]["properties"]["cpu"]
+    station["anyOf"] = [*offered(profiles())["anyOf"], {"type": "integer"}]
+    station.pop("type", None)
     for key, shape in shapes.items():
         job[key] = {**shape, "description": job[key]["description"]}

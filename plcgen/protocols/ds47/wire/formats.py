@@ -136,6 +136,11 @@ def _names() -> dict[str, Format]:
     return {item.name.lower(): item for item in FORMATS}
 
 
+def format_names() -> list[str]:
+    """Names of what a parameter can be, without strings, which have a length."""
+    return [item.name for item in FORMATS if item.writable and not item.is_string]
+
+
 def find(code: int) -> Format | None:
     """Return the format with this wire code, or None if the code is reserved."""
     return _codes().get(code)
