@@ -127,7 +127,8 @@ MASTERS = {
 }
 VALUES = [
     "5", "0", "-1", "70000", "1.5", "true", "null", "abc", "''", "16#0A", "10s", "{}", "[a]", "[1]", "{a: 1}",
-    "{en-US: x}", "{P971: why}", "auto", "CDS", "profibus", "V2.1", "{execute: M50.0}", "[{parameter: P1}]", "[{item: VB1}]",
+    "{en-US: x}", "{P971: why}", "auto", "CDS", "profibus", "V2.1", "{execute: M50.0}", "[{parameter: P1}]",
+    "[{item: VB1}]",
 ]  # fmt: skip
 EDITORS_MAY_BE_STRICTER = {"device", "baud", "version"}
 """What a rule refuses later, not the shape; and ``version: true``."""
