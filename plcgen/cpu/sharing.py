@@ -1,4 +1,4 @@
-"""What two parts of a program must not share: an instance with record jobs, the unit of a channel, a drive.
+"""What two parts of a program must not share: an instance with record jobs, the unit of a channel, a slot, a drive.
 
 A channel is known by what it is: an FB that calls WRREC or RDREC and has an IN_OUT ``unit``; a job is an FB with an
 IN_OUT of the same type. What depends on a variable, and code that is no SCL text, is not judged.
@@ -11,12 +11,12 @@ from dataclasses import dataclass, field
 
 from plcgen.cpu.call_sites import CallSite, CallSites, DataPath, Reached, placed
 from plcgen.cpu.linkage import Linkage, ProgramBlock
-from plcgen.diagnostics import Diagnostic, Note, Severity
+from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.s7.blocks import BlockKind, SectionKind
 from plcgen.s7.types import NamedType
 
 _RECORD_BLOCKS = {"RDREC": "SFB52", "WRREC": "SFB53"}
-_UNIT, _PLACE = "UNIT", "PLACE"
+_UNIT, _PLACE, _SLOT = "UNIT", "PLACE", "SLOT"
 _DRIVE_INPUTS = frozenset({"HARDWAREID", "DRIVEADDRESS"})
 _PARAMETER_RECORDS = frozenset({47, 0xB02E, 0xB02F})
 """Data records of the parameter channel (PROFIdrive profile, parameter access points)."""
@@ -25,7 +25,7 @@ _START_UP = frozenset({100, 101, 102})
 
 
 def sharing(link: Linkage) -> list[Diagnostic]:
-    """PG840 to PG842 for a program that is laid out."""
+    """PG840 to PG844 for a program that is laid out."""
     records = {*_RECORD_BLOCKS, *_RECORD_BLOCKS.values()}
     records |= {link.aliases[number] for number in _RECORD_BLOCKS.values() if number in link.aliases}
     records -= link.blocks.keys()
@@ -33,7 +33,7 @@ def sharing(link: Linkage) -> list[Diagnostic]:
     found = _Sharing(link, sites, records)
     if not found.talking:
         return []
-    return [*found.two_obs(), *found.two_channels(), *found.foreign_calls()]
+    return [*found.two_obs(), *found.two_channels(), *found.two_jobs(), *found.two_units(), *found.foreign_calls()]
 
 
 @dataclass(slots=True)
@@ -144,10 +144,59 @@ class _Sharing:
         known, call = calls
         message = f"two channels, {names}, have the same {parameter.lower()}: {call.site.text(parameter)}"
         help_ = "give each channel a unit and a place of its own; for one device, leave one of the channels out"
-        argument = call.site.argument(parameter)
-        span = call.site.caller.result.span(argument if argument is not None else call.site.node)
         notes = (Note("the other channel", known.site.span),)
-        return Diagnostic("PG841", message, span, severity, help=help_, notes=notes)
+        return Diagnostic("PG841", message, self._span(call.site, parameter), severity, help=help_, notes=notes)
+
+    # --- two jobs, one slot; one drive, two units -------------------------------------------------------
+
+    def two_jobs(self) -> Iterator[Diagnostic]:
+        """PG843 for a job in whose slot of the unit another one is."""
+        first: dict[tuple[DataPath, int | str], Reached] = {}
+        pairs: set[tuple[DataPath, DataPath]] = set()
+        for call, unit in self._jobs():
+            slot = self._constant(call.site, _SLOT)
+            if slot is None or call.instance is None:
+                continue
+            known = first.setdefault((unit, slot), call)
+            if known.instance is None or known.instance == call.instance or (known.instance, call.instance) in pairs:
+                continue
+            pairs.add((known.instance, call.instance))
+            names = f"{self._title(known.instance)} and {self._title(call.instance)}"
+            message = f"two jobs of {self._title(unit)}, {names}, have the same slot: {call.site.text(_SLOT)}"
+            help_ = "give each job of a unit a slot of its own, from 1 on, and the channel as many slots"
+            span, notes = self._span(call.site, _SLOT), (Note("the other job", known.site.span),)
+            yield Diagnostic("PG843", message, span, Severity.WARNING, help=help_, notes=notes)
+
+    def two_units(self) -> Iterator[Diagnostic]:
+        """PG844 for a job whose drive another job reaches through another unit."""
+        first: dict[int | str, tuple[DataPath, Reached]] = {}
+        reported: set[tuple[int | str, DataPath]] = set()
+        for call, unit in self._jobs():
+            for parameter in _DRIVE_INPUTS:
+                drive = self._constant(call.site, parameter)
+                if drive is None:
+                    continue
+                before, known = first.setdefault(drive, (unit, call))
+                if before == unit or (drive, unit) in reported:
+                    continue
+                reported.add((drive, unit))
+                units = f"{self._title(before)} and {self._title(unit)}"
+                message = f"the drive {call.site.text(parameter)} is reached through two units, {units}"
+                help_ = "one device has one unit and one channel, also with several drive objects"
+                span, notes = self._span(call.site, parameter), (Note("the other job", known.site.span),)
+                yield Diagnostic("PG844", message, span, Severity.WARNING, help=help_, notes=notes)
+
+    def _jobs(self) -> Iterator[tuple[Reached, DataPath]]:
+        """Calls of jobs with the unit that each is given."""
+        for _, call in self.calls:
+            unit = self._actual(call, _UNIT) if call.site.called in self.jobs else None
+            if unit is not None:
+                yield call, unit
+
+    def _span(self, site: CallSite, parameter: str) -> Span:
+        """Where an argument stands."""
+        argument = site.argument(parameter)
+        return site.caller.result.span(argument if argument is not None else site.node)
 
     # --- another record call on the drive of a job ------------------------------------------------------
 

@@ -46,6 +46,7 @@ END_FUNCTION_BLOCK
 FUNCTION_BLOCK "Ask"
 {access}VAR_INPUT
   {drive};
+  slot : INT;
 END_VAR
 VAR_IN_OUT
   unit : "tUnit";
