@@ -134,9 +134,13 @@ def _occupied(rig: MasterRig) -> None:
         for _ in range(slowest // 50 + 200):
             cpu.scan(50)
             words |= {int(str(cpu[_control(rig, job, "status")])) for job in jobs}  # a job with a cycle soon runs again
+        passed = [job for job in jobs if cpu[_control(rig, job, "status")] == WORDS["PORT_OCCUPIED"]]
         for job in jobs:
             cpu[_control(rig, job, "execute")] = False
         cpu.scan(50, 2)
+        late = [job.key for job in passed if cpu[_control(rig, job, "status")] != WORDS["IDLE"]]
+        if late:
+            raise ScenarioError(f"{', '.join(late)} did not get the port, and waits for it all the same")
     allowed = {WORDS[name] for name in ("TIMEOUT", "DRAIN_TIMEOUT", "PORT_OCCUPIED", "RUNNING", "STARTED")}
     if not words <= allowed or WORDS["PORT_OCCUPIED"] not in words:
         raise ScenarioError(f"a port that hangs gives {', '.join(f'16#{word:04X}' for word in sorted(words))}")
@@ -206,14 +210,19 @@ def _repeat(rig: MasterRig) -> None:
 
 
 def _rest(rig: MasterRig, longest: int) -> None:
-    """A job without a cycle runs once, however long execute is TRUE."""
+    """A job without a cycle runs once, however long execute is TRUE and whatever starts again beside it."""
     rig.cpu.restart("cold")
     rig.new_values(rig.job)
     status = _once(rig, rig.job.timeout // step(rig), step(rig))
+    beside = [job.pin("execute") for job in rig.master.jobs if job.cycle]
+    for pin in beside:
+        rig.db.set(pin, 1)
     for _ in range(2 * longest // step(rig)):
         rig.cpu.call(rig.db.block, step(rig))
         if rig.db.flag(rig.pin("busy")) or rig.db.get(rig.pin("status")) != status:
             raise ScenarioError(f"{rig.job.key} starts again although it has no cycle")
+    for pin in beside:
+        rig.db.set(pin, 0)
 
 
 def _stay(rig: MasterRig) -> None:
