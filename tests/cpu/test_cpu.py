@@ -200,6 +200,17 @@ def test_bytes_without_end(move):
     assert [misuse.code for misuse in found.misuses] == ["PG835"]
 
 
+def test_copies_for_another_access_count():
+    """An IN_OUT of the other kind of access is copied there and back in every call: 9,000 times 60,000 bytes."""
+    also = 'TYPE "big"\nSTRUCT\na : Array[0..29999] of Byte;\nEND_STRUCT;\nEND_TYPE\n'
+    also += "DATA_BLOCK \"Far\"\n{ S7_Optimized_Access := 'TRUE' }\n"
+    also += 'STRUCT\nu : "big";\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+    also += 'FUNCTION "Use" : Void\n{ S7_Optimized_Access := \'FALSE\' }\nVAR_IN_OUT\np : "big";\nEND_VAR\nBEGIN\n'
+    also += "#p.a[0] := 1;\nEND_FUNCTION\n"
+    found = run({"also": also, "vars": "i : Int;", "code": 'FOR #i := 1 TO 9000 DO "Use"(p := "Far".u); END_FOR;'})
+    assert [misuse.code for misuse in found.misuses] == ["PG835"]
+
+
 def test_enable_output():
     """ENO belongs to a block: TRUE at its start, FALSE where it says so; calls hand it out with ENO => only.
 

@@ -64,8 +64,7 @@ class MemoryMoves:
         """New local data."""
         return Memory(size, AREA_L, optimized=optimized)
 
-    @staticmethod
-    def lend(reference: Reference, optimized: bool) -> Reference:  # noqa: FBT001 - called from generated code
+    def lend(self, reference: Reference, optimized: bool) -> Reference:  # noqa: FBT001 - called from generated code
         """Reference to a structured IN_OUT: a copy in local data if the called block has another access setting.
 
         Source: help of the TIA Portal, "Parameter transfer with S7-1200/1500"; FAQ 109478253.
@@ -73,6 +72,7 @@ class MemoryMoves:
         memory, offset, size = reference
         if memory is None or memory.optimized == optimized:
             return reference
+        self.count(2 * size)  # there and back
         return Memory(memory[offset : offset + size], AREA_L, optimized=optimized), 0, size
 
     def give_back(self, reference: Reference, lent: Reference, between: Between = _nothing) -> None:

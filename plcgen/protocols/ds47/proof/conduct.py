@@ -5,9 +5,10 @@ from __future__ import annotations
 from plcgen.proof.runner import Run
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.proof.end import check_end, check_errors
+from plcgen.protocols.ds47.proof.fence import Fence
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.words import DRAIN_MS, NO_ANSWER, state_name
+from plcgen.protocols.ds47.proof.words import DONE, DRAIN_MS, NO_ANSWER, state_name
 
 
 class JobConduct:
@@ -18,6 +19,7 @@ class JobConduct:
         self.before: list[list[bytes]] = []
         self.wanted: list[list[bytes]] = []
         self.requests: list[bytes] = []
+        self.fence = Fence(rig)
 
     def plain(self, name: str) -> DriveScenario:
         """A run without any fault."""
@@ -41,13 +43,17 @@ class JobConduct:
     def begin(self, run: Run[DriveScenario]) -> int:
         """Set up drive, bus and inputs."""
         rig, scenario = self.rig, run.scenario
+        rig.address(other_bit=scenario.output)
         rig.next_values(scenario.values)
         rig.put_inputs(scenario.slot)
         rig.drive.begin(scenario)
         rig.bus.write_busy, rig.bus.read_busy = scenario.busy
         if scenario.occupied:
             rig.occupy()
+        self.fence.begin(alone=not scenario.occupied and not {"cold", "warm"} & set(scenario.happens.values()))
         self.before, self.wanted, self.requests = rig.delivered(), rig.wanted(), rig.requests()
+        for (telegram, place), data in scenario.delivers.items():
+            self.wanted[telegram - 1][place - 1] = data
         return rig.job.timeout + DRAIN_MS + 12 * scenario.scan
 
     def happen(self, run: Run[DriveScenario], happening: str) -> None:
@@ -77,6 +83,8 @@ class JobConduct:
     def observe(self, run: Run[DriveScenario]) -> None:
         """What is handed over to the channel; no output changes before its telegram is answered."""
         rig, telegram = self.rig, self.rig.telegram
+        if run.scenario.guarded:
+            self.fence.check()
         if rig.building:
             self.handed_over(telegram)
         if run.seen[0]:
@@ -113,7 +121,17 @@ class JobConduct:
         self.before = self.rig.delivered()
 
     def behind(self, run: Run[DriveScenario]) -> None:
-        """Nothing goes on that has to be stopped."""
+        """Execute comes again in the call after the end: the job is done once more."""
+        if not run.scenario.at_once:
+            return
+        run.execute = run.fresh = True
+        limit = run.passed + self.rig.job.timeout + DRAIN_MS
+        while run.fresh or run.seen[0]:
+            run.step()
+            if run.passed > limit:
+                raise ScenarioError(f"still {self.where()} when it is done once more")
+        if run.seen != (False, True, False, DONE):
+            raise ScenarioError(f"done once more, it ends with 16#{run.seen[-1]:04X}")
 
     def rest(self, run: Run[DriveScenario]) -> None:
         """An idle job does nothing: values stay behind the end."""
@@ -122,3 +140,4 @@ class JobConduct:
         run.fall()
         if self.rig.delivered() != self.before:
             raise ScenarioError("a value output changed after the end of the job")
+        self.fence.check()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 import struct
 from collections.abc import Mapping, Sequence
@@ -36,18 +37,24 @@ class ValueSet:
             drive.objects[drive_object].parameters[pnu].values = list(values)
 
 
-def value_set(job: DriveJob, drive: Drive, drive_object: int, kind: Contents, seed: str) -> ValueSet:
-    """Values of one kind; ``seed`` tells the random ones apart."""
+def value_set(job: DriveJob, drive: Drive, drive_object: int, kind: Contents, seed: str, turn: int = 0) -> ValueSet:
+    """Values of one kind; ``seed`` tells the random ones apart, ``turn`` says with which odd one to begin."""
     draw = random.Random(seed)  # noqa: S311 - test values
     parameters = drive.objects[drive_object].parameters
     uses = {use.parameter.pnu: use for use in job.uses}
     if kind == "factory":
         held = {pnu: list(parameters[pnu].defaults) for pnu in uses}
         return ValueSet(held, {use.position: use.data for use in job.uses})
+    if kind == "odd":
+        held = {pnu: odd(use, len(parameters[pnu].values), turn) for pnu, use in uses.items()}
+        given = {
+            use.position: pack_values(use.format, odd(use, _elements(use), turn, given=True)) for use in job.inputs
+        }
+        return ValueSet(held, {use.position: use.data for use in job.uses} | given)
     held = {pnu: sample(use, len(parameters[pnu].values), draw, kind) for pnu, use in uses.items()}
     inputs = {use.position for use in job.inputs}
     given = {
-        use.position: pack_values(use.format, sample(use, 1 if use.format.is_string else use.count, draw, kind))
+        use.position: pack_values(use.format, sample(use, _elements(use), draw, kind))
         if use.position in inputs
         else use.data
         for use in job.uses
@@ -119,6 +126,28 @@ def _ends(use: Use, count: int, *, high: bool) -> list[Value]:
     if ends is not None:
         return [int(_limits(use, *ends)[high])] * count
     return list(unpack_values(fmt, count, (b"\xff" if high else b"\0") * (fmt.size * count)))
+
+
+def _elements(use: Use) -> int:
+    """Values of a use; a string is one."""
+    return 1 if use.format.is_string else use.count
+
+
+def odd(use: Use, count: int, turn: int, *, given: bool = False) -> list[Value]:
+    """Values that a detour over arithmetic or another type loses. What is given must lie within the limits."""
+    fmt = use.format
+    range_ = integer_range(fmt)
+    if fmt.kind is FormatKind.FLOAT:
+        tried: tuple[float, ...] = (-0.0, float(2**31), -1.0)
+        low, high = _limits(use, -math.inf, math.inf) if given else (-math.inf, math.inf)
+    elif fmt.kind in _NUMERIC and range_ is not None:
+        tried = (-1, 2 ** (8 * fmt.size - 1), 2**15)
+        low, high = _limits(use, *range_) if given else range_
+    else:
+        return _ends(use, count, high=True)
+    fit = [value for value in tried if low <= value <= high]
+    first = use.position + turn
+    return [fit[(first + index) % len(fit)] for index in range(count)] if fit else _ends(use, count, high=True)
 
 
 def _inside(fmt: Format, limit: float, *, high: bool) -> Value:

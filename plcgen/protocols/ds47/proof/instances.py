@@ -13,6 +13,7 @@ from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof.contents import ValueSet, held, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
+from plcgen.protocols.ds47.proof.rig import record_index
 from plcgen.protocols.ds47.proof.stimulus import own_dbs, pair_fb
 from plcgen.protocols.ds47.proof.words import DONE
 from plcgen.protocols.ds47.sim.behaviour import LOCAL_INDEX
@@ -52,6 +53,9 @@ class Trio:
             self._instance("job", 1, FIRST_ID, near, first),
             self._instance("near", 2, FIRST_ID + 1, near, second),
         ]
+        for channel in (0, 1):
+            path = f"channel{channel}.recordIndex"
+            Members(cpu, program, self.block, [path]).set(path, record_index(plan, job))
         if not job.pinned:  # each one would need data blocks of its own
             self.all.append(self._instance("far", 1, FIRST_ID + 2, far, first))
 

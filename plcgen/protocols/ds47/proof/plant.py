@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from plcgen.cpu.cpu import Cpu
@@ -150,9 +150,11 @@ class Plant:
         for job in self.plan.jobs:
             self.execute(job)
 
-    def until(self, wanted: Callable[[DriveJob, int], bool], scans: int) -> None:
-        """Run until every job has ended in a way that is wanted."""
-        waiting = list(self.plan.jobs)
+    def until(
+        self, wanted: Callable[[DriveJob, int], bool], scans: int, jobs: Sequence[DriveJob] | None = None
+    ) -> None:
+        """Run until every job, or some of them, has ended in a way that is wanted."""
+        waiting = list(self.plan.jobs if jobs is None else jobs)
         for _ in range(scans):
             self.step()
             left = []

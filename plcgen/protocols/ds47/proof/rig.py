@@ -19,10 +19,23 @@ from plcgen.protocols.ds47.sim.bench import build_unit
 SIGNALS = ("execute", "busy", "done", "error", "status", "errors", "errorInfos", "driveObject", "slot")
 ORDER = ("length", "retries", "timeout", "pause", "once", "pinned", "requestDb", "responseDb", "responseSize")
 VALUE_SETS = 3
+OUTPUT = 0x8000
+"""Bit 15 of the address of an output."""
+OUTPUT_BIT = 0x8000
+"""Bit 15 of an address, that of outputs on S7-300/400; a number like any other in a hardware identifier."""
 SLOT, OTHER = 1, 2
 """Slots of the job in the proof's unit, and of one that has the unit in between."""
 WAIT_MS, WAIT_LIMIT_MS = 500, 60_000
 """How long a job waits for its unit: where another job has it, and usually."""
+
+
+CHANNEL = ("channel0.waitLimit", "channel0.recordIndex")
+
+
+def record_index(plan: DrivePlan, job: DriveJob) -> int:
+    """The record of a job as the channel's input has it: an INT on S7-300/400."""
+    index = job.drive.record_index
+    return index - 0x10000 if index > 0x7FFF and plan.target.classic else index
 
 
 class JobRig:
@@ -30,17 +43,17 @@ class JobRig:
 
     def __init__(self, plan: DrivePlan, program: Program, job: DriveJob, number: int, cpu: Cpu | None = None) -> None:
         self.plan, self.program, self.job = plan, program, job
-        self.drive_object, self.id_value = job.drive.drive_object, job.drive.id_value
+        self.drive_object = job.drive.drive_object
         self.drive = ScriptedDrive(build_unit(job.drive.device, {self.drive_object: job.uses}))
         self.cpu = Cpu(program) if cpu is None else cpu
         self.bus: Periphery = self.cpu.bus
         self.bus.drives.clear()
-        self.bus.attach(self.id_value, self.drive)
+        self.address(other_bit=False)
         self.cpu.restart("cold")
         self.cpu.misuses.clear()
         self.cpu.coverage[:] = bytes(len(self.cpu.coverage))
         self.id_name = "hardwareId" if plan.target.t15 else "driveAddress"
-        self.channel = Members(self.cpu, program, f"{shape_fb(number)}_DB", ["channel0.waitLimit"], "channel0.")
+        self.channel = Members(self.cpu, program, f"{shape_fb(number)}_DB", CHANNEL, "channel0.")
         values = [use.member for use in (*job.inputs, *job.outputs)]
         paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values)]
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
@@ -66,7 +79,9 @@ class JobRig:
 
     def value_set(self, kind: Contents) -> ValueSet:
         """Values of a kind."""
-        return value_set(self.job, self.drive, self.drive_object, kind, f"{self.job.shape} {self.set_number}")
+        return value_set(
+            self.job, self.drive, self.drive_object, kind, f"{self.job.shape} {self.set_number}", self.set_number
+        )
 
     def next_values(self, kind: Contents) -> None:
         """Give drive and inputs values."""
@@ -75,8 +90,14 @@ class JobRig:
         self.values.put(self.drive, self.drive_object)
         self.put_inputs()
 
+    def address(self, *, other_bit: bool) -> None:
+        """Put the drive at its address, or at the one that differs from it in bit 15."""
+        self.id_value = self.job.drive.id_value ^ (OUTPUT_BIT if other_bit else 0)
+        self.bus.attach(self.id_value, self.drive)
+
     def put_inputs(self, slot: int | None = None) -> None:
         """Supply the inputs."""
+        self.channel.set("recordIndex", record_index(self.plan, self.job))
         self.db.set("slot", SLOT if slot is None else slot)
         self.db.set("driveObject", self.drive_object)
         self.db.set(self.id_name, self.id_value)
@@ -84,7 +105,8 @@ class JobRig:
             self.db.put(member, data)
 
     def meddle(self) -> None:
-        """Change all inputs but the slot."""
+        """Change all inputs but the slot; of the channel the record, which it takes over with the telegram."""
+        self.channel.set("recordIndex", record_index(self.plan, self.job) ^ (self.unit.get("state") >= BUILD))
         self.db.set("driveObject", self.drive_object ^ 0xFF)
         self.db.set(self.id_name, self.id_value ^ 0xFF)
         for member, data in self.values.inputs(self.job):

@@ -11,8 +11,9 @@ from plcgen.protocols.ds47.sim.faults import Fault
 
 Edit = Callable[[bytes], bytes]
 """What becomes of the bytes of an answer on its way."""
-Contents = Literal["next", "factory", "low", "high"]
-"""Which values drive and inputs have: others than in the run before, those of the spec, the ends of their ranges."""
+Contents = Literal["next", "factory", "low", "high", "odd"]
+"""Which values drive and inputs have: others than in the run before, those of the spec, the ends of their ranges, and
+those that arithmetic loses: -1, -0.0, 2**31."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,10 +23,13 @@ class DriveScenario(Scenario):
     ``writes`` and ``reads`` act on the n-th WRREC or RDREC (0: on every one): a STATUS, or for a read an edit of the
     answer. ``busy`` is how many calls of WRREC and RDREC answer BUSY, ``generic`` lets the drive answer 41h to 43h.
     ``meddle`` changes every input behind the first call, ``slot`` is another slot than the job's own, ``occupied`` for
-    how many ms the job of another slot has the unit.
+    how many ms the job of another slot has the unit. ``output`` puts the drive at an address with bit 15, ``guarded``
+    looks behind every call for bytes that are not the job's, not only at the end. ``at_once``: execute comes again in
+    the call behind the end.
 
     ``telegram`` is the one that ends the job, 0 the last; ``answered`` says that it had an answer. ``errors`` are those
     stated by hand: (error, info) by number of the telegram and place in it, all others of an answered telegram are 0.
+    ``delivers`` are wire bytes that ``reads`` puts in the place of the drive's values, likewise.
     ``checked`` False: only the result counts. ``again`` is how many requests were sent again, None is any number.
     """
 
@@ -38,8 +42,12 @@ class DriveScenario(Scenario):
     meddle: bool = False
     slot: int | None = None
     occupied: int = 0
+    output: bool = False
+    guarded: bool = False
+    at_once: bool = False
     telegram: int = 0
     answered: bool = True
     errors: Mapping[tuple[int, int], tuple[int, int]] = field(default_factory=dict)
+    delivers: Mapping[tuple[int, int], bytes] = field(default_factory=dict)
     checked: bool = True
     again: int | None = 0

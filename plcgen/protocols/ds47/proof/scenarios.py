@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
+from plcgen.protocols.ds47.proof.rig import VALUE_SETS
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
 from plcgen.protocols.ds47.proof.words import WORDS
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
@@ -17,6 +18,8 @@ FEW = 4
 """So many parameters of a telegram are tried one by one; of more the first, the middle and the last."""
 CALLS_MS = 250
 """Time that a try takes at most besides its pause."""
+NAN = {4: bytes.fromhex("7FC00000"), 8: bytes.fromhex("7FF8000000000000")}
+"""A quiet NaN of each size (IEEE 754)."""
 WRONG_SLOTS = (0, -1, 3, 4, 16, 17, 32767)
 """Slots that the proof's unit does not have; 3 is the last it has."""
 
@@ -38,11 +41,17 @@ def polls(job: DriveJob) -> int:
     return next((n for n in (2, 1) if n <= job.retries and (n + 1) * each * 3 < job.timeout), 0)
 
 
+def patient(job: DriveJob) -> bool:
+    """Whether the times of a job allow three retries, one of them with a new request."""
+    return not job.once and job.retries >= 3 and (job.retry_pause + CALLS_MS // 2) * 4 * 3 < job.timeout
+
+
 def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
     """All of it; ``scans`` is how long a good run takes, ``longest`` how many bytes a record may have."""
     yield from _values()
     yield from _refusals(job)
     if not job.writes:
+        yield from _not_numbers(job)
         yield from _blocks(job, longest)
     yield from _record_calls(job)
     yield from _signals(job, scans)
@@ -51,9 +60,44 @@ def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
 def _values() -> Iterator[DriveScenario]:
     yield DriveScenario(name="values at the lower limits", values="low")
     yield DriveScenario(name="values at the upper limits", values="high")
+    for turn in range(1, VALUE_SETS + 1):
+        yield DriveScenario(name=f"-1, -0.0, 2**15, 2**31, set {turn}", values="odd", follow=False)
     for generic in (False, True):
         name = "values in formats 41h to 43h where one fits" if generic else "values in their own formats"
         yield DriveScenario(name=name, generic=generic)
+
+
+def _not_numbers(job: DriveJob) -> Iterator[DriveScenario]:
+    """A drive may answer NaN; that is passed on like any value."""
+    found: dict[tuple[int, int], bytes] = {}
+    edits: dict[int, int | Edit] = {}
+    for telegram in job.telegrams:
+        places = [
+            place for place, part in enumerate(telegram.parts, 1) if part.use.format.kind is formats.FormatKind.FLOAT
+        ]
+        for place in places:
+            part = telegram.parts[place - 1]
+            found[telegram.number, place] = NAN[part.use.format.size] * part.count
+        edits[telegram.number] = _put(telegram, {place: found[telegram.number, place] for place in places})
+    if found:
+        yield DriveScenario(name="NaN comes", reads=edits, delivers=found, generic=False, follow=False)
+
+
+def _put(telegram: DriveTelegram, values: dict[int, bytes]) -> Edit:
+    """Other values at some places of a good answer, as long as those."""
+
+    def edit(answer: bytes) -> bytes:
+        for place, data in values.items():
+            at = _value_at(telegram, place)
+            answer = answer[:at] + data + answer[at + len(data) :]
+        return answer
+
+    return edit
+
+
+def _value_at(telegram: DriveTelegram, place: int) -> int:
+    """Where the values of a parameter begin in a good answer."""
+    return 4 + sum(2 + padded(part.size) for part in telegram.parts[: place - 1]) + 2
 
 
 def _refusals(job: DriveJob) -> Iterator[DriveScenario]:
@@ -61,6 +105,9 @@ def _refusals(job: DriveJob) -> Iterator[DriveScenario]:
     for telegram in job.telegrams[1:-1]:
         yield _all_refused(job, telegram, 2)
     for telegram in ends(job):
+        yield _miscounted(telegram)
+        if patient(job):
+            yield _old_refusal(telegram)
         number, count = telegram.number, len(telegram.parts)
         for words in (1, 2):
             for place in positions(telegram):
@@ -81,6 +128,40 @@ def _refusals(job: DriveJob) -> Iterator[DriveScenario]:
                 telegram=number,
                 errors={(number, place): _reported(0x19, words, 0) for place in every},
             )
+
+
+def _old_refusal(telegram: DriveTelegram) -> DriveScenario:
+    """The refusal of an earlier request, then none: a new request, whose answer is waited for as long as ever."""
+    good = b"\x40\x00" * (len(telegram.parts) - 1)
+
+    def edit(answer: bytes) -> bytes:
+        old = bytes(((answer[0] - 2) % 255 + 1, 0x80 | answer[1], *answer[2:4]))
+        return old + bytes.fromhex("440200110007") + good
+
+    return DriveScenario(
+        name=f"an old refusal in front of the answer to telegram {telegram.number}",
+        reads={telegram.number: edit, telegram.number + 2: STATE_CONFLICT},
+        again=1,
+        follow=False,
+    )
+
+
+def _miscounted(telegram: DriveTelegram) -> DriveScenario:
+    """A negative answer that is right but for the number of its parameters: nothing of it can be trusted."""
+    good = b"\x40\x00" * (len(telegram.parts) - 1)
+
+    def edit(answer: bytes) -> bytes:
+        header = bytes((answer[0], 0x80 | answer[1], answer[2], answer[3] % 0xFF + 1))
+        return header + bytes.fromhex("440200110007") + good
+
+    return DriveScenario(
+        name=f"telegram {telegram.number} is refused with another number of parameters",
+        reads={telegram.number: edit},
+        status=(WORDS["PARAMETER_COUNT"],),
+        telegram=telegram.number,
+        answered=False,
+        follow=False,
+    )
 
 
 def _all_refused(job: DriveJob, telegram: DriveTelegram, words: int) -> DriveScenario:
@@ -153,7 +234,7 @@ def _generic(own: Format) -> list[int]:
 
 def _exchanged(telegram: DriveTelegram, place: int, code: int, count: int, size: int | None) -> Edit:
     """Another block at a place of a good answer; ``size`` None keeps the values."""
-    at = 4 + sum(2 + padded(part.size) for part in telegram.parts[: place - 1])
+    at = _value_at(telegram, place) - 2
     old = padded(telegram.parts[place - 1].size)
 
     def edit(answer: bytes) -> bytes:
@@ -204,6 +285,10 @@ def silence(job: DriveJob) -> tuple[int, ...]:
 def _signals(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
     """Execute, inputs, the slot, restarts."""
     yield DriveScenario(name="all inputs change behind the edge", meddle=True, busy=(3, 3))
+    yield DriveScenario(name="an address with bit 15", output=True, follow=False)
+    for at in (2, scans):
+        name = f"execute falls before scan {at} and rises in the call after the end"
+        yield DriveScenario(name=name, happens={at: "drop"}, at_once=True, follow=False)
     points = range(2, scans + 1)
     if len(points) > 2 * FEW:
         step = len(points) // (2 * FEW) + 1

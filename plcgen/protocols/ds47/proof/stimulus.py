@@ -73,15 +73,13 @@ def _caller(plan: DrivePlan, job: DriveJob, name: str, jobs: dict[str, tuple[int
     """A caller; of every job: its unit, its slot, its data blocks if it has any."""
     engine = plan.engine
     units = sorted({unit for unit, _, _ in jobs.values()})
-    index = job.drive.record_index
-    index -= 0x10000 if index > 0x7FFF and plan.target.classic else 0
     declared = [f'gate : "{engine.gate.name}";', *(f'channel{unit} : "{engine.channel.name}";' for unit in units)]
     declared += [f'{key} : "{job.block.name}";' for key in jobs]
     calls = [f'#gate(places := 4, channels := {len(units)}, gate := "{GATE_DB}".gate);']
     for unit in units:
         db = f', unitDb := "{UNITS[unit]}"' if plan.target.classic else ""
         calls.append(
-            f"#channel{unit}(slots := {SLOTS}, recordIndex := {index}{db}, "
+            f"#channel{unit}(slots := {SLOTS}{db}, "
             f'unit := "{UNITS[unit]}".unit, place := "{GATE_DB}".gate.channels[{unit + 1}]);'
         )
     for key, (unit, _, (request, response)) in jobs.items():

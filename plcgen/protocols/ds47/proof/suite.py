@@ -158,12 +158,12 @@ class DriveSuite:
 
     def first(self) -> DriveScenario:
         """An ordinary run."""
-        return DriveScenario(name="first run")
+        return DriveScenario(name="first run", guarded=True)
 
     def nominal(self, runner: Runner[DriveScenario]) -> DriveScenario:
         """A run with the factory settings, busy calls and a few temporary errors."""
         reads = dict.fromkeys(range(1, polls(rig_of(runner).job) + 1), STATE_CONFLICT)
-        return DriveScenario(name="nominal run", busy=(3, 1), reads=reads, values="factory", follow=False)
+        return DriveScenario(name="nominal run", busy=(3, 1), reads=reads, values="factory", guarded=True, follow=False)
 
     def shown(self, runner: Runner[DriveScenario], scans: int) -> tuple[str, str]:
         """Scans and what happened in them; the values read."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import permutations, zip_longest
 
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.record import PLACES, RecordPlaces
@@ -32,6 +33,8 @@ FEW = 4
 """Of so many job blocks two instances start at all of the offsets, of the others at so many of them."""
 SOME, MANY = 12, 60
 """Of more instances less points are tried; of even more no two OBs and masters."""
+PAIRED = 8
+"""So many jobs of a unit follow each other in every order."""
 AWAY_MS = 10_000
 LOADED = frozenset({DONE, *(WORDS[name] for name in ("LOST", "SLOT_TAKEN", "STILL_DRAINING", "UNKNOWN"))})
 """How a job may end while something of the engine is loaded again."""
@@ -52,6 +55,8 @@ def procedures(plan: DrivePlan, plant: Callable[[], Plant]) -> Iterator[Procedur
     yield procedure("what the caller passes", _arguments)
     yield procedure("every job through OB1", _one_by_one)
     yield procedure("all jobs again and again", _again_and_again)
+    if len(plan.jobs) <= MANY:
+        yield procedure("every job takes its unit over from every other", _take_over)
     yield procedure("all jobs while other programs take half of the record jobs of the CPU", _crowded)
     if len(plan.jobs) <= MANY:
         yield procedure("another caller in OB35 interrupts OB1", _two_obs)
@@ -84,7 +89,9 @@ def left_out(plan: DrivePlan) -> list[str]:
     if blocks > FEW:
         found.append(f"other instances of {blocks - FEW} job blocks at {FEW} of {len(OFFSETS)} start offsets")
     if len(plan.jobs) > MANY:
-        found.append("another caller in OB35; two masters")
+        found.append("another caller in OB35; two masters; jobs of a unit in every order")
+    elif any(len(jobs) > PAIRED for jobs in _by_unit(plan)):
+        found.append(f"more than {PAIRED} jobs of a unit in every order")
     return found
 
 
@@ -275,6 +282,30 @@ def _again_and_again(plant: Plant) -> None:
 def _fair(unit: PlannedUnit, counts: list[int]) -> None:
     if counts and max(counts) - min(counts) > 1 and len(counts) > 1:
         raise ScenarioError(f"the jobs of {unit.key} have ended {counts} times: they do not take turns")
+
+
+def _by_unit(plan: DrivePlan) -> list[list[DriveJob]]:
+    return [[job for job in plan.jobs if job.drive.unit is unit] for unit in plan.units]
+
+
+def _take_over(plant: Plant) -> None:
+    """The second of each pair asks while the first has the unit; all units do this at the same time."""
+    pairs = [list(permutations(jobs[:PAIRED], 2)) for jobs in _by_unit(plant.plan) if len(jobs) > 1]
+    for turn in zip_longest(*pairs):
+        chosen = [pair for pair in turn if pair is not None]
+        plant.begin()
+        for behind in (0, 1):
+            for pair in chosen:
+                plant.execute(pair[behind])
+            plant.step()
+        jobs = [job for pair in chosen for job in pair]
+        plant.until(lambda _, status: status == DONE, plant.patience, jobs)
+        for unit in plant.plan.units:
+            exchanges = plant.exchanges(unit)
+            for job in jobs:
+                if job.drive.unit is unit:
+                    plant.check_job(job, exchanges)
+        plant.fall()
 
 
 def _crowded(plant: Plant) -> None:
