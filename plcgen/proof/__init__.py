@@ -52,6 +52,7 @@ def _verify(
     from plcgen.proof.execution import check_execution
     from plcgen.proof.folder import read_folder
     from plcgen.proof.layouts import check_layout
+    from plcgen.proof.ledger import LAYOUT
 
     opened = open_spec(spec)
     project = opened.sound()
@@ -65,7 +66,8 @@ def _verify(
     telegrams = (check for proof in proofs for check in proof.telegrams(files))
     exchanges = [proof.exchanges(files, partner, progress) for proof in proofs]
     oracles = tuple(check for proof in proofs for check in proof.oracles(files, dissector=dissector))
-    ledger = tuple(assumption for proof in proofs for assumption in proof.ledger())
+    said = [assumption for proof in proofs for assumption in proof.ledger()]
+    ledger = (*said, LAYOUT) if said else ()
     executed = check_execution(project, folder, faults, progress, partner=partner, engine=engine)
     groups = [
         CheckGroup("files", "Files", delivered(project, files)),

@@ -33,3 +33,12 @@ class Assumption:
     text: str
     source: str
     grade: Grade
+
+
+LAYOUT = Assumption(
+    "layout",
+    "offsets of standard access",
+    "layouts compiled by STEP 7 V5 and the TIA Portal (plcgen.s7.shapes names them)",
+    Grade.OBSERVED,
+)
+"""What every protocol with buffers rests on."""

@@ -234,5 +234,8 @@ def test_ppi_jobs_are_reviewed_without_runs():
     review = api.review(spec, generated_example(spec.stem), faults="none")
     assert review.runs == ()
     assert any("a recorded run of" in sentence for sentence in review.missing)
+    assert not any("ledger" in sentence for sentence in review.missing)
+    assert "manual CP 341" in show("html", review)
+    assert [one.subject for one in review.assumptions].count("layout") == 1
     assert all(entry.danger for entry in review.sheet.writes if entry.parameter == "CPU")
     assert show("html", review)

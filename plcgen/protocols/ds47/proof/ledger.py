@@ -13,7 +13,6 @@ from plcgen.protocols.ds47.proof.published import Form
 from plcgen.protocols.ds47.wire import formats
 
 _GRADES = {"read": Grade.MANUAL, "inferred": Grade.SECOND, "recalled": Grade.GENERAL}
-_LAYOUT = "layouts compiled by STEP 7 V5 and the TIA Portal (plcgen.s7.shapes names them)"
 _RETRIES = "SIMATIC system functions, STATUS of SFB 52 and 53; practice of data set 47 for B5h"
 
 
@@ -35,7 +34,6 @@ def ledger(plan: DrivePlan) -> Iterator[Assumption]:
         )
     if plan.jobs:
         yield Assumption("records", "A2h to A4h, A7h, B5h, C0h to C6h and A1h of WRREC pass", _RETRIES, Grade.SECOND)
-        yield Assumption("layout", "offsets of standard access", _LAYOUT, Grade.OBSERVED)
 
 
 def _device(known: Device) -> Iterator[Assumption]:

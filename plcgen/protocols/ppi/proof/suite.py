@@ -18,6 +18,7 @@ from plcgen.proof.scenario import Failure, Statistics
 from plcgen.proof.suite import CodeBlock, LaidOut, Level, Procedure, Progress
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.protocols.ppi.proof.conduct import MasterConduct
+from plcgen.protocols.ppi.proof.ledger import ledger
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import (
     POLL_MS,
@@ -81,8 +82,8 @@ class PpiProof:
         return iter(())
 
     def ledger(self) -> Iterator[Assumption]:
-        """Not kept yet."""
-        return iter(())
+        """What documents and recordings say about line, stations and modules."""
+        return ledger(self.plan)
 
     def suites(self) -> list[PpiSuite]:
         """A suite for every master."""
