@@ -128,6 +128,7 @@ class Cpu:
             "ob_info": self.time.start_information,
             "W": self._passes,
             "E": self._eno,
+            "G": [False],
             "H": self.coverage,
         }
         names |= {"Z": self.preemption.point, "dis_airt": self.preemption.delay, "en_airt": self.preemption.enable}

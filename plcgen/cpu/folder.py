@@ -22,7 +22,7 @@ def load_folder(
     dialect: Dialect,
     *,
     coverage: bool = False,
-    litter: int = 0,
+    litter: bool = False,
     iec_check: IecCheck = IecCheck.AS_STATED,
     constants: Mapping[str, int] | None = None,
     symbols: Mapping[str, tuple[str, str]] | None = None,

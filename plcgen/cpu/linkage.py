@@ -75,7 +75,7 @@ class Linkage:
 
     ``constants`` are system constants of the project, hardware identifiers by name.
     ``mixed``: blocks with standard and with optimised access meet. ``eno``: some block speaks of ENO or OK. ``litter``:
-    local data holds garbage at the start of a call, of one kind (1) or another (2). ``probes`` grows while blocks are
+    local data holds garbage at the start of a call, of two kinds in turn. ``probes`` grows while blocks are
     compiled for coverage, ``points`` while they are compiled for preemption; the preemptive form counts with the
     ``counters`` of the plain one.
 
@@ -95,7 +95,7 @@ class Linkage:
     mixed: bool = False
     eno: bool = False
     coverage: bool = False
-    litter: int = 0
+    litter: bool = False
     probes: list[Probe] = field(default_factory=list)
     points: list[Probe] = field(default_factory=list)
     counters: dict[tuple[Probe, bool], int] = field(default_factory=dict)

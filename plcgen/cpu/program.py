@@ -73,7 +73,7 @@ class Program:
         numbers: Mapping[str, int] | None = None,
         constants: Mapping[str, int] | None = None,
         coverage: bool = False,
-        litter: int = 0,
+        litter: bool = False,
         iec_check: IecCheck = IecCheck.AS_STATED,
         stated: Mapping[str, bool] | None = None,
         encoding: str | None = None,
@@ -83,8 +83,8 @@ class Program:
 
         ``tags`` maps names to addresses (``M50.0``, or with a type ``("MW22", "INT")``), or block symbols to
         numbers (``DB 471``); ``numbers`` maps names of data blocks to their numbers, ``constants`` names of system
-        constants to theirs. ``coverage`` counts statements and branches; with ``litter`` 1 or 2 local data holds
-        garbage of that kind at the start of a call. ``iec_check`` says which implicit conversions are right,
+        constants to theirs. ``coverage`` counts statements and branches; with ``litter`` local data holds
+        garbage at the start of a call, of two kinds in turn. ``iec_check`` says which implicit conversions are right,
         ``stated`` the same of single blocks; ``encoding`` names the code page of ANSI files. What
         ``beside`` knows counts where nothing else says it.
         """

@@ -28,7 +28,7 @@ def load_program(project: Project, folder: Path) -> Program:
         folder,
         project.target.dialect,
         coverage=True,
-        litter=1,
+        litter=True,
         constants=constants,
         symbols=foreign.tags,
         more=[*(source for proof in proofs for source in proof.stimulus()), *foreign.sources.values()],

@@ -30,12 +30,8 @@ from plcgen.s7.types import Elementary, Member
 from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
 
-_LITTER: tuple[tuple[dict[str, str], int], ...] = (
-    ({}, 0x00),
-    ({"0": "0xA0", "0.0": "1e30", "False": "True"}, 0xA5),
-    ({"0": "0xC3", "0.0": "-1e30", "False": "False"}, 0x3C),
-)
-"""What local data may hold at the start of a call: by default values of the types, and byte by byte."""
+_LITTER = {"0": "0xA0 if g else 0xC3", "0.0": "1e30 if g else -1e30", "False": "g"}
+"""Garbage in local data at the start of a call by the default values of the types: of two kinds in turn, by ``g``."""
 
 
 def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False, preemptive: bool = False) -> Compiled:
@@ -184,15 +180,17 @@ class _Frame:
             if name.startswith("v"):
                 default = CODECS[type_].default if type_ in CODECS else "False"
                 groups.setdefault(default, []).append(name)
-        litter, pattern = _LITTER[self.context.link.litter]
+        litter = _LITTER if self.context.link.litter else {}
+        if litter and (groups or self.context.scope.temp_shape is not None):
+            self.out.emit("g=G[0]=not G[0]")
         for default, names in groups.items():
             self.out.emit(f"{'='.join(names)}={litter.get(default, default)}")
         if self.context.scope.temp_shape is not None:
             optimized = ",True" if self.context.link.mixed and self.context.link.optimized(self.context.owner) else ""
             size = self.context.scope.temp_shape.bits // 8
             self.out.emit(f"t=local({size}{optimized})")
-            if pattern:
-                self.out.emit(f"t[:]={bytes((pattern,))!r}*{size}")
+            if litter:
+                self.out.emit(f"t[:]=(b'\\xa5' if g else b'<')*{size}")
             if self.context.owner.block.kind is BlockKind.OB and self.context.classic:
                 self.out.emit(f"ob_info(t,{self.context.link.ob_number(self.context.owner)})")
 

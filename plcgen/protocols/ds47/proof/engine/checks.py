@@ -117,9 +117,8 @@ class EngineWork:
 
 
 def run_faults(engine: DriveEngine, errand: Errand, most: int = MAX_FAILURES) -> Result:
-    """Every fault of one job; behind a failure on another CPU. Garbage in local data is another kind for a change."""
+    """Every fault of one job; behind a failure on another CPU."""
     statistics = Statistics()
-    engine = replace(engine, litter=2 if errand.writes else 1)
     result = Result(statistics=statistics)
 
     def runner() -> Runner[EngineScenario]:

@@ -44,13 +44,12 @@ _LIBRARY_VERSION = re.compile(r"(LibVersion\s*:=\s*)'[0-9.]*'")
 class DriveEngine:
     """The engine of one target: file names and texts; ``names`` are those of its blocks and types by their roles.
 
-    ``litter`` is the kind of garbage in its local data; ``mixed``: units and their callers have optimised access.
+    ``mixed``: units and their callers have optimised access.
     """
 
     dialect: Dialect
     sources: tuple[tuple[str, str], ...]
     names: Mapping[str, str] = field(default_factory=lambda: dict(NAMES))
-    litter: int = 1
     mixed: bool = False
 
     @classmethod
@@ -81,7 +80,7 @@ class DriveEngine:
         if self.mixed:
             text = _CALLERS.sub(r"\1'TRUE'", text)
         sources = [*self.sources, ("stimulus.scl", text)]
-        program = Program.load(sources, self.dialect, coverage=True, litter=self.litter)
+        program = Program.load(sources, self.dialect, coverage=True, litter=True)
         if not program.ok:
             raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
         return program
@@ -143,4 +142,4 @@ class DriveEngine:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A program cannot be pickled: a worker compiles it again."""
-        return DriveEngine, (self.dialect, self.sources, self.names, self.litter, self.mixed)
+        return DriveEngine, (self.dialect, self.sources, self.names, self.mixed)
