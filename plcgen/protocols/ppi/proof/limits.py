@@ -7,6 +7,7 @@ from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import LOST_SCANS, PpiScenario
 from plcgen.protocols.ppi.proof.words import DRAIN_MS, STATES_OF, State
+from plcgen.protocols.ppi.sim import FaultKind
 
 
 class StateLimits:
@@ -36,7 +37,8 @@ class StateLimits:
         if busy and state != State.DRAIN and now - self.begun >= self.rig.job.timeout + slack:
             raise ScenarioError(f"still in state {state} when the job's timeout is over")
         if state != self.state:
-            self._change(state, now, exact=run.scenario.pace is not None)
+            refused = any(each.kind is FaultKind.NACK for each in run.scenario.faults)
+            self._change(state, now, exact=run.scenario.pace is not None and not refused)
         elif state in self.limits and now - self.since >= self.limits[State(state)] + slack:
             raise ScenarioError(f"still in state {state} {now - self.since} ms after it began")
 

@@ -30,6 +30,8 @@ MOMENTS = 60
 """Scans of a job in which something happens to it, unless it is every one: more than a job of one telegram has."""
 RECEIVE_FAULT = {"RECEIVE_P2P": 0x80E1, "P_RCV_RK": 0x080C}
 """STATUS of a parity error: TIA Portal information system, "Error messages"; CP 341, event class 8."""
+OTHERS = bytes.fromhex("10 05 03 49 51 16")
+"""A frame of station 3 for station 5: SD1, DA, SA, FC, the sum of the three, ED."""
 HEADER_ERRORS = (0x8001, 0x8104, 0x8404, 0x8500, 0xD602)
 
 Edit = Callable[[bytes], bytes]
@@ -155,6 +157,21 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
         )
     yield PpiScenario(name="a reply of high priority (0Ah)", bend=_changed(6, 0x02, sums=True), ignored=0, damaged=0)
     yield from _broken_off(silent, most)
+    yield PpiScenario(
+        name="a frame of others and noise in front of the reply",
+        bend=lambda reply: OTHERS + b"\xff" + reply,
+        ignored=1,
+        damaged=1,
+    )
+    yield PpiScenario(
+        name="a frame of others and a reply that breaks off",
+        bend=lambda reply: OTHERS + reply,
+        broken=len(OTHERS) + 20,
+        ignored=1,
+    )
+    if polls > 2 and most:
+        lost = (fault("deaf", "request"), fault("not_ready", times=2))
+        yield PpiScenario(name="a request that is lost, then no data yet", faults=lost, retries=1, polls=3)
     yield from _alone(master)
     in_front: tuple[tuple[str, At], ...] = (("token", "any"), ("foreign", "any"), ("noise", "poll"))
     for kind, at in in_front:
@@ -234,6 +251,13 @@ def pace_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
                     status=(none,), retries=most, polls=None if at == "poll" else 0,
                     pace=(first, later, end), scan=2, clock=clock,
                 )  # fmt: skip
+    if (most + 1) * (pause + POLL_MS) < job.timeout:
+        refused = (fault("nack", "request", None, value=2),)
+        answer = 6 * 11 * 1000 // master.baud  # 10 DA SA 02 FCS 16
+        yield PpiScenario(
+            name="pace of repetitions of a refused request", faults=refused, status=(none,), retries=most, polls=0,
+            pace=(answer + pause, answer + pause, answer), scan=2,
+        )  # fmt: skip
     if master.polls * (master.poll_pause + POLL_MS) < job.timeout:
         yield PpiScenario(
             name="pace of the polls", faults=(fault("not_ready", times=None),), status=(WORDS["NOT_READY"],),
@@ -337,9 +361,23 @@ def _edits(job: PpiJob) -> Iterator[tuple[str, Edit]]:
     yield "a byte too few", lambda pdu: _data(pdu, pdu[14:-1])
     yield "an item too many", lambda pdu: pdu[:13] + bytes((pdu[13] + 1,)) + pdu[14:]
     if job.kind == "read":
+        yield "all items but the first", lambda pdu: _data(pdu, b"".join(_items(pdu)[1:]))
+        yield "all items but the last", lambda pdu: _data(pdu, b"".join(_items(pdu)[:-1]))
         yield "half an item", lambda pdu: _data(pdu, pdu[14:16])
         yield "another size code", lambda pdu: pdu[:15] + bytes((pdu[15] ^ 0x0F,)) + pdu[16:]
         yield "another value length", lambda pdu: pdu[:17] + bytes((pdu[17] ^ 0x08,)) + pdu[18:]
+
+
+def _items(pdu: bytes) -> list[bytes]:
+    """The items of a reply to a read: return code, size code, length in bits (04) or bytes, value, pad between two."""
+    found, at = [], 14
+    while at < len(pdu):
+        length = int.from_bytes(pdu[at + 2 : at + 4])
+        size = length // 8 if pdu[at + 1] == 4 else length
+        end = min(len(pdu), at + 4 + size + size % 2)
+        found.append(pdu[at:end])
+        at = end
+    return found
 
 
 def _alone(master: PlannedMaster) -> Iterator[PpiScenario]:
