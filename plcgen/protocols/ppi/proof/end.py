@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from plcgen.proof.scenario import ScenarioError
+from plcgen.protocols.ppi.plan.nouns import LEAD
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import PpiScenario
 from plcgen.protocols.ppi.proof.tables import check_tables
@@ -117,9 +118,22 @@ class End:
                 raise ScenarioError(f"{asked} polls of one request")
             if isinstance(frame, VariableFrame) and _neutral(data) not in {_neutral(request) for request in planned}:
                 raise ScenarioError(f"sent {data.hex(' ').upper()}, which is none of the planned telegrams")
+            if repeated and self.scenario.measured:
+                raise ScenarioError(f"{data.hex(' ')} was repeated although nothing was lost")
+        self.check_sync()
         if status not in {DONE, WORDS["ITEM_ERROR"], WORDS["REFUSED"]}:
             self.codes.pop(job.station.address, None)
         self.check_executions(status)
+
+    def check_sync(self) -> None:
+        """The table of a harmless read in front of a job is the last one that was sent."""
+        for sync in self.rig.master.syncs:
+            wanted = sync.request.data
+            requests = [data for _, data in self.rig.port.sent if len(data) == len(wanted)]
+            sent = [data for data in requests if _neutral(data) == _neutral(wanted)]
+            table = bytes(self.rig.cpu.db(sync.request.home.name)[LEAD : LEAD + len(wanted)])
+            if sync.station is self.job.station and sent and table != sent[-1]:
+                raise ScenarioError(f'"{sync.request.home.name}" holds {table.hex(" ")}, sent was {sent[-1].hex(" ")}')
 
     def check_code(self, frame: FixedFrame | VariableFrame) -> None:
         """The function code of a new frame: 6Ch first, then the frame count bit alternates."""

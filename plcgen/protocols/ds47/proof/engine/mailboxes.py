@@ -35,6 +35,7 @@ def mailboxes() -> Iterator[tuple[str, Run]]:
         yield f"a job is not called any more, {conflicts} retries", partial(_silent_job, conflicts)
         yield f"a channel is not called any more, {conflicts} retries", partial(_silent_channel, conflicts)
     yield "the next job has the sign of life of the silent one", _same_mark
+    yield "a job starts again while its channel is not called", _waits_anew_for_the_channel
     for stuck in STUCK:
         yield f"a job is not called any more, {stuck}", partial(_stuck, stuck)
     yield "execute comes again with the end", _at_once
@@ -254,6 +255,27 @@ def _silent_job(conflicts: int, field: JobField) -> None:
         field.wire()
         field.idle(1, 2)
         field.again(1, 2)
+
+
+def _waits_anew_for_the_channel(field: JobField) -> None:
+    """Behind NOT_CALLED the next start waits CALLS_LIMIT calls again, and works if the channel comes back meanwhile."""
+    three(field)
+    field.rig.call(ORDERS[0])
+    field.step()
+    field.rig.call((1, 5, 6, 7))
+    field.start(1)
+    field.expect(field.until_end((1,)), {1: (WORDS["NOT_CALLED"],)})
+    field.drop(1)
+    field.step()
+    field.start(1)
+    for _ in range(CALLS_LIMIT // 2):
+        field.step()
+    if not field.job(1).signals()[0]:
+        raise ScenarioError(f"the next start ends at once with 16#{field.job(1).signals()[3]:04X}")
+    field.rig.call(ORDERS[0])
+    field.expect(field.until_end((1,)), {1: (DONE,)})
+    field.right(1)
+    field.idle(1)
 
 
 def _same_mark(field: JobField) -> None:
