@@ -30,7 +30,7 @@ Subject = tuple[str, Sequence["Diagnostic"]]
     "plcgen check old_project/ --target tia-1500     what TIA would refuse in V5 sources",
     "plcgen check sources/ --program --target v5     compile it: names, types, calls",
 )
-@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="SPEC|SOURCE|FOLDER...")
+@click.argument("paths", nargs=-1, type=PATH, metavar="SPEC|SOURCE|FOLDER...")
 @click.option(
     "--target",
     type=click.Choice(TARGETS),
@@ -70,11 +70,13 @@ def command(
     but for what was generated from these specs. Nothing is written. Exit code 1 if there is an error anywhere;
     warnings alone give 0.
     """
+    from plcgen.cli.specs import named
     from plcgen.display.results import Findings
 
     out = console()
     if program and target is None:
         raise click.UsageError(f"--program needs --target: one of {', '.join(TARGETS)}")
+    paths = named(paths)
     documents = _documents(paths) if program else []
     specs, sources = _sorted(tuple(path for path in paths if path not in documents), program=program)
     if program and not sources:

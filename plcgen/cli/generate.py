@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     "plcgen generate job.yaml --out plc/drives",
     "plcgen generate machines/ --check",
 )
-@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="SPEC|FOLDER...")
+@click.argument("paths", nargs=-1, type=PATH, metavar="SPEC|FOLDER...")
 @folder_option("Output folder")
 @click.option("--check", "check_only", is_flag=True, help="Write nothing; exit 1 if the folder is not up to date.")
 @click.option("--diff", is_flag=True, help="Show what would change as a unified diff; write nothing.")

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 
 _CONTEXT: dict[str, Any] = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+CONFIGURED = frozenset({"check", "generate", "verify", "review", "diff", "lock"})
+"""Verbs whose defaults ``plcgen.toml`` may set."""
 _SOURCES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".sdf", ".asc"})
 
 
@@ -80,6 +82,16 @@ class Examples(click.Command):
 
 class Verb(Examples):
     """One verb of the command line; a file that it reads is never the one that it writes."""
+
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
+    ) -> click.Context:
+        """Take what the command line does not say from ``plcgen.toml``, except for help."""
+        if info_name in CONFIGURED and not {"-h", "--help"} & set(args):
+            from plcgen.cli.config import default_map
+
+            extra["default_map"] = default_map(info_name)
+        return super().make_context(info_name, args, parent, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the verb, unless its result would overwrite one of its inputs, or what is somebody's input elsewhere."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 
@@ -24,14 +24,27 @@ def specs_below(folder: Path) -> list[Path]:
     )
 
 
-def find_specs(paths: Iterable[Path]) -> list[Path]:
-    """The named files, and of each folder the specs in it, each once.
+def named(paths: Sequence[Path]) -> tuple[Path, ...]:
+    """The paths of the command line, else those of ``plcgen.toml``.
 
     Raises:
-        UsageError: if there is none in a folder.
+        UsageError: if there are none.
+    """
+    ctx = click.get_current_context()
+    found: tuple[Path, ...] = tuple(paths) or (ctx.default_map or {}).get("paths", ())
+    if not found:
+        raise click.UsageError('name a spec or a folder, or set "specs" in plcgen.toml', ctx)
+    return found
+
+
+def find_specs(paths: Sequence[Path]) -> list[Path]:
+    """The named files, and of each folder the specs in it, each once; without any those of ``plcgen.toml``.
+
+    Raises:
+        UsageError: if there is none, or none in a folder.
     """
     found: list[Path] = []
-    for path in paths:
+    for path in named(paths):
         below = [path] if path.suffix.lower() in SUFFIXES or not path.is_dir() else specs_below(path)
         if not below:
             raise click.UsageError(f"there is no spec (a YAML file with plc:) below {path}")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     "plcgen verify job.yaml --faults full --engine",
     "plcgen verify job.yaml --format junit --output verify.xml",
 )
-@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="SPEC|FOLDER...")
+@click.argument("paths", nargs=-1, type=PATH, metavar="SPEC|FOLDER...")
 @folder_option("Generated folder")
 @click.option("--drive", type=PATH, metavar="FILE", help="Drive file: the parameters of your real drive.")
 @click.option(

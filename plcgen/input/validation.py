@@ -287,7 +287,7 @@ class _Teller:
             wanted = " or ".join(dict.fromkeys(_EXPECTED[e["type"]] for e in group))
             return Diagnostic("PG106", f"expected {wanted}{given}", node.span)
         if error["type"] in _EXPECTED:
-            number = node.kind == "scalar" and not node.plain and isinstance(resolve_plain(node.raw), int | float)
+            number = isinstance(node.value, str) and not node.plain and isinstance(resolve_plain(node.raw), int | float)
             help_ = "remove the quotes" if number else ""
             if error["type"] in {"tuple_type", "list_type"}:
                 help_ = f"write [{node.raw}]" if node.raw else "put it in [ ], or each on a line of its own: - one"

@@ -1,0 +1,121 @@
+"""``plcgen.toml``: defaults that the command line overrides, and every mistake in them at its place."""
+
+import json
+
+import pytest
+
+from plcgen.cli.config import find_config
+from plcgen.diagnostics import Report
+from plcgen.input.toml import parse_toml
+
+FULL = """\
+specs = ["job.yaml"]
+strict = true
+[verify]
+faults = "none"
+[diff]
+fail-on = "never"
+policy = ["member-comment=breaking"]
+[lock]
+file = "layout.lock.yaml"
+fail-on = "breaking"
+"""
+
+
+@pytest.fixture
+def configured(tmp_path, good):
+    """A folder with a spec and defaults."""
+    (tmp_path / "plcgen.toml").write_text(FULL, "utf-8")
+    return good
+
+
+def test_verbs_without_paths(plcgen, configured):
+    """The specs of the file are taken, with its options; a path of the command line counts instead."""
+    assert plcgen("check").err == f"no problems in {configured}\n"
+    assert plcgen("generate", "-q").code == 0
+    report = json.loads(plcgen("verify", "--json").out)
+    runs = [check for group in report["groups"] for check in group["checks"] if check["id"].startswith("faults")]
+    assert {check["outcome"] for check in runs} <= {"not run"}
+    assert plcgen("check", "no.yaml").code == 1
+    assert plcgen("verify", "--faults", "bad").code == 2
+
+
+def test_strict(plcgen, configured, tmp_path):
+    """What is a warning elsewhere is an error in this repository."""
+    spec = tmp_path / configured
+    spec.write_text(spec.read_text("utf-8").replace("P50303", "r945"), "utf-8")
+    assert plcgen("check").code == 1
+    (tmp_path / "plcgen.toml").unlink()
+    assert plcgen("check", configured).code == 0
+
+
+def test_diff_and_lock(plcgen, configured, tmp_path):
+    """Class of change, policy and the name of the lock."""
+    block = 'DATA_BLOCK "B"\nSTRUCT\n  a : Word; // x\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+    (tmp_path / "old.db").write_text(block, "utf-8")
+    (tmp_path / "new.db").write_text(block.replace("// x", "// y"), "utf-8")
+    changed = plcgen("diff", "old.db", "new.db")
+    assert (changed.code, "breaking" in changed.out) == (0, True)
+    assert plcgen("diff", "old.db", "new.db", "--fail-on", "breaking").code == 1
+    assert plcgen("lock", "old.db").err == "wrote layout.lock.yaml, 1 block\n"
+    assert (tmp_path / "layout.lock.yaml").is_file()
+    assert configured
+
+
+def test_without_a_path_and_without_a_file(plcgen):
+    """It is wrong use."""
+    for verb in ("check", "generate", "verify"):
+        result = plcgen(verb)
+        assert result.code == 2
+        assert 'set "specs" in plcgen.toml' in result.err
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("specs = 5\n", [("PG106", 1, 9, 'expected a list instead of "5"')]),
+        ('specs = ["../x"]\n', [("PG107", 1, 9, "../x is outside the folder of plcgen.toml")]),
+        ('[lock]\nfile = "/etc/x"\n', [("PG107", 2, 8, "/etc/x is outside the folder of plcgen.toml")]),
+        ('strct = true\n\n[verify]\nfaults = "all"\n', [
+            ("PG104", 1, 1, 'unknown key "strct" in plcgen.toml'),
+            ("PG107", 4, 10, '"all" is not a value of "faults"'),
+        ]),
+        ("a = \n", [("PG101", 1, 5, "invalid value")]),
+        ("specs = [", [("PG101", 1, 1, "invalid value")]),
+    ],
+)  # fmt: skip
+def test_mistakes(plcgen, tmp_path, text, expected):
+    """Everything in one run, at line and column; help is given all the same."""
+    (tmp_path / "plcgen.toml").write_text(text, "utf-8")
+    result = plcgen("check")
+    assert result.code == 1
+    for code, line, column, message in expected:
+        assert f"error[{code}]: {message}\n --> plcgen.toml:{line}:{column}\n" in result.err
+    assert result.err.count("error[") == len(expected)
+    assert plcgen("check", "-h").code == 0
+    assert plcgen("explain", "PG101").code == 0
+
+
+def test_where_it_is_looked_for(tmp_path):
+    """In the folder and above it as far as the repository goes; outside of one in the folder only."""
+    inner = tmp_path / "repo" / "hall" / "line"
+    inner.mkdir(parents=True)
+    for folder in (tmp_path, tmp_path / "repo" / "hall"):
+        (folder / "plcgen.toml").write_text("", "utf-8")
+    assert find_config(inner) is None
+    (tmp_path / "repo" / ".git").mkdir()
+    assert find_config(inner) == tmp_path / "repo" / "hall" / "plcgen.toml"
+    (tmp_path / "repo" / "hall" / "plcgen.toml").unlink()
+    assert find_config(inner) is None
+
+
+def test_toml_becomes_nodes():
+    """Tables, keys with quotes, and the place of what a line shows."""
+    node = parse_toml('"a b" = 1\n[t]\n  x = [1, 2]\n  y = {z = true}\n', "f", Report())
+    assert node.data() == {"a b": 1, "t": {"x": (1, 2), "y": {"z": True}}}
+    assert (node.key_span("a b").line, node.key_span("a b").column) == (1, 1)
+    assert (node.find(["t", "x"]).span.line, node.find(["t", "x"]).span.column) == (3, 7)
+    assert node.find(["t", "y", "z"]).span.line == 4
+    deep = Report()
+    parse_toml("a = " + "[" * 100_000, "f", deep)
+    assert deep.has_errors
