@@ -87,8 +87,11 @@ STRICT = frozenset({"PG228"})
 
 
 def hardened(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """The same, with what ``strict`` makes an error."""
-    return tuple(replace(d, severity=Severity.ERROR) if d.code in STRICT else d for d in diagnostics)
+    """The same, with what ``strict`` makes an error, unless a comment of the spec allows it."""
+    return tuple(
+        replace(d, severity=Severity.ERROR) if d.code in STRICT and d.severity is Severity.WARNING else d
+        for d in diagnostics
+    )
 
 
 def check(spec: Path | str, *, strict: bool = False) -> CheckResult:
@@ -98,6 +101,8 @@ def check(spec: Path | str, *, strict: bool = False) -> CheckResult:
 
     If it names a CPU, its blocks are made, though not written: what does not fit the CPU is a warning.
     """
+    from plcgen.input.allowances import idle, settled
+    from plcgen.project.opening import allowed_in
     from plcgen.project.rules import remarks
 
     found = problems_of(spec)
@@ -105,11 +110,16 @@ def check(spec: Path | str, *, strict: bool = False) -> CheckResult:
         found = replace(found, diagnostics=hardened(found.diagnostics))
     if found.project is None or not found.ok:
         return found
-    return replace(found, diagnostics=tuple(Report([*found.diagnostics, *remarks(found.project)])))
+    more, allowed = list(remarks(found.project)), allowed_in(found.project)
+    told = [*found.diagnostics, *settled(more, allowed), *idle([*found.diagnostics, *more], allowed)]
+    return replace(found, diagnostics=tuple(Report(told)))
 
 
 def problems_of(spec: Path | str) -> CheckResult:
     """What is wrong with a spec, and what does not fit its CPU."""
+    from plcgen.input.allowances import settled
+    from plcgen.project.opening import allowed_in
+
     found = _planned(spec)
     project = found.project
     if (
@@ -119,7 +129,7 @@ def problems_of(spec: Path | str) -> CheckResult:
         or any(d.code == "PG411" for d in found.diagnostics)
     ):
         return found
-    report = Report([*found.diagnostics, *_misfits(project)])
+    report = Report([*found.diagnostics, *settled(_misfits(project), allowed_in(project))])
     return replace(found, diagnostics=tuple(report))
 
 

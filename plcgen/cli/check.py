@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 TARGETS = ("v5", "tia-300", "tia-1500")
 IEC_CHECKS = ("on", "off", "as-stated")
+MAX_READ = 16 * 1024 * 1024
+"""So many bytes of a source are searched for what its comments allow."""
 Subject = tuple[str, Sequence["Diagnostic"]]
 
 
@@ -93,6 +95,7 @@ def command(
     elif sources:
         found_sources, blocks = _files(sources, target, encoding, out)
         subjects += found_sources
+    subjects = [*subjects[: len(specs)], *map(_settled, subjects[len(specs) :])]
     found = Findings("check", subjects, {"specs": [subject for subject, _ in subjects]})
     if format_.name != "text" or found.diagnostics or output is not None:
         out.show(format_, "findings", found, output)
@@ -165,6 +168,22 @@ def _files(sources: list[Path], target: str | None, encoding: str | None, out: C
         (path.as_posix(), [*c.diagnostics, *again.get(path, ())]) for c in checks for path in c.paths
     ]
     return subjects, sum(c.blocks for c in checks)
+
+
+def _settled(subject: Subject) -> Subject:
+    """The findings of a source with what its comments allow."""
+    from plcgen.input.allowances import allowances, settled
+    from plcgen.input.files import read_bounded
+
+    path, found = subject
+    milder = [d for d in found if d.severity.label != "error"]
+    if not milder:
+        return subject
+    try:
+        text = read_bounded(Path(path), MAX_READ).decode("utf-8", "replace")
+    except OSError:
+        return subject
+    return path, list(settled(found, allowances(text, milder[0].span.file)))
 
 
 def _documents(paths: tuple[Path, ...]) -> list[Path]:

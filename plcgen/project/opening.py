@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
+from plcgen.input.allowances import Allowance, allowances, settled
 from plcgen.project.loading import load_spec, salvage_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
@@ -46,7 +47,12 @@ def open_spec(path: Path) -> Opened:
             apply_rules(project, report)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
-    return Opened(project, tuple(report))
+    return Opened(project, tuple(settled(report, allowed_in(project))))
+
+
+def allowed_in(project: Project | None) -> tuple[Allowance, ...]:
+    """What comments of the spec allow."""
+    return () if project is None else allowances(project.loaded.text, project.loaded.file)
 
 
 def _found_besides(path: Path) -> Iterator[Diagnostic]:

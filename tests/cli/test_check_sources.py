@@ -113,7 +113,7 @@ def test_system_constants_come_from_a_table(plcgen, tmp_path):
         (["src", "--tags", "x.csv"], "--tags belongs to --program"),
         (["src", "--iec-check", "off"], "--iec-check belongs to --program"),
         (["src", "--program", "--target", "v5", "--iec-check", "no"], "--iec-check is on, off, as-stated"),
-        (["empty"], "there is no PLC source (.scl .udt .db .awl) below empty"),
+        (["empty"], "there is no spec and no PLC source below empty"),
     ],
 )
 @pytest.mark.usefixtures("sources")
