@@ -425,10 +425,15 @@ def test_demo(plcgen, tmp_path, monkeypatch):
     result = plcgen("demo", "d")
     shipped = sorted(path.name for path in specs_dir().glob("*.yaml"))
     assert (result.code, seen) == (0, shipped)
+    lines = result.out.splitlines()
+    assert [line.split()[0] for line in lines[: len(shipped)]] == [name.removesuffix(".yaml") for name in shipped]
+    assert all(line.endswith(("1 checks ok", "1 checks ok; without faults")) for line in lines[: len(shipped)])
+    assert lines[-1] == f"{len(shipped)} of {len(shipped)} specs generated and verified without an error"
     copy = tmp_path / "d" / shipped[0]
     copy.write_text("broken: [", encoding="utf-8")
     again = plcgen("demo", "d")
     assert again.code == 1
+    assert again.out.split()[:2] == [shipped[0].removesuffix(".yaml"), "error:"]
     assert f"kept {Path('d') / shipped[0]}" in again.err
     assert copy.read_text(encoding="utf-8") == "broken: ["
 
