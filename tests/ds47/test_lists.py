@@ -81,6 +81,14 @@ def test_what_is_no_list(text: str, message: str) -> None:
     assert told.span.column == min(told.span.line, 1)
 
 
+def test_a_list_that_cannot_be_read(tmp_path: Path) -> None:
+    """PG110 with the path, as of every other file."""
+    with pytest.raises(DiagnosticError) as problem:
+        load_list(tmp_path / "nothing.csv")
+    (told,) = problem.value.diagnostics
+    assert (told.code, told.span.file) == ("PG110", str(tmp_path / "nothing.csv"))
+
+
 def test_spreadsheets_are_refused(tmp_path: Path) -> None:
     """With the way out."""
     with pytest.raises(DiagnosticError, match="a spreadsheet is not read"):

@@ -61,12 +61,16 @@ def load_list(path: Path) -> Sequence[ListedParameter]:
     """Read an exported list.
 
     Raises:
-        DiagnosticError: PG704 if it is too long or no list.
-        OSError: if it cannot be read.
+        DiagnosticError: PG704 if it is too long or no list, PG110 if it cannot be read.
     """
     if path.suffix.lower() in {".xlsx", ".xls"}:
         raise _wrong(path, "a spreadsheet is not read", "save it as CSV (separated by semicolons or tabs)")
-    data = read_bounded(path, MAX_BYTES)
+    try:
+        data = read_bounded(path, MAX_BYTES)
+    except OSError as problem:
+        why = "no such file" if isinstance(problem, FileNotFoundError) else problem.strerror or str(problem)
+        cannot = Diagnostic("PG110", f"cannot read the file: {why}", Span(str(path)), help="check the path")
+        raise DiagnosticError([cannot]) from problem
     if len(data) > MAX_BYTES:
         raise _wrong(path, f"the file has more than {MAX_BYTES // 1024 // 1024} MiB", "export fewer parameters at once")
     return parse_list(decoded(data), path)
