@@ -157,26 +157,8 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
         )
     yield PpiScenario(name="a reply of high priority (0Ah)", bend=_changed(6, 0x02, sums=True), ignored=0, damaged=0)
     yield from _broken_off(silent, most)
-    yield PpiScenario(
-        name="a frame of others and noise in front of the reply",
-        bend=lambda reply: OTHERS + b"\xff" + reply,
-        ignored=1,
-        damaged=1,
-    )
-    yield PpiScenario(
-        name="a frame of others and a reply that breaks off",
-        bend=lambda reply: OTHERS + reply,
-        broken=len(OTHERS) + 20,
-        ignored=1,
-    )
-    if polls > 2 and most:
-        lost = (fault("deaf", "request"), fault("not_ready", times=2))
-        yield PpiScenario(name="a request that is lost, then no data yet", faults=lost, retries=1, polls=3)
+    yield from _in_front(most, polls)
     yield from _alone(master)
-    in_front: tuple[tuple[str, At], ...] = (("token", "any"), ("foreign", "any"), ("noise", "poll"))
-    for kind, at in in_front:
-        yield PpiScenario(name=f"{kind} in front of every answer", faults=(fault(kind, at, None),))
-    yield PpiScenario(name="noise in front of E5", faults=(fault("noise", "request"),), retries=min(1, most))
     for octets in (1, 3, 4, 20, -1):
         yield PpiScenario(name=f"reply that breaks off behind {octets} bytes and goes on", broken=octets)
     yield PpiScenario(
@@ -201,6 +183,29 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
         yield PpiScenario(
             name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None
         )
+
+
+def _in_front(most: int, polls: int) -> Iterator[PpiScenario]:
+    """Frames of others, tokens and noise in front of answers; an answer that is late for another reason."""
+    in_front: tuple[tuple[str, At], ...] = (("token", "any"), ("foreign", "any"), ("noise", "poll"))
+    for kind, at in in_front:
+        yield PpiScenario(name=f"{kind} in front of every answer", faults=(fault(kind, at, None),))
+    yield PpiScenario(name="noise in front of E5", faults=(fault("noise", "request"),), retries=min(1, most))
+    yield PpiScenario(
+        name="a frame of others and noise in front of the reply",
+        bend=lambda reply: OTHERS + b"\xff" + reply,
+        ignored=1,
+        damaged=1,
+    )
+    yield PpiScenario(
+        name="a frame of others and a reply that breaks off",
+        bend=lambda reply: OTHERS + reply,
+        broken=len(OTHERS) + 20,
+        ignored=1,
+    )
+    if polls > 2 and most:
+        lost = (fault("deaf", "request"), fault("not_ready", times=2))
+        yield PpiScenario(name="a request that is lost, then no data yet", faults=lost, retries=1, polls=3)
 
 
 def _broken_off(silent: tuple[int, ...], most: int) -> Iterator[PpiScenario]:
