@@ -212,6 +212,7 @@ def _programs(
     known: Tags = {}
     for path in tags:
         known |= read_tag_file(path)
+    tables = [path for path in tags if path.suffix.lower() == ".xml"]
     check = IecCheck(checks.get("", IecCheck.AS_STATED))
     stated = {block: when == IecCheck.ON for block, when in checks.items() if block and when != IecCheck.AS_STATED}
     by_file: dict[str, list[Diagnostic]] = {str(path): [] for path in sources}
@@ -221,7 +222,7 @@ def _programs(
         own = [path for path in sources if path in together]
         if not own or (folder is None and len(groups) > 1 and not set(paths) & set(sources)):
             continue
-        beside = [path for path in documents if path in together]
+        beside = [*(path for path in documents if path in together), *tables]
         result = check_program(
             own, BY_NAME[target], known, iec_check=check, stated=stated, encoding=encoding, documents=beside
         )

@@ -106,8 +106,7 @@ class CallSites:
     def of(cls, link: Linkage) -> CallSites:
         """Resolve all calls; one whose block nobody knows is left out."""
         found = cls(link)
-        outside = {name: integer(literal) for name, (_, literal) in link.user_constants.items()} | link.constants
-        known = {name: value for name, value in outside.items() if value is not None}
+        known = link.numbers
         for entry in link.blocks.values():
             if entry.block.kind in _CODE and not entry.skipped:
                 names = found.names[entry.index] = LocalNames(link, entry.block, known)

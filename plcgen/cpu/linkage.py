@@ -14,6 +14,7 @@ from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import Shape
 from plcgen.s7.types import NamedType
 from plcgen.scl import ast
+from plcgen.scl.constants import integer
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult
 
@@ -73,7 +74,8 @@ class Compiled:
 class Linkage:
     """Names of a program; keys are upper case.
 
-    ``constants`` are system constants of the project, hardware identifiers by name.
+    ``constants`` are system constants of the project, hardware identifiers by name; ``literals`` has those and the
+    ``user_constants`` as they are written, ``numbers`` the whole numbers among them.
     ``mixed``: blocks with standard and with optimised access meet. ``eno``: some block speaks of ENO or OK. ``litter``:
     local data holds garbage at the start of a call, of two kinds in turn. ``probes`` grows while blocks are
     compiled for coverage, ``points`` while they are compiled for preemption; the preemptive form counts with the
@@ -102,9 +104,20 @@ class Linkage:
     iec_check: IecCheck = IecCheck.AS_STATED
     stated: Mapping[str, bool] = field(default_factory=dict)
     user_constants: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    literals: dict[str, str] = field(default_factory=dict)
+    numbers: dict[str, int] = field(default_factory=dict)
     opaque: set[str] = field(default_factory=set)
     unknown: set[tuple[str, str]] = field(default_factory=set)
     guessed_bounds: bool = False
+
+    def add_constants(self, constants: Mapping[str, int], user_constants: Mapping[str, tuple[str, str]]) -> None:
+        """Take over the constants of the project."""
+        self.constants = {name.upper(): number for name, number in constants.items()}
+        self.user_constants = user_constants
+        self.literals = {name: literal for name, (_, literal) in user_constants.items()}
+        self.literals |= {name: str(number) for name, number in self.constants.items()}
+        found = {name: integer(literal) for name, literal in self.literals.items()}
+        self.numbers = {name: number for name, number in found.items() if number is not None}
 
     @property
     def classic(self) -> bool:

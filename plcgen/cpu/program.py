@@ -89,9 +89,8 @@ class Program:
         ``beside`` knows counts where nothing else says it.
         """
         program = cls(Linkage(dialect, coverage=coverage, litter=litter, iec_check=iec_check))
-        program.link.constants = {name.upper(): number for name, number in (constants or {}).items()}
         beside = beside or Surroundings()
-        program.link.user_constants = beside.constants
+        program.link.add_constants(constants or {}, beside.constants)
         program.link.stated = beside.stated | {name.upper(): checked for name, checked in (stated or {}).items()}
         for source in sources:
             program.read(source, encoding)
@@ -124,14 +123,14 @@ class Program:
         file, text = found
         result = parse(text, file, self.link.dialect, bodies=has_bodies(file))
         self.diagnostics += result.diagnostics
-        declared, problems = declared_blocks(result, self.link.dialect)
+        declared, problems = declared_blocks(result, self.link.dialect, self.link.numbers)
         self.diagnostics += problems
         link = self.link
         link.guessed_bounds = link.guessed_bounds or any(
             problem.code == "PG806" and problem.severity is Severity.WARNING for problem in problems
         )
         for unit, written in zip(result.units, declared, strict=True):
-            block, elsewhere = with_constants(written)
+            block, elsewhere = with_constants(written, self.link.literals, self.link.dialect)
             self.diagnostics += elsewhere
             key = block.name.upper()
             if key in self.link.blocks:
@@ -143,8 +142,9 @@ class Program:
     def read_interface(self, file: str, text: str) -> None:
         """Keep the declarations of blocks that no source has; nothing is said about them."""
         result = parse(text, file, bodies=False)
-        for unit, written in zip(result.units, declared_blocks(result, self.link.dialect)[0], strict=True):
-            block, _ = with_constants(written)
+        declared, _ = declared_blocks(result, self.link.dialect, self.link.numbers)
+        for unit, written in zip(result.units, declared, strict=True):
+            block, _ = with_constants(written, self.link.literals, self.link.dialect)
             entry = ProgramBlock(len(self.link.blocks), unit, block, result, number=block.number)
             self.link.blocks.setdefault(block.name.upper(), entry)
 

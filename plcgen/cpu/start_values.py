@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.s7.blocks import Block, Section, SectionKind
-from plcgen.s7.types import Member, StructType
-from plcgen.scl.constants import evaluate, integer
+from plcgen.s7.types import Elementary, Member, StructType
+from plcgen.scl.constants import evaluate, filled, integer
+from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import parse_value
 
 _NAMED = re.compile(r"""[#"]?[^\W\d]\w*"?(?!#)(?:\s*[-+*/].*)?|.*[-+*/]\s*[#"]?[^\W\d]\w*"?""")
@@ -18,9 +20,15 @@ _NAME_IN_LIST = re.compile(r'"[^"]+"|#\w+')
 _WORDS = frozenset({"TRUE", "FALSE", "NULL", "NIL"})
 
 
-def with_constants(block: Block) -> tuple[Block, list[Diagnostic]]:
-    """The block with every start value written out; PG827 for a constant whose value stands elsewhere."""
-    texts = {m.name.upper(): m.start for m in block.section(SectionKind.CONSTANT) if m.start is not None}
+def with_constants(block: Block, project: Mapping[str, str], dialect: Dialect) -> tuple[Block, list[Diagnostic]]:
+    """The block with every start value written out; PG827 for a constant whose value stands elsewhere.
+
+    ``project`` has the literals of the constants that are not of the block, by upper-case name.
+    """
+    if dialect.is_tia:
+        block = replace(block, sections=tuple(_signed(section) for section in block.sections))
+    texts = {f'"{name}"': literal for name, literal in project.items()}
+    texts |= {m.name.upper(): m.start for m in block.section(SectionKind.CONSTANT) if m.start is not None}
     numbers = {name: value for name, text in texts.items() if (value := integer(text)) is not None}
     found: list[Diagnostic] = []
     sections = tuple(
@@ -34,6 +42,20 @@ def with_constants(block: Block) -> tuple[Block, list[Diagnostic]]:
     return (replace(block, sections=tuple(sections)), found) if tuple(sections) != block.sections else (block, found)
 
 
+def _signed(section: Section) -> Section:
+    """The section with numbers for constants whose bits reach the sign: ``16#8401`` of an Int."""
+    members = tuple(_with_sign(member) for member in section.members)
+    return section if members == section.members else replace(section, members=members)
+
+
+def _with_sign(member: Member) -> Member:
+    if isinstance(member.type, StructType):
+        members = tuple(map(_with_sign, member.type.members))
+        return member if members == member.type.members else replace(member, type=StructType(members))
+    number = filled(member.start or "", member.type.name) if isinstance(member.type, Elementary) else None
+    return member if number is None else replace(member, start=str(number))
+
+
 def _written_out(member: Member, texts: dict[str, str], numbers: dict[str, int], found: list[Diagnostic]) -> Member:
     if isinstance(member.type, StructType):
         members = tuple(_written_out(inner, texts, numbers, found) for inner in member.type.members)
@@ -42,18 +64,22 @@ def _written_out(member: Member, texts: dict[str, str], numbers: dict[str, int],
     if _APART.fullmatch(text):
         return replace(member, start="".join(text.split()))
     if text.startswith("[") and "'" not in text:
-        text = _NAME_IN_LIST.sub(lambda name: texts.get(name[0].strip('#"').upper(), name[0]), text)
+        text = _NAME_IN_LIST.sub(lambda name: _literal(name[0], texts) or name[0], text)
         return _elsewhere(member, text, found) if '"' in text else replace(member, start=text)
     if not _NAMED.fullmatch(text) or text.upper() in _WORDS or "'" in text:
         return member
-    name = text.strip('#"').upper()
-    if name in texts:
-        return replace(member, start=texts[name])
+    if literal := _literal(text, texts):
+        return replace(member, start=literal)
     node = parse_value(text)
     value = evaluate(node, numbers) if node is not None else None
     if value is not None:
         return replace(member, start=str(value))
     return _elsewhere(member, text, found) if text.startswith('"') else member
+
+
+def _literal(name: str, texts: Mapping[str, str]) -> str | None:
+    """Literal of a constant, ``"N"`` of the project or ``#N`` of the block."""
+    return texts.get(name.upper()) or texts.get(name.strip('#"').upper())
 
 
 def _elsewhere(member: Member, text: str, found: list[Diagnostic]) -> Member:

@@ -28,7 +28,7 @@ _TYPES = frozenset({BlockKind.UDT, BlockKind.FB})
 def add_unknown_types(link: Linkage) -> list[Diagnostic]:
     """Declare every missing type as one without members; PG806 for a name nobody knows, at its first use.
 
-    PG827 tells of a type of the system libraries whose members are not known here.
+    PG827 tells of a type of the system libraries whose members are not known here; of those of tags nothing is said.
     """
     found: list[Diagnostic] = []
     for block in [entry.block for entry in link.blocks.values()]:
@@ -39,6 +39,11 @@ def add_unknown_types(link: Linkage) -> list[Diagnostic]:
             link.opaque.add(key)
             link.types[key] = Block(BlockKind.UDT, type_.name, ())
             found.append(_report(type_, span or block.span or Span(""), link, library=library))
+    for _, spelled in link.tags.values():
+        key = spelled.strip('"')
+        if key != spelled and key not in link.types:
+            link.opaque.add(key)
+            link.types[key] = Block(BlockKind.UDT, key, ())
     return found
 
 

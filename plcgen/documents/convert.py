@@ -136,7 +136,8 @@ def _read(files: Sequence[SourceFile], found: Converted, *, classic: bool, encod
             problems = [problem for problem in problems if problem.code != "PG814"]
             blocks = [_laid_out(block, found) for block in blocks]
         else:
-            blocks, problems = read_source(file.path, dialect, encoding=encoding)
+            whole = {name: value for name, value in constants.items() if value is not None}
+            blocks, problems = read_source(file.path, dialect, encoding=encoding, constants=whole)
             problems = [problem for problem in problems if not _about_encoding(problem)]
         found.diagnostics += [_without_value(problem) for problem in problems]
         read += [_Read(block, block.span or Span(str(file.path)), file.is_xml) for block in blocks]

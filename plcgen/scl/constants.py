@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
 
 from plcgen.s7.types import DataType, StringType, elementary
@@ -12,6 +13,8 @@ _PREFIXES = {
     "LT": "LTIME", "L": "DINT", "C": "WORD",
 }  # fmt: skip
 _LIMIT = 1 << 64
+_SIGNED = {"SINT": 8, "INT": 16, "DINT": 32, "LINT": 64}
+_BASES = frozenset({"2", "8", "16"})
 
 
 @lru_cache(maxsize=4096)
@@ -26,19 +29,43 @@ def integer(text: str) -> int | None:
     return value if -_LIMIT < value < _LIMIT else None
 
 
-def evaluate(node: ast.Expression, known: dict[str, int]) -> int | None:
-    """Integer value of an expression of literals and known constants (by upper-case name), else None."""
+def filled(text: str, type_name: str) -> int | None:
+    """Value of a constant whose bits fill a signed type up to the sign, as the TIA Portal reads it; else None.
+
+    ``SINT#255`` and ``SINT#16#FF`` are -1 (help of the TIA Portal, "SINT (8-bit integers)"); a declaration takes
+    16#8401 for an Int without a prefix, too (block SINA_SPEED_TLG352 of Siemens' library LSINAExt).
+    """
+    prefix, _, digits = text.strip().upper().partition("#")
+    typed = prefix == type_name
+    if type_name not in _SIGNED or not (typed or (prefix in _BASES and digits)):
+        return None
+    value, high = integer(text), 1 << _SIGNED[type_name] - 1
+    return value - 2 * high if value is not None and high <= value < 2 * high else None
+
+
+def project_names(constants: Mapping[str, int]) -> dict[str, int]:
+    """Constants of the project as ``evaluate`` knows them: with quotes, which those of a block do not have."""
+    return {f'"{name.upper()}"': value for name, value in constants.items()}
+
+
+def evaluate(node: ast.Expression, known: Mapping[str, int]) -> int | None:
+    """Integer value of an expression of literals and known constants (by upper-case name), else None.
+
+    Constants of the project have quotes in ``known``.
+    """
     if isinstance(node, ast.Literal):
         return integer(node.text) if node.kind in {"int", "typed"} else None
     if isinstance(node, ast.Name):
-        return known.get(node.name.upper())
+        name = node.name.upper()
+        found = known.get(f'"{name}"') if node.scope == "quoted" else None
+        return known.get(name) if found is None else found
     if isinstance(node, ast.Unary) and node.operator in {"-", "+"}:
         value = evaluate(node.operand, known)
         return value if value is None or node.operator == "+" else -value
     return _evaluate_chain(node, known) if isinstance(node, ast.Binary) else None
 
 
-def _evaluate_chain(node: ast.Binary, known: dict[str, int]) -> int | None:
+def _evaluate_chain(node: ast.Binary, known: Mapping[str, int]) -> int | None:
     """Walk down the left side in a loop: chains may be long."""
     chain: list[ast.Binary] = []
     left: ast.Expression = node

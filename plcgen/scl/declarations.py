@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections import ChainMap
+from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
@@ -22,7 +23,7 @@ from plcgen.s7.types import (
     elementary,
 )
 from plcgen.scl import ast
-from plcgen.scl.constants import evaluate, type_of
+from plcgen.scl.constants import evaluate, project_names, type_of
 from plcgen.scl.cursor import MAX_ERRORS
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult
@@ -42,14 +43,21 @@ _RETAIN = frozenset({"RETAIN", "NON_RETAIN"})
 _DEFAULT_STRING = 254
 _PLAIN = [name for name in (*ELEMENTARY, *ALIASES, "STRING", "WSTRING") if "_" not in name]
 _LONGEST = 9
-_CONSTANT_HELP = "replace it by its value: until then the memory layout of the block is unknown"
+_CONSTANT_HELP = (
+    "name the tag table with it, too, or write its value: until then the memory layout of the block is unknown"
+)
 _BOUND_HELP = "write the number: without it the memory layout of the block is unknown"
 
 
-def blocks(result: ParseResult, dialect: Dialect | None = None) -> tuple[list[Block], list[Diagnostic]]:
-    """Every unit as a block, and PG805..PG807 about them; syntax errors are in ``result`` already."""
+def blocks(
+    result: ParseResult, dialect: Dialect | None = None, constants: Mapping[str, int] | None = None
+) -> tuple[list[Block], list[Diagnostic]]:
+    """Every unit as a block, and PG805..PG807 about them; syntax errors are in ``result`` already.
+
+    ``constants`` are the whole numbers among those of the project, for bounds and lengths.
+    """
     declared = {unit.name.upper() for unit in result.units}
-    builder = _Builder(result, declared, dialect)
+    builder = _Builder(result, declared, dialect, project_names(constants or {}))
     found = [builder.block(unit) for unit in result.units]
     return found, builder.diagnostics + list(recursive_types(found))
 
@@ -57,13 +65,16 @@ def blocks(result: ParseResult, dialect: Dialect | None = None) -> tuple[list[Bl
 class _Builder:
     """One file: its text, its own types, and the diagnostics about its declarations."""
 
-    def __init__(self, result: ParseResult, declared: set[str], dialect: Dialect | None) -> None:
+    def __init__(
+        self, result: ParseResult, declared: set[str], dialect: Dialect | None, project: dict[str, int]
+    ) -> None:
         self.result = result
         self.source = result.tokens.source
         self.declared = declared
         self.strict = dialect is not None and dialect.is_tia
         self.diagnostics: list[Diagnostic] = []
-        self.constants: dict[str, int] = {}
+        self.project = project
+        self.constants: Mapping[str, int] = {}
         self.unresolved: set[str] = set()
         self.compared = 0
         self.instruction = False
@@ -152,9 +163,9 @@ class _Builder:
                 self.error("PG801", "only assignments are allowed after BEGIN of a data block", statement)
         return tuple(found)
 
-    def block_constants(self, unit: ast.Unit) -> dict[str, int]:
-        """Integer constants of CONST and VAR CONSTANT, by upper-case name."""
-        known: dict[str, int] = {}
+    def block_constants(self, unit: ast.Unit) -> Mapping[str, int]:
+        """Integer constants of CONST and VAR CONSTANT, by upper-case name, and those of the project."""
+        known = ChainMap[str, int]({}, self.project)
         self.unresolved = set()
         for section in unit.sections:
             if section.keyword == "CONST" or "CONSTANT" in section.modifiers:

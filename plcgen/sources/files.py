@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -110,10 +110,10 @@ def _read_group(files: Sequence[SourceFile], *, classic: bool, keep: Callable[[P
             table, problems = read_symbols(file.path)
             symbols |= table
         else:
-            blocks, problems = _read(file, classic=classic, keep=keep)
+            blocks, problems = _read(file, {}, classic=classic, keep=keep)
             read += [(block, file) for block in blocks]
         found.diagnostics += problems
-    _resolve(read, files, found.diagnostics, classic=classic)
+    _resolve(read, files, found.diagnostics, classic=classic, keep=keep)
     read = _without_unknown_bounds(read, found.diagnostics)
     found.blocks = [_numbered(block, symbols) for block in _unique(read, found.diagnostics)]
     _add_types(found.blocks, found.types)
@@ -159,31 +159,39 @@ def _walk(folder: Path, diagnostics: list[Diagnostic]) -> list[SourceFile]:
 
 
 def _read(
-    file: SourceFile, *, classic: bool, keep: Callable[[ParseResult], object] | None
+    file: SourceFile,
+    constants: Mapping[str, int | None],
+    *,
+    classic: bool,
+    keep: Callable[[ParseResult], object] | None,
 ) -> tuple[list[Block], list[Diagnostic]]:
     if not file.is_xml:
-        return read_source(file.path, keep=keep)
+        whole = {name: value for name, value in constants.items() if value is not None}
+        return read_source(file.path, constants=whole, keep=keep)
     from plcgen.simaticml.reading.documents import read_simaticml
 
-    blocks, problems = read_simaticml(file.path, classic=classic)
+    blocks, problems = read_simaticml(file.path, classic=classic, constants=constants)
     if file.listed and not blocks and all(problem.code == "PG812" for problem in problems):
         return [], []  # another kind of document that lies in the folder
     return blocks, problems
 
 
 def _resolve(
-    read: list[tuple[Block, SourceFile]], files: Sequence[SourceFile], diagnostics: list[Diagnostic], *, classic: bool
+    read: list[tuple[Block, SourceFile]],
+    files: Sequence[SourceFile],
+    diagnostics: list[Diagnostic],
+    *,
+    classic: bool,
+    keep: Callable[[ParseResult], object] | None,
 ) -> None:
-    """Read documents with unknown bounds again, with the constants of the tag tables among the files or beside them."""
+    """Read files with unknown bounds again, with the constants of the tag tables among the files or beside them."""
     unknown = {d.span.file for d in diagnostics if d.code == "PG806" and d.severity is Severity.WARNING}
-    again = [file for file in files if file.is_xml and str(file.path) in unknown]
-    if not again:
+    again = [file for file in files if str(file.path) in unknown]
+    constants = project_constants(files) if again else {}
+    if not constants:
         return
-    from plcgen.simaticml.reading.documents import read_simaticml
-
-    constants = project_constants(files)
     for file in again:
-        blocks, problems = read_simaticml(file.path, classic=classic, constants=constants)
+        blocks, problems = _read(file, constants, classic=classic, keep=keep)
         own = {id(block): place for place, (block, where) in enumerate(read) if where is file}
         for place, block in zip(own.values(), blocks, strict=True):
             read[place] = (block, file)
@@ -196,7 +204,7 @@ def project_constants(files: Iterable[SourceFile]) -> dict[str, int | None]:
     from plcgen.simaticml.reading.interface import whole_number
 
     named = [file.path for file in files if file.is_xml]
-    beside = {path for file in files if file.is_xml and not file.listed for path in file.path.parent.glob("*.xml")}
+    beside = {path for file in files if not file.listed for path in file.path.parent.glob("*.xml")}
     found: dict[str, int | None] = {}
     for path in [*named, *sorted(beside - set(named))][:MAX_FILES]:
         for table in read_tag_table(path)[0]:

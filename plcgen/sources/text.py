@@ -15,7 +15,7 @@ from plcgen.scl.lexer import tokenize
 from plcgen.scl.parser import MAX_CHARACTERS, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from plcgen.s7.blocks import Block
     from plcgen.scl.dialect import Dialect
@@ -50,19 +50,20 @@ def read_source(
     dialect: Dialect | None = None,
     *,
     encoding: str | None = None,
+    constants: Mapping[str, int] | None = None,
     keep: Callable[[ParseResult], object] | None = None,
 ) -> tuple[list[Block], list[Diagnostic]]:
     """Blocks of one file and everything wrong with it; a file that cannot be read is a diagnostic too.
 
     Without ``dialect`` everything is accepted that one of the three compilers accepts. ``encoding`` names the
     code page of an ANSI file (by default it is guessed, see ``code_page``); a byte order mark and valid UTF-8
-    come first. ``keep`` gets the syntax tree.
+    come first. ``constants`` are the whole numbers of the project by name. ``keep`` gets the syntax tree.
     """
     loaded = load_text(path, dialect, encoding=encoding)
     if isinstance(loaded, Diagnostic):
         return [], [loaded]
     text, refused = loaded
-    found, diagnostics = read_text(text, str(path), dialect, bodies=has_bodies(path), keep=keep)
+    found, diagnostics = read_text(text, str(path), dialect, bodies=has_bodies(path), constants=constants, keep=keep)
     return found, [*refused, *diagnostics]
 
 
@@ -98,16 +99,17 @@ def read_text(
     dialect: Dialect | None = None,
     *,
     bodies: bool = True,
+    constants: Mapping[str, int] | None = None,
     keep: Callable[[ParseResult], object] | None = None,
 ) -> tuple[list[Block], list[Diagnostic]]:
     """Blocks of a source that is already decoded; ``bodies=False`` skips code, as for STL.
 
-    ``keep`` gets the syntax tree.
+    ``constants`` are the whole numbers of the project by name. ``keep`` gets the syntax tree.
     """
     result = parse(text, file, dialect, bodies=bodies)
     if keep is not None:
         keep(result)
-    found, diagnostics = blocks(result, dialect)
+    found, diagnostics = blocks(result, dialect, constants)
     return found, sorted([*result.diagnostics, *diagnostics], key=lambda d: d.sort_key)
 
 

@@ -1,6 +1,7 @@
 """check on PLC sources: as the compiler of a target reads them, file by file or as a program."""
 
 import json
+from pathlib import Path
 
 import pytest
 
@@ -370,3 +371,73 @@ def test_each_plc_of_a_folder_is_a_program_of_its_own(plcgen, tmp_path):
     assert plcgen("check", tmp_path / "vci", "--program", "--target", "tia-1500").code == 0
     (tmp_path / "vci" / "PLC_2" / "Program blocks" / "User.scl").write_text(USER)
     assert "unknown data type Order" in plcgen("check", tmp_path / "vci", "--program", "--target", "tia-1500").out
+
+
+BOUNDS = """\
+FUNCTION_BLOCK "Buffer"
+VAR
+   row : Array[0.."LAST"] of Int;
+   mark : Word := "MARK";
+   i : Int;
+END_VAR
+BEGIN
+#row["LAST"] := 1;
+#row[5] := 1;
+#i := "Shelf".slot[2] + "Shelf".slot[3];
+END_FUNCTION_BLOCK
+"""
+SHELF = """\
+DATA_BLOCK "Shelf"
+STRUCT
+   slot : Array[1.."WIDE"] of Int;
+END_STRUCT;
+BEGIN
+END_DATA_BLOCK
+"""
+CONSTANTS = "".join(
+    f'<SW.Tags.PlcUserConstant ID="{number}"><AttributeList><DataTypeName>{type_}</DataTypeName><Name>{name}</Name>'
+    f"<Value>{value}</Value></AttributeList></SW.Tags.PlcUserConstant>"
+    for number, (name, type_, value) in enumerate(
+        [("LAST", "Int", "4"), ("WIDE", "Int", "2"), ("MARK", "Word", "16#00FF")], 1
+    )
+)
+TABLE = (
+    '<Document><Engineering version="V18" /><SW.Tags.PlcTagTable ID="0"><AttributeList><Name>T</Name></AttributeList>'
+    f"<ObjectList>{CONSTANTS}</ObjectList></SW.Tags.PlcTagTable></Document>"
+)
+
+
+def test_bounds_by_user_constants_are_known(plcgen, tmp_path):
+    """LAST is 4 and WIDE 2: index 5 and slot 3 are outside, in a source and in a document; named by --tags as well."""
+    (tmp_path / "plc" / "PLC tags").mkdir(parents=True)
+    table = tmp_path / "plc" / "PLC tags" / "T.xml"
+    table.write_text(TABLE)
+    (tmp_path / "plc" / "Buffer.scl").write_text(BOUNDS)
+    (tmp_path / "plc" / "Shelf.db").write_text(SHELF)
+    run = ["check", "--program", "--target", "tia-1500", "--json"]
+
+    def places(*more):
+        found = json.loads(plcgen(*run, *more).out)["diagnostics"]
+        return sorted((Path(d["file"]).name, d["code"], d["line"]) for d in found)
+
+    outside = [("Buffer.scl", "PG824", 9), ("Buffer.scl", "PG824", 10)]
+    assert places(tmp_path / "plc") == outside
+    assert places(tmp_path / "plc/Buffer.scl", tmp_path / "plc/Shelf.db", "--tags", table) == outside
+    assert plcgen("convert", tmp_path / "plc", "--to", "xml", "--tia", "V19", "--out", tmp_path / "x").code == 0
+    document = (tmp_path / "x" / "Shelf.xml").read_text("utf-8-sig")
+    (tmp_path / "plc" / "Shelf.xml").write_text(document.replace("Array[1..2]", "Array[1..&quot;WIDE&quot;]"), "utf-8")
+    (tmp_path / "plc" / "Shelf.db").unlink()
+    assert places(tmp_path / "plc") == outside
+    table.unlink()
+    assert ("Buffer.scl", "PG806", 3) in places(tmp_path / "plc")
+
+
+def test_a_document_without_iec_check_has_it_off(plcgen, exports, tmp_path):
+    """Exports leave out what is the default: a block whose document says nothing is checked without IEC check."""
+    lax = GOOD.replace(": Int;\nEND_VAR\nVAR_OUTPUT", ": Word;\nEND_VAR\nVAR_OUTPUT").replace("#first + 1", "#first")
+    (exports / "Add.scl").write_text(lax)
+    run = ["check", exports, "--program", "--target", "tia-1500"]
+    assert "PG821" in plcgen(*run).out
+    assert plcgen("convert", exports / "Add.scl", "--to", "xml", "--tia", "V19", "--out", tmp_path / "x").code == 0
+    (exports / "Add.xml").write_text((tmp_path / "x" / "Add.xml").read_text("utf-8-sig"))
+    assert plcgen(*run).code == 0

@@ -97,9 +97,10 @@ class Arguments:
         """Check the arguments of a call that is not compiled: what they are for is not known."""
         for argument in node.arguments:
             if argument.operator == "=>":
-                if not isinstance(argument.value, ast.Omitted | ast.Slice):
+                pointer = isinstance(argument.value, ast.Literal) and argument.value.kind == "pointer"
+                if not pointer and not isinstance(argument.value, ast.Omitted | ast.Slice):
                     self.places.place(argument.value)
-            elif not isinstance(argument.value, ast.Omitted):
+            elif not isinstance(argument.value, ast.Omitted) and not self.references.is_null(argument.value):
                 self.expressions.value(argument.value)
 
     def parameter(

@@ -26,6 +26,7 @@ from plcgen.cpu.type_rules import (
     canonical,
     common_type,
     conversions,
+    whole_number,
 )
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.scl import ast
@@ -147,6 +148,9 @@ class Functions:
         """ABS keeps the type."""
         bound = self.bind(node, ("IN",))
         value = self.expressions.value(bound["IN"])
+        if value.type in BITS and not self.context.rules.checked and not self.context.classic:
+            type_ = whole_number(value.type, classic=False)
+            return Val(coerce(self.context, value, type_, bound["IN"]), type_, pure=value.pure)
         if value.type not in NUMERIC:
             return self.refuse(node, "ABS", value)
         type_ = {INT_CONST: "INT", REAL_CONST: "REAL"}.get(value.type, value.type)

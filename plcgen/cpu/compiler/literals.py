@@ -8,7 +8,7 @@ from plcgen.cpu.memory import single
 from plcgen.cpu.type_rules import INT_CONST, REAL_CONST, TEXT_CONST, WIDTHS
 from plcgen.s7.literals import LiteralError, pack_literal, parse_literal
 from plcgen.s7.types import ALIASES, ELEMENTARY, StringType
-from plcgen.scl.constants import integer
+from plcgen.scl.constants import filled, integer
 
 Constant = bool | int | float | str | bytes
 
@@ -60,7 +60,8 @@ def classify(text: str, kind: str) -> tuple[str, Constant] | None:
     type_name = _PREFIXES.get(prefix, prefix)
     if type_name not in ELEMENTARY and type_name not in {"STRING", "WSTRING"}:
         return None
-    typed = literal_value(text, type_name)
+    number = filled(text, type_name)
+    typed = literal_value(text, type_name) if number is None else number
     return None if typed is None else (type_name, typed)
 
 

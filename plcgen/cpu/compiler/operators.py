@@ -45,7 +45,7 @@ _STAMPED = {
 }  # fmt: skip
 """Results of date arithmetic of the S7-1500 (help of the TIA Portal, "Arithmetic expressions")."""
 _STORED = {"TIME": "DINT", "LTIME": "LINT", "CHAR": "INT", "WCHAR": "INT", "DATE": "INT", "TIME_OF_DAY": "DINT"}
-_SAME_WIDTH = "convert one of them: floating-point numbers are compared in one type, with and without IEC check"
+_SAME_WIDTH = "convert one of them; without IEC check the TIA Portal converts on its own (--iec-check off)"
 _ORDERED = frozenset({"TIME", "LTIME", "DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "LDT", "CHAR", "WCHAR", "S5TIME"})
 
 
@@ -152,7 +152,7 @@ class Operators:
         if self.is_not_executed(left, right, equality=equality):
             self.context.error("PG827", "the soft CPU does not compare structures, arrays, pointers and stamps", node)
             return Val("False", "BOOL")
-        if {left.type, right.type} == {"REAL", "LREAL"} and self.context.rules.dialect.is_tia:
+        if {left.type, right.type} == {"REAL", "LREAL"} and self.context.rules.checked:
             self.context.error("PG821", f"{node.operator} does not take REAL and LREAL", node, _SAME_WIDTH)
             return Val("False", "BOOL")
         common = common_type(left.type, right.type, self.context.rules)
@@ -200,6 +200,7 @@ class Operators:
         timed = {left.type, right.type} & _TIMED
         if timed or left.type in _ORDERED or right.type in _ORDERED:
             return self.time_arithmetic(node, left, right)
+        left, right = self.counted(left, right.type, node.left), self.counted(right, left.type, node.right)
         common = common_type(left.type, right.type, self.context.rules)
         if common in BITS and self.context.rules.dialect.is_tia and not self.context.rules.checked:
             common = whole_number(common, classic=self.context.classic)
@@ -224,6 +225,17 @@ class Operators:
         if right.const == 0:
             self.context.error("PG824", "division by the constant 0", node)
         return Val(f"{name}({codes[0]},{codes[1]})", common, raw=name == "div", pure=pure)
+
+    def counted(self, value: Val, other: str, node: ast.Expression) -> Val:
+        """A bit string beside a floating-point number as the integer that it counts as without IEC check.
+
+        Seen in documents of blocks that the TIA Portal V18 compiled: ``#word * 0.1``.
+        """
+        mixed = value.type in BITS and other in {*REALS, REAL_CONST}
+        if not mixed or self.context.rules.checked or self.context.classic:
+            return value
+        type_ = whole_number(value.type, classic=False)
+        return Val(coerce(self.context, value, type_, node), type_, pure=value.pure)
 
     def ring(self, value: Val, common: str, node: ast.Expression) -> str:
         """Operand of + - *: a pending wrap of the same type may wait."""

@@ -21,7 +21,7 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.address import Address, AddressError, parse_address
 from plcgen.s7.blocks import BlockKind, SectionKind
 from plcgen.s7.shapes import Shape
-from plcgen.s7.types import ELEMENTARY, ArrayType, NamedType, StringType
+from plcgen.s7.types import ELEMENTARY, ArrayType, Member, NamedType, StringType
 from plcgen.scl import ast
 
 _TYPES = frozenset({BlockKind.UDT, BlockKind.FB})
@@ -103,7 +103,7 @@ class Places:
             upper = node.name.upper()
             tag = self.context.link.tags.get(upper)
             if tag is not None:
-                return self.at_address(tag[0], tag[1], node)
+                return self.tag(*tag, node)
             block = self.context.link.find(upper)
             if block is not None and block.block.kind is BlockKind.DB and block.shape is not None:
                 return self.data_block(block)
@@ -274,6 +274,15 @@ class Places:
             return None
         widths = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD"}
         return self.at_address(address, widths.get(address.width_bits, "BYTE"), node)
+
+    def tag(self, address: Address, type_: str, node: ast.Expression) -> MemoryPlace | None:
+        """Place of a tag; one of a user type has the members of that."""
+        place = self.at_address(address, type_, node)
+        known = self.context.link.types.get(type_.strip('"'))
+        if place is None or known is None or canonical(type_) in ELEMENTARY:
+            return place
+        member = Member(known.name, NamedType(known.name, quoted=True))
+        return place.inside(0, self.context.scope.shape_of(member), overlay=True)
 
     def at_address(self, address: Address, type_: str, node: ast.Expression) -> MemoryPlace | None:
         """Place of an address with a type."""

@@ -45,7 +45,7 @@ class References:
             return self.pointer(node).code
         if isinstance(node, ast.Literal | ast.Binary | ast.Unary | ast.Call):
             return self.value_reference(self.expressions.value(node), node)
-        if isinstance(node, ast.Name) and self.places.symbol(node) is None and node.name.upper() in {"NULL", "NIL"}:
+        if self.is_null(node):
             return "(None,0,0)"
         place = self.places.place(node)
         if place is None:
@@ -56,6 +56,12 @@ class References:
         if scalar_name(place.shape) == "ANY":
             return f"any_of({place.mem},{self.access.address(place)})"
         return f"({place.mem},{self.access.address(place)},{-(-place.shape.bits // 8)})"
+
+    def is_null(self, node: ast.Expression) -> bool:
+        """Whether it is the word for a pointer to nothing."""
+        if not isinstance(node, ast.Name) or node.name.upper() not in {"NULL", "NIL"}:
+            return False
+        return self.places.symbol(node) is None
 
     def value_reference(self, value: Val, node: ast.Expression) -> str:
         """Put a value into memory of its own."""
