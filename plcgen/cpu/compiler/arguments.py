@@ -59,8 +59,9 @@ class Arguments:
         system = called if isinstance(called, SystemFb) else None
         passed = Passed([])
         seen: set[str] = set()
+        alone = next(iter(allowed), "") if len(node.arguments) == len(allowed) == 1 else ""
         for argument in node.arguments:
-            upper = (argument.name or "").upper()
+            upper = (argument.name or alone).upper()
             if upper in {"EN", "ENO"} and upper not in allowed:
                 self.enable(argument, upper, passed)
                 continue
@@ -209,6 +210,9 @@ class Arguments:
         if type_ in {"POINTER", "ANY"} and not (
             isinstance(argument.value, ast.Name) and type_ == self.kind_of(argument)
         ):
+            if kind is _INOUT and self.references.is_constant(argument.value):
+                self.place_of_argument(argument)
+                return
             code = self.references.reference(argument.value)
             if type_ == "POINTER" and called is not None:
                 code = self.lend(code, called, lent)

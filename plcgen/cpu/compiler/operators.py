@@ -22,6 +22,7 @@ from plcgen.cpu.type_rules import (
     POINTERS,
     REAL_CONST,
     REALS,
+    SIGNED,
     STAMPS,
     TEXTS,
     bit_string,
@@ -30,6 +31,8 @@ from plcgen.cpu.type_rules import (
     remedy,
     whole_number,
 )
+from plcgen.diagnostics import Severity
+from plcgen.s7.values import RANGES
 from plcgen.scl import ast
 
 _COMPARE = {"=": "==", "<>": "!=", "<": "<", "<=": "<=", ">": ">", ">=": ">="}
@@ -47,6 +50,20 @@ _STAMPED = {
 _STORED = {"TIME": "DINT", "LTIME": "LINT", "CHAR": "INT", "WCHAR": "INT", "DATE": "INT", "TIME_OF_DAY": "DINT"}
 _SAME_WIDTH = "convert one of them; without IEC check the TIA Portal converts on its own (--iec-check off)"
 _ORDERED = frozenset({"TIME", "LTIME", "DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "LDT", "CHAR", "WCHAR", "S5TIME"})
+
+
+def wide_enough(value: Val, other: str) -> Val:
+    """A constant above the range of the integer beside it as one of a wider type: both meet there.
+
+    Seen in sources that the TIA Portal exported from a running plant: ``#sint <> 255``.
+    """
+    if value.type != INT_CONST or other not in INTEGERS or not isinstance(value.const, int):
+        return value
+    low, high = RANGES[other]
+    if value.const <= high and (value.const >= low or low == 0):
+        return value
+    room = (name for name in SIGNED if RANGES[name][0] <= value.const <= RANGES[name][1])
+    return replace(value, type=next(room, INT_CONST))
 
 
 @dataclass(slots=True, eq=False)
@@ -106,6 +123,12 @@ class Operators:
         """Apply one operator."""
         if UNKNOWN in {left.type, right.type}:
             return Val("0", "BOOL" if node.operator in _COMPARE else UNKNOWN)
+        for value, other, operand in ((left, right, node.left), (right, left, node.right)):
+            if node.operator in _COMPARE and wide_enough(value, other.type) is not value:
+                low, high = RANGES[other.type]
+                shown = f"{self.context.text(operand)} is outside {other.type} ({low}..{high})"
+                self.context.error("PG824", f"{shown}: the result is always the same", operand, "", Severity.WARNING)
+        left, right = wide_enough(left, right.type), wide_enough(right, left.type)
         if node.operator in _COMPARE:
             return self.compare(node, left, right)
         if node.operator in _LOGIC:

@@ -43,7 +43,7 @@ class References:
         """Code of a reference to a variable, for ANY, VARIANT and structured parameters."""
         if isinstance(node, ast.Literal) and node.kind == "pointer":
             return self.pointer(node).code
-        if isinstance(node, ast.Literal | ast.Binary | ast.Unary | ast.Call):
+        if isinstance(node, ast.Literal | ast.Binary | ast.Unary | ast.Call) or self.is_constant(node):
             return self.value_reference(self.expressions.value(node), node)
         if self.is_null(node):
             return "(None,0,0)"
@@ -62,6 +62,11 @@ class References:
         if not isinstance(node, ast.Name) or node.name.upper() not in {"NULL", "NIL"}:
             return False
         return self.places.symbol(node) is None
+
+    def is_constant(self, node: ast.Expression) -> bool:
+        """Whether it is the name of a constant."""
+        symbol = self.places.symbol(node) if isinstance(node, ast.Name) else None
+        return symbol is not None and symbol.constant is not None
 
     def value_reference(self, value: Val, node: ast.Expression) -> str:
         """Put a value into memory of its own."""
