@@ -3,6 +3,9 @@
 Every subfolder is a repository or project, called ``OWNER+NAME``. Nobody can ask the compilers of STEP 7 here: what is
 valid was decided by reading, against the manuals and against what the tools write themselves. Each decision is a row
 of ``scl.toml``: a place, a code, a verdict and why, without any text of the source.
+
+The SCL of SimaticML documents is checked as well, with the IEC check as they state it: the TIA Portal exports only
+blocks that it has compiled. There a place is the text that a block becomes, and a line of that.
 """
 
 from __future__ import annotations
@@ -10,7 +13,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,10 +22,13 @@ from evidence.faults import TOKEN, TYPE, faults
 from evidence.faults import found as is_found
 from plcgen.cpu.program import Program
 from plcgen.cpu.sources import SourceCheck, check_program, check_source, find_documents, find_sources
+from plcgen.cpu.surroundings import Surroundings
 from plcgen.cpu.type_rules import IecCheck
 from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.documents.convert import convert
 from plcgen.scl.dialect import BY_NAME, Dialect
 from plcgen.scl.parser import ParseResult, parse
+from plcgen.sources.plcs import by_plc
 from plcgen.sources.text import load_text
 
 KEPT = Path(__file__).with_name("scl.toml")
@@ -77,6 +83,10 @@ class Figures:
     unjudged: list[tuple[str, str, Diagnostic]] = field(default_factory=list)
     seeded: Counter[str] = field(default_factory=Counter)
     missed: list[tuple[str, str, str]] = field(default_factory=list)
+    documents: Counter[str] = field(default_factory=Counter)
+    """Blocks in SCL of documents by repository."""
+    in_documents: Counter[str] = field(default_factory=Counter)
+    """What is said about their types, by verdict, and about names."""
 
 
 def report(folder: Path, *, save: bool = False) -> Iterator[str]:
@@ -86,6 +96,7 @@ def report(folder: Path, *, save: bool = False) -> Iterator[str]:
     for place in sorted(path for path in folder.iterdir() if path.is_dir()):
         if any(path.suffix.lower() == ".scl" for path in find_sources(place)):
             measure(place, judged, figures)
+        measure_documents(place, judged, figures)
     yield from _lines(figures)
 
 
@@ -112,6 +123,25 @@ def measure(place: Path, judged: Judged, figures: Figures) -> None:
     for path in own:
         if path not in refused:
             _seed(path, targets[path], place, figures)
+
+
+def measure_documents(place: Path, judged: Judged, figures: Figures) -> None:
+    """Check the code in SCL of the documents of one repository, each PLC by itself."""
+    name, groups = place.name.replace("+", "/"), by_plc(find_documents(place))
+    for folder, own in groups.items():
+        paths = own if folder is None else [*own, *groups.get(None, ())]
+        if not any(b"StructuredText" in path.read_bytes() for path in paths):
+            continue
+        made = [file for file in convert(paths, "scl", keep_going=True).files if file.path.endswith(".scl")]
+        texts = [(file.path, file.data.decode("utf-8-sig")) for file in made]
+        beside = Surroundings.read(paths, Dialect.TIA_1200_1500)
+        program = Program.load(texts, Dialect.TIA_1200_1500, beside=beside)
+        figures.documents[name] += len(texts)
+        for problem in _chosen(program.diagnostics):
+            verdict = judged.verdicts.get((name, problem.span.file, problem.span.line, problem.code), ("", ""))[0]
+            figures.in_documents["names" if problem.code in NAMES else verdict or OPEN] += 1
+            if problem.code in TYPES and not verdict:
+                figures.unjudged.append((name, problem.span.file, problem))
 
 
 def _targets(paths: list[Path], place: Path, known: dict[str, Any]) -> dict[Path, Dialect]:
@@ -177,7 +207,11 @@ def _without_twins(paths: list[Path]) -> tuple[list[Path], list[Path]]:
 
 
 def _problems(check: SourceCheck) -> list[Diagnostic]:
-    return [d for d in check.diagnostics if d.severity is Severity.ERROR and d.code in NAMES | TYPES]
+    return _chosen(check.diagnostics)
+
+
+def _chosen(found: Iterable[Diagnostic]) -> list[Diagnostic]:
+    return [d for d in found if d.severity is Severity.ERROR and d.code in NAMES | TYPES]
 
 
 def _seed(path: Path, target: Dialect, place: Path, figures: Figures) -> None:
@@ -219,6 +253,12 @@ def _lines(figures: Figures) -> Iterator[str]:
     yield f"  of these in sources that are known to compile: {sum(figures.compiled.values())}"
     for verdict, count in figures.compiled.most_common():
         yield f"    {verdict}: {count}"
+    blocks, types = sum(figures.documents.values()), sum(figures.in_documents.values()) - figures.in_documents["names"]
+    yield f"  documents of compiled blocks: {blocks} blocks in SCL of {len(+figures.documents)} repositories"
+    yield f"    types: {types}, names: {figures.in_documents['names']}"
+    for verdict, count in figures.in_documents.most_common():
+        if verdict != "names":
+            yield f"    {verdict}: {count}"
     for repository, path, problem in figures.unjudged:
         yield f"    {OPEN}: {repository} {path}:{problem.span.line} {problem.code}"
     for kind in (TOKEN, TYPE):

@@ -11,6 +11,7 @@ import pytest
 from evidence import scl
 from evidence.faults import TOKEN, TYPE, Fault, faults, found
 from plcgen.cpu.program import Program
+from plcgen.documents.convert import convert
 from plcgen.scl.dialect import BY_NAME
 from plcgen.scl.parser import parse
 
@@ -61,6 +62,28 @@ def test_what_is_counted(corpus: Path) -> None:
     assert "    not judged: you/yours wrong.scl:10 PG821" in lines
     assert "  seeded token faults: 6 of 6 found, 100.0 %" in lines
     assert "  seeded type faults: 6 of 6 found, 100.0 %" in lines
+
+
+def test_the_code_of_documents_is_counted(tmp_path: Path) -> None:
+    """An export without IEC check may put a WORD into an INT, but no BOOL; a tag that nobody declares is a name."""
+    place = tmp_path / "me+mine"
+    source = GOOD.replace("r : Real;", "w : Word;\n  m : Int;").replace("#r := 2.0", '#m := #w; #m := "level"')
+    for name, text in (
+        ("Pump", source),
+        ("Wrong", source.replace('"Pump"', '"Wrong"').replace("#m := #w", "#m := #on")),
+    ):
+        found = convert([_written(tmp_path / f"{name}.scl", text)], "xml", version="V19")
+        place.mkdir(exist_ok=True)
+        (place / f"{name}.xml").write_bytes(found.files[0].data)
+    lines = list(scl.report(tmp_path))
+    first = lines.index("  documents of compiled blocks: 2 blocks in SCL of 1 repositories")
+    assert lines[first + 1 : first + 3] == ["    types: 1, names: 1", "    not judged: 1"]
+    assert lines[first + 3].startswith("    not judged: me/mine Wrong.scl:")
+
+
+def _written(path: Path, text: str) -> Path:
+    path.write_text(text)
+    return path
 
 
 def test_every_kind_of_fault_is_found_in_a_plain_block() -> None:
