@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
 from projects import ROOT
 
 PACKAGE = ROOT / "plcgen"
@@ -77,6 +78,7 @@ def test_protocols_do_not_know_each_other() -> None:
         assert found == set()
 
 
+@pytest.mark.slow
 def test_classes_hold_one_idea() -> None:
     """None above 350 lines, and no stubs that only subclasses fill."""
     nodes = [(name, node) for name, tree in MODULES.items() for node in ast.walk(tree)]

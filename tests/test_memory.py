@@ -24,6 +24,7 @@ def alive(*classes: type) -> int:
     return sum(isinstance(found, classes) for found in gc.get_objects())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spec", SPECS, ids=lambda path: path.stem)
 def test_no_cache_keeps_a_project(spec: Path, tmp_path: Path) -> None:
     """Whoever forgets a project and what was made of it gets its memory back."""
@@ -43,6 +44,7 @@ def test_no_cache_keeps_a_project(spec: Path, tmp_path: Path) -> None:
     assert [found() for found in known] == [None] * len(known)
 
 
+@pytest.mark.slow
 def test_no_cache_keeps_sources(tmp_path: Path) -> None:
     """Another run over other sources of the same size leaves no more blocks and statements behind."""
     text = (

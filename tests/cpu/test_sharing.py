@@ -160,6 +160,7 @@ def nested(number, inside, members="abc"):
     return f'FUNCTION_BLOCK "F{number}" VAR {declared} END_VAR BEGIN {calls} END_FUNCTION_BLOCK\n'
 
 
+@pytest.mark.slow
 def test_instances_in_instances_are_bounded():
     """Three instances on each of 30 levels would be 3^30; an FB that contains itself has no end."""
     last = (

@@ -8,6 +8,7 @@ import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
 from docs.pages import ROOT
 
 PACKAGE = ROOT / "plcgen"
@@ -41,6 +42,7 @@ def test_the_table_lists_every_room_in_the_order_of_the_levels() -> None:
     assert [level[room] for room in rooms] == sorted(level[room] for room in rooms)
 
 
+@pytest.mark.slow
 def test_third_party_libraries_have_one_place_each() -> None:
     """The page says which; a second place would be a second way to do the same."""
     found: dict[str, set[str]] = {name: set() for name in HOMES}
@@ -50,6 +52,7 @@ def test_third_party_libraries_have_one_place_each() -> None:
     assert found == {name: {home} for name, home in HOMES.items()}
 
 
+@pytest.mark.slow
 def test_dependencies_are_imported() -> None:
     """Whatever the package or one of its extras installs is used by the package."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]

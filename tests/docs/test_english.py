@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
 from docs.pages import PAGES, ROOT
 
 ODD = {
@@ -67,6 +68,7 @@ def messages(source: Path) -> Iterator[tuple[int, str]]:
             yield node.lineno, node.value
 
 
+@pytest.mark.slow
 def test_no_odd_word() -> None:
     """No page, message or public name has a word of the list."""
     found = [

@@ -62,7 +62,7 @@ def _first_reference(field: JobField, *, classic: bool) -> None:
         sent = next(e.data[0] for e in field.rig.drives[0].journal if e.direction == "write")
         within = range(begun, begun + 50, 10)
         if sent not in ({1} if classic else {ms % 1000 % 255 + 1 for ms in within}):
-            raise ScenarioError(f"the first reference {begun % 1000} ms behind a full second is {sent}")
+            raise ScenarioError(f"the first reference {begun % 1000} ms after a full second is {sent}")
         field.idle(1)
 
 
