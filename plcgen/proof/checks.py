@@ -20,11 +20,21 @@ class Outcome(enum.StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class Trial:
+    """One scenario that a check ran: its name, the scans that it took with the plain run behind it, how it ended."""
+
+    scenario: str
+    scans: int
+    ok: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Check:
     """One statement that was tested.
 
     ``subject`` is what was looked at (``DB3 "WR_DataBuffer"``, ``telegram read_ramp_up``), ``text`` the figures,
-    ``verdict`` the short ending of the line, ``diagnostic`` what is wrong (None if nothing is).
+    ``verdict`` the short ending of the line, ``diagnostic`` what is wrong (None if nothing is); ``trials`` are the
+    scenarios of a check that ran several.
     """
 
     id: str
@@ -33,6 +43,7 @@ class Check:
     outcome: Outcome
     verdict: str
     diagnostic: Diagnostic | None = None
+    trials: tuple[Trial, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.project.nouns import PlannedJob, Project
-from plcgen.proof.checks import Check, Outcome
+from plcgen.proof.checks import Check, Outcome, Trial
 from plcgen.proof.coverage import Coverage, cover
 from plcgen.proof.idle import idle_check
 from plcgen.proof.rig import ProgramBench
@@ -32,6 +32,7 @@ class Result:
     matrix: str = ""
     failures: list[Failure] = field(default_factory=list)
     statistics: Statistics = field(default_factory=Statistics)
+    trials: list[Trial] = field(default_factory=list)
     counts: list[int] = field(default_factory=list)
     broken: bool = False
 
@@ -160,7 +161,9 @@ def run_matrix(
     kinds = 0
     for scenario in suite.matrix(runner, scans, level):
         kinds += 1
+        before = result.statistics.scans
         failure = runner.try_run(scenario)
+        result.trials.append(Trial(scenario.name, result.statistics.scans - before, failure is None))
         if failure is not None:
             result.add(failure, runner.conduct.rig.cpu.coverage)
             runner = suite.runner(program, job, result.statistics)
@@ -232,9 +235,9 @@ def job_checks(suite: Suite[Any], key: str, result: Result, level: Level) -> Ite
         yield Check(name, subject, "", Outcome.NOT_RUN, "not asked for")
     elif result.failures:
         found = diagnostic("PG621", key, result.failures, suite.page)
-        yield failed(name, subject, result.matrix, found, str(result.failures[0]))
+        yield replace(failed(name, subject, result.matrix, found, str(result.failures[0])), trials=tuple(result.trials))
     else:
-        yield Check(name, subject, result.matrix, Outcome.OK, "ok")
+        yield Check(name, subject, result.matrix, Outcome.OK, "ok", trials=tuple(result.trials))
 
 
 def together_check(suite: Suite[Any], result: Result) -> Check:

@@ -1,7 +1,8 @@
-"""What was tried with which job, as a grid: one row a job, one column a kind of check."""
+"""What was tried with which job, as grids: jobs by kinds of checks, and scenarios by jobs."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from plcgen.display.cells import clean
@@ -21,6 +22,36 @@ class FaultGrid:
     columns: tuple[str, ...]
     rows: tuple[tuple[str, tuple[tuple[str, str] | None, ...]], ...]
     rest: tuple[tuple[str, str, str, str], ...]
+
+
+JOBS = 6
+"""Jobs beside each other in a grid of scenarios: so many fit a sheet of A4."""
+MAX_SCENARIOS = 1000
+"""Scenarios of a grid; the check of the job has their number."""
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioGrid:
+    """Scenarios of some ``jobs``: a row each, with the outcome and the scans for each job (None: not a fault of it)."""
+
+    jobs: tuple[str, ...]
+    rows: tuple[tuple[str, tuple[tuple[str, str] | None, ...]], ...]
+    more: int
+
+
+def scenarios(verification: Verification) -> Iterator[ScenarioGrid]:
+    """Grids of what every job ran through, a few jobs in each."""
+    tried = [(check.subject.split(" ")[-1], check.trials) for check in verification.checks() if check.trials]
+    for start in range(0, len(tried), JOBS):
+        chosen = tried[start : start + JOBS]
+        cells: dict[str, list[tuple[str, str] | None]] = {}
+        for place, (_, trials) in enumerate(chosen):
+            for trial in trials:
+                row = cells.setdefault(trial.scenario, [None] * len(chosen))
+                row[place] = ("ok" if trial.ok else "error", f"{trial.scans} scans")
+        rows = tuple((clean(name), tuple(row)) for name, row in cells.items())
+        more = max(0, len(rows) - MAX_SCENARIOS)
+        yield ScenarioGrid(tuple(clean(job) for job, _ in chosen), rows[:MAX_SCENARIOS], more)
 
 
 def matrix(verification: Verification) -> FaultGrid:

@@ -13,7 +13,7 @@ from plcgen.proof.checks import Outcome
 from plcgen.review.compare.model import Change, Comparison
 from plcgen.review.layout.pictures import views
 from plcgen.review.sheet import ExchangeSheet, Message, MessageField, Role, WriteEntry
-from plcgen.signoff.grid import matrix
+from plcgen.signoff.grid import matrix, scenarios
 from plcgen.signoff.model import LayoutPair, RecordedRun, Review
 from plcgen.signoff.timeline import time_line
 
@@ -58,6 +58,7 @@ def page_view(review: Review, script: str) -> dict[str, Any]:
         "more_layouts": max(0, len(review.layouts) - MAX_LAYOUTS),
         "runs": [_run(n, run) for n, run in enumerate(review.runs, 1)],
         "matrix": matrix(review.verification),
+        "scenarios": list(scenarios(review.verification)),
     }
 
 

@@ -14,7 +14,9 @@ from signoff.reviews import LONG, faq_review, git, hostile_review, show
 
 from plcgen import api
 from plcgen.diagnostics import DiagnosticError
+from plcgen.proof.checks import Check, CheckGroup, Outcome, Trial, Verification
 from plcgen.review.sheet import Role
+from plcgen.signoff.grid import scenarios
 from plcgen.signoff.markdown import LIMIT
 
 
@@ -239,3 +241,23 @@ def test_ppi_jobs_are_reviewed_without_runs():
     assert [one.subject for one in review.assumptions].count("layout") == 1
     assert all(entry.danger for entry in review.sheet.writes if entry.parameter == "CPU")
     assert show("html", review)
+
+
+def test_scenarios_stand_in_grids():
+    """A row per scenario, a column per job, a few jobs in each grid; a dot where a job has no such fault."""
+    both = Trial("busy twice", 12, ok=True)
+    checks = [
+        Check("faults.a", "faults a", "", Outcome.OK, "ok", trials=(both, Trial("values", 9, ok=True))),
+        *(Check(f"faults.j{n}", f"faults j{n}", "", Outcome.OK, "ok", trials=(both,)) for n in range(5)),
+        Check("faults.b", "faults b", "", Outcome.ERROR, "bad", trials=(both, Trial("lost", 30, ok=False))),
+        Check("faults.c", "faults c", "", Outcome.NOT_RUN, "not asked for"),
+    ]
+    group = CheckGroup("execution", "Execution", tuple(checks))
+    first, second = scenarios(Verification("s", "f", "p", "t", (group,), ()))
+    assert first.jobs == ("a", "j0", "j1", "j2", "j3", "j4")
+    assert first.rows == (
+        ("busy twice", (("ok", "12 scans"),) * 6),
+        ("values", (("ok", "9 scans"), None, None, None, None, None)),
+    )
+    assert (second.jobs, second.more) == (("b",), 0)
+    assert second.rows[1] == ("lost", (("error", "30 scans"),))
