@@ -105,7 +105,7 @@ def _fair(gate: str, field: JobField) -> None:
 
 
 def _dead(state: int, field: JobField) -> None:
-    """A channel with the only place is not called any more: others have it after LEASE, after twice that at the latest."""
+    """A channel with the only place is not called any more: others have it after LEASE, or twice that at most."""
     three(field)
     field.rig.plan.set("places", 1)
     field.rig.call(CALLS)
