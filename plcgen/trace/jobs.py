@@ -98,7 +98,7 @@ def job_signals(
     for use in (*job.inputs, *job.outputs):
         name = f"{use.member}_value" if use.member in _OWN else use.member
         path = f"{own}.{use.member}"
-        yield signal(cpu, job.key, name, path, unit=use.parameter.unit or "", listed=not job.writes)
+        yield signal(cpu, job.key, name, path, unit=use.parameter.unit or "", listed=use in job.outputs)
 
 
 def _while_held(cpu: Cpu, path: str, units: UnitWatch, job: DriveJob) -> Callable[[], Value]:
@@ -183,10 +183,10 @@ class JobWatch:
         word = _element(errors, use.position)
         number = word & 0xFF if word & 0xFF00 == 0x8000 else None
         value: Value | None = None
-        if self.planned.writes and use.constant:
+        if use.writes and use.constant:
             values = [_octets(item) for item in unpack_values(use.format, use.count, use.data)]
             value = plain(values[0] if len(values) == 1 else values)
-        elif self.planned.writes or (self.finished and not word):
+        elif use.writes or (self.finished and not word):
             value = self._read(use.member)
         parameter = use.parameter
         return JobValue(

@@ -84,5 +84,5 @@ def test_what_is_no_kind_is_told(distribution) -> None:
 
 
 def test_without_others_there_are_the_shipped_kinds() -> None:
-    """Read and write."""
-    assert [kind.key for kind in kinds()] == [kind.key for kind in SHIPPED] == ["read", "write"]
+    """Read, write and save."""
+    assert [kind.key for kind in kinds()] == [kind.key for kind in SHIPPED] == ["read", "write", "save"]

@@ -33,7 +33,7 @@ Bytes = Sequence[int | None]
 
 def review_sheet(plan: DrivePlan) -> ReviewSheet:
     """Everything of a plan."""
-    writes = [_write(plan, shape, use) for shape in plan.shapes if shape.writes for use in shape.uses]
+    writes = [_write(plan, shape, use) for shape in plan.shapes for use in shape.uses if use.writes]
     exchanges = [_exchange(shape, telegram) for shape in plan.shapes for telegram in shape.telegrams]
     return ReviewSheet(tuple(writes), tuple(exchanges), tuple(_instance(plan, job) for job in plan.jobs))
 
@@ -140,7 +140,7 @@ def _address(buffer: Buffer[DriveField], field: DriveField) -> str:
 def _positive(shape: DriveJob, telegram: DriveTelegram) -> list[int | None]:
     """The good answer; the drive decides reference and values, and may answer in the generic type of a size."""
     answer: list[int | None] = [None, telegram.response_id, shape.drive.drive_object, len(telegram.parts)]
-    for part in telegram.parts if not shape.writes else ():
+    for part in telegram.parts if not telegram.writes else ():
         answer += _block(part)
     return answer
 

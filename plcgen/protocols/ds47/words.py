@@ -46,13 +46,19 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_PARAMETER_ERROR", 0x8401, "the drive refused at least one parameter, see errors"),
     ("STATUS_REFUSED", 0x8402, "the drive refused the whole request, see errors"),
     ("STATUS_NOT_SUPPORTED", 0x8403, "the drive does not support the request"),
+    ("STATUS_NOT_SAVED", 0x8501, "the drive has not finished saving within the limit of the job"),
+    ("STATUS_TOO_SOON", 0x8502, "refused: the last save is not as long ago as the job demands"),
 )
 
 _TICKET = {"DONE", "IDLE", "STARTED", "RUNNING", "OCCUPIED", "LOST", "NOT_CALLED", "NO_SLOT", "SLOT_TAKEN"}
 TICKET_WORDS = tuple(row for row in STATUS_WORDS if row[0].removeprefix("STATUS_") in _TICKET)
 """What a ticket reports of itself."""
+SAVE_WORDS = tuple(row for row in STATUS_WORDS if row[1] >> 8 == 0x85)
+"""What only a job that saves reports."""
 CHANNEL_WORDS = tuple(
-    row for row in STATUS_WORDS if row[0] in {"STATUS_DONE", "STATUS_LOST"} or row not in TICKET_WORDS
+    row
+    for row in STATUS_WORDS
+    if row[0] in {"STATUS_DONE", "STATUS_LOST"} or (row not in TICKET_WORDS and row not in SAVE_WORDS)
 )
 """What a channel reports."""
 

@@ -141,7 +141,7 @@ def _by_content(match: Match, buffer: FoundBuffer) -> bool:
     if request is None:
         return False
     wanted = [(part.use.parameter.pnu, part.subindex) for part in match.telegram.parts]
-    return [(a.pnu, a.subindex) for a in request.addresses] == wanted and match.job.writes == bool(request.values)
+    return [(a.pnu, a.subindex) for a in request.addresses] == wanted and match.telegram.writes == bool(request.values)
 
 
 def _by_shape(match: Match, buffer: FoundBuffer) -> bool:

@@ -84,7 +84,8 @@ def _buffer(match: Match, plan: DrivePlan) -> None:
     if buffer.size < need:
         which = "the positive answer" if buffer.size < positive >= negative else "a negative answer"
         message = f"response buffer {need - buffer.size} bytes too small: {_size(match)}, {which} needs {need}"
-        formula = f"4 + 6 x {len(match.telegram.parts)}" if which == "a negative answer" and match.job.writes else need
+        refused = which == "a negative answer" and match.telegram.writes
+        formula = f"4 + 6 x {len(match.telegram.parts)}" if refused else need
         example = f"Reserve : Array[0..{need - buffer.size - 1}] of Byte;"
         help_ = f"add members up to {need} bytes ({formula}), for example {example}"
         match.report("PG651", message, buffer.span, help_)

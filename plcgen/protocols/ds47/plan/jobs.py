@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from itertools import groupby
 
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.project.nouns import BlockRef, Buffer, PlannedTrigger
@@ -10,10 +12,11 @@ from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.triggers import plan_trigger
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.kinds import JobKind, kinds
+from plcgen.protocols.ds47.kinds import SAVES, JobKind, ReadItem, WriteItem, kinds
 from plcgen.protocols.ds47.plan import pack
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part, PlannedDrive, PlannedUnit, Use
+from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.schema import BufferSettings as BufferSpec
 from plcgen.protocols.ds47.schema import DriveSections, JobEntry
@@ -39,31 +42,30 @@ def plan_jobs(
     uses = _uses(job, kind, path, loaded, resolvers[first.key], report) if kind is not None else ()
     if kind is None or not uses:
         return ()
-    write = kind.writes
-    packed = _packed(uses, first, loaded, report, write=write)
+    packed = _packed(uses, first, loaded, report)
     if packed is None:
         return ()
     for other in drives[1:]:
         _same_telegrams(kind, packed, first, other, loaded, path, resolvers[other.key], report)
-    if len(packed) > 1 and job.split == "never":
+    if len(packed) > len(_directions(uses)) and job.split == "never":
         _report_unsplittable(kind, path, uses, first, loaded, report)
     reference = job.reference if job.reference is not None else 1
     name = pascal_case(key)
     faq = (job.names or loaded.spec.plc.names) == "faq"
     own = _own_blocks(job, len(packed), len(drives), loaded, path, report)
-    context = _Context(key, first, reference, numbering, write=write, faq=faq, many=len(packed) > 1, own=own)
+    context = _Context(key, first, reference, numbering, faq=faq, many=len(packed) > 1, own=own)
     telegrams = tuple(_telegram(index, parts, job, name, context) for index, parts in enumerate(packed, 1))
     given = job.block.name
     block = numbering.block("FB", given or name, (*path, "block"), job.block.number, given=bool(given))
     if job.trigger is not None and len(drives) > 1:
         _report_shared_flags(key, len(drives), loaded, path, report)
+    timeout = _timeout(job, uses)
     return tuple(
         DriveJob(
             key=key if len(drives) == 1 else f"{key}.{drive.key}",
             member=_member(key if len(drives) == 1 else f"{key}_{drive.key}", job, numbering),
             kind=kind.key,
-            writes=write,
-            once=write and any(use.parameter.pnu in guards.TRIGGERS for use in uses),
+            once=any(use.writes and use.parameter.pnu in guards.TRIGGERS for use in uses),
             shape=key,
             slot=slots.next(drive.unit),
             link=drive,
@@ -72,9 +74,9 @@ def plan_jobs(
             block=block,
             trigger=plan_trigger(job.trigger, path, loaded, report) if drive is first else PlannedTrigger(),
             reference=reference,
-            timeout=job.timeout,
+            timeout=timeout,
             retry_pause=job.retry_pause,
-            retries=_retries(job),
+            retries=_retries(job, timeout),
             faq_names=faq,
             comment=job.comment or {},
             path=path,
@@ -115,10 +117,9 @@ def _same_telegrams(
     job = loaded.sections(DriveSections).jobs[str(path[-1])]
     quiet = Report()
     uses = _uses(job, kind, path, loaded, resolver.reporting(quiet), quiet)
-    own = _packed(uses, other, loaded, quiet, write=kind.writes) if uses else None
-    header = (1, int(kind.request_id), 0)
-    wanted = [_request_bytes(parts, header, write=kind.writes) for parts in packed]
-    if own is not None and [_request_bytes(parts, header, write=kind.writes) for parts in own] == wanted:
+    own = _packed(uses, other, loaded, quiet) if uses else None
+    wanted = [_request_bytes(parts, 1, 0) for parts in packed]
+    if own is not None and [_request_bytes(parts, 1, 0) for parts in own] == wanted:
         formats = [part.use.format.code for parts in packed for part in parts]
         if formats == [part.use.format.code for parts in own for part in parts]:
             return
@@ -147,9 +148,21 @@ def _own_blocks(job: JobEntry, telegrams: int, drives: int, loaded: LoadedSpec, 
     return False
 
 
-def _retries(job: JobEntry) -> int:
+_MOST_RETRIES = 30_000
+"""They are counted in an INT."""
+
+
+def _timeout(job: JobEntry, uses: tuple[Use, ...]) -> int:
+    """Time-out of the channel in ms: what the spec says, and where the drive has something to do, the time for that."""
+    poll = uses[-1].poll
+    return job.timeout + (poll.limit + poll.interval if poll is not None else 0)
+
+
+def _retries(job: JobEntry, timeout: int) -> int:
     """Bound on retries of one telegram; by default their pauses take 80 % of the time-out, so that it is reached."""
-    return max(1, job.timeout * 4 // (5 * job.retry_pause)) if job.retries is None else job.retries
+    if job.retries is not None:
+        return job.retries
+    return min(max(1, timeout * 4 // (5 * job.retry_pause)), _MOST_RETRIES)
 
 
 def _member(key: str, job: JobEntry, numbering: Numbering) -> str:
@@ -158,15 +171,22 @@ def _member(key: str, job: JobEntry, numbering: Numbering) -> str:
     return shorten(camel_case(key), limit if job.trigger is None else limit - len("Execute"))
 
 
+def _directions(uses: tuple[Use, ...]) -> list[tuple[Use, ...]]:
+    """The uses of a job, divided where writing and reading change: a telegram does one of them."""
+    return [tuple(group) for _, group in groupby(uses, key=lambda use: use.writes)]
+
+
 def _packed(
-    uses: tuple[Use, ...], drive: PlannedDrive, loaded: LoadedSpec, report: Report, *, write: bool
+    uses: tuple[Use, ...], drive: PlannedDrive, loaded: LoadedSpec, report: Report
 ) -> list[tuple[Part, ...]] | None:
     """Telegrams of a job; None after a diagnostic if they are too many, or if a single value does not fit a record."""
     device = drive.device
     octets = sum(use.count * use.format.size for use in uses)
     packed: list[tuple[Part, ...]] | None = []
     if octets <= pack.MAX_TELEGRAMS * device.record_limit:
-        packed = pack.pack(uses, device.record_limit, device.max_parameters, device.max_elements, write=write)
+        limits = device.record_limit, device.max_parameters, device.max_elements
+        found = [pack.pack(group, *limits, write=group[0].writes) for group in _directions(uses)]
+        packed = None if None in found else [parts for telegrams in found for parts in telegrams or ()]
     if packed and len(packed) <= pack.MAX_TELEGRAMS:
         return packed
     if packed is not None:
@@ -175,7 +195,7 @@ def _packed(
         return None
     long = max(uses, key=lambda use: use.count * use.format.size)
     message = f"{long.label} does not fit one record of {device.record_limit} bytes"
-    if write and long.count > device.max_elements:
+    if long.writes and long.count > device.max_elements:
         message = f"{long.label} has {long.count} elements; {device.key} takes {device.max_elements} in one telegram"
     report.add(Diagnostic("PG301", message, loaded.span(long.path), help="shorten the string"))
     return None
@@ -187,7 +207,7 @@ def _kind(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> JobKin
     if len(given) == 1:
         return given[0]
     names = " or ".join(kind.key for kind in given)
-    what = f"either {names}, not both" if given else "what to read or what to write"
+    what = f"either {names}, not both" if given else "what to read, what to write or what to save"
     help_ = "make two jobs of it" if given else f"add {' or '.join(kind.example for kind in kinds())}"
     report.add(Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help=help_))
     return None
@@ -199,11 +219,37 @@ def _uses(
     items = kind.items(getattr(job, kind.key))
     if not items:
         report.add(Diagnostic("PG218", f'job "{path[-1]}" names no parameter', loaded.span((*path, kind.key))))
+    if kind.poll is not None and not _savable(items[0], (*path, kind.key), loaded, resolver, report):
+        return ()
+    place = (*path, kind.key)
     found = [
-        resolver.resolve(item, position, (*path, kind.key, position - 1), write=kind.writes)
+        resolver.resolve(
+            item,
+            position,
+            place if kind.poll is not None else (*place, position - 1),
+            write=kind.writes and isinstance(item, WriteItem),
+        )
         for position, item in enumerate(items, 1)
     ]
-    return tuple(use for use in found if use is not None)
+    uses = tuple(use for use in found if use is not None)
+    if kind.poll is not None and uses:
+        uses = (*uses[:-1], replace(uses[-1], poll=kind.poll(getattr(job, kind.key))))
+    return uses
+
+
+def _savable(
+    item: ReadItem | WriteItem, path: SpecPath, loaded: LoadedSpec, resolver: UseResolver, report: Report
+) -> bool:
+    """Whether the parameter that saves is known with its type; PG243 if not: no other is taken in its place."""
+    known = resolver.known.get(number_of(item.parameter) or 0)
+    if known is not None and known.type:
+        return True
+    device, name = resolver.device.key, item.parameter
+    others = [f"save: {word}" for word, pnu in SAVES.items() if pnu in resolver.known and f"P{pnu}" != name]
+    message = f"{name} is not in the catalogue of {device}: it is not known whether writing it saves anything"
+    define = f"if your drive has it, define it there: parameters: {{{name}: {{type: Unsigned16}}}}"
+    report.add(Diagnostic("PG243", message, loaded.span(path), help="; ".join((*others, define))))
+    return False
 
 
 def _report_unsplittable(
@@ -212,7 +258,7 @@ def _report_unsplittable(
     """Why a job that must not be split does not fit one telegram."""
     device = drive.device
     parts = [Part(use, 0, use.count) for use in uses]
-    write = kind.writes
+    write = uses[0].writes
     place = loaded.span((*path, kind.key))
     help_ = "allow several telegrams (split: auto) or make two jobs of it"
     if len(parts) > device.max_parameters:
@@ -238,13 +284,12 @@ class _Context:
         reference: int,
         numbering: Numbering,
         *,
-        write: bool,
         faq: bool,
         many: bool,
         own: bool,
     ) -> None:
         self.key, self.drive, self.reference, self.numbering = key, drive, reference, numbering
-        self.write, self.faq, self.many, self.own = write, faq, many, own
+        self.faq, self.many, self.own = faq, many, own
 
     def reference_of(self, index: int) -> int:
         return (self.reference - 1 + index - 1) % 255 + 1
@@ -261,10 +306,10 @@ class _Context:
 
 
 def _telegram(number: int, parts: tuple[Part, ...], job: JobEntry, name: str, context: _Context) -> DriveTelegram:
-    where, write, faq = context.numbering.where, context.write, context.faq
+    where, write, faq = context.numbering.where, parts[0].use.writes, context.faq
     request_id = RequestId.CHANGE if write else RequestId.READ
     header = (context.reference_of(number) & 0xFF, int(request_id), context.drive.drive_object)
-    data = _request_bytes(parts, header, write=write)
+    data = _request_bytes(parts, header[0], header[2])
     pinned = job.response.size
     size = pack.longest_response(parts, write=write) if pinned is None else pinned
     asking = context.buffer(job.request, "request", f"{name}_Request", number)
@@ -288,7 +333,9 @@ def _upper(name: str) -> str:
     return name[:1].upper() + name[1:]
 
 
-def _request_bytes(parts: tuple[Part, ...], header: tuple[int, int, int], *, write: bool) -> bytes:
+def _request_bytes(parts: tuple[Part, ...], reference: int, drive_object: int) -> bytes:
+    write = parts[0].use.writes
+    header = (reference, int(RequestId.CHANGE if write else RequestId.READ), drive_object)
     addresses = tuple(ParameterAddress(part.use.parameter.pnu, part.subindex, part.elements) for part in parts)
     values = tuple(ValueBlock(part.use.format.code, part.count, part.data) for part in parts) if write else ()
     return encode_request(Request(*header, addresses, values))

@@ -12,10 +12,12 @@ from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, Plan
 from plcgen.project.spec import SpecPath
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
+from plcgen.protocols.ds47.kinds import Poll
 from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.schema import DriveSections, DriveSettings, JobEntry
 from plcgen.protocols.ds47.wire.formats import Format
 from plcgen.protocols.ds47.words import VARIANTS, Variant
+from plcgen.s7.durations import spelled
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +68,8 @@ class Use:
 
     ``count`` values of ``format`` (for string formats: octets), ``elements`` the byte in the address of an
     unsplit access, ``data`` the constant or start value as wire bytes, ``constant`` whether it is a constant,
-    ``sources`` whether the values are BICO values with a drive object.
+    ``sources`` whether the values are BICO values with a drive object, ``writes`` whether it is changed; ``poll`` says
+    that it is read until it is 0.
     """
 
     position: int
@@ -81,6 +84,8 @@ class Use:
     member: str
     comment: dict[str, str]
     path: SpecPath
+    writes: bool = False
+    poll: Poll | None = None
 
     @property
     def subindex(self) -> int:
@@ -158,18 +163,22 @@ class DriveTelegram(Telegram):
     negative_length: int
     pinned: int | None
 
+    @property
+    def writes(self) -> bool:
+        """Whether it is a change; all of its parameters are written then, else all are read."""
+        return self.parts[0].use.writes
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DriveJob(PlannedJob):
     """A parameter job on one drive: an instance of a function block that it shares with the same job on other drives.
 
-    ``shape`` is the job's key in the spec, ``slot`` its place in the unit, from 1; ``writes`` says whether it changes
-    parameters, ``once`` that its request is never sent again without knowing what became of it.
+    ``shape`` is the job's key in the spec, ``slot`` its place in the unit, from 1; ``once`` says that a change is never
+    sent again without knowing what became of it.
     """
 
     link: PlannedDrive
     telegrams: tuple[DriveTelegram, ...]
-    writes: bool
     once: bool
     shape: str
     slot: int
@@ -193,12 +202,22 @@ class DriveJob(PlannedJob):
     @property
     def inputs(self) -> tuple[Use, ...]:
         """The values the caller supplies."""
-        return tuple(use for use in self.uses if self.writes and not use.constant)
+        return tuple(use for use in self.uses if use.writes and not use.constant)
 
     @property
     def outputs(self) -> tuple[Use, ...]:
         """The values the block returns."""
-        return () if self.writes else self.uses
+        return tuple(use for use in self.uses if not use.writes)
+
+    @property
+    def writes(self) -> bool:
+        """Whether it changes parameters."""
+        return any(use.writes for use in self.uses)
+
+    @property
+    def poll(self) -> Poll | None:
+        """How its last telegram is repeated, if it is."""
+        return self.uses[-1].poll
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,10 +286,14 @@ class DrivePlan(Plan):
         return next(placed.drive for placed in self.spec.placed() if placed.path == drive.path)
 
     def sign_off(self, job: DriveJob, pnu: int) -> str | None:
-        """The reason that a job gives for writing a dangerous parameter; None if it gives none."""
+        """The reason that a job gives for writing a dangerous parameter; None if it gives none.
+
+        Saving is what a job that saves is for: it says so, and how often it may.
+        """
         spec = self.entry(job)
         given = spec.allow_safety if pnu in guards.SAFETY else spec.allow
-        return next((why for text, why in given.items() if number_of(text) == pnu), None)
+        saves = None if job.poll is None else f"the job says save, once in {spelled(job.poll.distance)} at most"
+        return next((why for text, why in given.items() if number_of(text) == pnu), saves)
 
     @property
     def spec(self) -> DriveSections:

@@ -98,6 +98,7 @@ class UseResolver:
             member=item.as_ or shorten(_member(parameter, reference), self.longest_name),
             comment=item.comment or {},
             path=path,
+            writes=write,
         )
 
     def _elements(self, reference: Reference, values: int, *, write: bool) -> int:

@@ -53,7 +53,7 @@ def check_commands(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
 
 def check_guide(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
     """What IMPORT.md says that the blocks write: every value of the spec, and no other."""
-    wanted = {(job.block.name, job.drive.key, use.label): use for job in plan.jobs if job.writes for use in job.uses}
+    wanted = {(job.block.name, job.drive.key, use.label): use for job in plan.jobs for use in job.uses if use.writes}
     path = folder.path / "IMPORT.md"
     try:
         text = read_bounded(path, MAX_BYTES).decode("utf-8", "replace").replace("\r\n", "\n")

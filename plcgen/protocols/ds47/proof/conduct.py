@@ -7,6 +7,7 @@ from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.proof.end import check_end, check_errors
 from plcgen.protocols.ds47.proof.fence import Fence
 from plcgen.protocols.ds47.proof.rig import JobRig
+from plcgen.protocols.ds47.proof.saved import check_saved
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.words import DONE, DRAIN_MS, NO_ANSWER, state_name
 
@@ -20,6 +21,12 @@ class JobConduct:
         self.wanted: list[list[bytes]] = []
         self.requests: list[bytes] = []
         self.fence = Fence(rig)
+        self.polled = 0
+        """How often this run has repeated the last telegram."""
+        self.saves = 0
+        """Saves that the job has counted in front of this run."""
+        self.saved_at = 0
+        """When the last save was handed over."""
 
     def plain(self, name: str) -> DriveScenario:
         """A run without any fault."""
@@ -46,6 +53,11 @@ class JobConduct:
         rig.address(other_bit=scenario.output)
         rig.next_values(scenario.values)
         rig.put_inputs(scenario.slot)
+        self.polled, self.saves = 0, rig.saves
+        if scenario.since is None:
+            rig.forget()
+        else:
+            rig.wait(self.saved_at + scenario.since - rig.cpu.clock - scenario.scan)
         rig.drive.begin(scenario)
         rig.bus.write_busy, rig.bus.read_busy = scenario.busy
         if scenario.occupied:
@@ -95,7 +107,11 @@ class JobConduct:
     def handed_over(self, telegram: int) -> None:
         """Bytes of the request, what goes with it, what is expected."""
         rig, job = self.rig, self.rig.job
-        request = self.requests[telegram - 1]
+        number = min(telegram, len(self.requests))
+        self.polled = max(self.polled, telegram - number)
+        if job.poll is not None and telegram == 1:
+            self.saved_at = rig.cpu.clock
+        request = self.requests[number - 1]
         found = rig.handed_over(len(request))
         if found[1:] != request[1:]:
             raise ScenarioError(f"telegram {telegram} is {found.hex(' ').upper()}, not {request.hex(' ').upper()}")
@@ -105,10 +121,10 @@ class JobConduct:
         ]
         if wrong:
             raise ScenarioError(f"in the order of telegram {telegram} {', '.join(wrong)}")
-        if job.writes:
+        if job.telegrams[number - 1].writes:
             return
         at = rig.unit.spots["expected"].byte
-        for position, part in enumerate(job.telegrams[telegram - 1].parts):
+        for position, part in enumerate(job.telegrams[number - 1].parts):
             word = bytes(rig.unit.memory[at + 4 * position : at + 4 * position + 4])
             right = bytes((part.use.format.code, part.count, 0, part.size))
             if word != right:
@@ -117,13 +133,16 @@ class JobConduct:
 
     def end(self, run: Run[DriveScenario], status: int) -> None:
         """Values, errors, wire."""
-        check_end(self.rig, run.scenario, self.requests, self.before, self.wanted, status)
+        check_end(self.rig, run.scenario, self.requests, self.before, self.wanted, status, self.polled)
+        if self.rig.job.poll is not None:
+            check_saved(self.rig, status, self.saves if run.scenario.checked else None)
         self.before = self.rig.delivered()
 
     def behind(self, run: Run[DriveScenario]) -> None:
         """Execute comes again in the call after the end: the job is done once more."""
         if not run.scenario.at_once:
             return
+        self.rig.forget()
         run.execute = run.fresh = True
         limit = run.passed + self.rig.job.timeout + DRAIN_MS
         while run.fresh or run.seen[0]:

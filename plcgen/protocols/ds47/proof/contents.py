@@ -29,7 +29,7 @@ class ValueSet:
 
     def requests(self, job: DriveJob, drive_object: int) -> list[bytes]:
         """The telegrams a job must send, with reference 0."""
-        return [request(telegram, drive_object, self.given, write=job.writes) for telegram in job.telegrams]
+        return [request(telegram, drive_object, self.given, write=telegram.writes) for telegram in job.telegrams]
 
     def put(self, drive: Drive, drive_object: int) -> None:
         """Give the drive its values."""

@@ -164,24 +164,24 @@ def _check_request(job: DriveJob, telegram: DriveTelegram, data: bytes) -> None:
             f"byte {at} differs: start {data.hex(' ').upper()}, telegram {telegram.request.data.hex(' ').upper()}",
         )
     request = decode_request(data)
-    if request.request_id != (RequestId.CHANGE if job.writes else RequestId.READ) or request.reference == 0:
+    if request.request_id != (RequestId.CHANGE if telegram.writes else RequestId.READ) or request.reference == 0:
         raise ExchangeError("PG604", "request id or reference is wrong")
     if request.drive_object != job.drive.drive_object:
         raise ExchangeError("PG604", f"drive object {request.drive_object} instead of {job.drive.drive_object}")
     if len(request.addresses) != len(telegram.parts):
         raise ExchangeError("PG604", f"{len(request.addresses)} parameters instead of {len(telegram.parts)}")
     for position, part in enumerate(telegram.parts):
-        _check_part(request, position, part, job)
+        _check_part(request, position, part)
 
 
-def _check_part(request: Request, position: int, part: Part, job: DriveJob) -> None:
+def _check_part(request: Request, position: int, part: Part) -> None:
     address = request.addresses[position]
     use = part.use
     if (address.pnu, address.subindex) != (use.parameter.pnu, part.subindex):
         raise ExchangeError(
             "PG604", f"parameter {position + 1} is P{address.pnu}[{address.subindex}] instead of {use.label}"
         )
-    if job.writes and request.values[position].data != part.data:
+    if use.writes and request.values[position].data != part.data:
         raise ExchangeError(
             "PG604", f"value of {use.label} is {request.values[position].data.hex(' ')}, not {part.data.hex(' ')}"
         )
@@ -200,7 +200,7 @@ def _exchange(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTel
         for field in telegram.response.fields
         if field.role == "value" and field.part is not None
     ]
-    if job.writes:
+    if telegram.writes:
         for part in telegram.parts:
             _written(job, part, drive)
             shown.append(f"{part.use.label} accepted")

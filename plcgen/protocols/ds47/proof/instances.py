@@ -14,6 +14,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof.contents import ValueSet, held, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.rig import record_index
+from plcgen.protocols.ds47.proof.saved import saving_scans
 from plcgen.protocols.ds47.proof.stimulus import own_dbs, pair_fb
 from plcgen.protocols.ds47.proof.words import DONE
 from plcgen.protocols.ds47.sim.behaviour import LOCAL_INDEX
@@ -81,7 +82,7 @@ class Trio:
     @property
     def patience(self) -> int:
         """Scans in which all have ended."""
-        return 100 + 60 * len(self.job.telegrams)
+        return 100 + 60 * len(self.job.telegrams) + len(self.all) * saving_scans(self.job)
 
     def begin(self, scan: int) -> None:
         """Start what begins in this scan."""
@@ -115,9 +116,11 @@ class Trio:
             if not one.db.flag("done") or status != DONE:
                 raise ScenarioError(f"instance {one.key} ends with 16#{status:04X}")
             for use in self.job.uses:
+                if self.job.poll is not None and use.writes:
+                    continue  # it has returned to 0
                 there = held(one.drive, one.drive_object, use)
-                here = one.values.given[use.position] if self.job.writes else one.db.bytes(use.member, len(there))
-                if here != there and not (self.job.writes and self._shared(one)):
+                here = one.values.given[use.position] if use.writes else one.db.bytes(use.member, len(there))
+                if here != there and not (use.writes and self._shared(one)):
                     raise ScenarioError(
                         f"{use.label} is {here.hex(' ')} at instance {one.key}, {there.hex(' ')} in its drive"
                     )

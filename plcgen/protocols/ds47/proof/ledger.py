@@ -25,7 +25,7 @@ def ledger(plan: DrivePlan) -> Iterator[Assumption]:
         yield from _drive(plan, drive)
     for form in dict.fromkeys(Form.of(job, use) for job in plan.shapes for use in job.uses):
         yield _form(form)
-    if any(use.format.is_string and not job.writes for job in plan.shapes for use in job.uses):
+    if any(use.format.is_string and not use.writes for job in plan.shapes for use in job.uses):
         yield Assumption(
             "strings",
             "a read names one element and is answered with its octets",

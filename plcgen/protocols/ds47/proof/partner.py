@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.sim.drive import Drive, RecordExchange
+from plcgen.protocols.ds47.sim.parameters import SimulatedParameter
 
 
 class ScriptedDrive(Drive):
@@ -22,9 +23,16 @@ class ScriptedDrive(Drive):
         self.journal.clear()
         self.reads = self.writes = 0
         self.faults = [replace(fault) for fault in scenario.faults]
+        self._clearing.clear()
+        for parameter in self.saving_parameters():
+            parameter.clears_after, parameter.saved = scenario.saving, ()
         form = self.own.answer_format if scenario.generic is None else "size" if scenario.generic else "exact"
         if self.behaviour.answer_format != form:
             self.behaviour = self._server.behaviour = replace(self.own, answer_format=form)
+
+    def saving_parameters(self) -> list[SimulatedParameter]:
+        """Those that start saving."""
+        return [one for item in self.objects.values() for one in item.parameters.values() if one.saves]
 
     def switch_off(self) -> None:
         """Off and on again: the request and its answer are lost, the values are not."""

@@ -14,6 +14,7 @@ from plcgen.proof.scenario import IDLE, RUNNING, STARTED, ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedUnit, Use
 from plcgen.protocols.ds47.proof.contents import ValueSet, piece, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
+from plcgen.protocols.ds47.proof.saved import check_held_back, saving_scans
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.words import DONE
 from plcgen.protocols.ds47.sim.bench import build_unit
@@ -36,6 +37,8 @@ class Plant:
         members = [f"{job.member}.{name}" for job in plan.jobs for name in self._signals(job)]
         self.control = Members(self.cpu, program, plan.control_db.name, members)
         self.calls = plan.engine.calls_db.name
+        guards = [f"{job.member}.statRest" for job in plan.jobs if job.poll is not None]
+        self.guards = Members(self.cpu, program, self.calls, guards)
         self.values: dict[str, ValueSet] = {}
         self.forgiven: frozenset[str] = frozenset()
         """Misuses that are not the program's doing."""
@@ -103,7 +106,9 @@ class Plant:
         return self.control.flag(name) if signal != "status" else self.control.get(name)
 
     def execute(self, job: DriveJob, *, value: bool = True) -> None:
-        """Set the command of a job."""
+        """Set the command of a job; the last save is long ago."""
+        if job.poll is not None:
+            self.guards.set(f"{job.member}.statRest", 0)
         if job.trigger.execute is not None:
             self.cpu[str(job.trigger.execute)] = value
         else:
@@ -143,7 +148,8 @@ class Plant:
         """Scans in which all jobs end if every one is started once: units wait for places, jobs for their unit."""
         busiest = max(sum(len(job.telegrams) for job in self.plan.jobs if job.drive.unit is u) for u in self.plan.units)
         places = self.cpu.records.places.total or self.cpu.records.places.each or 1
-        return TELEGRAM_SCANS * (busiest + 2) * -(-len(self.plan.units) // places)
+        saving = sum(saving_scans(job) for job in self.plan.jobs)
+        return TELEGRAM_SCANS * (busiest + 2) * -(-len(self.plan.units) // places) + saving
 
     def start(self) -> None:
         """Start every job."""
@@ -208,19 +214,21 @@ class Plant:
         """Every job has sent its telegrams, and passes on what came."""
         for unit in self.plan.units:
             exchanges = self.exchanges(unit)
-            for job in self.plan.jobs:
-                if job.drive.unit is unit:
-                    self.check_job(job, exchanges)
+            jobs = [job for job in self.plan.jobs if job.drive.unit is unit]
+            check_held_back(jobs, exchanges)
+            for job in jobs:
+                self.check_job(job, exchanges)
 
     def check_job(self, job: DriveJob, exchanges: list[tuple[bytes, bytes]]) -> None:
         """Telegrams, and values of the outputs from the answers."""
         requests = self.values[job.key].requests(job, job.drive.drive_object)
         for telegram, request in zip(job.telegrams, requests, strict=True):
-            answer = next((answer for sent, answer in exchanges if sent[1:] == request[1:]), None)
-            if answer is None:
+            answers = [answer for sent, answer in exchanges if sent[1:] == request[1:]]
+            if not answers:
                 raise ScenarioError(f"{job.key} does not send {request.hex(' ').upper()} (reference aside)")
+            answer = answers[0 if job.poll is None else -1]
             at = 4
-            for part in telegram.parts if not job.writes else ():
+            for part in telegram.parts if not telegram.writes else ():
                 name = f"{job.member}.{part.use.member}"
                 found = piece(part, self.control.bytes(name, part.use.count * part.use.format.size))
                 came = answer[at + 2 : at + 2 + part.size]

@@ -28,7 +28,7 @@ class Form:
     @classmethod
     def of(cls, job: DriveJob, use: Use) -> Form:
         """The form of one use; a change is answered without values."""
-        return cls(job.writes, use.format.name, not job.writes and job.drive.device.answer_format == "size")
+        return cls(use.writes, use.format.name, not use.writes and job.drive.device.answer_format == "size")
 
     def __str__(self) -> str:
         by_size = ", answered by size" if self.by_size else ""

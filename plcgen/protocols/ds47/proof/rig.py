@@ -13,11 +13,13 @@ from plcgen.protocols.ds47.proof.contents import ValueSet, held, piece, value_se
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.scenario import Contents
 from plcgen.protocols.ds47.proof.stimulus import SLOTS, UNITS, shape_fb
-from plcgen.protocols.ds47.proof.words import BUILD, COUNTERS
+from plcgen.protocols.ds47.proof.words import BUILD, COUNTERS, STEP_MS
 from plcgen.protocols.ds47.sim.bench import build_unit
 
 SIGNALS = ("execute", "busy", "done", "error", "status", "errors", "errorInfos", "driveObject", "slot")
 ORDER = ("length", "retries", "timeout", "pause", "once", "pinned", "requestDb", "responseDb", "responseSize")
+GUARD = ("saves", "statRest")
+"""Of a job that saves: how often it did, and how long it refuses to do it again."""
 VALUE_SETS = 3
 OUTPUT = 0x8000
 """Bit 15 of the address of an output."""
@@ -56,6 +58,7 @@ class JobRig:
         self.channel = Members(self.cpu, program, f"{shape_fb(number)}_DB", CHANNEL, "channel0.")
         values = [use.member for use in (*job.inputs, *job.outputs)]
         paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values)]
+        paths += [f"job.{name}" for name in GUARD] if job.poll is not None else []
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
         self.unit = self.unit_of(UNITS[0])
         self.source = Source(program, job.block)
@@ -69,6 +72,23 @@ class JobRig:
         names += [f"asks[{slot}].telegram" for slot in range(1, SLOTS + 1)]
         names += [f"asks[{OTHER}].want", f"asks[{OTHER}].mark"]
         return Members(self.cpu, self.program, name, [f"unit.{name}" for name in names], "unit.")
+
+    @property
+    def saves(self) -> int:
+        """Saves that the job has counted."""
+        return self.db.get("saves") if self.job.poll is not None else 0
+
+    def forget(self) -> None:
+        """The last save is long ago."""
+        if self.job.poll is not None:
+            self.db.set("statRest", 0)
+
+    def wait(self, milliseconds: int) -> None:
+        """Time passes while the job is called and has nothing to do."""
+        self.db.set("execute", 0)
+        while milliseconds > 0:
+            self.cpu.call(self.db.block, min(milliseconds, STEP_MS))
+            milliseconds -= STEP_MS
 
     @staticmethod
     def pin(name: str) -> str:
@@ -119,13 +139,11 @@ class JobRig:
     def wanted(self) -> list[list[bytes]]:
         """Wire bytes that the parts of each telegram must deliver."""
         known = {use.position: held(self.drive, self.drive_object, use) for use in self.job.outputs}
-        return (
-            [[piece(part, known[part.use.position]) for part in t.parts] for t in self.job.telegrams] if known else []
-        )
+        return [[piece(part, known[part.use.position]) for part in t.parts if not t.writes] for t in self.job.telegrams]
 
     def delivered(self) -> list[list[bytes]]:
-        """Wire bytes of the outputs, by telegrams and parts."""
-        return [[self.output(part) for part in t.parts] for t in self.job.telegrams] if self.job.outputs else []
+        """Wire bytes of the outputs, by telegrams and parts; a change has none."""
+        return [[self.output(part) for part in t.parts if not t.writes] for t in self.job.telegrams]
 
     def output(self, part: Part) -> bytes:
         """Wire bytes of a part of an output."""
@@ -181,8 +199,10 @@ class JobRig:
     def wanted_order(self, telegram: int, requests: Sequence[bytes]) -> dict[str, int]:
         """What the spec wants to go with the request."""
         job = self.job
-        found = {"length": len(requests[telegram - 1]), "retries": job.retries, "timeout": job.timeout}
-        found |= {"pause": job.retry_pause, "once": int(job.once), "pinned": int(job.pinned), "id": self.id_value}
+        number = min(telegram, len(requests))
+        once = job.once and job.telegrams[number - 1].writes
+        found = {"length": len(requests[number - 1]), "retries": job.retries, "timeout": job.timeout}
+        found |= {"pause": job.retry_pause, "once": int(once), "pinned": int(job.pinned), "id": self.id_value}
         found |= {"requestDb": 0, "responseDb": 0, "responseSize": 0}
         own = job.telegrams[0]
         if own.request.db is not None and own.response.db is not None:

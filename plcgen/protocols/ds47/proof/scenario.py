@@ -27,6 +27,9 @@ class DriveScenario(Scenario):
     looks behind every call for bytes that are not the job's, not only at the end. ``at_once``: execute comes again in
     the call behind the end.
 
+    ``saving`` is how many ms the drive saves, ``since`` starts a job that saves so many ms behind the last save that
+    was handed over; None: long behind it.
+
     ``telegram`` is the one that ends the job, 0 the last; ``answered`` says that it had an answer. ``errors`` are those
     stated by hand: (error, info) by number of the telegram and place in it, all others of an answered telegram are 0.
     ``delivers`` are wire bytes that ``reads`` puts in the place of the drive's values, likewise.
@@ -45,6 +48,8 @@ class DriveScenario(Scenario):
     output: bool = False
     guarded: bool = False
     at_once: bool = False
+    saving: int = 300
+    since: int | None = None
     telegram: int = 0
     answered: bool = True
     errors: Mapping[tuple[int, int], tuple[int, int]] = field(default_factory=dict)

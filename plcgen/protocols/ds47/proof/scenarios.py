@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
 from plcgen.protocols.ds47.proof.rig import VALUE_SETS
+from plcgen.protocols.ds47.proof.saving import saving
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
 from plcgen.protocols.ds47.proof.words import WORDS
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
@@ -52,9 +53,11 @@ def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
     yield from _refusals(job)
     if not job.writes:
         yield from _not_numbers(job)
-        yield from _blocks(job, longest)
+    yield from _blocks(job, longest)
     yield from _record_calls(job)
     yield from _signals(job, scans)
+    if job.poll is not None:
+        yield from saving(job, job.poll)
 
 
 def _values() -> Iterator[DriveScenario]:
@@ -192,6 +195,8 @@ def _reported(error: int, words: int, place: int) -> tuple[int, int]:
 def _blocks(job: DriveJob, longest: int) -> Iterator[DriveScenario]:
     """Values of another type or number come, in an answer that is right otherwise: the others are delivered."""
     for telegram in ends(job):
+        if telegram.writes:
+            continue
         number = telegram.number
         for place in positions(telegram):
             part = telegram.parts[place - 1]
@@ -318,7 +323,9 @@ def _signals(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
     every = max(1, scans // FEW)
     for at in range(2, scans, every):
         for kind in ("cold", "warm"):
-            words = ("DONE", "UNKNOWN") if job.once and kind == "warm" else ("DONE",)
+            words = ["DONE", "UNKNOWN"] if job.once and kind == "warm" else ["DONE"]
+            if job.poll is not None:
+                words.append("PARAMETER_ERROR")  # the drive is still saving for the first start
             yield DriveScenario(
                 name=f"{kind} restart before scan {at}",
                 happens={at: kind},
@@ -326,7 +333,7 @@ def _signals(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
                 checked=False,
                 again=None,
             )
-        words = ("DONE", "UNKNOWN") if job.once else ("DONE",)
+        words = ["DONE", "UNKNOWN"] if job.once else ["DONE"]
         if polls(job):
             yield DriveScenario(
                 name=f"the drive is switched off and on before scan {at}",

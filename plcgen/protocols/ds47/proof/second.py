@@ -87,7 +87,7 @@ def second_checks(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
             if request is None:
                 continue
             strange = {part.use.format.name for part in telegram.parts} - set(profidrive.TYPES)
-            if not job.writes:
+            if not telegram.writes:
                 strange |= {part.use.format.name for part in telegram.parts if part.use.format.is_string}
             if strange:
                 verdict = f"not run: documents leave open how {', '.join(sorted(strange))} is answered"
@@ -114,17 +114,22 @@ class TwoDrives:
     job: DriveJob
     request: bytes
 
+    @property
+    def writes(self) -> bool:
+        """Whether it is a change."""
+        return self.request[1] == profidrive.CHANGE
+
     def run(self) -> int:
         """Compare all answers and return their number."""
         request = self.request
         first, second = self.drives()
         self._same("", request, first, second)
-        if self.job.writes:
+        if self.writes:
             self._same("what was written, ", reading(request), first, second)
         wrong = dict(mistakes(request, self.job))
         for what, data in wrong.items():
             self._both_refuse(what, data, *self.drives())
-        return 1 + self.job.writes + len(wrong)
+        return 1 + self.writes + len(wrong)
 
     def drives(self) -> tuple[Drive, profidrive.DocumentedDrive]:
         """The simulated drive of the profile, and the one of the documents with the same values."""
@@ -211,5 +216,5 @@ def mistakes(request: bytes, job: DriveJob) -> Iterator[tuple[str, bytes]]:
     if request[5]:  # without elements a subindex may be looked at or not
         yield "a subindex that does not exist", changed(8, 0x7F, 0xF0)
     values = 4 + 6 * request[3]
-    if job.writes and request[values] in ANOTHER_TYPE:
+    if request[1] == profidrive.CHANGE and request[values] in ANOTHER_TYPE:
         yield "a value of another type", changed(values, ANOTHER_TYPE[request[values]])

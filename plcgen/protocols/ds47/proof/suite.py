@@ -147,7 +147,8 @@ class DriveSuite:
         """The block of a job. Its telegrams count from 1."""
         span = self.plan.loaded.key_span(job.path)
         numbers = frozenset(range(1, len(job.telegrams) + 1))
-        premises = [Premise(NO_OTHER, variable=name, values=numbers, given="") for name in TELEGRAM]
+        names = TELEGRAM if job.poll is None else ()  # a telegram that is repeated has a number of its own each time
+        premises = [Premise(NO_OTHER, variable=name, values=numbers, given="") for name in names]
         return CodeBlock(job.key, job.key, job.block.name, (job,), lambda: span, tuple(premises))
 
     def runner(self, program: Program, job: DriveJob, statistics: Statistics | None = None) -> Runner[DriveScenario]:

@@ -38,6 +38,8 @@ PAIRED = 8
 AWAY_MS = 10_000
 LOADED = frozenset({DONE, *(WORDS[name] for name in ("LOST", "SLOT_TAKEN", "STILL_DRAINING", "UNKNOWN"))})
 """How a job may end while something of the engine is loaded again."""
+REFUSED = frozenset({WORDS["PARAMETER_ERROR"]})
+"""How a change may end besides, where a drive saves for a job that is not there any more: the drive takes none then."""
 GONE = frozenset({DONE, *(WORDS[name] for name in ("WRITE_ERROR", "READ_ERROR"))})
 """How a job may end whose drive goes away."""
 
@@ -424,7 +426,8 @@ def _loaded(names: list[str], scans: int) -> Callable[[Plant], None]:
             memory[:] = plant.program.images[entry.index]
         plant.forgiven = frozenset({"PG830"}) if plant.plan.target.classic else frozenset()
         longest = max(job.timeout for job in plant.plan.jobs) // 10
-        plant.until(lambda _, status: status in LOADED, plant.patience * 2 + longest)
+        allowed = LOADED | (REFUSED if any(job.poll is not None for job in plant.plan.jobs) else frozenset())
+        plant.until(lambda _, status: status in allowed, plant.patience * 2 + longest)
         plant.forgiven = frozenset()
         _then_all_is_well(plant)
 

@@ -50,6 +50,8 @@ MEANINGS = {
     0x8401: ("PARAMETER_ERROR", "the drive refused at least one parameter, see errors"),
     0x8402: ("REFUSED", "the drive refused the whole request, see errors"),
     0x8403: ("NOT_SUPPORTED", "the drive does not support the request"),
+    0x8501: ("NOT_SAVED", "the parameter that saves has not returned to 0 within the limit"),
+    0x8502: ("TOO_SOON", "refused: the last save is less than the distance ago"),
 }
 WORDS = {name: word for word, (name, _) in MEANINGS.items()}
 """Status words by name: ``WORDS["TIMEOUT"]``."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from plcgen.protocols.base import Rules
-from plcgen.protocols.ds47.rules import drives, inputs, members, names, parameters, telegrams
+from plcgen.protocols.ds47.rules import drives, inputs, members, names, parameters, saves, telegrams
 
 RULES = Rules(
     checks=(
@@ -23,6 +23,8 @@ RULES = Rules(
         telegrams.request_buffer,
         telegrams.reference,
         telegrams.timing,
+        saves.counted_apart,
+        saves.short_wait,
         members.control_members,
         members.parameter_names,
         members.interface_members,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _OWN = frozenset(
     {
         "execute", "busy", "done", "error", "status", "errors", "errorinfos", "hardwareid", "driveaddress",
-        "driveobject", "slot", "unit", "requestdb", "responsedb",
+        "driveobject", "slot", "unit", "requestdb", "responsedb", "saves",
     }
 )  # fmt: skip
 """Members of every job block, in lower case."""
@@ -175,8 +175,8 @@ def _generated(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, which: s
     """Names of a buffer's members before the spec's own names replace them."""
     where = plan.target
     if which == "request":
-        fields = request_fields(telegram.parts, (0, 0, 0), where, {}, write=job.writes, faq=job.faq_names)
+        fields = request_fields(telegram.parts, (0, 0, 0), where, {}, write=telegram.writes, faq=job.faq_names)
     else:
         size = telegram.response.size
-        fields = response_fields(telegram.parts, size, where, {}, write=job.writes, faq=job.faq_names)
+        fields = response_fields(telegram.parts, size, where, {}, write=telegram.writes, faq=job.faq_names)
     return [field.name for field in fields]

@@ -25,15 +25,15 @@ def access(plan: DrivePlan) -> Iterator[Diagnostic]:
         for use in job.uses:
             name = _title(use.parameter)
             span = parameter_span
-            if job.writes and use.parameter.access == "r":
+            if use.writes and use.parameter.access == "r":
                 message = f"{name} can only be read"
                 help_ = "the drive would answer error 01h: remove it from write, or read it in another job"
-            elif job.writes and not use.parameter.source and spelling(plan, job, use).strip()[:1] in {"r", "R"}:
+            elif use.writes and not use.parameter.source and spelling(plan, job, use).strip()[:1] in {"r", "R"}:
                 if use.parameter.pnu in own_numbers(plan, job):
                     continue
                 message = f"{name} is written with r, which marks a parameter that can only be read"
                 help_ = f"write P{use.parameter.pnu} if the drive accepts values for it"
-            elif not job.writes and use.parameter.access == "w":
+            elif not use.writes and use.parameter.access == "w":
                 message = f"{name} can only be written"
                 help_ = "remove it from read"
             else:
@@ -49,10 +49,10 @@ def own_numbers(plan: DrivePlan, job: DriveJob) -> set[int | None]:
 def repeated(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG213: a job writes the same value of a parameter twice; the last one would win."""
     for job in plan.shapes:
-        if not job.writes:
-            continue
         bynumber_of: dict[int, list[Use]] = {}
         for use in job.uses:
+            if not use.writes:
+                continue
             bynumber_of.setdefault(use.parameter.pnu, []).append(use)
         for uses in bynumber_of.values():
             yield from _overlaps(plan, uses)
@@ -82,7 +82,9 @@ def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG219: a write that can do harm is not signed off, or a sign-off names nothing."""
     for job in plan.shapes:
         spec = plan.entry(job)
-        for use in job.uses if job.writes else ():
+        for use in job.uses:
+            if not use.writes:
+                continue
             reason, pnu = job.drive.device.danger(use.parameter.pnu), use.parameter.pnu
             if reason and plan.sign_off(job, pnu) is None:
                 key = "allow_safety" if pnu in guards.SAFETY else "allow"
@@ -92,7 +94,7 @@ def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
                     parameter_span(plan, use),
                     help=f"if this is intended, add {key}: {{P{pnu}: why}} to the job",
                 )
-        written = {use.parameter.pnu for use in job.uses} if job.writes else set()
+        written = {use.parameter.pnu for use in job.uses if use.writes}
         for key in ("allow", "allow_safety"):
             for text in getattr(spec, key):
                 if number_of(text) not in written:

@@ -26,7 +26,7 @@ def response_buffer(plan: DrivePlan) -> Iterator[Diagnostic]:
                 continue
             span = key_or_value(plan, (*job.path, "response", "size"))
             block = _label(plan, telegram.response.home)
-            needed, answer = _longest_answer(telegram, write=job.writes)
+            needed, answer = _longest_answer(telegram, write=telegram.writes)
             limit = job.drive.device.record_limit
             if size < needed:
                 yield Diagnostic(
@@ -35,7 +35,7 @@ def response_buffer(plan: DrivePlan) -> Iterator[Diagnostic]:
                     f"{block} has {_bytes(size)}, {answer} needs {needed}",
                     span,
                     help=f"set size: {needed}, or leave size out",
-                    notes=_why(plan, job, telegram),
+                    notes=_why(plan, telegram),
                 )
             elif size > limit:
                 yield Diagnostic(
@@ -62,13 +62,13 @@ def _longest_answer(telegram: DriveTelegram, *, write: bool) -> tuple[int, str]:
     return longest, "an answer that is negative in part"
 
 
-def _why(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> tuple[Note, ...]:
+def _why(plan: DrivePlan, telegram: DriveTelegram) -> tuple[Note, ...]:
     use = max(telegram.parts, key=lambda part: part.size).use
     figures = f"positive answer {telegram.positive_length} bytes, negative answer {telegram.negative_length}"
     count = len(telegram.parts)
     return (
         Note(
-            f"{count} parameter{'s' if count > 1 else ''} in this {'write' if job.writes else 'read'}: {figures}",
+            f"{count} parameter{'s' if count > 1 else ''} in this {'write' if telegram.writes else 'read'}: {figures}",
             value_span(plan, use),
         ),
     )

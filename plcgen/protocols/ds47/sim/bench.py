@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from plcgen.protocols.ds47.device import Device
 from plcgen.protocols.ds47.device import Parameter as CatalogueParameter
+from plcgen.protocols.ds47.kinds import SAVES
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -13,6 +14,9 @@ from plcgen.protocols.ds47.sim.faults import Fault
 from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter, ValueLimits
 from plcgen.protocols.ds47.wire.bico import parse_bico
 from plcgen.protocols.ds47.wire.formats import Format, FormatKind, Value, unpack_values
+
+SAVING_MS = 300
+"""How long the simulated drive saves."""
 
 
 def build_drive(plan: DrivePlan, drive: PlannedDrive, faults: Iterable[Fault] = (), *, distinct: bool = False) -> Drive:
@@ -54,6 +58,7 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParam
     array = definition.array is not None or highest > 1
     count = max(definition.array or 1, highest)
     values = [_value(use, definition, seed * 16 + index, distinct=distinct) for index in range(count)]
+    polled = any(u.poll is not None for u in group)
     limits = ValueLimits(definition.minimum, definition.maximum) if fmt.kind in _NUMERIC else ValueLimits()
     return SimulatedParameter(
         pnu=definition.pnu,
@@ -63,6 +68,8 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParam
         array=array,
         limits=limits,
         read_only=definition.access == "r",
+        clears_after=SAVING_MS if polled else None,
+        saves="" if not polled else "unit" if definition.pnu == SAVES["unit"] else "object",
     )
 
 

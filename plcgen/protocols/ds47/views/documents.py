@@ -63,7 +63,7 @@ def _guide(plan: DrivePlan) -> tuple[list[GuidePart], list[GuidePart]]:
     numbered = [
         buffer.db for job in plan.shapes for telegram in job.telegrams for buffer in telegram.buffers if buffer.db
     ]
-    writes = [_write_row(plan, job, use) for job in plan.jobs if job.writes for use in job.uses]
+    writes = [_write_row(plan, job, use) for job in plan.jobs for use in job.uses if use.writes]
     before: list[GuidePart] = [("ds47/import_drives.md.j2", _identifiers(plan))]
     if numbered:
         before.append(("ds47/import.md.j2", {"numbered": numbered}))

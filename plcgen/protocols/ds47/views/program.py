@@ -12,9 +12,12 @@ from plcgen.documents.simaticml import RECORD_NOTE
 from plcgen.documents.spelling import clean_title, comment_text, encodable, literal, one_line, type_text
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
+from plcgen.protocols.ds47.plan.pack import BLOCK_HEADER
 from plcgen.protocols.ds47.plan.types import element_type
-from plcgen.protocols.ds47.views.engine import names
+from plcgen.protocols.ds47.views.engine import names, versions
 from plcgen.protocols.ds47.views.rows import buffer_blocks
+from plcgen.protocols.ds47.wire.model import HEADER_SIZE
+from plcgen.protocols.ds47.words import SAVE_WORDS, STATUS_WORDS
 from plcgen.s7.types import ArrayType, DataType, Elementary
 
 
@@ -70,7 +73,8 @@ def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
 def title(plan: DrivePlan, job: DriveJob) -> str:
     """One-line title of a job."""
     verb = job.kind.capitalize()
-    labels = ", ".join(use.label for use in job.uses[:4]) + (", .." if len(job.uses) > 4 else "")
+    uses = [use for use in job.uses if use.poll is None]
+    labels = ", ".join(use.label for use in uses[:4]) + (", .." if len(uses) > 4 else "")
     return clean_title(comment_text(job.comment, plan.languages, plan.target, f"{verb} {labels}"))
 
 
@@ -79,21 +83,42 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     comments = [job.comment[lang] for lang in plan.languages if job.comment.get(lang)]
     return {
         "block": job.block,
-        "write": job.writes,
+        "poll": None if job.poll is None else _poll(plan, job),
         "pinned": job.pinned,
         "many": len(job.telegrams) > 1,
         "title": label,
         "comment_lines": [one_line(text) for text in comments[1:] if encodable(text, where)],
-        "labels": [_label(job, use) for use in job.uses],
+        "labels": [_label(use) for use in job.uses],
         "order": _order(plan, job),
         "use_count": len(job.uses),
         "in_a_row": len(job.uses) > _UNROLLED,
         "inputs": [_interface(plan, use, start=True) for use in job.inputs],
         "outputs": [_interface(plan, use, start=False) for use in job.outputs],
         "telegrams": [_telegram(plan, job, telegram, aligned=_aligned(job)) for telegram in job.telegrams],
-        "input_copies": _copies(plan, job, response=False) if job.writes and not job.pinned else [],
+        "input_copies": [] if job.pinned else _copies(plan, job, response=False),
         "own_writes": _own_writes(plan, job) if job.pinned else [],
-        "output_copies": [] if job.writes else _copies(plan, job, response=True),
+        "output_copies": _copies(plan, job, response=True),
+    }
+
+
+_REFUSED = {"STATUS_WRITE_ERROR", "STATUS_PARAMETER_ERROR", "STATUS_NOT_SUPPORTED"}
+"""Results of a change of one parameter that the drive has not taken."""
+
+
+def _poll(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
+    """What a block needs that repeats its last telegram: times in ms, status words, where the value lies."""
+    asked, poll = job.telegrams[-1], job.poll
+    assert poll is not None  # noqa: S101 - only a job with one comes here
+    first = HEADER_SIZE + BLOCK_HEADER
+    return {
+        "interval": poll.interval,
+        "limit": poll.limit,
+        "distance": poll.distance,
+        "statuses": [(name, f"W#16#{value:04X}", text) for name, value, text in SAVE_WORDS],
+        "refused": [f"W#16#{value:04X}" for name, value, _ in STATUS_WORDS if name in _REFUSED],
+        "bytes": range(first, first + asked.parts[0].size),
+        "asked": job.telegrams.index(asked),
+        "clock": versions(plan)["TON_TIME"],
     }
 
 
@@ -108,7 +133,7 @@ def _order(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
         ("retries", job.retries, 40, ""),
     )
     found += [(name, f"{prefix}{value}") for name, value, default, prefix in standard if value != default]
-    if job.once:
+    if job.once and job.poll is None:
         found.append(("once", "TRUE"))
     if job.pinned:
         found.append(("pinned", "TRUE"))
@@ -118,9 +143,9 @@ def _order(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
     return found
 
 
-def _label(job: DriveJob, use: Use) -> str:
+def _label(use: Use) -> str:
     """Line of the header: which index of ``errors`` belongs to which parameter."""
-    text = f"{use.position}: {'writes' if job.writes else 'reads'} {use.label} {use.parameter.title}"
+    text = f"{use.position}: {'writes' if use.writes else 'reads'} {use.label} {use.parameter.title}"
     return one_line(text)
 
 
@@ -153,6 +178,7 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
     first = telegram.parts[0].use.position
     return {
         "index": telegram.number,
+        "writes": telegram.writes,
         "suffix": _suffix(job, telegram),
         "request_type": telegram.request.type.name,
         "response_type": telegram.response.type.name,
@@ -192,6 +218,8 @@ def _copies(plan: DrivePlan, job: DriveJob, *, response: bool) -> list[dict[str,
     for telegram in job.telegrams:
         view = f"stat{'Response' if response else 'Request'}View{_suffix(job, telegram)}"
         blocks = {id(part): number for number, part in enumerate(telegram.parts, 1)}
+        if telegram.writes == response:
+            continue
         for field in telegram.response.fields if response else telegram.request.fields:
             if field.role != "value" or field.part is None or (not response and field.part.use.constant):
                 continue

@@ -1,0 +1,83 @@
+"""What must hold at the end of a job that saves: done means saved, and what it says is what the drive said."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from plcgen.proof.scenario import ScenarioError
+from plcgen.protocols.ds47.plan.nouns import DriveJob
+from plcgen.protocols.ds47.proof.rig import JobRig
+from plcgen.protocols.ds47.proof.words import DONE, WORDS
+from plcgen.protocols.ds47.sim.bench import SAVING_MS
+from plcgen.protocols.ds47.wire import formats
+
+SCAN = 10
+READ, CHANGED = 1, 2
+"""Response identifiers of good answers."""
+
+
+def saving_scans(job: DriveJob) -> int:
+    """Scans that a good save takes at most besides its telegrams: the drive has finished at the second question."""
+    return 2 * (job.poll.interval + SAVING_MS) // SCAN if job.poll is not None else 0
+
+
+def check_saved(rig: JobRig, status: int, before: int | None) -> None:
+    """The drive has saved if the job is done, and has not if it says so.
+
+    ``before`` is how many saves the job had counted; its count and its value are compared with what came, unless it is
+    None. Raises ScenarioError.
+    """
+    said = last_answer(rig)
+    for parameter in rig.drive.saving_parameters():
+        if status == DONE and (any(parameter.values) or not parameter.saved):
+            raise ScenarioError(f"done, but P{parameter.pnu} is {parameter.values}: the drive has not saved")
+    if status == WORDS["NOT_SAVED"] and (said is None or not any(said)):
+        raise ScenarioError("said to be not saved, but the drive has not said so")
+    if status == WORDS["TOO_SOON"] and rig.drive.journal:
+        raise ScenarioError("a start that comes too soon sends something")
+    if before is None:
+        return
+    taken = sum(one.direction == "read" and one.data[1:2] == bytes((CHANGED,)) for one in rig.drive.journal)
+    if rig.saves != before + taken:
+        raise ScenarioError(f"{rig.saves - before} saves were counted, the drive has taken {taken}")
+    use = rig.job.outputs[0]
+    shown = rig.db.bytes(use.member, use.count * use.format.size)
+    if said is not None and shown != said:
+        raise ScenarioError(f"{use.member} is {shown.hex(' ')}, the drive said {said.hex(' ')} last")
+
+
+def check_held_back(jobs: Iterable[DriveJob], exchanges: Iterable[tuple[bytes, bytes]]) -> None:
+    """From a save that the drive has taken until it says 0 nothing goes to its unit but the question whether it has.
+
+    ``jobs`` are those of one unit, ``exchanges`` its requests and good or bad answers, in order. Raises ScenarioError.
+    """
+    questions = {
+        _of(job, job.telegrams[0].request.data): _of(job, job.telegrams[-1].request.data)
+        for job in jobs
+        if job.poll is not None
+    }
+    question = None
+    for sent, answer in exchanges:
+        if question is None:
+            question = questions.get(sent[1:]) if answer[1] == CHANGED else None
+        elif sent[1:] != question:
+            raise ScenarioError(f"{sent.hex(' ').upper()} is sent while the drive saves")
+        elif answer[1] == READ and not any(answer[6:]):
+            question = None
+
+
+def _of(job: DriveJob, request: bytes) -> bytes:
+    """A request of an instance, without its reference."""
+    return request[1:2] + bytes((job.drive.drive_object,)) + request[3:]
+
+
+def last_answer(rig: JobRig) -> bytes | None:
+    """Wire bytes of the value in the last good answer of this run; None without one."""
+    part = rig.job.telegrams[-1].parts[0]
+    accepted = {part.use.format.code} | {one.code for one in (formats.generic_of(part.size),) if one is not None}
+    for exchange in reversed(rig.drive.journal):
+        data = exchange.data
+        good = exchange.direction == "read" and not exchange.status and data[1:2] == bytes((READ,))
+        if good and len(data) == rig.job.telegrams[-1].positive_length and data[4] in accepted and data[5] == 1:
+            return data[6 : 6 + part.size]
+    return None
