@@ -158,7 +158,7 @@ SHIPPED = (
         description="drive_object or unit: what the drive shall keep without power, or {persist, limit, ..}",
         example="save: drive_object",
         items=_save_items,
-        short=lambda _: {"anyOf": [{"enum": list(SAVES)}, {"$ref": "#/$defs/SaveSettings"}]},
+        short=lambda _: {"anyOf": [{"enum": list(SAVES)}, {"$ref": "#/$defs/SaveSettings"}, {"type": "null"}]},
         poll=lambda settings: Poll(settings.interval, settings.limit, settings.distance),
     ),
 )

@@ -20,9 +20,10 @@ _OWN = frozenset(
     {
         "execute", "busy", "done", "error", "status", "errors", "errorinfos", "hardwareid", "driveaddress",
         "driveobject", "slot", "unit", "requestdb", "responsedb", "saves",
+        "save_limit", "save_interval", "save_distance", "save_step",
     }
 )  # fmt: skip
-"""Members of every job block, in lower case."""
+"""Members and constants of job blocks, in lower case."""
 
 _PREFIXED = re.compile(r"(?:[Ss]tat|[Tt]emp|[Ii]nst)[A-Z0-9]|(?i:state_|status_)")
 _SHOWN = 8

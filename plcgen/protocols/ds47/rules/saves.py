@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Severity
+from plcgen.project.rules.places import node_at
 from plcgen.protocols.ds47.rules.places import parameter_span
 from plcgen.s7.durations import spelled
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from plcgen.project.spec import SpecPath
     from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 
 
@@ -49,4 +51,13 @@ def short_wait(plan: DrivePlan) -> Iterator[Diagnostic]:
             parameter_span(plan, job.uses[-1]),
             Severity.WARNING,
             help=f"give {unit.key} a longer wait, or the job a shorter limit",
+            notes=tuple(_given(plan, (*unit.path, "wait"), (*job.path, "timeout"))),
         )
+
+
+def _given(plan: DrivePlan, *paths: SpecPath) -> Iterator[Note]:
+    """Where the times stand that the spec gives."""
+    for path in paths:
+        node = node_at(plan, path)
+        if node is not None:
+            yield Note(f"the {path[-1]}", node.span)
