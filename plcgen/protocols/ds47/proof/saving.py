@@ -81,7 +81,7 @@ def _questions(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
         follow=False,
     )
     yield DriveScenario(
-        name="the first question behind a save without answers", saving=0, took=(poll.interval, 2 * job.timeout)
+        name="the first question after a save without answers", saving=0, took=(poll.interval, 2 * job.timeout)
     )
 
 
