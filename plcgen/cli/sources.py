@@ -34,6 +34,11 @@ def _read(path: Path) -> str:
     if len(data) > _MAX_BYTES:
         return ""
     try:
-        return data.decode("utf-8-sig")
+        if b"\0" not in data:
+            return data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return data.decode("cp1252", "replace")
+        pass
+    from plcgen.sources.text import decode
+
+    text = decode(data, str(path))
+    return text if isinstance(text, str) else data.decode("cp1252", "replace")

@@ -441,3 +441,12 @@ def test_a_document_without_iec_check_has_it_off(plcgen, exports, tmp_path):
     assert plcgen("convert", exports / "Add.scl", "--to", "xml", "--tia", "V19", "--out", tmp_path / "x").code == 0
     (exports / "Add.xml").write_text((tmp_path / "x" / "Add.xml").read_text("utf-8-sig"))
     assert plcgen(*run).code == 0
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le", "utf-32", "cp1251"])
+def test_an_excerpt_is_in_the_encoding_of_its_file(plcgen, tmp_path, encoding):
+    """The line under a message is that of the source, whatever wrote it."""
+    head = "// Преобразование задания скорости привода\n"
+    (tmp_path / "a.scl").write_bytes((head + GOOD.replace("#first + 1", "#first +")).encode(encoding))
+    line = next(text for text in GOOD.splitlines() if "#first + 1" in text).replace("#first + 1", "#first +")
+    assert line.strip() in plcgen("check", tmp_path / "a.scl").out
