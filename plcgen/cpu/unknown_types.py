@@ -16,7 +16,7 @@ from plcgen.scl.instructions import INSTRUCTIONS
 from plcgen.scl.system_types import SYSTEM_TYPES
 
 _LIBRARY = re.compile(
-    r"SF[BC][0-9]{1,3}|IEC_\w+|CT(?:U|D|UD)_\w+|T(?:ON|OF|P|ONR)_\w+|(?:PID|MC|TO|MB|HW|OB|DB)_\w+"
+    r"SF[BC][0-9]{1,3}|IEC_\w+|CT(?:U|D|UD)_\w+|T(?:ON|OF|P|ONR)_\w+|(?:PID|MC|TO|MB|HW|OB|DB|G7)_\w+"
     r"|T(?:CON|SEND|RCV|DISCON|USEND|URCV)(?:_\w+)?|TMAIL_C|CTRL_\w+|(?:SEND|RECEIVE)_\w+|REF_TO .+|.+\..+",
     re.IGNORECASE,
 )

@@ -180,9 +180,14 @@ def test_a_missing_type_is_named_once_with_every_place_that_uses_it(tmp_path):
 
 
 def test_a_system_block_without_known_members_is_said_to_be_one(tmp_path):
-    write(tmp_path, a_dot_awl="DATA_BLOCK DB 9\n SFB 33\nBEGIN\nEND_DATA_BLOCK\n")
-    (problem,) = api.layout(tmp_path).diagnostics
-    assert problem.message == "the members of SFB33 are not known to plcgen"
+    """A system function block, and what GRAPH keeps for each step."""
+    graph = 'DATA_BLOCK "S"\nSTRUCT\n Step1 : G7_StepPlus_V6;\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n'
+    write(tmp_path, a_dot_awl="DATA_BLOCK DB 9\n SFB 33\nBEGIN\nEND_DATA_BLOCK\n", b_dot_db=graph)
+    problems = api.layout(tmp_path).diagnostics
+    names = ("SFB33", "G7_StepPlus_V6")
+    assert [problem.message for problem in problems] == [
+        f"the members of {name} are not known to plcgen" for name in names
+    ]
 
 
 def test_a_block_with_a_bound_from_elsewhere_is_no_layout(tmp_path):
