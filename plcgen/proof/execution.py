@@ -11,6 +11,7 @@ from typing import Any
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.project.nouns import PlannedJob, Project
+from plcgen.project.ownership import is_owned
 from plcgen.proof.checks import Check, Outcome, Trial
 from plcgen.proof.coverage import Coverage, cover
 from plcgen.proof.idle import idle_check
@@ -103,6 +104,7 @@ def check_execution(
             yield from plan.protocol.proof(plan).foundation(folder, run=engine, progress=progress)
     if level != "none":
         yield idle_check(program)
+    every: list[Result] = []
     found = iter(shared_out(work, len(work.pieces), progress, workers if level != "none" else 1))
     for suite in work.suites:
         results = {job.key: next(found) for job in suite.jobs}
@@ -115,10 +117,21 @@ def check_execution(
         together = next(found)
         yield together_check(suite, together)
         yield from suite.left_out()
+        every += [*results.values(), together]
         if not any(result.failures for result in (*results.values(), together)):
             counts = added([result.counts for result in (*results.values(), together)])
             for block in suite.blocks():
                 yield coverage_check(block, coverage(program, block, counts, results))
+    if every and not any(result.failures for result in every):
+        yield from main_coverage(project, program, added([result.counts for result in every]))
+
+
+def main_coverage(project: Project, program: Program, counts: list[int]) -> Iterator[Check]:
+    """The check of the cyclic OB, which calls what all protocols have made; one that is the user's own is not ours."""
+    main = program.main()
+    if main is not None and not is_owned(main.result.tokens.file, project.loaded.spec.plc.user_owned):
+        block = CodeBlock(main.name, main.name, main.name, (), lambda: project.loaded.key_span(("plc",)))
+        yield coverage_check(block, cover(program, main.name, counts))
 
 
 # --- running ----------------------------------------------------------------------------------------------

@@ -11,11 +11,12 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
+from plcgen.cpu.cpu import Cpu
 from plcgen.diagnostics import Report
 from plcgen.project.loading import load_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
-from plcgen.proof.execution import attempt, run_job
+from plcgen.proof.execution import attempt, main_coverage, run_job
 from plcgen.proof.rig import ProgramBench
 from plcgen.proof.scenario import Failure
 from plcgen.proof.suite import Suite
@@ -73,6 +74,8 @@ BROKEN = {
         "Get", CHANNEL, "#place.beat := #tempBeat;",
         '#place.beat := #tempBeat; "ProofGateData".gate.channels[3].beat := 7;', "first run",
     ),
+    "a job is not called when it has ended": ("Get", "Get", " OR #status <> W#16#7000 THEN", " THEN", "first run"),
+    "a job is not called when its command comes": ("Get", "Get", "IF #execute OR #busy", "IF #busy", "first run"),
 }  # fmt: skip
 """Job, file, what stands there, what stands there instead, the scenario that notices."""
 
@@ -162,6 +165,45 @@ def test_a_take_over_from_one_job_only_is_noticed(tmp_path: Path) -> None:
             failure, _ = attempt(procedure)
             failed += [failure] if failure is not None else []
     assert [failure.scenario for failure in failed] == ["every job takes its unit over from every other"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("execute : Bool;", "execute : Bool := TRUE;", "set starts on its own"),
+        ("rampUpTime : Real := 10.0", "rampUpTime : Real := 11.0", "set does not send 00 02 01 02"),
+    ],
+)
+def test_data_blocks_run_with_their_start_values(old: str, new: str, said: str, tmp_path: Path) -> None:
+    """A command that is TRUE at first starts its job; another start value goes out."""
+    project, folder = generated(tmp_path, PLANT)
+    control = folder / "db" / "DriveJobs.db"
+    text = control.read_text(encoding="utf-8-sig")
+    assert old in text
+    control.write_text("\ufeff" + text.replace(old, new, 1), encoding="utf-8")
+    (procedure,) = (
+        one
+        for one in suite_of(project).procedures(ProgramBench(project, folder).program)
+        if one.name == "every job with the values as delivered"
+    )
+    failure, _ = attempt(procedure)
+    assert failure is not None
+    assert failure.message.startswith(said), failure
+
+
+def test_the_cyclic_ob_counts_for_coverage(tmp_path: Path) -> None:
+    """A statement of Main that never runs is an error at its line; of a Main of the user's own nobody asks."""
+    project, folder = generated(tmp_path, PLANT)
+    broken(folder, "Main", '"DriveCalls_DB"();', 'IF FALSE THEN\n"DriveCalls_DB"();\nEND_IF;\n"DriveCalls_DB"();')
+    program = ProgramBench(project, folder).program
+    cpu = Cpu(program)
+    cpu.scan()
+    line = (folder / "scl" / "Main.scl").read_text("utf-8-sig").splitlines().index("IF FALSE THEN") + 1
+    (check,) = main_coverage(project, program, cpu.coverage)
+    assert check.diagnostic is not None
+    assert (check.diagnostic.code, check.diagnostic.span.line) == ("PG622", line)
+    owned = generated(tmp_path / "owned", PLANT.replace("tia-v19", "tia-v19, user_owned: [Main]"))[0]
+    assert list(main_coverage(owned, program, cpu.coverage)) == []
 
 
 MIDDLE = """

@@ -15,7 +15,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedUnit, U
 from plcgen.protocols.ds47.proof.contents import ValueSet, piece, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.saved import check_held_back, saving_scans
-from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.scenario import Contents, DriveScenario
 from plcgen.protocols.ds47.proof.words import DONE
 from plcgen.protocols.ds47.sim.bench import build_unit
 from plcgen.protocols.ds47.wire.formats import padded
@@ -131,16 +131,17 @@ class Plant:
 
     # --- rounds of all jobs ---------------------------------------------------------------------------
 
-    def begin(self, scenario: DriveScenario | None = None) -> None:
-        """Other values for every drive and every input."""
+    def begin(self, scenario: DriveScenario | None = None, *, delivered: bool = False) -> None:
+        """Other values for every drive and every input; ``delivered`` leaves the inputs as they are at first."""
         self.round += 1
         for drive in self.units.values():
             drive.begin(scenario or DriveScenario(name="OB1"))
         for job in self.plan.jobs:
             unit, number = self.units[job.drive.unit.key], job.drive.drive_object
-            values = self.values[job.key] = value_set(job, unit, number, "next", f"{job.key} {self.round}")
+            kind: Contents = "factory" if delivered else "next"
+            values = self.values[job.key] = value_set(job, unit, number, kind, f"{job.key} {self.round}")
             values.put(unit, number)
-            for member, data in values.inputs(job):
+            for member, data in values.inputs(job) if not delivered else ():
                 self.control.put(f"{job.member}.{member}", data)
 
     @property

@@ -8,7 +8,7 @@ from itertools import permutations, zip_longest
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.record import PLACES, RecordPlaces
 from plcgen.proof.rig import Members, Source, layout_of
-from plcgen.proof.scenario import ScenarioError
+from plcgen.proof.scenario import IDLE, ScenarioError
 from plcgen.proof.suite import Procedure
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedUnit
 from plcgen.protocols.ds47.proof.instances import Trio
@@ -55,6 +55,7 @@ def procedures(plan: DrivePlan, plant: Callable[[], Plant]) -> Iterator[Procedur
             name = f"{job.shape}: other instances on the same and on another unit, {near} scans later"
             yield procedure(name, _instances(job, number, near))
     yield procedure("what the caller passes", _arguments)
+    yield procedure("every job with the values as delivered", _as_delivered)
     yield procedure("every job through OB1", _one_by_one)
     yield procedure("all jobs again and again", _again_and_again)
     if len(plan.jobs) <= MANY:
@@ -245,6 +246,21 @@ def _two_masters(plant: Plant) -> None:
 
 
 # --- all jobs ---------------------------------------------------------------------------------------------
+
+
+def _as_delivered(plant: Plant) -> None:
+    """No job starts on its own; started, they send what the start values say."""
+    plant.begin(delivered=True)
+    plant.step(ROUNDS)
+    for job in plant.plan.jobs:
+        if plant.result(job) != (False, IDLE):
+            raise ScenarioError(f"{job.key} starts on its own")
+    if any(drive.journal for drive in plant.units.values()):
+        raise ScenarioError("something is sent although no job was started")
+    plant.start()
+    plant.until(lambda _, status: status == DONE, plant.patience)
+    plant.check()
+    plant.fall()
 
 
 def _one_by_one(plant: Plant) -> None:
