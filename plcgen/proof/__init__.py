@@ -53,6 +53,7 @@ def _verify(
     from plcgen.proof.folder import read_folder
     from plcgen.proof.layouts import check_layout
     from plcgen.proof.ledger import LAYOUT
+    from plcgen.proof.second_layout import check_second_layout
 
     opened = open_spec(spec)
     project = opened.sound()
@@ -65,7 +66,8 @@ def _verify(
     layouts = (check_layout(project, files, laid) for proof in proofs for laid in proof.layouts())
     telegrams = (check for proof in proofs for check in proof.telegrams(files))
     exchanges = [proof.exchanges(files, partner, progress) for proof in proofs]
-    oracles = tuple(check for proof in proofs for check in proof.oracles(files, dissector=dissector))
+    asked = (check for proof in proofs for check in proof.oracles(files, dissector=dissector))
+    oracles = (*check_second_layout(files), *asked)
     said = [assumption for proof in proofs for assumption in proof.ledger()]
     ledger = (*said, LAYOUT) if said else ()
     executed = check_execution(project, folder, faults, progress, partner=partner, engine=engine)
@@ -74,7 +76,7 @@ def _verify(
         CheckGroup("layout", "Layout", tuple(layouts)),
         CheckGroup("telegrams", "Telegrams", tuple(telegrams)),
         *(group for group in exchanges if group is not None),
-        *([CheckGroup("oracles", "Independent oracles", oracles)] if oracles else []),
+        CheckGroup("oracles", "Independent oracles", oracles),
         CheckGroup("execution", "Execution", tuple(executed)),
     ]
     target = f"{project.target.family} / {project.target.toolchain}"
