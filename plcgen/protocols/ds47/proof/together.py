@@ -55,8 +55,8 @@ def procedures(plan: DrivePlan, plant: Callable[[], Plant]) -> Iterator[Procedur
             name = f"{job.shape}: other instances on the same and on another unit, {near} scans later"
             yield procedure(name, _instances(job, number, near))
     yield procedure("what the caller passes", _arguments)
-    yield procedure("every job with the values as delivered", _as_delivered)
     yield procedure("every job through OB1", _one_by_one)
+    yield procedure("every job with the values as delivered", _as_delivered)
     yield procedure("all jobs again and again", _again_and_again)
     if len(plan.jobs) <= MANY:
         yield procedure("every job takes its unit over from every other", _take_over)
