@@ -35,11 +35,12 @@ class End:
         self.check_last(status)
 
     def check_pace(self, pace: tuple[int, int, int]) -> None:
-        """The silence behind every frame is what the constants say, and a few scans."""
+        """The silence after a frame is what the constants say, and a few scans; a CP 341 moves 32 bytes in each."""
         port = self.rig.port
         sent = port.sent
         begins = [*(end - len(data) * port.character for end, data in sent[1:]), port.time]
-        slack = 8 * self.scenario.scan + 2 * (port.gap + port.character)
+        scans = 8 + (max(len(data) for _, data in sent) // 32 if self.rig.plan.target.classic else 0)
+        slack = scans * self.scenario.scan + 2 * (port.gap + port.character)
         for number, ((end, _), begin) in enumerate(zip(sent, begins, strict=True), 1):
             wanted = pace[2] if number == len(sent) else pace[min(number, 2) - 1]
             if not wanted - 1 <= begin - end <= wanted + slack:
