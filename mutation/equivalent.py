@@ -8,9 +8,6 @@ from pathlib import PurePath
 from mutation.operators import Mutant
 
 EQUIVALENT = {
-    r"^DriveChannel: dropped: tempBusy := FALSE$": (
-        "WRREC and RDREC set it in every call, and it is looked at in states only in which one of them was called"
-    ),
     r"^\w+: \d+ -> \d+: (CALL|EVENT|PHASE)_[A-Z]+ : I(nt|NT) :=": (
         "a number that only the block compares; if another constant had it already, the block would go wrong"
     ),
