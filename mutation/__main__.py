@@ -105,7 +105,7 @@ def counted(work: Sequence[Case], found: Mapping[Case, Verdict]) -> dict[str, Co
             count.all += 1
             count.noticed += bool(verdict.text)
             count.located += verdict.located
-            count.argued += not verdict.text and bool(reason(case.file, case.mutant))
+            count.argued += not verdict.text and bool(reason(case))
     table["all"] = table.pop("all", Count())
     return table
 
@@ -125,11 +125,11 @@ def main() -> int:
     started = time.monotonic()
     known = [] if given.deletions else list(known_cases())
     work = chosen(given)
-    run = [*known, *(case for case in work if given.argued or not reason(case.file, case.mutant))]
+    run = [*known, *(case for case in work if given.argued or not reason(case))]
     tried = set(run)
 
     def told(case: Case, verdict: Verdict) -> None:
-        text = verdict.text or reason(case.file, case.mutant) or "NOT NOTICED"
+        text = verdict.text or reason(case) or "NOT NOTICED"
         if given.verbose or text == "NOT NOTICED" or (given.deletions and case in tried and not verdict.located):
             say(f"{case.spec}/{case.file}:{case.mutant.line}: {case.mutant.what}: {text}")
 

@@ -34,12 +34,16 @@ KINDS: dict[str, Callable[[str], Iterable[Mutant]]] = {"dropped": dropped, "exch
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A mutant in its place; ``key`` is that of the block, empty for the main program."""
+    """A mutant in its place; ``key`` is that of the block, empty for the main program.
+
+    ``turn`` counts the mutants of a file that are described alike, from 1.
+    """
 
     spec: str
     file: str
     key: str
     mutant: Mutant
+    turn: int = 1
 
     @property
     def group(self) -> str:
@@ -102,21 +106,18 @@ def cases(specs: Iterable[str], kinds: Iterable[str] = tuple(KINDS), *, main: bo
             files |= {f"scl/{name}.scl": ENGINE for name in FILES}
         for file, key in {**files, **({"scl/Main.scl": ""} if main else {})}.items():
             text = (golden(spec) / file).read_text(encoding=encoding_of(spec))
-            for kind in kinds:
-                for mutant in KINDS[kind](text):
-                    yield Case(spec, file, key, mutant)
+            turns: Counter[str] = Counter()
+            for mutant in (mutant for kind in kinds for mutant in KINDS[kind](text)):
+                turns[mutant.what] += 1
+                yield Case(spec, file, key, mutant, turns[mutant.what])
 
 
 def spread(work: Iterable[Case]) -> list[Case]:
     """Mutants of the engine that are spelled the same in several targets in one of them, in turn; all others."""
     found: dict[tuple[object, ...], list[Case]] = {}
-    counts: Counter[tuple[str, str, str]] = Counter()
     for case in work:
-        what = case.mutant.what.replace("#", "")
-        counts[case.spec, case.file, what] += 1
-        number = counts[case.spec, case.file, what]
-        key = ("", case.file, what, number) if case.key == ENGINE else (case.spec, case.file, what, number)
-        found.setdefault(key, []).append(case)
+        place = (case.file, case.mutant.what.replace("#", ""), case.turn)
+        found.setdefault(("" if case.key == ENGINE else case.spec, *place), []).append(case)
     return [same[number % len(same)] for number, same in enumerate(found.values())]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import PurePath
 
-from mutation.operators import Mutant
+from mutation.cases import Case
 
 EQUIVALENT = {
     r"^\w+: \d+ -> \d+: (CALL|EVENT|PHASE)_[A-Z]+ : I(nt|NT) :=": (
@@ -14,12 +14,13 @@ EQUIVALENT = {
     r"^\w+: < -> <=: IF tempFailed = 0 OR tempIndex < tempFailed": (
         "no two items of a telegram have the same first address"
     ),
+    r"^WriteRecipe: dropped: statOrder\.length := 240 \(2\)$": "the telegram before it is as long",
     r"^\w+: 0 -> 1: tempCount := 0;": "fewer than three bytes are no frame of PPI, whether none or one",
 }
-"""Reasons by block and description of a mutant, without the # of the TIA Portal."""
+"""Reasons by block, description of a mutant without the # of the TIA Portal, and its turn among those alike."""
 
 
-def reason(file: str, mutant: Mutant) -> str:
+def reason(case: Case) -> str:
     """Why a mutant behaves like the original; empty if it should be noticed."""
-    text = f"{PurePath(file).stem}: {mutant.what.replace('#', '')}"
+    text = f"{PurePath(case.file).stem}: {case.mutant.what.replace('#', '')} ({case.turn})"
     return next((why for pattern, why in EQUIVALENT.items() if re.search(pattern, text)), "")
