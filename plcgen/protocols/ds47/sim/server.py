@@ -115,16 +115,17 @@ class Server:
         addresses = [_address(data, position) for position in range(count)]
         values = _values(data, count) if change else _Values([None] * count, exact=_read_exact(data))
         blocks: list[Block] = []
+        used = HEADER_SIZE
         for position, address in enumerate(addresses, 1):
             if position in injected:
                 block: Block = injected[position]
             else:
                 block = self._access(target, address, values, position, change=change)
             rest = (count - position) * (2 + 2 * self.behaviour.error_words)
-            used = HEADER_SIZE + sum(map(block_size, blocks))
             if used + block_size(block) + rest > self.behaviour.record_limit:
                 block = self._error(0x15)
             blocks.append(block)
+            used += block_size(block)
         return blocks
 
     def _access(

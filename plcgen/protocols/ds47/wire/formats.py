@@ -73,7 +73,7 @@ class Format:
     @property
     def is_string(self) -> bool:
         """Whether ``count`` counts octets of one value instead of values."""
-        return self.kind in {FormatKind.TEXT, FormatKind.OCTETS}
+        return self.kind is FormatKind.TEXT or self.kind is FormatKind.OCTETS
 
 
 FLOATING_POINT, VISIBLE_STRING, OCTET_STRING = 0x08, 0x09, 0x0A
