@@ -14,6 +14,9 @@ EQUIVALENT = {
     r"^\w+: < -> <=: IF tempFailed = 0 OR tempIndex < tempFailed": (
         "no two items of a telegram have the same first address"
     ),
+    r"^DriveChannel: dropped: statProbe := NOT tempProbe": (
+        "a copy that fails leaves what was there, which cannot be the opposite of the reference and the reference, too"
+    ),
     r"^WriteRecipe: dropped: statOrder\.length := 240 \(2\)$": "the telegram before it is as long",
     r"^\w+: 0 -> 1: tempCount := 0;": "fewer than three bytes are no frame of PPI, whether none or one",
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from itertools import permutations
 
+from plcgen.proof.rig import Members
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import ScenarioError, Statistics
 from plcgen.protocols.ds47.proof.engine.conduct import EngineConduct
@@ -134,10 +135,12 @@ def _many(field: JobField) -> None:
 
 
 def _wrong_db(field: JobField) -> None:
-    """Nothing is sent, nothing is written into the other block, whatever lies in it."""
+    """Nothing is sent, nothing is written into the other block, whatever lies in it: once the reference that comes."""
     other = field.rig.cpu.db("Unit2")
+    channel = Members(field.cpu, field.rig.program, "Channel1", ("statReference",))
     for errand in (READ_ONE, WRITE_PINNED):
-        for byte in range(256):
+        for number in range(257):
+            byte = number if number < 256 else channel.get("statReference") % 255 + 1
             other[0] = byte
             scenario = EngineScenario(
                 name=f"a byte {byte:02X}h there", status=(WORDS["WRONG_DB"],), order=(1, WRONG_UNIT_DB, 5),
