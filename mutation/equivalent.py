@@ -14,6 +14,14 @@ EQUIVALENT = {
     r"^\w+: < -> <=: IF tempFailed = 0 OR tempIndex < tempFailed": (
         "no two items of a telegram have the same first address"
     ),
+    r"^DriveChannel: dropped: statTimer := 0 \(1\)$": "after a good answer no record call is active",
+    r"^\w+: 3 -> 4: tempSize := 3;": "a value of three bytes and its pad are four, and it is not the last one",
+    r"^DriveChannel: dropped: statAsk := statAsk MOD 30000 \+ 1 \(2\)$": (
+        "a pause gives the place back; until the gate has taken it, it is this channel's under the old number, too"
+    ),
+    r"^\w+: 0 -> 1: FOR tempIndex := 0 TO \d+ DO unit\.telegram\[tempIndex\] :=": (
+        "the first byte is the reference, which the channel puts there"
+    ),
     r"^DriveChannel: dropped: statProbe := NOT tempProbe": (
         "a copy that fails leaves what was there, which cannot be the opposite of the reference and the reference, too"
     ),

@@ -161,6 +161,7 @@ DAMAGE = {
         "instances|telegram 1 is",
     ),
     "time-out": ("Set", "", "L#12000", "L#10000", "timeout is 10000 instead of 12000"),
+    "telegrams": ("Set", "", "telegrams := 1", "telegrams := 2", "a telegram 2 is handed over, the job has 1"),
     "pause": ("Set", "", "L#300", "L#200", "pause is 200 instead of 300"),
     "length": ("Set", "", "#statOrder.length := 28", "#statOrder.length := 24", "length is 24 instead of 28"),
     "inputs not latched": (

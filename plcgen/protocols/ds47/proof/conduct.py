@@ -108,6 +108,8 @@ class JobConduct:
         """Bytes of the request, what goes with it, what is expected."""
         rig, job = self.rig, self.rig.job
         number = min(telegram, len(self.requests))
+        if telegram > number and job.poll is None:
+            raise ScenarioError(f"a telegram {telegram} is handed over, the job has {number}")
         self.polled = max(self.polled, telegram - number)
         if job.poll is not None and telegram == 1:
             self.saved_at = rig.cpu.clock
