@@ -123,6 +123,14 @@ def test_what_a_line_does_for_ever(fault, message):
     assert requests[-1] == 0x6C
 
 
+def test_a_whole_frame_with_a_wrong_sum_did_not_break_off():
+    """68 17 17 68 .. with LE = 17h = 23 has 29 bytes: all of them came, so no patience helps."""
+    client, _, _, _ = connect(["fcs:times=always"])
+    with pytest.raises(NoAnswerError) as caught:
+        client.read("VW100")
+    assert caught.value.diagnostics[0].message.startswith("10 damaged frames instead of an answer of station 2")
+
+
 def test_foreign_traffic_without_end_does_not_hold_us():
     """Another master that never stops talking: the wait is bounded all the same."""
     client, _, line = scripted([], sends=2, answer=0.3)

@@ -36,11 +36,12 @@ class Heard:
 
     def nothing(self, damaged_before: int, rest: bytes, own: int, station: int, *, garbage: bool) -> None:
         """No frame came in time: ``rest`` is what waits for more, ``garbage`` says that bytes were no frame."""
-        if begins(rest, own, station):
+        answer = begins(rest, own, station)
+        if answer and len(rest) < rest[1] + _HEAD:  # LE counts from DA to the byte before FCS
             self.broken = len(rest)
             self.outcomes.append(HeardKind.BROKEN)
             return
-        self.damaged += garbage
+        self.damaged += garbage or answer
         self.outcomes.append(HeardKind.DAMAGED if self.damaged > damaged_before else HeardKind.SILENCE)
 
     @property
