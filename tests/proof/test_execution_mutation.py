@@ -63,7 +63,7 @@ def argued(block: str, what: str, turn: int = 1) -> bool:
 
 
 def test_an_equivalent_mutant_has_a_reason() -> None:
-    """The table explains a mutant by block, description and turn, in both spellings; anything else has to be noticed."""
+    """The table explains a mutant by block, description and turn, in both spellings; others have to be noticed."""
     assert argued("DriveChannel", "dropped: #statTimer := 0")
     assert argued("DriveChannel", "dropped: statTimer := 0")
     assert not argued("DriveChannel", "dropped: statTimer := 0", turn=2)
