@@ -57,17 +57,17 @@ class Recipe:
     """
 
     key: str
-    writes: bool
     numbers: tuple[int, ...]
     needed: frozenset[int]
     indexes: str = ""
     start: str = ""
+    writes: bool = False
 
 
 RECIPES = {
-    "actual-values": Recipe("read_actual_values", False, (21, 26, 27, 31), frozenset({21})),  # noqa: FBT003
-    "ramps": Recipe("set_ramps", True, (1120, 1121, 50303, 50304), frozenset({1121, 50304}), start="10.0"),  # noqa: FBT003
-    "faults": Recipe("read_faults", False, (945, 949), frozenset({945}), "[0..7]"),  # noqa: FBT003
+    "actual-values": Recipe("read_actual_values", (21, 26, 27, 31), frozenset({21})),
+    "ramps": Recipe("set_ramps", (1120, 1121, 50303, 50304), frozenset({1121, 50304}), start="10.0", writes=True),
+    "faults": Recipe("read_faults", (945, 949), frozenset({945}), "[0..7]"),
 }
 """Speed, DC link voltage, current and torque; ramp times; the eight faults of the present fault situation."""
 
@@ -133,11 +133,11 @@ def _any_two(device: Device) -> list[Recipe]:
     sure = [p for p in writable if p.grades.get("type") != "recalled"]
     best = [p for p in sure if p.name] or writable or known
     write = best[min(1, len(best) - 1)]
-    return [_reading(best[0]), Recipe(f"write_{_name(write)}", True, (write.pnu,), frozenset())]  # noqa: FBT003
+    return [_reading(best[0]), Recipe(f"write_{_name(write)}", (write.pnu,), frozenset(), writes=True)]
 
 
 def _reading(parameter: Parameter) -> Recipe:
-    return Recipe(f"read_{_name(parameter)}", False, (parameter.pnu,), frozenset())  # noqa: FBT003
+    return Recipe(f"read_{_name(parameter)}", (parameter.pnu,), frozenset())
 
 
 def _name(parameter: Parameter) -> str:

@@ -85,7 +85,7 @@ def dissect(records: Sequence[WireRecord]) -> list[tuple[Dissected, Dissected]]:
         path.write_bytes(capture(records))
         command = [program, "-n", "-r", str(path), "-T", "json"]
         try:
-            done = subprocess.run(command, capture_output=True, timeout=TIME, check=True)  # noqa: S603 - a list
+            done = subprocess.run(command, capture_output=True, timeout=TIME, check=True)  # noqa: S603 - tshark, too
             packets = json.loads(done.stdout, object_pairs_hook=list)
         except (OSError, subprocess.SubprocessError, ValueError) as problem:
             raise WiresharkError(f"tshark failed: {problem}") from problem

@@ -62,6 +62,7 @@ def test_line_ends_that_changed_all_the_same_change_nothing(clone: Path) -> None
     for path in (clone / "job_generated").rglob("*"):
         if path.is_file():
             path.write_bytes(path.read_bytes().replace(b"\r\n", b"\n").replace(b"\n", b"\r\n"))
+    assert b"\r\n" in (clone / "job_generated" / "manifest.json").read_bytes()
     holds(clone)
 
 

@@ -12,7 +12,7 @@ from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.port import UNSET, Port, PortSettings
 from plcgen.proof.rig import Members, Source, Spot
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue
-from plcgen.protocols.ppi.proof.scenario import Bend, Edit
+from plcgen.protocols.ppi.proof.replies import Bend, Edit
 from plcgen.protocols.ppi.proof.words import WORDS
 from plcgen.protocols.ppi.sim import Bus as Line
 from plcgen.protocols.ppi.sim import Station

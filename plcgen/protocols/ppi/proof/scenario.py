@@ -5,12 +5,13 @@ Expectations come from docs/ppi-master.md, EN 50170 and the manuals of the modul
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from plcgen.proof.scenario import Scenario
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob
+from plcgen.protocols.ppi.proof.replies import Bend, Edit, bends, changed, edits, with_data
 from plcgen.protocols.ppi.proof.words import CLOCK_END, CP_RESET_CALLS, DONE, DRAIN_MS, WORDS
 from plcgen.protocols.ppi.sim import Fault, FaultKind
 from plcgen.protocols.ppi.sim.faults import At
@@ -33,11 +34,6 @@ RECEIVE_FAULT = {"RECEIVE_P2P": 0x80E1, "P_RCV_RK": 0x080C}
 OTHERS = bytes.fromhex("10 05 03 49 51 16")
 """A frame of station 3 for station 5: SD1, DA, SA, FC, the sum of the three, ED."""
 HEADER_ERRORS = (0x8001, 0x8104, 0x8404, 0x8500, 0xD602)
-
-Edit = Callable[[bytes], bytes]
-"""What becomes of the PDU of a reply on its way; its frame is made anew around it."""
-Bend = Callable[[bytes], bytes]
-"""What becomes of the bytes of a reply on its way."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -151,11 +147,11 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
         yield PpiScenario(name=f"an old answer {how}", faults=stale, retries=min(1, most), status=again)
     yield from _ready(polls)
     yield PpiScenario(name="the module hears what it sends", echo=True)
-    for name, bend, ignored in _bends():
+    for name, bend, ignored in bends():
         yield PpiScenario(
             name=f"reply with {name}", bend=bend, ignored=ignored, damaged=1 - ignored, **_repeated(master)
         )
-    yield PpiScenario(name="a reply of high priority (0Ah)", bend=_changed(6, 0x02, sums=True), ignored=0, damaged=0)
+    yield PpiScenario(name="a reply of high priority (0Ah)", bend=changed(6, 0x02, sums=True), ignored=0, damaged=0)
     yield from _broken_off(silent, most)
     yield from _in_front(most, polls)
     yield from _alone(master)
@@ -179,7 +175,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
     yield from _refusals(job, every=every)
     yield from _short(master, job)
     yield from _first_read(job)
-    for name, edit in _edits(job):
+    for name, edit in edits(job):
         yield PpiScenario(
             name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None
         )
@@ -351,40 +347,6 @@ def _short(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     yield PpiScenario(name="a frame without an answer", faults=(short,), **_repeated(master))
 
 
-def _edits(job: PpiJob) -> Iterator[tuple[str, Edit]]:
-    """Replies whose frame and reference are right and whose PDU is not."""
-    yield "a parameter length beyond its end", lambda pdu: pdu[:6] + b"\x01" + pdu[7:]
-    yield "a data length of 256 more", lambda pdu: pdu[:8] + b"\x01" + pdu[9:]
-    yield "a data length of one more", lambda pdu: pdu[:9] + bytes((pdu[9] + 1 & 0xFF,)) + pdu[10:]
-    yield "another function", lambda pdu: pdu[:12] + bytes((pdu[12] ^ 0x20,)) + pdu[13:]
-    yield "no parameters", lambda pdu: pdu[:6] + b"\0\0" + pdu[8:12] + pdu[14:] + b"\0\0\0"
-    if job.kind in {"run", "stop"}:
-        yield "a parameter too many", lambda pdu: pdu[:7] + b"\x02" + pdu[8:] + b"\0"
-        yield "data", lambda pdu: pdu[:9] + b"\x01" + pdu[10:] + b"\xff"
-        return
-    yield "a byte too many", lambda pdu: _data(pdu, pdu[14:] + b"\xff")
-    yield "a byte too few", lambda pdu: _data(pdu, pdu[14:-1])
-    yield "an item too many", lambda pdu: pdu[:13] + bytes((pdu[13] + 1,)) + pdu[14:]
-    if job.kind == "read":
-        yield "all items but the first", lambda pdu: _data(pdu, b"".join(_items(pdu)[1:]))
-        yield "all items but the last", lambda pdu: _data(pdu, b"".join(_items(pdu)[:-1]))
-        yield "half an item", lambda pdu: _data(pdu, pdu[14:16])
-        yield "another size code", lambda pdu: pdu[:15] + bytes((pdu[15] ^ 0x0F,)) + pdu[16:]
-        yield "another value length", lambda pdu: pdu[:17] + bytes((pdu[17] ^ 0x08,)) + pdu[18:]
-
-
-def _items(pdu: bytes) -> list[bytes]:
-    """The items of a reply to a read: return code, size code, length in bits (04) or bytes, value, pad between two."""
-    found, at = [], 14
-    while at < len(pdu):
-        length = int.from_bytes(pdu[at + 2 : at + 4])
-        size = length // 8 if pdu[at + 1] == 4 else length
-        end = min(len(pdu), at + 4 + size + size % 2)
-        found.append(pdu[at:end])
-        at = end
-    return found
-
-
 def _alone(master: PlannedMaster) -> Iterator[PpiScenario]:
     """Messages that hold nothing but a token, or the beginning of one or of a short frame; the answer comes later."""
     for data, what, damaged in (
@@ -405,30 +367,6 @@ def _alone(master: PlannedMaster) -> Iterator[PpiScenario]:
         )
 
 
-def _changed(at: int, bits: int, *, sums: bool = False) -> Bend:
-    """Some bits of a byte are others, with ``sums`` the checksum is right nevertheless."""
-
-    def bend(data: bytes) -> bytes:
-        found = bytearray(data)
-        found[at] ^= bits
-        found[-2] = sum(found[4:-2]) & 0xFF if sums else found[-2]
-        return bytes(found)
-
-    return bend
-
-
-def _bends() -> Iterator[tuple[str, Bend, int]]:
-    """Replies whose frame is wrong at one place, or not for this master, and otherwise right to the last bit; whether
-    they are frames that are passed over (1) or damaged ones (0).
-    """
-    yield "another destination", _changed(4, 0x40, sums=True), 1
-    yield "another protocol", _changed(7, 0x01, sums=True), 1
-    yield "the code of a request", _changed(8, 0x02, sums=True), 1
-    yield "another repeated length", _changed(2, 0x01), 0
-    yield "another second start byte", _changed(3, 0x01), 0
-    yield "another end byte", _changed(-1, 0x01), 0
-
-
 def _first_read(job: PpiJob) -> Iterator[PpiScenario]:
     """The read in front of the first write with an item that nobody asked for."""
     if job.kind != "read":
@@ -440,11 +378,6 @@ def _first_read(job: PpiJob) -> Iterator[PpiScenario]:
             retries=None,
             polls=None,
         )
-
-
-def _data(pdu: bytes, data: bytes) -> bytes:
-    """A reply with other data, whose length is right."""
-    return pdu[:8] + len(data).to_bytes(2) + pdu[10:14] + data
 
 
 def _ready(polls: int) -> Iterator[PpiScenario]:
@@ -484,7 +417,8 @@ def _refusals(job: PpiJob, *, every: bool) -> Iterator[PpiScenario]:
         yield PpiScenario(
             name="an item refused in a reply with a byte too many",
             faults=tuple(fault("item", item=n, code=5) for n, _ in enumerate(job.telegrams[0].items, 1)),
-            edit=lambda pdu: _data(pdu, pdu[14:] + b"\xff"), status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None,
+            edit=lambda pdu: with_data(pdu, pdu[14:] + b"\xff"), status=(WORDS["REPLY_FORMAT"],),
+            retries=None, polls=None,
         )  # fmt: skip
     for after, telegram in enumerate(job.telegrams):
         for number, wire in enumerate(telegram.items if telegram.response is not None else (), 1):
@@ -606,7 +540,7 @@ def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int, *, classic: b
     yield from _ready(master.polls)
     yield from _refusals(job, every=False)
     yield from _first_read(job)
-    for name, edit in _edits(job):
+    for name, edit in edits(job):
         yield PpiScenario(
             name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None
         )
