@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -40,7 +41,8 @@ class Result:
     def add(self, failure: Failure | None, counts: list[int]) -> None:
         """Add what one CPU did."""
         self.failures += [failure] if failure is not None else []
-        self.counts = added([self.counts, counts])
+        if counts:
+            self.counts = list(map(operator.add, self.counts, counts)) if self.counts else list(counts)
 
 
 def added(counts: list[list[int]]) -> list[int]:

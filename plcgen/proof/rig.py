@@ -129,12 +129,17 @@ def layout_of(program: Program, name: str) -> Layout:
     return Layout(entry.shape.bits // 8, entry.shape)
 
 
+def file_of(program: Program, block: str) -> str:
+    """File in which a block is declared; empty if there is no such block."""
+    entry = program.link.find(block)
+    return entry.result.tokens.file if entry is not None else ""
+
+
 class Source:
     """The source of a block: its file, and which probes of coverage lie in it, with a few others between them."""
 
     def __init__(self, program: Program, block: BlockRef | str) -> None:
-        entry = program.link.find(block if isinstance(block, str) else block.name)
-        self.file = entry.result.tokens.file if entry is not None else ""
+        self.file = file_of(program, block if isinstance(block, str) else block.name)
         own = [i for i, probe in enumerate(program.probes) if probe.file == self.file]
         self.probes = slice(own[0], own[-1] + 1) if own else slice(0)
 

@@ -19,8 +19,8 @@ from plcgen.proof.checks import Check
 from plcgen.proof.folder import Folder, table_rows
 from plcgen.proof.headers import MAIN, verdict
 from plcgen.s7.address import Address
-from plcgen.s7.blocks import BlockKind
-from plcgen.s7.layout import layout_block, locate
+from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.layout import Layout, layout_block, locate
 from plcgen.s7.spelling import type_text
 from plcgen.s7.types import Elementary
 from plcgen.simaticml.reading.documents import read_tag_table, read_watch_table
@@ -73,6 +73,7 @@ class _Tables:
         self.v5 = project.target.v5
         self.numbers = {ref.name: ref.number for ref in project.blocks}
         self.known = set(folder.text)
+        self.layouts: dict[str, Layout] = {}
 
     def looks(self) -> Iterator[tuple[str, Look]]:
         """Every file that is looked at, and how."""
@@ -101,6 +102,12 @@ class _Tables:
             raise _WrongError(f"cannot be read: {problem.strerror or problem}") from problem
         encoding = "cp1252" if self.v5 and name.endswith((".sdf", ".inp")) else "utf-8-sig"
         return data.decode(encoding, "replace").replace("\r\n", "\n")
+
+    def layout(self, block: Block) -> Layout:
+        """Layout of a block, made once however many rows name it."""
+        if block.name not in self.layouts:
+            self.layouts[block.name] = layout_block(block, self.folder.text)
+        return self.layouts[block.name]
 
     # ---- tags
 
@@ -253,7 +260,7 @@ class _Tables:
                 continue
             seen += 1
             number = self.numbers.get(block.name)
-            layout = layout_block(block, self.folder.text)
+            layout = self.layout(block)
             if head[1] and int(head[1]) != number:
                 yield f"{block.name} is DB{head[1]}, the plan has DB{number}"
             if int(head[3]) not in {layout.size, layout.size - 1}:  # an odd one is filled up
@@ -316,7 +323,7 @@ class _Tables:
                 yield f"{name} is set to {modify or 'nothing'}"
         else:
             try:
-                entry = locate(layout_block(block, self.folder.text), found[2] or "")
+                entry = locate(self.layout(block), found[2] or "")
             except KeyError:
                 yield f"{name} does not exist"
                 return

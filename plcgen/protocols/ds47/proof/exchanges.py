@@ -7,6 +7,8 @@ the generator is used. A job on several drives has one block: its first instance
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import product
+from typing import Literal
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, PlcgenError
 from plcgen.proof.checks import Check, Outcome
@@ -70,8 +72,9 @@ def check_drive(
                 return _exchange(plan, folder, job, telegram, own or build_drive(plan, job.drive))
 
             yield _guard(f"drive.{telegram.request.home.name}", f"answer {name}", "", folder, job, telegram, good)
-            count = len(errors.known_numbers()) * len(telegram.parts) * 2
-            text = f"{len(errors.known_numbers())} error numbers x {len(telegram.parts)} positions x 1 and 2 words"
+            numbers, positions = len(errors.known_numbers()), len(telegram.parts)
+            count, other = (numbers + 1) * positions, "1 word" if _other_words(job) == 1 else "2 words"
+            text = f"{numbers} error numbers x {positions} positions, and one of {other} at each"
 
             def bad(job: DriveJob = job, telegram: DriveTelegram = telegram, count: int = count) -> str:
                 longest = _negative(plan, folder, job, telegram)
@@ -285,20 +288,20 @@ def _written(job: DriveJob, part: Part, drive: Drive) -> None:
         raise ExchangeError("PG607", f"{part.use.label}: the drive has {values} after the write")
 
 
+def _other_words(job: DriveJob) -> Literal[1, 2]:
+    """Words of an error that the drive of a job does not send by its profile."""
+    return 1 if job.drive.device.error_words == 2 else 2
+
+
 def _negative(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTelegram) -> int:
-    """Every error number at every position with one and two words; the longest answer in bytes."""
+    """Every error number at every position, and one in the other length; the longest answer in bytes."""
     longest = 0
     drive = build_drive(plan, job.drive)
     request = request_image(plan, folder, job, telegram)
     size = layout_block(_block(folder, folder.text, telegram.response.home.name), folder.text).size
-    cases = [
-        (number, position, words)
-        for number in errors.known_numbers()
-        for position in range(1, len(telegram.parts) + 1)
-        for words in (1, 2)
-    ]
-    for number, position, words in cases:
-        fault = Fault(FaultKind.ERROR, number=number, position=position, words=2 if words == 2 else 1, info=position)
+    forms = [(number, job.drive.device.error_words) for number in errors.known_numbers()] + [(2, _other_words(job))]
+    for (number, words), position in product(forms, range(1, len(telegram.parts) + 1)):
+        fault = Fault(FaultKind.ERROR, number=number, position=position, words=words, info=position)
         drive.faults = [fault]
         answer = talk(job, request, drive)
         longest = max(longest, len(answer))

@@ -7,7 +7,7 @@ from itertools import permutations, zip_longest
 
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.record import PLACES, RecordPlaces
-from plcgen.proof.rig import Members, Source, layout_of
+from plcgen.proof.rig import Members, file_of, layout_of
 from plcgen.proof.scenario import IDLE, ScenarioError
 from plcgen.proof.suite import Procedure
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedUnit
@@ -186,7 +186,7 @@ def _access(plan: DrivePlan, program: Program) -> None:
 
 def _instances(job: DriveJob, number: int, near: int) -> Callable[[Plant], None]:
     def run(plant: Plant) -> None:
-        plant.place = Source(plant.program, job.block.name).file, 1
+        plant.place = file_of(plant.program, job.block.name), 1
         for _ in Trio(plant.plan, plant.program, plant.cpu, job, number).run(near, near // 2):
             plant.scans += 1
 

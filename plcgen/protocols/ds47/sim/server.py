@@ -11,7 +11,7 @@ whole or not at all.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from plcgen.protocols.ds47.sim.behaviour import LOCAL_INDEX
@@ -121,11 +121,12 @@ class Server:
                 block: Block = injected[position]
             else:
                 block = self._access(target, address, values, position, change=change)
-            rest = (count - position) * (2 + 2 * self.behaviour.error_words)
-            if used + block_size(block) + rest > self.behaviour.record_limit:
+            size, rest = block_size(block), (count - position) * (2 + 2 * self.behaviour.error_words)
+            if used + size + rest > self.behaviour.record_limit:
                 block = self._error(0x15)
+                size = block_size(block)
             blocks.append(block)
-            used += block_size(block)
+            used += size
         return blocks
 
     def _access(
@@ -172,10 +173,10 @@ class Server:
         if refusal is not None:
             raise _RefusedError(refusal)
         block = ValueBlock.of(parameter.format, parameter.values[start : start + count])
-        generic = None if parameter.format.is_string else formats.generic_of(parameter.format.size)
-        if self.behaviour.answer_format == "size" and generic is not None:
-            return ValueBlock(generic.code, block.count, block.data)
-        return block
+        if self.behaviour.answer_format != "size" or parameter.format.is_string:
+            return block
+        generic = formats.generic_of(parameter.format.size)
+        return block if generic is None else replace(block, format=generic.code)
 
     def _change(self, target: DriveObject, address: ParameterAddress, block: ValueBlock | None, *, exact: bool) -> None:
         parameter = self._parameter(target, address)

@@ -80,6 +80,7 @@ FLOATING_POINT, VISIBLE_STRING, OCTET_STRING = 0x08, 0x09, 0x0A
 TIME_DIFFERENCES = (0x0D, 0x36)
 """Two codes of one type: which of them a drive answers depends on its firmware."""
 ZERO, BYTE, WORD, DOUBLE_WORD, ERROR = 0x40, 0x41, 0x42, 0x43, 0x44
+_GENERIC = {1: BYTE, 2: WORD, 4: DOUBLE_WORD}
 
 _TABLE_4_3 = "FAQ 109750712 table 4-3"
 _MM4 = "MM4 guide part 3 table 2-2"
@@ -164,7 +165,8 @@ def by_name(name: str) -> Format:
 
 def generic_of(size: int) -> Format | None:
     """Return Byte, Word or DoubleWord for a size of 1, 2 or 4 bytes, else None."""
-    return {1: by_code(BYTE), 2: by_code(WORD), 4: by_code(DOUBLE_WORD)}.get(size)
+    code = _GENERIC.get(size)
+    return None if code is None else by_code(code)
 
 
 def accepts(declared: Format, wire: int) -> bool:
@@ -196,12 +198,18 @@ def integer_range(fmt: Format) -> tuple[int, int] | None:
 
 
 def _pack_integer(fmt: Format, value: Value) -> bytes:
+    number = int(value) if isinstance(value, float) and value.is_integer() else value
+    if not isinstance(number, int) or isinstance(number, bool):
+        raise _no_integer(fmt, value)
+    try:
+        return number.to_bytes(fmt.size, "big", signed=fmt.kind is FormatKind.SIGNED)
+    except OverflowError:
+        raise _no_integer(fmt, number) from None
+
+
+def _no_integer(fmt: Format, value: Value) -> FormatValueError:
     low, high = integer_range(fmt) or (0, 0)
-    if isinstance(value, float) and value.is_integer():
-        value = int(value)
-    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-        raise FormatValueError(f"{fmt.name} takes an integer from {low} to {high}, not {value!r}")
-    return value.to_bytes(fmt.size, "big", signed=fmt.kind is FormatKind.SIGNED)
+    return FormatValueError(f"{fmt.name} takes an integer from {low} to {high}, not {value!r}")
 
 
 def _pack_float(fmt: Format, value: Value) -> bytes:
