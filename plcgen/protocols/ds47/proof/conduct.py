@@ -12,6 +12,10 @@ from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.words import DONE, DRAIN_MS, NO_ANSWER, state_name
 
 
+WAITING_MS = 50
+"""Length of a scan in ms while a job waits for a drive that has forgotten its telegram: some seconds."""
+
+
 class JobConduct:
     """One job, run by run. ``before`` are its outputs in front of the run, ``requests`` what it must send."""
 
@@ -27,6 +31,8 @@ class JobConduct:
         """Saves that the job has counted in front of this run."""
         self.saved_at = 0
         """When the last save was handed over."""
+        self.length = 0
+        """Length of the next scan in ms."""
 
     def plain(self, name: str) -> DriveScenario:
         """A run without any fault."""
@@ -62,11 +68,13 @@ class JobConduct:
         rig.bus.write_busy, rig.bus.read_busy = scenario.busy
         if scenario.occupied:
             rig.occupy()
-        self.fence.begin(alone=not scenario.occupied and not {"cold", "warm"} & set(scenario.happens.values()))
+        happens = set(scenario.happens.values())
+        self.fence.begin(alone=not scenario.occupied and not {"cold", "warm"} & happens)
         self.before, self.wanted, self.requests = rig.delivered(), rig.wanted(), rig.requests()
         for (telegram, place), data in scenario.delivers.items():
             self.wanted[telegram - 1][place - 1] = data
-        return rig.job.timeout + DRAIN_MS + 12 * scenario.scan
+        self.length = scenario.scan
+        return rig.job.timeout + DRAIN_MS + 12 * max(scenario.scan, WAITING_MS if "off" in happens else 0)
 
     def happen(self, run: Run[DriveScenario], happening: str) -> None:
         """A restart, or what only a drive's job knows."""
@@ -77,6 +85,7 @@ class JobConduct:
             run.execute = True
         elif happening == "off":
             self.rig.drive.switch_off()
+            self.length = WAITING_MS
 
     def scan(self, run: Run[DriveScenario]) -> int:
         """Inputs change behind the first call; the job of another slot leaves."""
@@ -86,7 +95,7 @@ class JobConduct:
                 self.rig.leave()
         if run.scenario.meddle and run.scans > 1:
             self.rig.meddle()
-        return run.scenario.scan
+        return self.length
 
     def start(self, run: Run[DriveScenario]) -> None:
         """No parameter has an answer yet, whatever was there before; values stay until there are new ones."""

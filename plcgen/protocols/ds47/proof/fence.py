@@ -13,7 +13,7 @@ Piece = tuple[str, Memory, int, int | None]
 
 
 class Fence:
-    """Bytes around a job. Nobody ever writes to ``still``; the requests of other slots are as ``begin`` found them."""
+    """Bytes around a job. Nobody ever writes to ``still``, which was ``untouched``; the requests of other slots are as ``begin`` found them."""
 
     def __init__(self, rig: JobRig) -> None:
         self.rig, cpu = rig, rig.cpu
@@ -22,10 +22,9 @@ class Fence:
         for buffer in (rig.job.telegrams[0].request, rig.job.telegrams[0].response) if rig.job.pinned else ():
             own.add(id(cpu.db(buffer.home.name)))
         images = rig.program.images
-        self.still = [
-            (memory, bytearray(images[index])) for index, memory in cpu.blocks.items() if id(memory) not in own
-        ]
-        self.still += [(memory, bytearray(len(memory))) for memory in cpu.areas.values()]
+        still = {index: memory for index, memory in cpu.blocks.items() if id(memory) not in own}
+        self.still = [*still.values(), *cpu.areas.values()]
+        self.untouched = [*map(images.__getitem__, still), *(bytes(len(memory)) for memory in cpu.areas.values())]
         self.others: list[Piece] = [
             ("the place of another channel", gate.memory, gate.spots["gate.channels[2].ask"].byte, None)
         ]
@@ -47,7 +46,7 @@ class Fence:
 
     def check(self) -> None:
         """Raises ScenarioError if a byte outside changed."""
-        for memory, content in self.still:
+        for memory, content in () if self.still == self.untouched else zip(self.still, self.untouched, strict=True):
             if memory != content:
                 at = next(n for n, byte in enumerate(content) if memory[n] != byte)
                 raise ScenarioError(f"byte {at} of {memory.name or memory.area} changed, which is not the job's")
