@@ -11,7 +11,6 @@ from plcgen.protocols.ds47.proof.saved import check_saved
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.words import DONE, DRAIN_MS, NO_ANSWER, state_name
 
-
 WAITING_MS = 50
 """Length of a scan in ms while a job waits for a drive that has forgotten its telegram: some seconds."""
 

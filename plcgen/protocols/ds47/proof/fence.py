@@ -13,7 +13,10 @@ Piece = tuple[str, Memory, int, int | None]
 
 
 class Fence:
-    """Bytes around a job. Nobody ever writes to ``still``, which was ``untouched``; the requests of other slots are as ``begin`` found them."""
+    """Bytes around a job.
+
+    Nobody ever writes to ``still``, which was ``untouched``; the requests of other slots are as ``begin`` found them.
+    """
 
     def __init__(self, rig: JobRig) -> None:
         self.rig, cpu = rig, rig.cpu
