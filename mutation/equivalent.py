@@ -15,6 +15,13 @@ EQUIVALENT = {
         "no two items of a telegram have the same first address"
     ),
     r"^DriveChannel: dropped: statTimer := 0 \(1\)$": "after a good answer no record call is active",
+    r"^DriveChannel: \d*[02468] -> \d+: SIZE : Int :=": "an answer has an even number of bytes",
+    r"^DriveChannel: W#16#8105 -> W#16#8104: STATUS_LOST :": (
+        "nobody hears it: the job is gone, and the ticket says 8105 by itself; only that it is not 0000 counts"
+    ),
+    r"^DriveChannel: 0 -> 1: statElapsed := 0; statStill := 0; \(2\)$": (
+        "the next call sees another sign of life and sets it to 0; with the same number a job that is gone has 2999 ms"
+    ),
     r"^\w+: 3 -> 4: tempSize := 3;": "a value of three bytes and its pad are four, and it is not the last one",
     r"^DriveChannel: dropped: statAsk := statAsk MOD 30000 \+ 1 \(2\)$": (
         "a pause gives the place back; until the gate has taken it, it is this channel's under the old number, too"

@@ -18,6 +18,8 @@ OFFSETS = 14
 STUCK = ("without a place", "WRREC has no resources", "no answer comes")
 """What a job may wait for longer than LEASE."""
 NO_RESOURCES = 0xC080C300
+FREES = 2
+"""Calls of the channel after which a unit is free that its job has lost."""
 ORDERS = ((1, 2, 5, 6, 7), (7, 6, 5, 2, 1), (5, 2, 6, 1, 7))
 Run = Callable[[JobField], None]
 
@@ -38,6 +40,8 @@ def mailboxes() -> Iterator[tuple[str, Run]]:
     yield "a job starts again while its channel is not called", _waits_anew_for_the_channel
     for stuck in STUCK:
         yield f"a job is not called any more, {stuck}", partial(_stuck, stuck)
+    yield "a job is not called any more, to the millisecond", _lease
+    yield "scans of 0 ms", _no_time
     yield "execute comes again with the end", _at_once
     for fast, calls in product((True, False), ((2,), (1, 2), (2, 5), (1, 2, 5))):
         where = "more" if fast else "less"
@@ -334,6 +338,51 @@ def _stuck(stuck: str, field: JobField) -> None:
         field.again(2, 3)
         field.idle(1)
         field.rig.call((2, 5, 6, 7) if stuck == STUCK[0] else ORDERS[0])
+
+
+def _lease(field: JobField) -> None:
+    """The unit is free LEASE behind the call of the channel that saw the last sign of life, not a millisecond before."""
+    three(field)
+    field.give(1, READ_SPLIT, timeout=60_000).times(60_000, 200, 1000)
+    unit = field.rig.units[0]
+    field.rig.begin(EngineScenario(name="lease", writes={0: NO_RESOURCES}))
+    field.rig.call(ORDERS[0])
+    field.step()
+    field.start(1)
+    for _ in range(15):
+        field.step()
+    field.rig.call((1, 2, 6, 7))
+    for length in (*[10] * (LEASE_MS // 10), 9, *[0] * FREES, 1):
+        if not unit.get("turn.grant"):
+            raise ScenarioError(f"the unit is free before {LEASE_MS} ms are over")
+        field.step(length)
+    for _ in range(FREES):
+        field.step(0)
+    if unit.get("turn.grant"):
+        raise ScenarioError(f"the unit is not free when {LEASE_MS} ms are over")
+
+
+def _no_time(field: JobField) -> None:
+    """Scans in which the clock stands still, as on a CPU with a cycle below a millisecond: nothing runs out."""
+    three(field)
+    field.give(1, READ_SPLIT, timeout=100).times(100, 20, 1000)
+    field.rig.begin(EngineScenario(name="no time", reads={0: STATE_CONFLICT}))
+    field.rig.call(ORDERS[0])
+    field.step()
+    field.start(1)
+    began = field.cpu.clock
+    for _ in range(10):
+        field.step(0)
+    count = len(field.rig.drives[0].journal)
+    for _ in range(300):
+        field.step(0)
+    if not field.job(1).signals()[0] or len(field.rig.drives[0].journal) != count:
+        raise ScenarioError("time passes although the clock stands still")
+    field.expect(field.until_end((1,)), {1: (WORDS["TIMEOUT"],)})
+    took = field.cpu.clock - began
+    if not 100 <= took <= 120:
+        raise ScenarioError(f"the job took {took} ms instead of 100")
+    field.idle(1)
 
 
 def _at_once(field: JobField) -> None:
