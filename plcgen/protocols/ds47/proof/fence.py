@@ -27,7 +27,8 @@ class Fence:
         images = rig.program.images
         still = {index: memory for index, memory in cpu.blocks.items() if id(memory) not in own}
         self.still = [*still.values(), *cpu.areas.values()]
-        self.untouched = [*map(images.__getitem__, still), *(bytes(len(memory)) for memory in cpu.areas.values())]
+        self.untouched = [bytearray(images[index]) for index in still]
+        self.untouched += [bytearray(len(memory)) for memory in cpu.areas.values()]
         self.others: list[Piece] = [
             ("the place of another channel", gate.memory, gate.spots["gate.channels[2].ask"].byte, None)
         ]

@@ -341,7 +341,7 @@ def _stuck(stuck: str, field: JobField) -> None:
 
 
 def _lease(field: JobField) -> None:
-    """The unit is free LEASE behind the call of the channel that saw the last sign of life, not a millisecond before."""
+    """The unit is free LEASE after the channel saw the last sign of life, not a millisecond before."""
     three(field)
     field.give(1, READ_SPLIT, timeout=60_000).times(60_000, 200, 1000)
     unit = field.rig.units[0]
