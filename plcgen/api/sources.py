@@ -181,8 +181,8 @@ def check_lock(
 
 
 def audit(*paths: Path | str, spec: Path | str) -> Verification:
-    """Audit hand-written request and response DBs, and the record calls, in sources against a spec and DS47."""
-    from plcgen.protocols.ds47.audit.run import audit as run
+    """Audit hand-written telegrams, their buffers and the calls that send them, in sources against a spec."""
+    from plcgen.proof.audit import audit as run
 
     return run([Path(path) for path in paths], Path(spec))
 

@@ -1,4 +1,4 @@
-"""``plcgen audit``: hand-written buffers and record calls against a spec."""
+"""``plcgen audit``: hand-written buffers, telegrams and the calls that send them against a spec."""
 
 from __future__ import annotations
 
@@ -24,10 +24,11 @@ if TYPE_CHECKING:
 @format_option("verification")
 @output_option
 def command(*, paths: tuple[Path, ...], spec: Path, format_: OutputFormat, output: Path | None) -> int:
-    """Audit request and response DBs that somebody wrote by hand, and the calls that send them.
+    """Audit what somebody wrote by hand: request and response DBs, PPI telegrams, and the calls that send them.
 
     The spec says what is to be read or written; the data blocks (.db .udt .scl .awl, SimaticML) are matched to
-    its jobs by number, name or start values, and compared member by member. Exit code 1 if there is an error.
+    its jobs by number, name or start values, and compared member by member, telegrams byte by byte. Exit code 1
+    if there is an error.
     """
     from plcgen import api
 

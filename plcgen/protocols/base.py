@@ -21,10 +21,12 @@ if TYPE_CHECKING:
     from plcgen.project.nouns import Buffer, BufferField, Plan
     from plcgen.project.numbering import Numbering
     from plcgen.project.spec import LoadedSpec, SpecPath
+    from plcgen.proof.audited import Audited
     from plcgen.proof.suite import Proof
     from plcgen.protocols.dissection import ByteField
     from plcgen.review.compare.model import DriveState, JobState
     from plcgen.review.sheet import ReviewSheet
+    from plcgen.sources.blocks import Sources
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,3 +110,6 @@ class Protocol(typing.Protocol):
 
     def proof(self, plan: Any) -> Proof:
         """What verification must know to prove what was generated from a plan."""
+
+    def audit(self, plan: Any, sources: Sources) -> Audited:
+        """What somebody else's program does, held against a plan."""

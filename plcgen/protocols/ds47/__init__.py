@@ -14,12 +14,14 @@ if TYPE_CHECKING:
     from plcgen.project.nouns import Buffer, BufferField
     from plcgen.project.numbering import Numbering
     from plcgen.project.spec import LoadedSpec
+    from plcgen.proof.audited import Audited
     from plcgen.protocols.base import Rules
     from plcgen.protocols.dissection import ByteField
     from plcgen.protocols.ds47.plan.nouns import DrivePlan
     from plcgen.protocols.ds47.proof.suite import DriveProof
     from plcgen.review.compare.model import DriveState, JobState
     from plcgen.review.sheet import ReviewSheet
+    from plcgen.sources.blocks import Sources
 
 
 class Ds47:
@@ -107,6 +109,12 @@ class Ds47:
         from plcgen.protocols.ds47.proof.suite import DriveProof
 
         return DriveProof(plan)
+
+    def audit(self, plan: DrivePlan, sources: Sources) -> Audited:
+        """Hand-written request and response DBs and record calls."""
+        from plcgen.protocols.ds47.audit.run import audit
+
+        return audit(plan, sources)
 
 
 PROTOCOL = Ds47()

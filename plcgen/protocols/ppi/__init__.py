@@ -14,12 +14,14 @@ if TYPE_CHECKING:
     from plcgen.project.nouns import Buffer, BufferField
     from plcgen.project.numbering import Numbering
     from plcgen.project.spec import LoadedSpec
+    from plcgen.proof.audited import Audited
     from plcgen.protocols.base import Rules
     from plcgen.protocols.dissection import ByteField
     from plcgen.protocols.ppi.plan.nouns import PpiPlan
     from plcgen.protocols.ppi.proof.suite import PpiProof
     from plcgen.review.compare.model import DriveState, JobState
     from plcgen.review.sheet import ReviewSheet
+    from plcgen.sources.blocks import Sources
 
 
 class Ppi:
@@ -104,6 +106,12 @@ class Ppi:
         from plcgen.protocols.ppi.proof.suite import PpiProof
 
         return PpiProof(plan)
+
+    def audit(self, plan: PpiPlan, sources: Sources) -> Audited:
+        """Hand-written telegrams, and the calls of the serial modules."""
+        from plcgen.protocols.ppi.audit.run import audit
+
+        return audit(plan, sources)
 
 
 PROTOCOL = Ppi()

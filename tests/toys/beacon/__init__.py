@@ -17,6 +17,7 @@ from plcgen.documents.members import assignments, buffer_member
 from plcgen.documents.nouns import Command, Contribution, DataBlock, FunctionBlock, TypeBlock
 from plcgen.input.validation import StrictModel
 from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, PlannedJob, PlannedTrigger, Telegram
+from plcgen.proof.audited import Audited
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.suite import LaidOut
 from plcgen.protocols.base import Named, Rules
@@ -213,6 +214,10 @@ class Beacon:
     def proof(self, plan: BeaconPlan) -> BeaconProof:
         """The frames."""
         return BeaconProof(plan)
+
+    def audit(self, plan: BeaconPlan, sources) -> Audited:  # noqa: ARG002 - a toy
+        """Nothing is found."""
+        return Audited()
 
 
 PROTOCOL = Beacon()

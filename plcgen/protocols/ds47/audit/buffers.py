@@ -1,23 +1,16 @@
-"""Data blocks to buffers, telegrams to expected fields, and which buffer belongs to which telegram."""
+"""Telegrams to expected fields, and which buffer belongs to which telegram."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
-from plcgen.protocols.ds47.audit.model import Expected, FoundBuffer, Match, Slot
+from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.protocols.ds47.audit.model import Expected, Match
 from plcgen.protocols.ds47.plan.nouns import DriveField, DrivePlan, DriveTelegram
 from plcgen.protocols.ds47.wire.codec import TelegramError, decode_request
 from plcgen.protocols.ds47.wire.model import Request
-from plcgen.s7.blocks import Block, BlockKind
-from plcgen.s7.image import image
-from plcgen.s7.layout import Layout, layout_block, leaves
-from plcgen.s7.literals import LiteralError
 from plcgen.s7.types import ArrayType, Elementary
-from plcgen.sources.blocks import SourceBlock, Sources
-
-LARGEST = 4096
-"""A data block with more bytes is no buffer: a record has 240."""
+from plcgen.sources.buffers import FoundBuffer, Slot
 
 _LABELS = {
     "reference": "request reference", "request_id": "request ID", "drive_object": "axis (drive object)",
@@ -25,48 +18,6 @@ _LABELS = {
     "pnu": "parameter number", "subindex": "subindex", "format": "format", "value_count": "number of values",
     "value": "value", "pad": "pad byte",
 }  # fmt: skip
-
-
-def buffers(sources: Sources, diagnostics: list[Diagnostic]) -> list[FoundBuffer]:
-    """Every data block that is small enough to be a buffer, and has a layout."""
-    found: list[FoundBuffer] = []
-    for source in sources.blocks:
-        if source.block.kind is not BlockKind.DB or _is_instance(source.block, sources.types):
-            continue
-        try:
-            layout = layout_block(source.block, sources.types)
-        except DiagnosticError as problem:
-            diagnostics += problem.diagnostics
-            continue
-        if layout.size <= LARGEST:
-            found.append(_buffer(source, layout, sources.types, diagnostics))
-    return found
-
-
-def _is_instance(block: Block, types: Mapping[str, Block]) -> bool:
-    owner = types.get((block.instance_of or "").upper())
-    return block.instance_of is not None and (owner is None or owner.kind is not BlockKind.UDT)
-
-
-def _buffer(
-    source: SourceBlock, layout: Layout, types: Mapping[str, Block], diagnostics: list[Diagnostic]
-) -> FoundBuffer:
-    memory: bytes | None = None
-    try:
-        memory = bytes(image(source.block, types))
-    except (LiteralError, DiagnosticError) as error:
-        place = getattr(error, "span", None) or source.block.span or Span(source.file)
-        message = f'DB "{source.block.name}": {error}'
-        diagnostics.append(Diagnostic("PG656", message, place, help="correct the start value"))
-    assigned = {"".join(a.path.split()).replace('"', "").upper() for a in source.block.assignments}
-    slots = []
-    for leaf in leaves(layout):
-        path = leaf.path.replace('"', "")
-        given = leaf.member.start is not None or any(path.upper().startswith(name) for name in assigned)
-        place = leaf.member.span or source.block.span or Span(source.file)
-        size = max(leaf.size // 8, 1)
-        slots.append(Slot(path, leaf.byte, size, leaf.size, leaf.type, place, given))
-    return FoundBuffer(source.block, source.file, layout.size, tuple(slots), memory)
 
 
 def expected_fields(match: Match) -> list[Expected]:

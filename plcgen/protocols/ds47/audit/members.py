@@ -11,9 +11,10 @@ from collections.abc import Sequence
 from plcgen.diagnostics import Note, Severity, Span
 from plcgen.protocols.ds47.audit.align import align
 from plcgen.protocols.ds47.audit.buffers import is_elementary
-from plcgen.protocols.ds47.audit.model import Expected, Match, Slot
+from plcgen.protocols.ds47.audit.model import Expected, Match
 from plcgen.protocols.ds47.audit.names import CLASSES, class_of
 from plcgen.protocols.ds47.wire.formats import FormatKind
+from plcgen.sources.buffers import Slot
 
 Pair = tuple[tuple[Expected, ...], tuple[Slot, ...]]
 """Fields and the members that hold them."""

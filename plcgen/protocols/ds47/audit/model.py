@@ -9,58 +9,10 @@ from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.project.nouns import BlockRef
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
 from plcgen.protocols.ds47.wire.formats import Format
-from plcgen.s7.blocks import Block
-from plcgen.s7.types import DataType
+from plcgen.sources.buffers import FoundBuffer
+from plcgen.sources.calls import ConstantArgument, PointedArea
 
 Role = Literal["request", "response"]
-
-
-def block_title(block: Block) -> str:
-    """``DB3 "WR_DataBuffer"``, or the name alone if it is the number."""
-    number = f"{block.kind}{'' if block.number is None else block.number}"
-    return number if block.name.upper() == number else f'{number} "{block.name}"'
-
-
-@dataclass(frozen=True, slots=True)
-class Slot:
-    """One elementary member, or one element of an array: place in bytes, type, declaration.
-
-    ``given`` says that the source gives it a start value of its own; ``bits`` is 1 for a BOOL.
-    """
-
-    path: str
-    offset: int
-    size: int
-    bits: int
-    type: DataType
-    span: Span
-    given: bool
-
-    @property
-    def end(self) -> int:
-        """First byte behind it."""
-        return self.offset + self.size
-
-
-@dataclass(frozen=True, slots=True)
-class FoundBuffer:
-    """A data block with its members in memory order; ``memory`` is its start image, None if that has errors."""
-
-    block: Block
-    file: str
-    size: int
-    slots: tuple[Slot, ...]
-    memory: bytes | None
-
-    @property
-    def title(self) -> str:
-        """``DB3 "WR_DataBuffer"``, or the name alone if the source gives no number."""
-        return block_title(self.block)
-
-    @property
-    def span(self) -> Span:
-        """Where the block begins."""
-        return self.block.span or Span(self.file)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,32 +66,6 @@ class Match:
 
 
 @dataclass(frozen=True, slots=True)
-class ConstantArgument:
-    """One argument of a call: its text, its value if it is a constant, and where it stands."""
-
-    text: str
-    value: int | None
-    span: Span
-
-
-@dataclass(frozen=True, slots=True)
-class Record:
-    """What RECORD points to: a DB by name or number, or a variable (``local``), from ``start``, ``length`` bytes.
-
-    ``length`` is None if the whole DB or a part of unknown length is meant.
-    """
-
-    text: str
-    span: Span
-    db: str = ""
-    number: int | None = None
-    start: int = 0
-    length: int | None = None
-    local: bool = False
-    path: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class FoundCall:
     """A call of WRREC (``writes``) or RDREC with its constant arguments by upper-case name."""
 
@@ -147,7 +73,7 @@ class FoundCall:
     block: str
     span: Span
     arguments: dict[str, ConstantArgument]
-    record: Record | None
+    record: PointedArea | None
 
     @property
     def title(self) -> str:

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.project.target import Target
-from plcgen.protocols.ds47.audit.model import ConstantArgument, FoundCall, Match, Record
+from plcgen.protocols.ds47.audit.model import FoundCall, Match
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.sources.calls import ConstantArgument, PointedArea
 
 _RECORD_LIMIT = 240
 
@@ -77,7 +78,7 @@ def _never_fetched(audits: Sequence[CallAudit], matches: Sequence[Match]) -> Non
             match.report("PG659", message, match.buffer.span, "call RDREC with this DB as RECORD after WRREC")
 
 
-def _match(record: Record | None, matches: Sequence[Match]) -> Match | None:
+def _match(record: PointedArea | None, matches: Sequence[Match]) -> Match | None:
     if record is None or record.local:
         return None
     for match in matches:
@@ -119,7 +120,7 @@ def _record(audit: CallAudit, matches: Sequence[Match]) -> None:
         audit.report("PG659", message, record.span, f"let RECORD cover {need} bytes: {_pointer(record, match, need)}")
 
 
-def _pointer(record: Record, match: Match, need: int) -> str:
+def _pointer(record: PointedArea, match: Match, need: int) -> str:
     number = record.number if record.number is not None else match.ref.number
     return f"P#DB{number}.DBX0.0 BYTE {need}"
 
@@ -128,7 +129,7 @@ def _longest(match: Match) -> int:
     return max(match.telegram.positive_length, match.telegram.negative_length)
 
 
-def _room(record: Record, match: Match) -> int | None:
+def _room(record: PointedArea, match: Match) -> int | None:
     return None if match.buffer is None else match.buffer.size - record.start
 
 
@@ -165,7 +166,7 @@ def _written(audit: CallAudit, match: Match, value: int, place: Span) -> None:
     audit.report("PG657", message, place, f"LEN := {need}", notes=_spec(match))
 
 
-def _sent(record: Record | None, match: Match) -> int:
+def _sent(record: PointedArea | None, match: Match) -> int:
     if record is not None and record.length is not None:
         return record.length
     return match.buffer.size if match.buffer is not None and record is not None and not record.path else 0

@@ -1,61 +1,38 @@
-"""``audit``: sources and a spec in, checks out, in the shape of a verification so that every report can show them."""
+"""The audit of drive jobs: buffers and record calls, as checks and findings."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity
-from plcgen.proof.checks import Check, CheckGroup, Outcome, Verification
-from plcgen.protocols.ds47.audit.buffers import buffers, expected_fields, match_buffers, stray_requests
+from plcgen.diagnostics import Diagnostic
+from plcgen.proof.audited import Audited, audited
+from plcgen.proof.checks import Check, CheckGroup, Outcome
+from plcgen.protocols.ds47.audit.buffers import expected_fields, match_buffers, stray_requests
 from plcgen.protocols.ds47.audit.calls import record_calls
 from plcgen.protocols.ds47.audit.members import check_members
 from plcgen.protocols.ds47.audit.model import Match
 from plcgen.protocols.ds47.audit.records import CallAudit, check_calls
 from plcgen.protocols.ds47.audit.values import check_values
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.sources.blocks import Sources, read_sources
+from plcgen.sources.blocks import Sources
+from plcgen.sources.buffers import find_buffers
 
 
-def audit(paths: Sequence[Path], spec: Path) -> Verification:
+def audit(plan: DrivePlan, sources: Sources) -> Audited:
     """Audit hand-written buffers and calls; every finding is a diagnostic, the checks say what was looked at."""
-    label = ", ".join(path.as_posix() for path in paths[:3]) + (f" (+{len(paths) - 3})" if len(paths) > 3 else "")
-    report = Report()
-    try:
-        return _audit(paths, spec, label, report)
-    except DiagnosticError as problem:
-        report.extend(problem.diagnostics)
-    return Verification(str(spec), label, "", "", (), tuple(report), "audit")
-
-
-def _audit(paths: Sequence[Path], spec: Path, label: str, report: Report) -> Verification:
-    from plcgen.project.opening import open_spec
-
-    opened = open_spec(spec)
-    project = opened.sound()
-    report.extend(opened.diagnostics)
-    target = f"{project.target.family} / {project.target.toolchain}"
-    sources = read_sources(paths, classic=project.target.classic)
-    report.extend(sources.diagnostics)
-    plan = project.plan(DrivePlan)
-    if plan is None:
-        return Verification(str(spec), label, project.name, target, (), tuple(report), "audit")
     problems: list[Diagnostic] = []
-    found = buffers(sources, problems)
+    found = find_buffers(sources, problems)
     matches = match_buffers(plan, found)
     for match in matches:
         _buffer(match, plan)
     calls = check_calls(plan, list(record_calls(sources)), matches)
-    report.extend(problems)
-    report.extend(stray_requests(plan, found, matches))
-    for match in matches:
-        report.extend(match.findings)
-    for call in calls:
-        report.extend(call.findings)
+    problems += stray_requests(plan, found, matches)
+    for findings in (*(match.findings for match in matches), *(call.findings for call in calls)):
+        problems += findings
     groups = [CheckGroup("buffers", "Buffers", tuple(_buffer_check(match) for match in matches))]
     if calls or _has_code(sources):
         groups.append(CheckGroup("calls", "Calls", tuple(_call_checks(calls, matches))))
-    return Verification(str(spec), label, project.name, target, tuple(groups), tuple(report), "audit")
+    return Audited(tuple(groups), tuple(problems))
 
 
 def _has_code(sources: Sources) -> bool:
@@ -106,7 +83,7 @@ def _buffer_check(match: Match) -> Check:
         subject = f'DB{match.ref.number} "{match.ref.name}"'
         outcome = Outcome.WARNING if first is not None else Outcome.NOT_RUN
         return Check(id_, subject, text, outcome, "not in the sources", first)
-    return _check(id_, match.buffer.title, text, match.findings, match.notes, f"fits the {match.role} of {match.name}")
+    return audited(id_, match.buffer.title, text, match.findings, match.notes, f"fits the {match.role} of {match.name}")
 
 
 def _figures(match: Match) -> str:
@@ -134,20 +111,10 @@ def _call_checks(calls: Sequence[CallAudit], matches: Sequence[Match]) -> Iterat
         if audit.match is None and not audit.findings:
             yield Check(id_, call.title, "  ".join(shown), Outcome.NOT_RUN, "; ".join(audit.notes))
         else:
-            yield _check(id_, call.title, "  ".join(shown), audit.findings, audit.notes, good)
+            yield audited(id_, call.title, "  ".join(shown), audit.findings, audit.notes, good)
     used = {id(audit.match) for audit in calls}
     for match in matches:
         if calls and match.buffer is not None and id(match) not in used:
             verb = "WRREC" if match.role == "request" else "RDREC"
             verdict = f"no {verb} call names it"
             yield Check(f"calls.{match.ref.name}", match.buffer.title, "", Outcome.NOT_RUN, verdict)
-
-
-def _check(id_: str, subject: str, text: str, findings: Sequence[Diagnostic], notes: Sequence[str], good: str) -> Check:
-    errors = [d for d in findings if d.severity is Severity.ERROR]
-    if findings:
-        first = (errors or list(findings))[0]
-        more = f" (+{len(findings) - 1} more)" if len(findings) > 1 else ""
-        outcome = Outcome.ERROR if errors else Outcome.WARNING
-        return Check(id_, subject, text, outcome, f"{first.message}{more}", first)
-    return Check(id_, subject, text, Outcome.OK, "; ".join([good, *notes]))

@@ -7,9 +7,10 @@ from itertools import pairwise
 
 from plcgen.diagnostics import Severity
 from plcgen.protocols.ds47.audit.members import Pair
-from plcgen.protocols.ds47.audit.model import Expected, Match, Slot
+from plcgen.protocols.ds47.audit.model import Expected, Match
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.bico import read_bico
+from plcgen.sources.buffers import Slot
 
 _NAMES = {1: "Byte", 2: "Word", 4: "DWord"}
 

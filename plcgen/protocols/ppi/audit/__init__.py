@@ -1,0 +1,1 @@
+"""Hand-written PPI telegrams, and the calls that send and receive them, against the frame and a spec."""
