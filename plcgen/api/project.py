@@ -302,7 +302,7 @@ def review(
     against: str = "",
     lock: Path | str | None = None,
     faults: Literal["none", "quick", "full"] = "quick",
-    fault: str = "busy:times=2",
+    fault: str = "",
     progress: Progress | None = None,
 ) -> Review:
     """Collect what a reviewer must see of a spec and its generated folder; see ``docs/review.md``.

@@ -35,16 +35,16 @@ _MAX_SCANS = 10_000_000
 @click.option("--scan-time", default="10ms", metavar="TIME", help="Length of a scan.  [default: 10ms]")
 @click.option("--set", "sets", multiple=True, metavar="MEMBER=VALUE[@SCAN]", help="Give a member or tag a value.")
 @click.option("--watch", "watches", multiple=True, metavar="MEMBER", help="Record and show a member or tag.")
-@click.option("--fault", "faults", multiple=True, metavar="KIND[:KEY=VALUE,...]", help="Let the drive go wrong.")
+@click.option("--fault", "faults", multiple=True, metavar="KIND[:KEY=VALUE,...]", help="Let the drive or the line go wrong.")
 @click.option("--faults", "fault_file", type=PATH, metavar="FILE", help="Faults from a YAML file.")
-@click.option("--drive", "drives", multiple=True, metavar="[DRIVE=]FILE", help="Drive file: your real drive.")
+@click.option("--drive", "drives", multiple=True, metavar="[DRIVE=]FILE", help="Drive or station file: your real one.")
 @click.option("--with", "own", type=PATH, multiple=True, metavar="FILE", help="Run this SCL, UDT or DB source too.")
 @format_option("trace")
 @output_option
 def command(*, spec: Path, folder: Path | None, format_: OutputFormat, output: Path | None, **more: Any) -> int:
-    """Run the files in a generated folder in a simulated CPU against a simulated drive, scan by scan.
+    """Run the files in a generated folder in a simulated CPU against simulated drives and stations, scan by scan.
 
-    Every scan in which something changes is shown: states of the jobs, WRREC and RDREC, telegrams decoded,
+    Every scan in which something changes is shown: states of the jobs, calls of system blocks, telegrams decoded,
     values. A cyclic OB among the files of --with runs instead of the generated example. Exit code 1 if a job
     ends in error or the program misuses a system block.
     """

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from plcgen.review.compare.model import DriveState, JobState
     from plcgen.review.sheet import ReviewSheet
     from plcgen.sources.blocks import Sources
+    from plcgen.trace.face import Recording
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,3 +114,6 @@ class Protocol(typing.Protocol):
 
     def audit(self, plan: Any, sources: Sources) -> Audited:
         """What somebody else's program does, held against a plan."""
+
+    def recording(self, plan: Any) -> Recording | None:
+        """What can be recorded of a plan while it runs; None if nothing."""

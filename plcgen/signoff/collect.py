@@ -61,7 +61,7 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
     lock = _lock(request)
     if lock is None:
         missing.append(f"a layout lock: there is no {DEFAULT} beside the spec")
-    runs = _runs(request, sheet.instances, missing, progress) if project is not None else ()
+    runs = _runs(request, project, sheet.instances, missing, progress) if project is not None else ()
     return Review(
         spec=request.spec.as_posix(),
         folder=request.folder.as_posix(),
@@ -184,9 +184,13 @@ def _layouts(project: Project | None, base: BaseFiles | None) -> tuple[LayoutPai
 
 
 def _runs(
-    request: ReviewRequest, instances: Sequence[JobInstance], missing: list[str], progress: Progress | None
+    request: ReviewRequest,
+    project: Project,
+    instances: Sequence[JobInstance],
+    missing: list[str],
+    progress: Progress | None,
 ) -> tuple[RecordedRun, ...]:
-    """Every job once without a fault and once with it, on the first of its partners."""
+    """Every job once without a fault and once with one, on the first of its partners."""
     first: dict[str, str] = {}
     for instance in instances:
         first.setdefault(instance.job, instance.key)
@@ -194,6 +198,7 @@ def _runs(
         missing.append(f"recorded runs of {len(first) - MAX_RUNS} more jobs: the first {MAX_RUNS} are recorded")
     runs: list[RecordedRun] = []
     chosen = list(first.items())[:MAX_RUNS]
+    faults = _faults(request, project)
     for number, (job, key) in enumerate(chosen):
         if progress is not None:
             progress(f"record {job}", number, len(chosen))
@@ -202,10 +207,23 @@ def _runs(
             missing.append(f"a recorded run of {job}: {'; '.join(d.message for d in plain.diagnostics[:1])}")
             continue
         runs.append(RecordedRun(job, "", plain))
-        if request.fault:
-            faulty = simulate(request.spec, request.folder, RunSettings(jobs=(key,), faults=(request.fault,)))
+        fault = faults.get(key, request.fault)
+        if fault:
+            faulty = simulate(request.spec, request.folder, RunSettings(jobs=(key,), faults=(fault,)))
             usage = [d for d in faulty.diagnostics if d.code == "PG901"]
             if usage:
                 raise DiagnosticError(usage)
-            runs.append(RecordedRun(job, request.fault, faulty))
+            runs.append(RecordedRun(job, fault, faulty))
     return tuple(runs)
+
+
+def _faults(request: ReviewRequest, project: Project) -> dict[str, str]:
+    """What goes wrong in the second run of each job: what was asked for, or what its protocol usually shows."""
+    recordings = [found for plan in project.plans if (found := plan.protocol.recording(plan)) is not None]
+    asked = request.fault.partition(":")[0]
+    known = any(asked in recording.faults for recording in recordings)
+    return {
+        key: recording.fault if not asked or (known and asked not in recording.faults) else request.fault
+        for recording in recordings
+        for key in recording.jobs
+    }

@@ -27,7 +27,7 @@ class ReviewRequest:
     folder: Path
     against: str = ""
     faults: str = "quick"
-    fault: str = "busy:times=2"
+    fault: str = ""
     lock: Path | None = None
 
 

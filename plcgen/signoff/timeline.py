@@ -6,18 +6,19 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from plcgen.display.cells import clean
-from plcgen.trace.exchange import contact_text, value_text
 from plcgen.trace.model import JobResult, Signal, Trace, Value
+from plcgen.trace.spelling import value_text
 
-_GUTTER, _LANE, _HEAD, _STATE = 74, 22, 20, 58
+_GUTTER, _LANE, _HEAD = 74, 22, 20
 _WIDE, _BROAD, _LEAST = 1040, 40, 9
+_MARGIN = 12
 _GAP = 6
 """So many scans in which nothing happens are drawn as they are; longer stretches as this many, with a mark."""
 MAX_STEPS = 300
 _CHARACTER = 6.7
 _MAX_SENT = 40
 _LANES = ("execute", "busy", "done", "error")
-_CALLS = (("WRREC", "DONE"), ("RDREC", "VALID"))
+_SUCCESS = ("DONE", "VALID", "NDR")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,15 +37,17 @@ class Bar:
 
 @dataclass(frozen=True, slots=True)
 class TimeLine:
-    """The picture of one run: lanes by name, bars, ticks (x, text), marks of shortened stretches."""
+    """The picture of one run: names of lanes end at ``edge``; bars, ticks (x, text), marks of shortened stretches."""
 
     width: int
     height: int
+    edge: int
     lanes: tuple[tuple[int, str], ...]
     bars: tuple[Bar, ...]
     ticks: tuple[tuple[float, str], ...]
     breaks: tuple[float, ...]
     summary: str
+    partner: str
     events: tuple[tuple[int, int, str, str], ...]
     values: tuple[str, ...]
     ok: bool
@@ -54,7 +57,8 @@ class TimeLine:
 class _Axis:
     """Scans to pixels; a scan is the room to the right of its own number."""
 
-    def __init__(self, scans: list[int], last: int) -> None:
+    def __init__(self, scans: list[int], last: int, gutter: int) -> None:
+        self._gutter = gutter
         self._places: dict[int, int] = {}
         self.breaks: list[int] = []
         place, before = 0, 0
@@ -66,7 +70,7 @@ class _Axis:
             place += distance
             self._places[scan] = place
             before = scan
-        self.unit = min(_BROAD, max(_LEAST, (_WIDE - _GUTTER) / max(place, 1)))
+        self.unit = min(_BROAD, max(_LEAST, (_WIDE - gutter) / max(place, 1)))
         self.units = place
 
     def x(self, scan: int) -> float:
@@ -75,7 +79,7 @@ class _Axis:
 
     def at(self, place: float) -> float:
         """Pixel of a place on the axis."""
-        return _GUTTER + (place - 1) * self.unit
+        return self._gutter + (place - 1) * self.unit
 
     @property
     def ticks(self) -> Iterator[tuple[float, str]]:
@@ -93,8 +97,9 @@ def time_line(trace: Trace, job: JobResult) -> TimeLine:
     steps = trace.steps[:MAX_STEPS]
     cut = len(trace.steps) > MAX_STEPS
     last = steps[-1].scan if cut and steps else trace.scans
-    axis = _Axis([step.scan for step in steps], last)
     story = _Story(trace, job.key, len(steps), last)
+    gutter = max([_GUTTER, *(int(_CHARACTER * len(block)) + _MARGIN for block in story.blocks())])
+    axis = _Axis([step.scan for step in steps], last, gutter)
     bars: list[Bar] = []
     lanes: list[tuple[int, str]] = []
     y = _HEAD
@@ -102,23 +107,28 @@ def time_line(trace: Trace, job: JobResult) -> TimeLine:
         bars += _bools(axis, story.lane(name), y, name)
         lanes.append((y + 15, name))
         y += _LANE
-    bars += _states(axis, story, y)
-    lanes.append((y + _STATE // 2 + 4, "state"))
-    y += _STATE + 4
-    for block, finished in _CALLS:
+    signal = story.signal("state")
+    high = int(_CHARACTER * max([4, *(len(name) for name in signal.names.values())] if signal else [4])) + _MARGIN
+    bars += _states(axis, story, y, high)
+    lanes.append((y + high // 2 + 4, "state"))
+    y += high + 4
+    for block in story.blocks():
         bars += _bools(axis, story.lane(f"{block}.BUSY"), y, "call", "BUSY")
-        bars += _bools(axis, story.lane(f"{block}.{finished}"), y, "good", finished)
+        for finished in _SUCCESS:
+            bars += _bools(axis, story.lane(f"{block}.{finished}"), y, "good", finished)
         bars += _bools(axis, story.lane(f"{block}.ERROR"), y, "bad", "ERROR")
         lanes.append((y + 15, block))
         y += _LANE
     return TimeLine(
-        width=int(_GUTTER + axis.units * axis.unit + 4),
+        width=int(gutter + axis.units * axis.unit + 4),
         height=y + 4,
+        edge=gutter - 8,
         lanes=tuple(lanes),
         bars=tuple(bars),
         ticks=tuple(axis.ticks),
         breaks=tuple(axis.at(place) for place in axis.breaks),
         summary=_summary(trace, job),
+        partner=trace.words[1],
         events=tuple(_events(trace, job)),
         values=tuple(_values(job)),
         ok=job.ending == "done",
@@ -138,6 +148,11 @@ class _Story:
         """The signal of that name."""
         place = self._places.get(f"{self._job}.{name}")
         return None if place is None else self._trace.signals[place]
+
+    def blocks(self) -> Iterator[str]:
+        """The system blocks that the job calls, in the order in which they came up."""
+        names = (name.removeprefix(f"{self._job}.") for name in self._places)
+        yield from (name.removesuffix(".BUSY") for name in names if name.endswith(".BUSY"))
 
     def lane(self, name: str) -> list[tuple[int, int, Value]]:
         """Stretches as (first scan, first scan behind it, value), in order."""
@@ -165,7 +180,7 @@ def _bools(axis: _Axis, lane: list[tuple[int, int, Value]], y: int, style: str, 
             yield Bar(x, y + 3, wide, _LANE - 6, f"l-{style}", shown, title=title)
 
 
-def _states(axis: _Axis, story: _Story, y: int) -> Iterator[Bar]:
+def _states(axis: _Axis, story: _Story, y: int, high: int) -> Iterator[Bar]:
     signal = story.signal("state")
     names: Mapping[int, str] = signal.names if signal is not None else {}
     for begin, end, value in story.lane("state"):
@@ -176,7 +191,7 @@ def _states(axis: _Axis, story: _Story, y: int) -> Iterator[Bar]:
             continue
         turned = _CHARACTER * len(name) + 4 > wide
         style = "l-idle" if value == 0 else "l-state"
-        yield Bar(x, y + 2, wide, _STATE - 4, style, name, turned, f"{name} from scan {begin} to {end - 1}")
+        yield Bar(x, y + 2, wide, high - 4, style, name, turned, f"{name} from scan {begin} to {end - 1}")
 
 
 def _summary(trace: Trace, job: JobResult) -> str:
@@ -198,7 +213,7 @@ def _events(trace: Trace, job: JobResult) -> Iterator[tuple[int, int, str, str]]
                 shown += 1
                 arrow = "\N{RIGHTWARDS ARROW}" if contact.direction == "write" else "\N{LEFTWARDS ARROW}"
                 data = f"STATUS {contact.status:08X}" if contact.status else contact.data.hex(" ").upper()
-                yield step.scan, step.time, f"{arrow} {data}", clean(contact_text(contact))
+                yield step.scan, step.time, f"{arrow} {data}", clean(contact.text)
 
 
 def _values(job: JobResult) -> Iterator[str]:
@@ -206,4 +221,5 @@ def _values(job: JobResult) -> Iterator[str]:
         if value.error is not None:
             yield clean(f"{value.label}: error {value.error:02X}h")
         elif value.value is not None:
-            yield clean(f"{value.label} {value.title}: {value_text(value.value)} {value.unit}".rstrip())
+            name = f"{value.label} {value.title}".rstrip()
+            yield clean(f"{name}: {value_text(value.value)} {value.unit}".rstrip())

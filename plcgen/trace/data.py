@@ -7,12 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from plcgen.display.data import diagnostic_data, head
 from plcgen.protocols.decoded import telegram_data
-from plcgen.protocols.ds47.texts import dissect
-from plcgen.protocols.ds47.wire.status import explain
-from plcgen.trace.exchange import contact_text
 
 if TYPE_CHECKING:
-    from plcgen.trace.model import Contact, JobResult, RecordCall, Signal, Step, Trace, Value
+    from plcgen.trace.model import BlockCall, Contact, JobResult, Signal, Step, Trace, Value
 
 
 def trace_data(trace: Trace) -> dict[str, Any]:
@@ -71,41 +68,35 @@ def _step(step: Step, trace: Trace) -> dict[str, Any]:
     }
 
 
-def _call(call: RecordCall) -> dict[str, Any]:
+def _call(call: BlockCall) -> dict[str, Any]:
     return {
         "group": call.group,
         "block": call.block,
         "instance": call.instance,
         "req": call.request,
         "busy": call.busy,
-        "done" if call.block == "WRREC" else "valid": call.finished,
+        call.shape.success.lower(): call.finished,
         "error": call.error,
-        "status": f"{call.status:08X}",
+        "status": f"{call.status:0{call.shape.bits // 4}X}",
     }
 
 
 def _contact(contact: Contact) -> dict[str, Any]:
-    data: dict[str, Any] = {
+    return {
         "group": contact.group,
-        "drive": contact.drive,
+        "drive": contact.partner,
         "direction": contact.direction,
         "index": contact.index,
         "status": f"{contact.status:08X}",
-        "text": contact_text(contact),
-        "telegram": None,
+        "text": contact.text,
+        "telegram": telegram_data(contact.telegram) if contact.telegram is not None else None,
     }
-    if contact.data:
-        write = contact.direction == "write"
-        found = dissect(contact.data, "request" if write else "response", None if write else contact.request or None)
-        data["telegram"] = telegram_data(found)
-    return data
 
 
 def _job(job: JobResult) -> dict[str, Any]:
-    record = explain(job.record_status)
     return {
         "job": job.key,
-        "drive": job.drive,
+        "drive": job.partner,
         "ending": job.ending.replace(" ", "_"),
         "status": f"{job.status:04X}",
         "text": job.text,
@@ -114,7 +105,7 @@ def _job(job: JobResult) -> dict[str, Any]:
         "telegrams": job.telegrams,
         "retries": job.retries,
         "record_status": f"{job.record_status:08X}",
-        "record_text": record.text if record.error else "",
+        "record_text": job.record_text,
         "values": [
             {
                 "parameter": value.label,

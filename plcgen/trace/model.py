@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from plcgen.diagnostics import Diagnostic
-from plcgen.protocols.ds47.wire.status import Direction
+from plcgen.protocols.decoded import DecodedTelegram
 
 Scalar: TypeAlias = bool | int | float | str
 Value: TypeAlias = "Scalar | list[Value] | dict[str, Value]"
@@ -18,8 +18,8 @@ Kind: TypeAlias = Literal["bool", "integer", "word", "real", "text"]
 class Signal:
     """One recorded quantity.
 
-    ``group`` is the job, drive or instance it belongs to; ``bits`` the width of a word or integer; ``names`` says
-    what its numbers mean; ``path`` is how the CPU addresses it, empty for the signals of a record call.
+    ``group`` is the job, unit, master or instance it belongs to; ``bits`` the width of a word or integer; ``names``
+    says what its numbers mean; ``path`` is how the CPU addresses it, empty for the signals of a call.
     ``listed`` says that the text report names the signal when it changes. An array is one signal.
     """
 
@@ -39,11 +39,24 @@ class Signal:
 
 
 @dataclass(frozen=True, slots=True)
-class RecordCall:
-    """One call of WRREC or RDREC as it left the block; ``finished`` is DONE or VALID."""
+class CallShape:
+    """A block of the system whose calls are recorded: its name, what its flag of success is called, bits of STATUS.
+
+    ``answers`` if it hands bytes over, whose number is then recorded, too.
+    """
+
+    block: str
+    success: str
+    bits: int
+    answers: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class BlockCall:
+    """One call of such a block as it left the block; ``finished`` is its flag of success."""
 
     group: str
-    block: str
+    shape: CallShape
     instance: str
     request: bool
     busy: bool
@@ -52,18 +65,37 @@ class RecordCall:
     status: int
     length: int
 
+    @property
+    def block(self) -> str:
+        """Name of the block."""
+        return self.shape.block
+
+    @property
+    def idle(self) -> bool:
+        """Whether the call did nothing."""
+        return not (self.request or self.busy or self.finished or self.error)
+
+
+Direction: TypeAlias = Literal["write", "read"]
+
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """One finished record service as the drive saw it; ``request`` is the telegram that a read answers."""
+    """What one partner got (``write``) or gave (``read``), and what it says.
+
+    ``index`` is the number of a data record, ``status`` with what it was refused, both 0 on a serial line; ``request``
+    is the telegram that a read answers.
+    """
 
     group: str
-    drive: str
+    partner: str
     direction: Direction
     index: int
     status: int
     data: bytes
     request: bytes
+    text: str = ""
+    telegram: DecodedTelegram | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,13 +105,15 @@ class Step:
     scan: int
     time: int
     changes: tuple[tuple[int, Value], ...]
-    calls: tuple[RecordCall, ...]
+    calls: tuple[BlockCall, ...]
     contacts: tuple[Contact, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class JobValue:
-    """One parameter of a job at its end; ``error`` is the drive's error number or None, ``info`` its second word."""
+    """One value of a job at its end; ``error`` is the number of the partner's error or None, ``info`` its second word,
+    ``problem`` what they mean.
+    """
 
     label: str
     member: str
@@ -88,6 +122,7 @@ class JobValue:
     value: Value | None
     error: int | None
     info: int
+    problem: str = ""
 
 
 Ending: TypeAlias = Literal["done", "error", "running", "not started"]
@@ -95,10 +130,12 @@ Ending: TypeAlias = Literal["done", "error", "running", "not started"]
 
 @dataclass(frozen=True, slots=True)
 class JobResult:
-    """How a job ended; ``status`` is its status word, ``record_status`` STATUS of its last record call."""
+    """How a job ended; ``status`` is its status word, ``record_status`` STATUS of its last call of a system block,
+    with its meaning if that is an error.
+    """
 
     key: str
-    drive: str
+    partner: str
     ending: Ending
     status: int
     text: str
@@ -107,6 +144,7 @@ class JobResult:
     telegrams: int
     retries: int
     record_status: int
+    record_text: str
     values: tuple[JobValue, ...]
 
 
@@ -116,6 +154,7 @@ class Trace:
 
     ``start`` holds the values before the first scan, in the order of ``signals``. ``ended`` says why the run ended:
     every job did, the number of scans was reached, or a fault stopped the CPU. ``main`` is the cyclic OB that ran.
+    ``words`` are what this kind of call and of partner is called.
     """
 
     spec: str
@@ -123,6 +162,7 @@ class Trace:
     project: str = ""
     target: str = ""
     main: str = ""
+    words: tuple[str, str] = ("call", "partner")
     scan_time: int = 10
     scans: int = 0
     time: int = 0

@@ -1,10 +1,11 @@
-"""Watching a CPU: members whose bytes changed, and every call of WRREC and RDREC with what the drive saw of it."""
+"""Watching a CPU: members whose bytes changed, and every call of the blocks that talk to partners."""
 
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from plcgen.cpu.cpu import Cpu, Family
@@ -12,74 +13,77 @@ from plcgen.cpu.memory import Memory, Reference
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.interfaces import SystemFb
-from plcgen.cpu.system.record import RecordBlock, RecordJob
-from plcgen.protocols.ds47.sim.drive import Drive
+from plcgen.cpu.system.point_to_point import PortBlock, Receiver
+from plcgen.cpu.system.record import RecordBlock
 from plcgen.s7.errors import UnfitValueError
 from plcgen.s7.layout import layout_block, locate
 from plcgen.s7.types import ArrayType, DataType, Elementary
 from plcgen.s7.values import SIGNED, UNSIGNED
-from plcgen.trace.model import Contact, Kind, RecordCall, Signal, Value
+from plcgen.trace.model import BlockCall, CallShape, Kind, Signal, Value
+
+SHAPES = {
+    "WRREC": CallShape("WRREC", "DONE", 32),
+    "RDREC": CallShape("RDREC", "VALID", 32, answers=True),
+}
 
 
 class RecordingCpu(Cpu):
-    """A CPU that keeps every call of WRREC and RDREC; ``group`` says for which job an instance of them works now."""
+    """A CPU that keeps every call of the system's blocks for records and ports; ``group`` says for which job an
+    instance of them works now.
+    """
 
     def __init__(self, program: Program, bus: Periphery, family: Family) -> None:
-        self.calls: list[RecordCall] = []
-        self.contacts: list[Contact] = []
+        self.calls: list[BlockCall] = []
         self.group: Callable[[str], str] = str
-        self._seen: dict[int, int] = {}
-        self._requests: dict[int, bytes] = {}
         self._instances: dict[tuple[str, int], str] = {}
-        self.drive_keys: dict[int, str] = {}
         super().__init__(program, bus, family=family)
-        self.records.ended = self._note_contacts
 
     def _runner(self, system: SystemFb) -> Callable[..., None]:
         inner = super()._runner(system)
-        if not isinstance(inner, RecordBlock):
+        if isinstance(inner, RecordBlock):
+            note: Callable[[Memory, int], None] = partial(self._note_record, inner)
+        elif isinstance(inner, PortBlock):
+            shape = CallShape(inner.kind, inner.ready, 16, answers=isinstance(inner, Receiver))
+            note = partial(self._note_port, inner, shape)
+        else:
             return inner
 
-        def call(memory: Memory, offset: int, record: Reference) -> None:
-            inner(memory, offset, record)
-            self._note(inner, memory, offset)
+        def call(memory: Memory, offset: int, buffer: Reference = (None, 0, 0)) -> None:
+            inner(memory, offset, buffer)
+            note(memory, offset)
 
         return call
 
-    def take(self) -> tuple[tuple[RecordCall, ...], tuple[Contact, ...]]:
-        """Hand out what happened since the last call."""
-        found = tuple(self.calls), tuple(self.contacts)
+    def take(self) -> tuple[BlockCall, ...]:
+        """Hand out the calls since the last time."""
+        found = tuple(self.calls)
         self.calls.clear()
-        self.contacts.clear()
         return found
 
-    def _note(self, block: RecordBlock, memory: Memory, offset: int) -> None:
+    def _note_record(self, block: RecordBlock, memory: Memory, offset: int) -> None:
         def bit(place: tuple[int, int]) -> bool:
             return bool(memory[offset + place[0]] & place[1])
 
-        instance = self._instance(memory, offset)
-        group = self.group(instance)
+        instance = self.instance(memory, offset)
         status = int.from_bytes(memory[offset + block.status : offset + block.status + 4])
         finished, busy, error = (bit(flag) for flag in block.flags)
         length = int.from_bytes(memory[offset + block.answer : offset + block.answer + 2])
+        shape, request = SHAPES[block.kind], bit(block.req)
         self.calls.append(
-            RecordCall(group, block.kind, instance, bit(block.req), busy, finished, error, status, length)
+            BlockCall(self.group(instance), shape, instance, request, busy, finished, error, status, length)
         )
 
-    def _note_contacts(self, job: RecordJob) -> None:
-        """Keep what a drive wrote into its journal when this job ended."""
-        group = self.group(self._instance(job.memory, job.offset))
-        for drive in (unit for unit in self.bus.drives.values() if isinstance(unit, Drive)):
-            seen = self._seen.get(id(drive), 0)
-            for found in drive.journal[seen:]:
-                if found.direction == "write" and not found.status:
-                    self._requests[id(drive)] = found.data
-                asked = self._requests.get(id(drive), b"") if found.direction == "read" else b""
-                key = self.drive_keys.get(id(drive), "")
-                self.contacts.append(Contact(group, key, found.direction, found.index, found.status, found.data, asked))
-            self._seen[id(drive)] = len(drive.journal)
+    def _note_port(self, block: PortBlock, shape: CallShape, memory: Memory, offset: int) -> None:
+        instance = self.instance(memory, offset)
+        request, finished, error = (block.bit(memory, offset, name) for name in ("REQ", block.ready, "ERROR"))
+        busy = (id(memory), offset) in block.jobs
+        status = block.number(memory, offset, "STATUS")
+        length = block.number(memory, offset, block.length) if isinstance(block, Receiver) else 0
+        self.calls.append(
+            BlockCall(self.group(instance), shape, instance, request, busy, finished, error, status, length)
+        )
 
-    def _instance(self, memory: Memory, offset: int) -> str:
+    def instance(self, memory: Memory, offset: int) -> str:
         """Name of an instance: its data block, with the member that lies at the offset."""
         key = (memory.name, offset)
         if key not in self._instances:
@@ -93,11 +97,6 @@ class RecordingCpu(Cpu):
         layout = layout_block(entry.block, self.program.link.types)
         here = [e for e in layout.entries if e.byte == offset and e.shape.fields]
         return f".{here[-1].path}" if here else ""
-
-
-def name_drives(cpu: RecordingCpu, drives: Iterable[tuple[str, Drive]]) -> None:
-    """Tell the CPU the keys of its drives."""
-    cpu.drive_keys |= {id(drive): key for key, drive in drives}
 
 
 @dataclass(slots=True)

@@ -1,4 +1,4 @@
-"""One run: program, drives and jobs put together, scanned until every job has ended, recorded step by step."""
+"""One run: program, partners and jobs put together, scanned until every job has ended, recorded step by step."""
 
 from __future__ import annotations
 
@@ -13,13 +13,12 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import usage
 from plcgen.proof.standins import stand_ins
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
-from plcgen.protocols.ds47.words import DRAIN_MS
-from plcgen.trace.jobs import JobWatch, UnitWatch, job_signals
-from plcgen.trace.model import RecordCall, Signal, Step, Trace, Value
-from plcgen.trace.program import connect, load_program
-from plcgen.trace.recorder import Derived, RecordingCpu, Watched, name_drives, signal
-from plcgen.trace.settings import TimedValue, parse_assignment, parse_time, plan_faults
+from plcgen.trace.face import PartnerOptions, Recorded, Recording
+from plcgen.trace.jobs import JobWatch
+from plcgen.trace.model import BlockCall, CallShape, Contact, Kind, Signal, Step, Trace, Value
+from plcgen.trace.program import load_program
+from plcgen.trace.recorder import Derived, RecordingCpu, Watched, signal
+from plcgen.trace.settings import TimedValue, parse_assignment, parse_time
 from plcgen.trace.values import assign, full_path
 
 Progress = Callable[[str, int, int], None]
@@ -41,7 +40,7 @@ class RunSettings:
 
 
 def simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progress | None = None) -> Trace:
-    """Run the generated files in a folder against simulated drives and record it; problems are diagnostics."""
+    """Run the generated files in a folder against simulated partners and record it; problems are diagnostics."""
     report = Report()
     try:
         return _simulate(spec, folder, settings, progress, report)
@@ -55,35 +54,34 @@ def _simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progres
 
     opened = open_spec(spec)
     project = opened.sound()
-    plan = project.plan(DrivePlan)
     report.extend(opened.diagnostics)
-    if plan is None or not plan.jobs:
-        help_ = "plcgen verify runs the jobs of every protocol"
-        raise usage(str(spec), "there is no drive job to be simulated", help_)
-    jobs = _chosen(plan, settings.jobs)
+    found = (plan.protocol.recording(plan) for plan in project.plans)
+    recordings = [recording for recording in found if recording is not None]
+    chosen = _chosen(recordings, settings.jobs, spec)
     scan_time = parse_time(str(settings.scan_time))
     assignments = sorted(map(parse_assignment, settings.sets), key=lambda item: item.scan)
-    faults = plan_faults(settings.faults, settings.fault_file, [drive.key for drive in plan.drives])
-    units = connect(plan, settings.drives, faults)
+    target = project.target
+    bus = Periphery()
+    _connect(recordings, chosen, settings, bus)
     if not folder.is_dir():
         missing = Diagnostic("PG507", "there is no such folder", Span(str(folder)), help="run plcgen generate first")
         raise DiagnosticError([missing])
-    constants = {drive.id_name: drive.id_value for drive in plan.drives if drive.id_name}
-    program = load_program(folder, plan.target.dialect, settings.own, constants, stand_ins(project))
+    constants = {name: value for recording in recordings for name, value in recording.constants.items()}
+    program = load_program(folder, target.dialect, settings.own, constants, stand_ins(project))
     report.extend(program.diagnostics)
-    bus = Periphery({address: unit for address, (_, unit) in units.items()})
-    cpu = RecordingCpu(program, bus, cast("Family", plan.target.family))
-    name_drives(cpu, units.values())
-    run = _Run(cpu, plan, jobs, settings, scan_time, assignments)
+    cpu = RecordingCpu(program, bus, cast("Family", target.family))
+    run = _Run(cpu, recordings, chosen, settings, scan_time, assignments)
     run.go(folder, progress)
     report.extend(map(_diagnostic, dict.fromkeys(cpu.misuses)))
     main = program.main()
+    words = {recording.words for recording in recordings}
     return Trace(
         str(spec),
         str(folder),
-        plan.name,
-        f"{plan.target.family} / {plan.target.toolchain}",
+        project.name,
+        f"{target.family} / {target.toolchain}",
         main.name if main else "",
+        words.pop() if len(words) == 1 else ("call", "partner"),
         scan_time,
         cpu.scans,
         cpu.clock,
@@ -97,13 +95,45 @@ def _simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progres
     )
 
 
-def _chosen(plan: DrivePlan, names: Sequence[str]) -> list[DriveJob]:
-    known = {job.key: job for job in plan.jobs}
+def _chosen(recordings: Sequence[Recording], names: Sequence[str], spec: Path) -> list[tuple[int, str]]:
+    """Jobs, each with the number of its protocol. Raises DiagnosticError if there is none, or none of that name."""
+    known = {key: number for number, recording in enumerate(recordings) for key in recording.jobs}
+    if not known:
+        raise usage(str(spec), "there is no job to be simulated", "plcgen verify runs the jobs of every protocol")
     for name in names:
         if name not in known:
             text = f"{did_you_mean(name, known)} jobs of this spec: {', '.join(known)}".strip()
             raise usage(f"--job {name}", f'the spec has no job "{name}"', text)
-    return [job for key, job in known.items() if not names or key in names]
+    return [(number, key) for key, number in known.items() if not names or key in names]
+
+
+def _connect(
+    recordings: Sequence[Recording], chosen: Sequence[tuple[int, str]], settings: RunSettings, bus: Periphery
+) -> None:
+    """Put all partners on the bus; those of the chosen jobs are told what goes wrong. Raises DiagnosticError.
+
+    A fault is for the protocols that know its kind, a file for the one that knows the partner it names.
+    """
+    told = sorted({number for number, _ in chosen})
+    for number, recording in enumerate(recordings):
+        options = PartnerOptions()
+        if number in told:
+            others = [recordings[other] for other in told if other != number]
+            faults = [text for text in settings.faults if _mine(text.partition(":")[0], recording.faults, others)]
+            files = [text for text in settings.drives if _ours(text, recording, others)]
+            options = PartnerOptions(faults, settings.fault_file, files)
+        recording.connect(bus, options)
+
+
+def _mine(kind: str, kinds: Sequence[str], others: Sequence[Recording]) -> bool:
+    """Whether a fault is for a protocol: it knows the kind, or nobody does."""
+    return kind in kinds or not any(kind in other.faults for other in others)
+
+
+def _ours(text: str, recording: Recording, others: Sequence[Recording]) -> bool:
+    """Whether a file is for the partners of a protocol."""
+    name = text.partition("=")[0]
+    return name in recording.partners or not any(name in other.partners for other in others)
 
 
 def _diagnostic(misuse: Misuse) -> Diagnostic:
@@ -121,7 +151,11 @@ def _diagnostic(misuse: Misuse) -> Diagnostic:
     )
 
 
-_FLAGS = ("REQ", "BUSY", "DONE", "ERROR", "STATUS", "LEN")
+def _columns(shape: CallShape) -> dict[str, tuple[Kind, int]]:
+    """What is recorded of a call: name, kind and bits."""
+    found: dict[str, tuple[Kind, int]] = dict.fromkeys(("REQ", "BUSY", shape.success, "ERROR"), ("bool", 1))
+    found["STATUS"] = "word", shape.bits
+    return found | ({"LEN": ("integer", 16)} if shape.answers else {})
 
 
 @dataclass(slots=True)
@@ -129,8 +163,8 @@ class _Run:
     """The state of one run: signals with what they watch, and the steps so far."""
 
     cpu: RecordingCpu
-    plan: DrivePlan
-    planned: Sequence[DriveJob]
+    recordings: Sequence[Recording]
+    chosen: Sequence[tuple[int, str]]
     settings: RunSettings
     scan_time: int
     assignments: Sequence[TimedValue]
@@ -139,6 +173,8 @@ class _Run:
     now: list[Value] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
     jobs: list[JobWatch] = field(default_factory=list)
+    recorded: list[Recorded] = field(default_factory=list)
+    others: list[str] = field(default_factory=list)
     ended: Literal["jobs", "scans", "stop"] = "scans"
     watched: list[tuple[int, Watched | Derived]] = field(default_factory=list)
     positions: dict[str, int] = field(default_factory=dict)
@@ -147,11 +183,15 @@ class _Run:
         """Prepare, then scan until the end."""
         self.cpu.restart("cold")
         self.prepare(folder)
+        controls = self.controls
         limit = self.settings.scans or self.longest()
         pending = list(self.assignments)
         for number in range(1, limit + 1):
+            if number == 1:
+                for path in self.others:  # a job with a cycle starts by itself
+                    self.cpu[path] = False
             while pending and pending[0].scan <= number:
-                assign(self.cpu, pending.pop(0), self.plan)
+                assign(self.cpu, pending.pop(0), controls)
             if number == 1:
                 for job in self.jobs:
                     job.begin()
@@ -166,9 +206,15 @@ class _Run:
                 self.ended = "jobs"
                 return
 
+    @property
+    def controls(self) -> list[str]:
+        """The DBs with commands."""
+        return [recording.control for recording in self.recordings]
+
     def longest(self) -> int:
         """Scans after which every job must have ended: the longest time-out, draining, a few scans to start."""
-        time = max((job.timeout for job in self.planned), default=1000) + DRAIN_MS
+        drain = max(recording.drain for recording in self.recordings)
+        time = max(job.facts.timeout for job in self.jobs) + drain
         last = max((item.scan for item in self.assignments), default=0)
         return last + -(-time // self.scan_time) + 10
 
@@ -183,22 +229,32 @@ class _Run:
         extra = [*(item.path for item in self.assignments), *self.settings.watches]
         for path in dict.fromkeys(extra):
             option = "--watch" if path in self.settings.watches else "--set"
-            full = full_path(self.cpu, path, self.plan, option)
+            full = full_path(self.cpu, path, self.controls, option)
             if f"memory.{path}" not in self.positions:
                 self.add(*signal(self.cpu, "memory", path, full, listed=True))
 
     def prepare_jobs(self) -> None:
-        """Look up the members of the jobs and units. Raises KeyError for one that is not there."""
-        units = UnitWatch(self.cpu, self.plan)
-        self.cpu.group = units.job_of
-        for job in self.planned:
-            for found, watched in job_signals(self.cpu, self.plan, job, units):
+        """Look up the members of the jobs and what they share. Raises KeyError for one that is not there."""
+        self.recorded = [recording.attach(self.cpu) for recording in self.recordings]
+        self.cpu.group = self.job_of
+        for number, key in self.chosen:
+            job = self.recorded[number].job(key)
+            for found, watched in job.signals():
                 self.add(found, watched)
-            for block in ("WRREC", "RDREC"):
-                self.add_record(job.key, block)
-            self.jobs.append(JobWatch(self.cpu, self.plan, job, units))
-        for found, watched in units.signals():
-            self.add(found, watched)
+            for shape in self.recordings[number].calls:
+                self.add_calls(key, shape)
+            self.jobs.append(JobWatch(self.cpu, job))
+        known = ((number, key) for number, recording in enumerate(self.recordings) for key in recording.jobs)
+        self.others = [
+            self.recorded[number].job(key).facts.execute for number, key in known if (number, key) not in self.chosen
+        ]
+        for number in sorted({number for number, _ in self.chosen}):
+            for found, watched in self.recorded[number].signals():
+                self.add(found, watched)
+
+    def job_of(self, instance: str) -> str:
+        """The job for which an instance of a system block works; its own name if for none."""
+        return next((job for recorded in self.recorded if (job := recorded.job_of(instance))), instance)
 
     def add(self, found: Signal, watched: Watched | Derived) -> None:
         """Record a member from now on."""
@@ -212,20 +268,15 @@ class _Run:
         self.start.append(value)
         self.now.append(value)
 
-    def add_record(self, group: str, block: str) -> None:
-        """Record the calls of WRREC or RDREC of a job or instance."""
-        for flag in _FLAGS:
-            if flag == "LEN" and block == "WRREC":
-                continue
-            name = "VALID" if flag == "DONE" and block == "RDREC" else flag
-            bits = {"STATUS": 32, "LEN": 16}.get(flag, 1)
-            kind: Literal["bool", "word", "integer"] = "word" if flag == "STATUS" else "bool"
-            kind = "integer" if flag == "LEN" else kind
-            self._append(Signal(group, f"{block}.{name}", kind, bits), 0 if bits > 1 else False)
+    def add_calls(self, group: str, shape: CallShape) -> None:
+        """Record the calls of a system block for a job or instance."""
+        for name, (kind, bits) in _columns(shape).items():
+            self._append(Signal(group, f"{shape.block}.{name}", kind, bits), 0 if bits > 1 else False)
 
     def record(self, number: int) -> None:
         """Keep what changed in this scan."""
-        calls, contacts = self.cpu.take()
+        calls = self.cpu.take()
+        contacts: tuple[Contact, ...] = tuple(contact for one in self.recorded for contact in one.take())
         changes: dict[int, Value] = {}
         for position, watched in self.watched:
             if watched.changed():
@@ -234,23 +285,22 @@ class _Run:
         changes |= {position: value for position, value in seen.items() if value != self.now[position]}
         self.now = [changes.get(position, value) for position, value in enumerate(self.now)]
         for job in self.jobs:
-            job.after(number, [c for c in contacts if c.group == job.planned.key])
+            job.after(number, [c for c in contacts if c.group == job.facts.key])
         if changes or contacts:
             ordered = tuple(sorted(changes.items()))
             self.steps.append(Step(number, self.cpu.clock, ordered, calls, contacts))
 
-    def record_values(self, calls: Sequence[RecordCall]) -> dict[int, Value]:
-        """Signals of record calls after a scan: flags fall where the block was not called, STATUS and LEN stay."""
+    def record_values(self, calls: Sequence[BlockCall]) -> dict[int, Value]:
+        """Signals of calls after a scan: flags fall where the block was not called, STATUS and LEN stay."""
         values: dict[int, Value] = {
             position: False for position, found in enumerate(self.signals) if not found.path and found.kind == "bool"
         }
         for call in calls:
             if f"{call.group}.{call.block}.REQ" not in self.positions:
-                self.add_record(call.group, call.block)
-            done = "DONE" if call.block == "WRREC" else "VALID"
-            found: dict[str, Value] = {"REQ": call.request, "BUSY": call.busy, done: call.finished}
+                self.add_calls(call.group, call.shape)
+            found: dict[str, Value] = {"REQ": call.request, "BUSY": call.busy, call.shape.success: call.finished}
             found |= {"ERROR": call.error, "STATUS": call.status}
-            if call.block == "RDREC" and call.finished:
+            if call.shape.answers and call.finished:
                 found["LEN"] = call.length
             for name, value in found.items():
                 values[self.positions[f"{call.group}.{call.block}.{name}"]] = value

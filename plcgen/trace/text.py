@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -11,17 +10,15 @@ from plcgen.display.cells import clean, cut, pad, wrap
 from plcgen.display.cells import width as columns
 from plcgen.display.excerpts import diagnostics_text
 from plcgen.display.view import PLAIN, View
-from plcgen.trace.exchange import contact_text, value_text
+from plcgen.trace.spelling import value_text
 
 if TYPE_CHECKING:
-    from plcgen.trace.model import Contact, JobResult, RecordCall, Signal, Step, Trace, Value
+    from plcgen.trace.model import BlockCall, Contact, JobResult, Signal, Step, Trace, Value
 
-_HEADER = ("scan", "ms", "job", "state", "record call", "drive", "job status")
 _RIGHT = frozenset({0, 1})
 _GAP = 2
 _INDENT = 6
 _BYTES = 32
-_LABEL = re.compile(r"([rP])([0-9]+)")
 
 
 @dataclass(slots=True)
@@ -43,7 +40,7 @@ def trace_text(trace: Trace, view: View) -> str:
     if trace.diagnostics:
         out.append(diagnostics_text(trace.diagnostics, view))
     for job in trace.jobs:
-        out += [*_job(job, view), ""]
+        out += [*_job(job, trace.words[0], view), ""]
     return "\n".join([*out, summary(trace, view)]) + "\n"
 
 
@@ -69,19 +66,17 @@ class _Table:
     def __init__(self, trace: Trace) -> None:
         self.trace = trace
         self.position = {signal.id: n for n, signal in enumerate(trace.signals)}
-        self.drives = {job.key: job.drive for job in trace.jobs}
+        self.partners = {job.key: job.partner for job in trace.jobs}
         self.owners = [
             (n, signal.names) for n, signal in enumerate(trace.signals) if signal.name == "owner" and 0 in signal.names
         ]
-        labels = [_LABEL.match(value.label) for job in trace.jobs for value in job.values]
-        self.letters = {int(found[2]): found[1] for found in labels if found}
         self.told: set[str] = set()
         self.telegrams = self._telegrams()
         self.order = {signal.group: n for n, signal in reversed(list(enumerate(trace.signals)))}
 
     def _telegrams(self) -> dict[str, int]:
         """Highest telegram number of every job."""
-        jobs = {self.position.get(f"{key}.telegram", -1): key for key in self.drives}
+        jobs = {self.position.get(f"{key}.telegram", -1): key for key in self.partners}
         found: dict[str, int] = {}
         for step in self.trace.steps:
             for n, value in step.changes:
@@ -102,7 +97,7 @@ class _Table:
         found: dict[str, None] = {}
         for n, value in step.changes:
             signal = self.trace.signals[n]
-            if signal.group in self.drives or signal.listed or "." in signal.name:
+            if signal.group in self.partners or signal.listed or "." in signal.name:
                 found[signal.group] = None
             found |= dict.fromkeys(_name(names, value) for at, names in self.owners if at == n)
         found |= dict.fromkeys(contact.group for contact in step.contacts)
@@ -110,7 +105,7 @@ class _Table:
         return sorted(found, key=lambda group: self.order.get(group, len(self.order)))
 
     def _row(self, step: Step, values: list[Value], group: str, *, first: bool) -> _Row:
-        calls = [call for call in step.calls if call.group == group]
+        calls = [call for call in step.calls if call.group == group and not call.idle]
         status, style = self._status(values, group)
         owned = any(_name(names, values[at]) == group for at, names in self.owners)
         cells = (
@@ -119,7 +114,7 @@ class _Table:
             clean(group),
             self._state(values, group),
             ", ".join(map(call_text, calls)),
-            self.drives.get(group, "") if owned else "",
+            self.partners.get(group, "") if owned else "",
             status,
         )
         return _Row(cells, style, [*self._contacts(step, group), *self._values(step, group)])
@@ -151,7 +146,7 @@ class _Table:
         for contact in step.contacts:
             if contact.group != group:
                 continue
-            text = contact_text(contact, self.letters)
+            text = contact.text
             if not contact.status:
                 yield _telegram(contact), text, "dim"
             elif text not in self.told:
@@ -176,29 +171,31 @@ def signal_text(signal: Signal, value: Value) -> str:
     return f"{text} {signal.unit}" if signal.unit else text
 
 
-def call_text(call: RecordCall) -> str:
+def call_text(call: BlockCall) -> str:
     """``WRREC REQ BUSY 7001``, ``RDREC VALID 10 B``, ``RDREC ERROR DE80B500``."""
     if call.error:
-        return f"{call.block} {'REQ ' if call.request else ''}ERROR {call.status:08X}"
+        return f"{call.block} {'REQ ' if call.request else ''}ERROR {call.status:0{call.shape.bits // 4}X}"
     if call.finished:
-        length = f" {call.length} B" if call.block == "RDREC" else ""
-        return f"{call.block} {'DONE' if call.block == 'WRREC' else 'VALID'}{length}"
+        return f"{call.block} {call.shape.success}{f' {call.length} B' if call.shape.answers else ''}"
     busy = " BUSY" if call.busy else ""
-    return f"{call.block}{' REQ' if call.request else ''}{busy} {call.status >> 8 & 0xFFFF:04X}"
+    running = call.status >> 8 & 0xFFFF if call.shape.bits == 32 else call.status
+    return f"{call.block}{' REQ' if call.request else ''}{busy}{f' {running:04X}' if running else ''}"
 
 
 def _telegram(contact: Contact) -> str:
-    """Direction, drive and bytes; the rest of a long telegram says nothing to people."""
+    """Direction, partner and bytes; the rest of a long telegram says nothing to people."""
     more = f" .. {len(contact.data)} bytes" if len(contact.data) > _BYTES else ""
     arrow = "->" if contact.direction == "write" else "<-"
-    return f"{arrow} {contact.drive or 'drive'}: {contact.data[:_BYTES].hex(' ').upper()}{more}"
+    return f"{arrow} {contact.partner or 'partner'}: {contact.data[:_BYTES].hex(' ').upper()}{more}"
 
 
 def _scans(trace: Trace, view: View) -> list[str]:
     """Header and rows, as wide as their contents; what does not fit is left out from the least needed on."""
+    call, partner = trace.words
+    names = ("scan", "ms", "job", "state", call, partner, "job status")
     rows = list(_Table(trace).rows())
-    shown = [n for n in range(len(_HEADER)) if n < 2 or any(row.cells[n] for row in rows)]
-    widths = [max([columns(_HEADER[n]), *(columns(row.cells[n]) for row in rows)]) for n in range(len(_HEADER))]
+    shown = [n for n in range(len(names)) if n < 2 or any(row.cells[n] for row in rows)]
+    widths = [max([columns(names[n]), *(columns(row.cells[n]) for row in rows)]) for n in range(len(names))]
     for spare in (5, 2):
         if _total(widths, shown) <= view.columns or spare not in shown:
             continue
@@ -206,7 +203,7 @@ def _scans(trace: Trace, view: View) -> list[str]:
             shown.remove(spare)
         else:
             widths[spare] = max(8, widths[spare] - (_total(widths, shown) - view.columns))
-    header = _line(_HEADER, shown, widths, "", PLAIN)
+    header = _line(names, shown, widths, "", PLAIN)
     out = [view.paint(header, "dim")]
     for row in rows:
         if not any(row.cells[3:]):
@@ -257,7 +254,7 @@ def _detail(first: str, text: str, style: str, view: View) -> list[str]:
     return [*out, *(" " * (_INDENT + arrow) + view.paint(line, style) for line in more)]
 
 
-def _job(job: JobResult, view: View) -> list[str]:
+def _job(job: JobResult, call: str, view: View) -> list[str]:
     """How a job ended, and its values."""
     style = {"done": "ok", "error": "error"}.get(job.ending, "warning")
     figures = f"{_count(job.scan, 'scan')}, {job.time} ms, {_count(job.telegrams, 'telegram')}, {_retries(job.retries)}"
@@ -266,19 +263,15 @@ def _job(job: JobResult, view: View) -> list[str]:
     if job.ending == "not started":
         return out
     out.append(f"  {figures}")
-    if job.ending == "error" and job.record_status >> 16 & 0x80:
-        from plcgen.protocols.ds47.wire.status import explain
-
-        text = f"last record call {job.record_status:08X}: {explain(job.record_status).text}"
+    if job.ending == "error" and job.record_text:
+        text = f"last {call} {job.record_status:08X}: {job.record_text}"
         out += [f"  {line}" for line in wrap(text, view.columns - 2)]
     label = max((columns(value.label) for value in job.values), default=0)
     member = max((columns(value.member) for value in job.values), default=0)
     for value in job.values:
         head = f"  {pad(value.label, label)}  {pad(value.member, member)} "
         if value.error is not None:
-            from plcgen.protocols.ds47.wire.errors import error_text
-
-            text, style = f"error {error_text(value.error).explain(value.info)}", "error"
+            text, style = f"error {value.problem}", "error"
         elif value.value is not None:
             text, style = f"= {value_text(value.value)}{f' {value.unit}' if value.unit else ''}", ""
         else:

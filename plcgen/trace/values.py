@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from plcgen.cpu.cpu import Cpu
 from plcgen.diagnostics import DiagnosticError
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import usage
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.layout import layout_block
 from plcgen.s7.literals import LiteralError, parse_literal
@@ -15,23 +16,22 @@ from plcgen.trace.recorder import watch
 from plcgen.trace.settings import TimedValue
 
 
-def full_path(cpu: Cpu, path: str, plan: DrivePlan, option: str) -> str:
-    """Path of a member as the CPU knows it; ``setRamps.execute`` means the control DB's member.
+def full_path(cpu: Cpu, path: str, controls: Sequence[str], option: str) -> str:
+    """Path of a member as the CPU knows it; ``setRamps.execute`` means the member of one of the ``controls``.
 
     Raises DiagnosticError if there is no such member, tag or address.
     """
-    control = f'"{plan.control_db.name}".{path}'
-    for candidate in (path, control):
+    for candidate in (path, *(f'"{control}".{path}' for control in controls)):
         try:
             watch(cpu, candidate)
         except (KeyError, ValueError):
             continue
         return candidate
-    raise _unknown(cpu, path, plan, option)
+    raise _unknown(cpu, path, controls, option)
 
 
-def _unknown(cpu: Cpu, path: str, plan: DrivePlan, option: str) -> DiagnosticError:
-    names = [f"{plan.control_db.name}.{name}" for name in _members(cpu, plan.control_db.name)]
+def _unknown(cpu: Cpu, path: str, controls: Sequence[str], option: str) -> DiagnosticError:
+    names = [f"{control}.{name}" for control in controls for name in _members(cpu, control)]
     first = path.split(".", maxsplit=1)[0].strip('"')
     entry = cpu.program.link.find(first)
     if entry is not None and entry.block.kind is BlockKind.DB:
@@ -48,9 +48,9 @@ def _members(cpu: Cpu, name: str) -> list[str]:
     return [e.path for e in layout_block(entry.block, cpu.program.link.types).entries if not e.shape.fields]
 
 
-def assign(cpu: Cpu, item: TimedValue, plan: DrivePlan) -> None:
+def assign(cpu: Cpu, item: TimedValue, controls: Sequence[str]) -> None:
     """Give a member its value. Raises DiagnosticError if the value does not fit."""
-    path = full_path(cpu, item.path, plan, "--set")
+    path = full_path(cpu, item.path, controls, "--set")
     _, type_ = watch(cpu, path)
     if not isinstance(type_, Elementary | StringType):
         raise usage(item.option, f"{item.path} is an array or structure", "name one element, for example [0]")

@@ -6,7 +6,7 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
-from projects import FAQ, generated_example
+from projects import FAQ, ROOT, generated_example
 
 from plcgen import api
 from plcgen.display.view import PLAIN
@@ -42,6 +42,13 @@ jobs:
 def faq_review() -> Review:
     """The FAQ's example without the matrix of faults."""
     return api.review(FAQ, generated_example(FAQ.stem), faults="none")
+
+
+@cache
+def ppi_review() -> Review:
+    """The example with a CP 341 without the matrix of faults."""
+    spec = ROOT / "specs" / "s7-300_s7-200_ppi_cp341.yaml"
+    return api.review(spec, generated_example(spec.stem), faults="none")
 
 
 def hostile_review(room: Path) -> Review:

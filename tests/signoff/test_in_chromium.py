@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from pathlib import Path
 
 import pytest
 from chromium import MEASURE, evaluate, printed
 from projects import ROOT
-from signoff.reviews import faq_review, hostile_review, show
+from signoff.reviews import faq_review, hostile_review, ppi_review, show
 
 from plcgen import api
 from plcgen.display.view import PLAIN
@@ -17,7 +18,7 @@ from plcgen.output.registry import find
 WIDTHS = (1400, 800, 480)
 
 
-@pytest.fixture(params=["faq", "hostile", "layout"])
+@pytest.fixture(params=["faq", "ppi", "hostile", "layout"])
 def page(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     """A page on disk."""
     target = tmp_path / "page.html"
@@ -27,7 +28,8 @@ def page(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
         assert format_ is not None
         text = format_.render("layout", found, PLAIN)
     else:
-        text = show("html", faq_review() if request.param == "faq" else hostile_review(tmp_path))
+        made = {"faq": faq_review, "ppi": ppi_review, "hostile": partial(hostile_review, tmp_path)}
+        text = show("html", made[request.param]())
     target.write_text(text, "utf-8")
     return target
 
@@ -50,6 +52,17 @@ def test_print_loses_nothing(tmp_path: Path) -> None:
     wanted += [row.name for pair in review.layouts if pair.after for row in pair.after.rows]
     wanted += ["Thelinesofthesources".lower(), "RFGramp-downtime1", "Reviewedby", "STATUSDE80B500"]
     assert [item for item in wanted if item not in text and item.lower() not in text.lower()] == []
+
+
+@pytest.mark.slow
+def test_print_loses_nothing_of_a_serial_line(tmp_path: Path) -> None:
+    """The frames of the runs, the bytes of the tables and the write list of a PPI master are on the paper."""
+    page = tmp_path / "page.html"
+    page.write_text(show("html", ppi_review()), "utf-8")
+    text = re.sub(r"\s+", "", printed(page, tmp_path))
+    wanted = ["poll, station 0 to 2 (5C)", "10 02 00 5C 5E 16", "P_SND_RK", "fault silence"]
+    wanted += ["startDelimiterRepeated", "switches the CPU to STOP", "PDU reference, new in every request"]
+    assert [item for item in wanted if item.replace(" ", "") not in text] == []
 
 
 @pytest.mark.slow

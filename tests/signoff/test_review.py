@@ -10,7 +10,7 @@ import shutil
 
 import pytest
 from projects import FAQ, generated_example
-from signoff.reviews import LONG, faq_review, git, hostile_review, show
+from signoff.reviews import LONG, faq_review, git, hostile_review, ppi_review, show
 
 from plcgen import api
 from plcgen.diagnostics import DiagnosticError
@@ -57,6 +57,19 @@ def test_a_run_without_and_with_the_fault_is_recorded_for_every_job():
         (job, fault, "done") for job in ("read_ramp_up", "write_ramp_down") for fault in ("", "busy:times=2")
     ]
     assert [run.trace.jobs[0].retries for run in faq_review().runs] == [0, 2, 0, 2]
+
+
+def test_the_runs_of_a_serial_line_are_recorded_too():
+    """Every job once as it is and once with an answer that is lost: the request is repeated once."""
+    runs = [(run.job, run.fault, run.trace.jobs[0].ending, run.trace.jobs[0].retries) for run in ppi_review().runs]
+    assert len(runs) == 16
+    assert runs[:2] == [("line.read_all", "", "done", 0), ("line.read_all", "silence", "done", 1)]
+    assert {ending for _, _, ending, _ in runs} == {"done"}
+    assert not [sentence for sentence in ppi_review().missing if "run" in sentence]
+    page = show("html", ppi_review())
+    assert "contacts with the s7_200" not in page
+    assert "4 contacts with the station" in page
+    assert ">P_RCV_RK</text>" in page
 
 
 def test_the_page_says_what_is_not_there():
@@ -230,12 +243,9 @@ def test_instances_of_a_plant_are_a_table():
     assert len(show("html", review).encode()) < 400_000
 
 
-def test_ppi_jobs_are_reviewed_without_runs():
-    """RUN and STOP of a station are dangerous; why there is no recorded run is said."""
-    spec = FAQ.with_name("s7-300_s7-200_ppi_cp341.yaml")
-    review = api.review(spec, generated_example(spec.stem), faults="none")
-    assert review.runs == ()
-    assert any("a recorded run of" in sentence for sentence in review.missing)
+def test_ppi_jobs_are_reviewed():
+    """RUN and STOP of a station are dangerous; what the result rests on is said."""
+    review = ppi_review()
     assert not any("ledger" in sentence for sentence in review.missing)
     assert "manual CP 341" in show("html", review)
     assert [one.subject for one in review.assumptions].count("layout") == 1

@@ -239,7 +239,7 @@ def test_arguments_that_make_no_sense(run: Run, arguments: dict[str, object], me
 )
 def test_spellings_of_a_fault(text: str, field: str, value: object) -> None:
     """Codes are hexadecimal where their spelling says so."""
-    from plcgen.trace.settings import plan_faults
+    from plcgen.protocols.ds47.recording.faults import plan_faults
 
     (fault,) = plan_faults([text], None, ["dcm"]).of("dcm")
     assert getattr(fault, field) == value

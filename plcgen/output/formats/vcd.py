@@ -85,9 +85,9 @@ class _Dump:
             self.variables.append(self._declare(signal, trace.start[position]))
             if signal.names:
                 self.labels[position] = self._new(signal.group, f"{signal.name}_name", "text", 1)
-        drives = sorted({contact.drive for step in trace.steps for contact in step.contacts})
+        partners = sorted({contact.partner for step in trace.steps for contact in step.contacts})
         self.telegrams = {
-            drive: {d: self._new(drive, d, "text", 1) for d in ("request", "response")} for drive in drives
+            partner: {d: self._new(partner, d, "text", 1) for d in ("request", "response")} for partner in partners
         }
 
     def _new(self, group: str, name: str, kind: Kind, bits: int) -> _Variable:
@@ -144,7 +144,7 @@ class _Dump:
         for contact in step.contacts:
             name = "request" if contact.direction == "write" else "response"
             text = f"STATUS_{contact.status:08X}" if contact.status else contact.data.hex().upper()
-            yield self.telegrams[contact.drive][name].change(text)
+            yield self.telegrams[contact.partner][name].change(text)
 
     def _changes(self, position: int, value: Value) -> Iterator[str]:
         values = value if isinstance(value, list) else [value]

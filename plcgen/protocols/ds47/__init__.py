@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from plcgen.protocols.dissection import ByteField
     from plcgen.protocols.ds47.plan.nouns import DrivePlan
     from plcgen.protocols.ds47.proof.suite import DriveProof
+    from plcgen.protocols.ds47.recording.recording import DriveRecording
     from plcgen.review.compare.model import DriveState, JobState
     from plcgen.review.sheet import ReviewSheet
     from plcgen.sources.blocks import Sources
@@ -115,6 +116,12 @@ class Ds47:
         from plcgen.protocols.ds47.audit.run import audit
 
         return audit(plan, sources)
+
+    def recording(self, plan: DrivePlan) -> DriveRecording | None:
+        """Drives in a simulated run."""
+        from plcgen.protocols.ds47.recording.recording import DriveRecording
+
+        return DriveRecording(plan) if plan.jobs else None
 
 
 PROTOCOL = Ds47()

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from plcgen.protocols.dissection import ByteField
     from plcgen.protocols.ppi.plan.nouns import PpiPlan
     from plcgen.protocols.ppi.proof.suite import PpiProof
+    from plcgen.protocols.ppi.recording.recording import PpiRecording
     from plcgen.review.compare.model import DriveState, JobState
     from plcgen.review.sheet import ReviewSheet
     from plcgen.sources.blocks import Sources
@@ -112,6 +113,12 @@ class Ppi:
         from plcgen.protocols.ppi.audit.run import audit
 
         return audit(plan, sources)
+
+    def recording(self, plan: PpiPlan) -> PpiRecording | None:
+        """Stations in a simulated run."""
+        from plcgen.protocols.ppi.recording.recording import PpiRecording
+
+        return PpiRecording(plan) if plan.jobs else None
 
 
 PROTOCOL = Ppi()

@@ -211,6 +211,9 @@ class Beacon:
     def explain(self, digits: str) -> None:
         """No number means anything."""
 
+    def recording(self, plan: BeaconPlan) -> None:
+        """Nobody watches it run."""
+
     def proof(self, plan: BeaconPlan) -> BeaconProof:
         """The frames."""
         return BeaconProof(plan)

@@ -219,3 +219,11 @@ class PpiPlan(Plan):
     def spec(self) -> PpiSection:
         """The sections of the spec that are planned here."""
         return self.loaded.sections(PpiSection)
+
+    def member(self, master: PlannedMaster, job: PpiJob) -> str:
+        """Member of a job in the control DB; with several masters it begins with the master."""
+        return f"{master.member}{job.member[:1].upper()}{job.member[1:]}" if len(self.masters) > 1 else job.member
+
+    def key(self, master: PlannedMaster, job: PpiJob) -> str:
+        """Name of a job in the whole spec; with several masters it begins with the master."""
+        return f"{master.key}.{job.key}" if len(self.masters) > 1 else job.key

@@ -73,7 +73,6 @@ def _stored(plan: PpiPlan, master: PlannedMaster, label: str) -> list[DataBlock 
 
 def command(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Command:
     """A job as its caller sees it; with several masters its member begins with the master."""
-    name = f"{master.member}{job.member[:1].upper()}{job.member[1:]}" if len(plan.masters) > 1 else job.member
     texts = {"busy": "the job is running or waits for the port"}
     if job.cycle:
         texts["execute"] = f"TRUE: the job runs every {job.cycle} ms"
@@ -84,7 +83,7 @@ def command(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Command:
         errors = plain(plan, "errors", kind, "per address: 0 = good, 16#80nn = return code nn")
         outputs.append(CallerValue(errors, tuple((f"[{number}]", "Hex") for number in range(1, len(job.values) + 1))))
     return Command(
-        member=name,
+        member=plan.member(master, job),
         stem=job.member,
         title=job_title(plan, job),
         flags=dict(job.trigger.items()),

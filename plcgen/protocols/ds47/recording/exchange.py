@@ -1,4 +1,4 @@
-"""What went over the wire, in one sentence: a request, an answer, a refused call."""
+"""What a drive saw, in one sentence: a request, an answer, a refused call."""
 
 from __future__ import annotations
 
@@ -11,36 +11,16 @@ from plcgen.protocols.ds47.wire.codec import TelegramError, decode_request, deco
 from plcgen.protocols.ds47.wire.errors import error_text
 from plcgen.protocols.ds47.wire.model import ErrorBlock, ParameterAddress, Request, RequestId, Response, ValueBlock
 from plcgen.protocols.ds47.wire.status import Retry, explain
+from plcgen.trace.spelling import SHOWN, value_text
 
 if TYPE_CHECKING:
-    from plcgen.trace.model import Contact, Value
+    from plcgen.trace.model import Contact
 
 _RETRY = {
     Retry.TEMPORARY: "temporary",
     Retry.RESTART: "write the request again",
     Retry.PERMANENT: "permanent",
 }
-_SHOWN = 6
-
-
-def value_text(value: Value | bytes, *, bits: int = 0) -> str:
-    """A value as an engineer writes it; ``bits`` makes a number hexadecimal; long arrays are cut."""
-    from plcgen.s7.spelling import format_real
-
-    if isinstance(value, bool):
-        return "TRUE" if value else "FALSE"
-    if isinstance(value, float):
-        return format_real(value) if value - value == 0 else str(value)
-    if isinstance(value, int):
-        return f"16#{value:0{bits // 4}X}" if bits else str(value)
-    if isinstance(value, bytes):
-        return value.hex(" ").upper()
-    if isinstance(value, list):
-        shown = ", ".join(value_text(item, bits=bits) for item in value[:_SHOWN])
-        return f"[{shown}, .. {len(value)} values]" if len(value) > _SHOWN else f"[{shown}]"
-    if isinstance(value, dict):
-        return "(" + ", ".join(f"{name} := {value_text(item)}" for name, item in value.items()) + ")"
-    return f"'{value}'"
 
 
 def contact_text(contact: Contact, letters: Mapping[int, str] | None = None) -> str:
@@ -107,9 +87,9 @@ def _block(block: ValueBlock) -> str:
     plain = [value if isinstance(value, bool | int | float | str) else bytes(value) for value in values]
     if len(plain) == 1:
         return value_text(plain[0], bits=bits) + (f" ({real})" if real else "")
-    shown = ", ".join(value_text(value, bits=bits) for value in plain[:_SHOWN])
-    return f"[{shown}, .. {len(plain)} values]" if len(plain) > _SHOWN else f"[{shown}]"
+    shown = ", ".join(value_text(value, bits=bits) for value in plain[:SHOWN])
+    return f"[{shown}, .. {len(plain)} values]" if len(plain) > SHOWN else f"[{shown}]"
 
 
 def _listed(items: list[str]) -> str:
-    return ", ".join(items[:_SHOWN]) + (f", .. {len(items)} parameters" if len(items) > _SHOWN else "")
+    return ", ".join(items[:SHOWN]) + (f", .. {len(items)} parameters" if len(items) > SHOWN else "")

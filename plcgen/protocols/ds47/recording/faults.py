@@ -1,0 +1,105 @@
+"""Faults of drives as people type them, for all drives of a run or for one. Every mistake is a diagnostic."""
+
+from __future__ import annotations
+
+import copy
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationInfo, field_validator
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.input.options import read_fault
+from plcgen.input.text import read_text
+from plcgen.input.validation import FileShape, StrictModel, load_document, problem, validate_option
+from plcgen.input.yaml import resolve_plain
+from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
+from plcgen.protocols.ds47.sim.load import FaultKeys
+from plcgen.trace.settings import FAULTS_SHAPE, with_faults_key
+
+_HEX = re.compile(r"(?=.*[A-Fa-f])[0-9A-Fa-f]{2,8}|[0-9A-Fa-f]{2,8}h|[0-9A-Fa-f]{8}", re.ASCII)
+_HEX_KEYS = frozenset({"status", "code", "number", "value"})
+
+
+@dataclass(slots=True)
+class FaultPlan:
+    """Faults for every drive, and for single drives by key."""
+
+    common: list[Fault] = field(default_factory=list)
+    own: dict[str, list[Fault]] = field(default_factory=dict)
+
+    def of(self, *drives: str) -> list[Fault]:
+        """Fresh faults of a drive known by one or more keys."""
+        found = [*self.common, *(fault for key in drives for fault in self.own.get(key, []))]
+        return [copy.copy(fault) for fault in found]
+
+    def add(self, drive: str | None, faults: Iterable[Fault]) -> None:
+        """Add faults for one drive, or for all."""
+        (self.common if drive is None else self.own.setdefault(drive, [])).extend(faults)
+
+
+def plan_faults(texts: Sequence[str], file: Path | None, drives: Sequence[str]) -> FaultPlan:
+    """Faults of the command line and of a YAML file. Raises DiagnosticError with every problem."""
+    plan = FaultPlan()
+    problems: list[Diagnostic] = []
+    faults: list[_Fault] = []
+    for text in texts:
+        try:
+            faults.append(_typed(text, drives))
+        except DiagnosticError as wrong:
+            problems += wrong.diagnostics
+    if file is not None:
+        try:
+            faults += load_document(read_text(file), str(file), _FILE, {"drives": drives}).model.faults
+        except DiagnosticError as wrong:
+            problems += wrong.diagnostics
+    for fault in faults:
+        plan.add(fault.drive, [fault.fault()])
+    if problems:
+        raise DiagnosticError(problems)
+    return plan
+
+
+class _Fault(FaultKeys):
+    """A fault of ``simulate``: for one drive, or for all."""
+
+    drive: str | None = None
+
+    @field_validator("drive")
+    @classmethod
+    def _exists(cls, drive: str | None, info: ValidationInfo) -> str | None:
+        drives = info.context["drives"] if info.context else ()
+        if drive is not None and drive not in drives:
+            hint = did_you_mean(drive, drives) or f"drives: {', '.join(drives)}"
+            raise problem(f'there is no drive "{drive}"', help_=hint)
+        return drive
+
+
+class _Faults(StrictModel):
+    """A file of faults."""
+
+    faults: tuple[_Fault, ...]
+
+
+_FILE = FileShape(_Faults, "the file", FAULTS_SHAPE, prepare=with_faults_key)
+_OPTION = FileShape(_Fault, "the fault", FAULTS_SHAPE)
+
+
+def _typed(text: str, drives: Sequence[str]) -> _Fault:
+    """One ``KIND[:KEY=VALUE,...]`` of the command line."""
+    option = f"--fault {text}"
+    entry = read_fault(text, option, [item.value for item in FaultKind], _plain)
+    return validate_option(entry, option, _OPTION, {"drives": drives})
+
+
+def _plain(key: str, text: str) -> Any:
+    """A typed value: ``2``, ``16#B5``, ``0xB5``, ``B5h``; where codes are meant also ``B5`` and ``DE80B500``."""
+    if key in {"data", "drive"}:
+        return text
+    if key in _HEX_KEYS and _HEX.fullmatch(text):
+        return int(text.rstrip("h"), 16)
+    return resolve_plain(text)

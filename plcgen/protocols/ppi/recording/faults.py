@@ -1,0 +1,41 @@
+"""Faults of a PPI line as people type them, for a run. Every mistake is a diagnostic."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError
+from plcgen.input.text import read_text
+from plcgen.input.validation import FileShape, StrictModel, load_document
+from plcgen.protocols.ppi.sim import Fault
+from plcgen.protocols.ppi.sim.fault_text import FaultKeys, parse_fault
+from plcgen.trace.settings import FAULTS_SHAPE, with_faults_key
+
+
+class LineFaults(StrictModel):
+    """A file of faults."""
+
+    faults: tuple[FaultKeys, ...]
+
+
+_FILE = FileShape(LineFaults, "the file", FAULTS_SHAPE, prepare=with_faults_key)
+
+
+def read_faults(texts: Sequence[str], file: Path | None) -> list[Fault]:
+    """Faults of the command line and of a YAML file. Raises DiagnosticError with every problem."""
+    problems: list[Diagnostic] = []
+    faults: list[Fault] = []
+    for text in texts:
+        try:
+            faults.append(parse_fault(text))
+        except DiagnosticError as wrong:
+            problems += wrong.diagnostics
+    if file is not None:
+        try:
+            faults += [keys.fault() for keys in load_document(read_text(file), str(file), _FILE).model.faults]
+        except DiagnosticError as wrong:
+            problems += wrong.diagnostics
+    if problems:
+        raise DiagnosticError(problems)
+    return faults
