@@ -35,9 +35,9 @@ _MAX_SCANS = 10_000_000
 @click.option("--scan-time", default="10ms", metavar="TIME", help="Length of a scan.  [default: 10ms]")
 @click.option("--set", "sets", multiple=True, metavar="MEMBER=VALUE[@SCAN]", help="Give a member or tag a value.")
 @click.option("--watch", "watches", multiple=True, metavar="MEMBER", help="Record and show a member or tag.")
-@click.option("--fault", "faults", multiple=True, metavar="KIND[:KEY=VALUE,...]", help="Let the drive or the line go wrong.")
+@click.option("--fault", "faults", multiple=True, metavar="KIND[:KEY=VALUE,...]", help="Let a partner go wrong.")
 @click.option("--faults", "fault_file", type=PATH, metavar="FILE", help="Faults from a YAML file.")
-@click.option("--drive", "drives", multiple=True, metavar="[DRIVE=]FILE", help="Drive or station file: your real one.")
+@click.option("--drive", "drives", multiple=True, metavar="[DRIVE=]FILE", help="Drive or station file.")
 @click.option("--with", "own", type=PATH, multiple=True, metavar="FILE", help="Run this SCL, UDT or DB source too.")
 @format_option("trace")
 @output_option

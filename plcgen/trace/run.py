@@ -188,7 +188,7 @@ class _Run:
         pending = list(self.assignments)
         for number in range(1, limit + 1):
             if number == 1:
-                for path in self.others:  # a job with a cycle starts by itself
+                for path in self.others:  # a job with a cycle starts automatically
                     self.cpu[path] = False
             while pending and pending[0].scan <= number:
                 assign(self.cpu, pending.pop(0), controls)
