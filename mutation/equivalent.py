@@ -23,7 +23,7 @@ EQUIVALENT = {
         "the next call sees another sign of life and sets it to 0; with the same number a job that is gone has 2999 ms"
     ),
     r"^DriveChannel: OR -> AND: tempGone := .*\([12]\)$": (
-        "who asks a second time in a slot is refused in the same call: no call of the channel later the number is negative"
+        "who asks a second time in a slot is refused in the same call: the channel sees a negative number in its next one"
     ),
     r"^\w+: 3 -> 4: tempSize := 3;": "a value of three bytes and its pad are four, and it is not the last one",
     r"^DriveChannel: dropped: statAsk := statAsk MOD 30000 \+ 1 \(2\)$": (
