@@ -23,7 +23,12 @@ EQUIVALENT = {
         "the next call sees another sign of life and sets it to 0; with the same number a job that is gone has 2999 ms"
     ),
     r"^DriveChannel: OR -> AND: tempGone := .*\([12]\)$": (
-        "who asks a second time in a slot is refused in the same call: the channel sees a negative number in its next one"
+        "who asks a second time in a slot is refused in the same call: the next call sees a negative number"
+    ),
+    r"^DriveChannel: <= -> <: IF tempSlot = statSlot OR tempWant <= 0 OR": "0 is the number that has ended, too",
+    r"^DriveChannel: 0 -> 1: tempCode := 0;": "1 is no code of STATUS, and not temporary either",
+    r"^DriveChannel: B#16#02 -> B#16#03: tempPointer\.id := ": (
+        "CHAR has the size of BYTE; no document says what SFB 52 does with it (SFC 59 takes BYTE only)"
     ),
     r"^\w+: 3 -> 4: tempSize := 3;": "a value of three bytes and its pad are four, and it is not the last one",
     r"^DriveChannel: dropped: statAsk := statAsk MOD 30000 \+ 1 \(2\)$": (
