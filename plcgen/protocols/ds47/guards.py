@@ -33,6 +33,11 @@ TRIGGERS = frozenset({15, 970, 971, 972, 973, 974, 976, 977, 3900, 3981})
 """Writing these starts something: whether it happened cannot be told by writing again. p3981 acknowledges faults."""
 
 
+SET_BACK = TRIGGERS | {10}
+"""What a drive sets back automatically, so that a read says nothing about what was written. p0010 returns to 0 when
+quick commissioning ends (general knowledge)."""
+
+
 def danger(pnu: int) -> str:
     """Why a write of this number needs a sign-off; empty if it needs none."""
     return "it belongs to Safety Integrated, which protects people" if pnu in SAFETY else _DANGERS.get(pnu, "")

@@ -166,6 +166,9 @@ class JobSettings(StrictModel):
         "instance", description="where the telegrams lie: in the block's instance, or in data blocks of their own"
     )
     names: Naming | None = Field(None, description="overrides plc.names for this job")
+    verify: Literal["readback"] | None = Field(
+        None, description="readback: what was written is read again and compared in the same run"
+    )
     trigger: Annotated[Trigger, BeforeValidator(trigger_short)] | None = Field(
         None, description="flag that starts the job, or a flag per signal"
     )

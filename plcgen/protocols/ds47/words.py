@@ -48,17 +48,22 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_NOT_SUPPORTED", 0x8403, "the drive does not support the request"),
     ("STATUS_NOT_SAVED", 0x8501, "the drive has not finished saving within the limit of the job"),
     ("STATUS_TOO_SOON", 0x8502, "refused: the last save is not as long ago as the job demands"),
+    ("STATUS_DEVIATES", 0x8503, "read back, a value is not the one that was written, see errors"),
 )
 
 _TICKET = {"DONE", "IDLE", "STARTED", "RUNNING", "OCCUPIED", "LOST", "NOT_CALLED", "NO_SLOT", "SLOT_TAKEN"}
 TICKET_WORDS = tuple(row for row in STATUS_WORDS if row[0].removeprefix("STATUS_") in _TICKET)
 """What a ticket reports of itself."""
-SAVE_WORDS = tuple(row for row in STATUS_WORDS if row[1] >> 8 == 0x85)
+SAVE_WORDS = tuple(row for row in STATUS_WORDS if row[1] in {0x8501, 0x8502})
 """What only a job that saves reports."""
+VERIFY_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8503)
+"""What only a job that reads back reports."""
+ERROR_DEVIATES = 0x8200
+"""In ``errors``: another value was read back than was written."""
 CHANNEL_WORDS = tuple(
     row
     for row in STATUS_WORDS
-    if row[0] in {"STATUS_DONE", "STATUS_LOST"} or (row not in TICKET_WORDS and row not in SAVE_WORDS)
+    if row[0] in {"STATUS_DONE", "STATUS_LOST"} or (row not in TICKET_WORDS and row[1] >> 8 != 0x85)
 )
 """What a channel reports."""
 

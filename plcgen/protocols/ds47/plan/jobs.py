@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import groupby
 
@@ -232,9 +232,22 @@ def _uses(
         for position, item in enumerate(items, 1)
     ]
     uses = tuple(use for use in found if use is not None)
+    if job.verify is not None and kind.poll is None and len(uses) == len(items):
+        uses = (*uses, *_read_back(uses, items, resolver))
     if kind.poll is not None and uses:
         uses = (*uses[:-1], replace(uses[-1], poll=kind.poll(getattr(job, kind.key))))
     return uses
+
+
+def _read_back(uses: tuple[Use, ...], items: tuple[ReadItem | WriteItem, ...], resolver: UseResolver) -> Iterator[Use]:
+    """A read of everything that is written, in the same order."""
+    written = [(use, item) for use, item in zip(uses, items, strict=True) if use.writes]
+    for position, (use, item) in enumerate(written, len(uses) + 1):
+        name = shorten(f"{use.member}Back", resolver.longest_name)
+        again = ReadItem.model_validate({"parameter": item.parameter, "type": item.type, "as": name})
+        found = resolver.resolve(again, position, use.path, write=False)
+        if found is not None:
+            yield replace(found, verifies=use)
 
 
 def _savable(

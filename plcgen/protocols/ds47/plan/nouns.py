@@ -69,7 +69,7 @@ class Use:
     ``count`` values of ``format`` (for string formats: octets), ``elements`` the byte in the address of an
     unsplit access, ``data`` the constant or start value as wire bytes, ``constant`` whether it is a constant,
     ``sources`` whether the values are BICO values with a drive object, ``writes`` whether it is changed; ``poll`` says
-    that it is read until it is 0.
+    that it is read until it is 0, ``verifies`` which use it reads back.
     """
 
     position: int
@@ -86,6 +86,7 @@ class Use:
     path: SpecPath
     writes: bool = False
     poll: Poll | None = None
+    verifies: Use | None = None
 
     @property
     def subindex(self) -> int:
@@ -213,6 +214,11 @@ class DriveJob(PlannedJob):
     def writes(self) -> bool:
         """Whether it changes parameters."""
         return any(use.writes for use in self.uses)
+
+    @property
+    def verified(self) -> bool:
+        """Whether it reads back what it has written."""
+        return any(use.verifies is not None for use in self.uses)
 
     @property
     def poll(self) -> Poll | None:

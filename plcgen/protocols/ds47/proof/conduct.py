@@ -69,11 +69,15 @@ class JobConduct:
             rig.occupy()
         happens = set(scenario.happens.values())
         self.fence.begin(alone=not scenario.occupied and not {"cold", "warm"} & happens)
-        self.before, self.wanted, self.requests = rig.delivered(), rig.wanted(), rig.requests()
+        self.before, self.wanted, self.requests = rig.delivered(), self.due(scenario), rig.requests()
         for (telegram, place), data in scenario.delivers.items():
             self.wanted[telegram - 1][place - 1] = data
         self.length = scenario.scan
         return rig.job.timeout + DRAIN_MS + 12 * max(scenario.scan, WAITING_MS if "off" in happens else 0)
+
+    def due(self, scenario: DriveScenario) -> list[list[bytes]]:
+        """What the outputs must be: what the drive makes of it."""
+        return self.rig.wanted(scenario.keeps, scenario.meanwhile)
 
     def happen(self, run: Run[DriveScenario], happening: str) -> None:
         """A restart, or what only a drive's job knows."""

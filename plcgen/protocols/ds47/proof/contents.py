@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part, Use
 from plcgen.protocols.ds47.proof.scenario import Contents
 from plcgen.protocols.ds47.sim.drive import Drive
+from plcgen.protocols.ds47.sim.parameters import Keeps
 from plcgen.protocols.ds47.wire.formats import Format, FormatKind, Value, integer_range, pack_values, unpack_values
 
 _NUMERIC = {FormatKind.SIGNED, FormatKind.UNSIGNED}
@@ -84,6 +85,17 @@ def held(drive: Drive, drive_object: int, use: Use) -> bytes:
     """Wire bytes of the values of a use in a drive. Raises KeyError."""
     values = drive.objects[drive_object].parameters[use.parameter.pnu].values
     return pack_values(use.format, [values[0]] if use.format.is_string else values[use.subindex :][: use.count])
+
+
+def kept(use: Use, data: bytes, keeps: Sequence[Mapping[int, Keeps]]) -> bytes:
+    """What a drive has of the wire bytes of a use, from which it makes others, one after the other."""
+    fmt, count = use.format, use.count
+    values = list(unpack_values(fmt, count, data))
+    for one in keeps:
+        if use.parameter.pnu in one:
+            first = 0 if fmt.is_string else use.subindex
+            values = [one[use.parameter.pnu](index, value) for index, value in enumerate(values, first)]
+    return pack_values(fmt, values)
 
 
 def sample(use: Use, count: int, draw: random.Random, kind: Contents) -> list[Value]:

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob
-from plcgen.protocols.ds47.proof.contents import held
+from plcgen.protocols.ds47.proof.contents import held, kept
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.words import DONE, NO_ANSWER
+from plcgen.protocols.ds47.proof.words import DEVIATES, DONE, NO_ANSWER, WORDS
 
 Result = tuple[int, int]
 """Error and info of a parameter."""
@@ -35,7 +35,8 @@ def check_end(
         for use in rig.job.uses:
             if not use.writes:
                 continue
-            found, given = held(rig.drive, rig.drive_object, use), rig.values.given[use.position]
+            found = held(rig.drive, rig.drive_object, use)
+            given = kept(use, rig.values.given[use.position], (scenario.keeps, scenario.meanwhile))
             if found != given:
                 raise ScenarioError(f"the drive has {found.hex(' ')} for {use.label}, the input was {given.hex(' ')}")
 
@@ -86,7 +87,7 @@ def check_values(
             continue
         for place, (part, (error, _)) in enumerate(zip(telegram.parts, errors, strict=True)):
             at = telegram.number - 1
-            right = (before if error else wanted)[at][place]
+            right = (before if error not in {0, DEVIATES} else wanted)[at][place]
             if found[at][place] != right:
                 what = "as before: it did not come" if error else "the value of the drive"
                 raise ScenarioError(
@@ -116,6 +117,8 @@ def check_wire(rig: JobRig, scenario: DriveScenario, requests: Sequence[bytes], 
             raise ScenarioError("a request has the reference 0")
     if status == DONE and at != len(requests) - 1:
         raise ScenarioError(f"{at + 1} of {len(requests)} telegrams were sent")
+    if status == WORDS["DEVIATES"] and at + 1 != scenario.telegram:
+        raise ScenarioError(f"{at + 1} telegrams were sent: the job ends with telegram {scenario.telegram}")
     again -= polled
     if scenario.again is not None and again != scenario.again:
         raise ScenarioError(f"{again} requests were sent again instead of {scenario.again}")

@@ -119,6 +119,8 @@ class Trio:
                 if self.job.poll is not None and use.writes:
                     continue  # it has returned to 0
                 there = held(one.drive, one.drive_object, use)
+                if use.verifies is not None:
+                    there = one.values.given[use.verifies.position]
                 here = one.values.given[use.position] if use.writes else one.db.bytes(use.member, len(there))
                 if here != there and not (use.writes and self._shared(one)):
                     raise ScenarioError(

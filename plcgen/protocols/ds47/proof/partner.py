@@ -7,6 +7,7 @@ from dataclasses import replace
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.sim.drive import Drive, RecordExchange
 from plcgen.protocols.ds47.sim.parameters import SimulatedParameter
+from plcgen.protocols.ds47.wire.model import RequestId
 
 
 class ScriptedDrive(Drive):
@@ -24,6 +25,10 @@ class ScriptedDrive(Drive):
         self.reads = self.writes = 0
         self.faults = [replace(fault) for fault in scenario.faults]
         self._clearing.clear()
+        self.disturbed = not scenario.meanwhile
+        for item in self.objects.values():
+            for pnu, parameter in item.parameters.items():
+                parameter.keeps = scenario.keeps.get(pnu)
         for parameter in self.saving_parameters():
             parameter.clears_after, parameter.saved = scenario.saving, ()
         form = self.own.answer_format if scenario.generic is None else "size" if scenario.generic else "exact"
@@ -43,10 +48,20 @@ class ScriptedDrive(Drive):
         self.writes += 1
         script = self.scenario.writes
         status = script.get(self.writes) or script.get(0, 0)
+        if not self.disturbed and data[1] == RequestId.READ:
+            self.disturb()
         if status:
             self.journal.append(RecordExchange(self.time, "write", index, status, bytes(data)))
             return status
         return super().write_record(index, data)
+
+    def disturb(self) -> None:
+        """Somebody else changes what was written, once in a run."""
+        self.disturbed = True
+        for item in self.objects.values():
+            for pnu, keeps in self.scenario.meanwhile.items():
+                values = item.parameters[pnu].values
+                values[:] = [keeps(index, value) for index, value in enumerate(values)]
 
     def read_record(self, index: int, max_length: int) -> tuple[int, bytes]:
         """Hand out an answer, unless the script has something else for this call."""

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery
 from plcgen.proof.rig import Members, Source
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Part
-from plcgen.protocols.ds47.proof.contents import ValueSet, held, piece, value_set
+from plcgen.protocols.ds47.proof.contents import ValueSet, held, kept, piece, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.scenario import Contents
 from plcgen.protocols.ds47.proof.stimulus import SLOTS, UNITS, shape_fb
 from plcgen.protocols.ds47.proof.words import BUILD, COUNTERS, STEP_MS
 from plcgen.protocols.ds47.sim.bench import build_unit
+from plcgen.protocols.ds47.sim.parameters import Keeps
 
 SIGNALS = ("execute", "busy", "done", "error", "status", "errors", "errorInfos", "driveObject", "slot")
 ORDER = ("length", "retries", "timeout", "pause", "once", "pinned", "requestDb", "responseDb", "responseSize")
@@ -136,9 +137,12 @@ class JobRig:
         """The telegrams this run must send, reference 0."""
         return self.values.requests(self.job, self.drive_object)
 
-    def wanted(self) -> list[list[bytes]]:
-        """Wire bytes that the parts of each telegram must deliver."""
+    def wanted(self, *keeps: Mapping[int, Keeps]) -> list[list[bytes]]:
+        """Wire bytes that the parts of each telegram must deliver; ``keeps``: what the drive makes of written ones."""
         known = {use.position: held(self.drive, self.drive_object, use) for use in self.job.outputs}
+        for use in self.job.outputs:
+            if use.verifies is not None:
+                known[use.position] = kept(use, self.values.given[use.verifies.position], keeps)
         return [[piece(part, known[part.use.position]) for part in t.parts if not t.writes] for t in self.job.telegrams]
 
     def delivered(self) -> list[list[bytes]]:

@@ -8,6 +8,7 @@ from typing import Literal
 
 from plcgen.proof.scenario import Scenario
 from plcgen.protocols.ds47.sim.faults import Fault
+from plcgen.protocols.ds47.sim.parameters import Keeps
 
 Edit = Callable[[bytes], bytes]
 """What becomes of the bytes of an answer on its way."""
@@ -30,6 +31,9 @@ class DriveScenario(Scenario):
     ``saving`` is how many ms the drive saves, ``since`` starts a job that saves so many ms behind the last save that
     was handed over; None: long behind it.
 
+    ``keeps`` is what the drive makes of written values, by number of the parameter: it rounds, or clips without a word;
+    ``meanwhile`` what somebody else makes of them before they are read back.
+
     ``telegram`` is the one that ends the job, 0 the last; ``answered`` says that it had an answer. ``errors`` are those
     stated by hand: (error, info) by number of the telegram and place in it, all others of an answered telegram are 0.
     ``delivers`` are wire bytes that ``reads`` puts in the place of the drive's values, likewise.
@@ -50,6 +54,8 @@ class DriveScenario(Scenario):
     at_once: bool = False
     saving: int = 300
     since: int | None = None
+    keeps: Mapping[int, Keeps] = field(default_factory=dict)
+    meanwhile: Mapping[int, Keeps] = field(default_factory=dict)
     telegram: int = 0
     answered: bool = True
     errors: Mapping[tuple[int, int], tuple[int, int]] = field(default_factory=dict)

@@ -5,35 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
+from plcgen.protocols.ds47.proof.points import FEW, ends, fault, positions
 from plcgen.protocols.ds47.proof.rig import VALUE_SETS
 from plcgen.protocols.ds47.proof.saving import saving
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
+from plcgen.protocols.ds47.proof.verifying import verifying
 from plcgen.protocols.ds47.proof.words import WORDS
-from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.formats import Format, padded
 
 STATE_CONFLICT = 0xDE80B500
 FATAL_WRITE, FATAL_READ = 0xDF80B000, 0xDE80B000
-FEW = 4
-"""So many parameters of a telegram are tried one by one; of more the first, the middle and the last."""
 CALLS_MS = 250
 """Time that a try takes at most besides its pause."""
 NAN = {4: bytes.fromhex("7FC00000"), 8: bytes.fromhex("7FF8000000000000")}
 """A quiet NaN of each size (IEEE 754)."""
 WRONG_SLOTS = (0, -1, 3, 4, 16, 17, 32767)
 """Slots that the proof's unit does not have; 3 is the last it has."""
-
-
-def positions(telegram: DriveTelegram) -> list[int]:
-    """Places of a telegram that are tried."""
-    count = len(telegram.parts)
-    return list(range(1, count + 1)) if count <= FEW else [1, (count + 1) // 2, count]
-
-
-def ends(job: DriveJob) -> list[DriveTelegram]:
-    """The first and the last telegram."""
-    return list(dict.fromkeys((job.telegrams[0], job.telegrams[-1])))
 
 
 def polls(job: DriveJob) -> int:
@@ -56,6 +44,8 @@ def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
     yield from _blocks(job, longest)
     yield from _record_calls(job)
     yield from _signals(job, scans)
+    if job.verified:
+        yield from verifying(job)
     if job.poll is not None:
         yield from saving(job, job.poll)
 
@@ -117,7 +107,7 @@ def _refusals(job: DriveJob) -> Iterator[DriveScenario]:
                 error = 0x11 if words == 1 else 0x02
                 yield DriveScenario(
                     name=f"error {error:02X}h with {words} words at parameter {place} of telegram {number}",
-                    faults=(_fault(job, number, place, error, words),),
+                    faults=(fault(job, number, place, error, words),),
                     status=(WORDS["PARAMETER_ERROR"],),
                     telegram=number,
                     errors={(number, place): _reported(error, words, place)},
@@ -126,7 +116,7 @@ def _refusals(job: DriveJob) -> Iterator[DriveScenario]:
             yield _all_refused(job, telegram, words)
             yield DriveScenario(
                 name=f"telegram {number} is refused with {words} words",
-                faults=(_fault(job, number, 0, 0x19, words),),
+                faults=(fault(job, number, 0, 0x19, words),),
                 status=(WORDS["REFUSED" if count > 1 else "PARAMETER_ERROR"],),
                 telegram=number,
                 errors={(number, place): _reported(0x19, words, 0) for place in every},
@@ -171,20 +161,10 @@ def _all_refused(job: DriveJob, telegram: DriveTelegram, words: int) -> DriveSce
     number, every = telegram.number, range(1, len(telegram.parts) + 1)
     return DriveScenario(
         name=f"errors with {words} words at all parameters of telegram {number}",
-        faults=tuple(_fault(job, number, place, place % 100, words) for place in every),
+        faults=tuple(fault(job, number, place, place % 100, words) for place in every),
         status=(WORDS["PARAMETER_ERROR"],),
         telegram=number,
         errors={(number, place): _reported(place % 100, words, place) for place in every},
-    )
-
-
-def _fault(job: DriveJob, telegram: int, place: int, error: int, words: int) -> Fault:
-    """The parameter is refused in the n-th request: each telegram has one."""
-    count = len(job.telegrams[telegram - 1].parts)
-    before = sum(place <= len(other.parts) for other in job.telegrams[: telegram - 1])
-    assert place <= count  # noqa: S101 - a fault that never strikes would prove nothing
-    return Fault(
-        FaultKind.ERROR, after=before, number=error, position=place, words=2 if words == 2 else 1, info=0x100 + place
     )
 
 
@@ -324,6 +304,8 @@ def _signals(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
     for at in range(2, scans, every):
         for kind in ("cold", "warm"):
             words = ["DONE", "UNKNOWN"] if job.once and kind == "warm" else ["DONE"]
+            if not job.retries and kind == "warm":
+                words.append("RETRIES")  # the record job is gone, and nothing is sent again
             if job.poll is not None:
                 words.append("PARAMETER_ERROR")  # the drive is still saving for the first start
             yield DriveScenario(

@@ -52,6 +52,7 @@ MEANINGS = {
     0x8403: ("NOT_SUPPORTED", "the drive does not support the request"),
     0x8501: ("NOT_SAVED", "the parameter that saves has not returned to 0 within the limit"),
     0x8502: ("TOO_SOON", "refused: the last save is less than the distance ago"),
+    0x8503: ("DEVIATES", "the drive has another value than was written, see errors"),
 }
 WORDS = {name: word for word, (name, _) in MEANINGS.items()}
 """Status words by name: ``WORDS["TIMEOUT"]``."""
@@ -69,5 +70,7 @@ COUNTERS = 30_000
 """Numbers of orders, signs of life and requests for places count 1, 2, .. up to this number and begin again."""
 GRANT = 100_000
 """The grant is the slot times this, plus the number of the order."""
+DEVIATES = 0x8200
+"""errors[i] of a value that is not the one that was written."""
 NO_ANSWER = 0xFFFF
 """errors[i] of a parameter that has no answer."""

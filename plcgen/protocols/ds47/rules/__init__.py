@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from plcgen.protocols.base import Rules
-from plcgen.protocols.ds47.rules import drives, inputs, members, names, parameters, saves, telegrams
+from plcgen.protocols.ds47.rules import drives, inputs, members, names, parameters, readback, saves, telegrams
 
 RULES = Rules(
     checks=(
@@ -25,6 +25,8 @@ RULES = Rules(
         telegrams.timing,
         saves.counted_apart,
         saves.short_wait,
+        readback.readable,
+        readback.nothing_written,
         members.control_members,
         members.parameter_names,
         members.interface_members,

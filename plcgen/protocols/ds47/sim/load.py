@@ -6,6 +6,7 @@ problem, each at its place.
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator, ValidationInfo, field_validator
@@ -134,6 +135,8 @@ class ParameterKeys(StrictModel):
     described: bool = True
     clears_after: Count | None = None
     saves: Literal["object", "unit"] | None = None
+    step: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
+    clips: bool = False
 
     @field_validator("value", "low", "high")
     @classmethod
@@ -188,7 +191,7 @@ class ParameterKeys(StrictModel):
             [self.value] if self.values is None else list(self.values),
             name=self.name,
             array=self.values is not None if self.array is None else self.array,
-            limits=ValueLimits(self.low, self.high),
+            limits=ValueLimits() if self.clips else ValueLimits(self.low, self.high),
             state_limits={state: keys.limits() for state, keys in self.state_limits.items()},
             read_only=self.read_only or self.pnu in guards.READ_ONLY,
             reset_only=self.reset_only,
@@ -198,7 +201,21 @@ class ParameterKeys(StrictModel):
             described=self.described,
             clears_after=self.clears_after,
             saves=self.saves or "",
+            keeps=self._keeps if self.clips or self.step is not None else None,
         )
+
+    def _keeps(self, _: int, value: Value) -> Value:
+        """What is kept of a number: a multiple of the step, the nearest limit."""
+        if isinstance(value, bool | str | bytes):
+            return value
+        found: float = value
+        if self.step is not None and math.isfinite(found):
+            found = round(found / self.step) * self.step
+        if self.clips and self.low is not None:
+            found = max(found, self.low)
+        if self.clips and self.high is not None:
+            found = min(found, self.high)
+        return found if self.type.kind is FormatKind.FLOAT else int(found)
 
 
 class ObjectKeys(StrictModel):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -15,11 +16,15 @@ from plcgen.protocols.ds47.wire.description import (
     TEXT_ARRAY,
     Description,
 )
+from plcgen.protocols.ds47.wire.formats import Value
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from plcgen.protocols.ds47.wire.formats import Format, Value
+    from plcgen.protocols.ds47.wire.formats import Format
+
+Keeps = Callable[[int, Value], Value]
+"""What is kept of a value, from its index and itself."""
 
 READY = "ready"
 TEXT_SIZE = 16
@@ -65,7 +70,8 @@ class SimulatedParameter:
 
     ``state_limits`` narrows the limits in a state (C8h, C9h). ``clears_after`` makes the value return to 0
     that many milliseconds after it was set, as p0971 and p0977 do; with ``saves`` ("object" or "unit") the
-    values of the drive object or of the whole unit then survive ``Drive.power_cycle``.
+    values of the drive object or of the whole unit then survive ``Drive.power_cycle``. ``keeps`` makes another value
+    of a written one, from its index and itself: a drive that rounds, or clips without a word.
     """
 
     pnu: int
@@ -83,6 +89,7 @@ class SimulatedParameter:
     described: bool = True
     clears_after: int | None = None
     saves: str = ""
+    keeps: Keeps | None = None
     defaults: tuple[Value, ...] = field(init=False)
     saved: tuple[Value, ...] = field(init=False)
 

@@ -193,6 +193,8 @@ class Server:
         values = _wire_values(parameter, address, block, exact=exact)
         for position, value in enumerate(values):
             self._check(parameter, value, target.state, start + position)
+        if parameter.keeps is not None:
+            values = [parameter.keeps(index, value) for index, value in enumerate(values, start)]
         parameter.values[start : start + len(values)] = values
         self.written.append(ParameterWrite(target.number, parameter.pnu))
 

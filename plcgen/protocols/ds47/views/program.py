@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from plcgen.documents.control import signals
@@ -16,8 +16,9 @@ from plcgen.protocols.ds47.plan.pack import BLOCK_HEADER
 from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.views.engine import names, versions
 from plcgen.protocols.ds47.views.rows import buffer_blocks
+from plcgen.protocols.ds47.wire.formats import FormatKind, unpack_values
 from plcgen.protocols.ds47.wire.model import HEADER_SIZE
-from plcgen.protocols.ds47.words import SAVE_WORDS, STATUS_WORDS
+from plcgen.protocols.ds47.words import ERROR_DEVIATES, SAVE_WORDS, STATUS_WORDS, VERIFY_WORDS
 from plcgen.s7.types import ArrayType, DataType, Elementary
 
 
@@ -72,8 +73,8 @@ def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
 
 def title(plan: DrivePlan, job: DriveJob) -> str:
     """One-line title of a job."""
-    verb = job.kind.capitalize()
-    uses = [use for use in job.uses if use.poll is None]
+    verb = job.kind.capitalize() + (" and read back" if job.verified else "")
+    uses = [use for use in job.uses if use.poll is None and use.verifies is None]
     labels = ", ".join(use.label for use in uses[:4]) + (", .." if len(uses) > 4 else "")
     return clean_title(comment_text(job.comment, plan.languages, plan.target, f"{verb} {labels}"))
 
@@ -84,6 +85,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     return {
         "block": job.block,
         "poll": None if job.poll is None else _poll(plan, job),
+        "verify": None if not job.verified else _verify(job),
         "pinned": job.pinned,
         "many": len(job.telegrams) > 1,
         "title": label,
@@ -122,6 +124,63 @@ def _poll(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
     }
 
 
+def _verify(job: DriveJob) -> dict[str, Any]:
+    """What a block needs that reads back: words, and for each telegram which bytes of it belong to which of a request.
+
+    ``stops``: whether something would be sent behind a difference.
+    """
+    read = [telegram for telegram in job.telegrams if any(part.use.verifies is not None for part in telegram.parts)]
+    found = [(telegram.number, list(_comparisons(job, telegram))) for telegram in read]
+    values = [value for _, telegram in found for value in telegram]
+    return {
+        "statuses": [(name, f"W#16#{value:04X}", text) for name, value, text in VERIFY_WORDS],
+        "deviates": f"W#16#{ERROR_DEVIATES:04X}",
+        "telegrams": found,
+        "stops": read[0] is not job.telegrams[-1],
+        "floats": any(value["float"] for value in values),
+        "zeros": any(value["zero"] for value in values),
+    }
+
+
+def _comparisons(job: DriveJob, answer: DriveTelegram) -> Iterator[dict[str, Any]]:
+    """The values of an answer that one request has sent: where both begin, how many of which size."""
+    asked = [(telegram, field) for telegram in job.telegrams if telegram.writes for field in telegram.request.fields]
+    blocks = {id(part): number for number, part in enumerate(answer.parts, 1)}
+    for came in answer.response.fields:
+        if came.role != "value" or came.part is None:
+            continue
+        found, size = came.part, came.part.use.format.size
+        for telegram, sent in asked:
+            if sent.role != "value" or sent.part is None or sent.part.use is not found.use.verifies:
+                continue
+            start = max(found.start, sent.part.start)
+            count = min(found.start + found.count, sent.part.start + sent.part.count) - start
+            if count > 0:
+                yield {
+                    "label": found.use.label,
+                    "block": blocks[id(found)],
+                    "request": f"statRequest{_suffix(job, telegram)}",
+                    "sent": sent.offset + (start - sent.part.start) * size,
+                    "found": came.offset + (start - found.start) * size,
+                    "size": size,
+                    "last": count - 1,
+                    "first": found.use.subindex + start,
+                    "float": found.use.format.kind is FormatKind.FLOAT,
+                    "zero": _may_be_zero(sent.part.use, start, count),
+                }
+
+
+def _may_be_zero(use: Use, start: int, count: int) -> bool:
+    """Whether a number in floating point among those that are sent may be 0, which has two signs."""
+    if use.format.kind is not FormatKind.FLOAT:
+        return False
+    if use.constant:
+        size = use.format.size
+        return 0 in unpack_values(use.format, count, use.data[start * size : (start + count) * size])
+    low, high = use.parameter.minimum, use.parameter.maximum
+    return (low is None or low <= 0) and (high is None or high >= 0)
+
+
 def _order(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
     """What the block says about its requests besides their bytes: what differs from the start values of the type."""
     where = plan.target
@@ -145,7 +204,8 @@ def _order(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
 
 def _label(use: Use) -> str:
     """Line of the header: which index of ``errors`` belongs to which parameter."""
-    text = f"{use.position}: {'writes' if use.writes else 'reads'} {use.label} {use.parameter.title}"
+    does = "writes" if use.writes else "reads" if use.verifies is None else "reads back"
+    text = f"{use.position}: {does} {use.label} {use.parameter.title}"
     return one_line(text)
 
 
@@ -227,7 +287,8 @@ def _copies(plan: DrivePlan, job: DriveJob, *, response: bool) -> list[dict[str,
             result = f"errors[{field.part.use.position}]"
             if not _aligned(job):
                 result = f"unit.errors[{blocks[id(field.part)]}]"
-            copies.append({**copy, "telegram": telegram.number, "result": result})
+            verifies = field.part.use.verifies is not None
+            copies.append({**copy, "telegram": telegram.number, "result": result, "verifies": verifies})
     return copies
 
 

@@ -1,0 +1,47 @@
+"""Rules about jobs that read back what they write: whether that can be, and whether it says anything."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from plcgen.diagnostics import Diagnostic
+from plcgen.protocols.ds47 import guards
+from plcgen.protocols.ds47.rules.places import parameter_span
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from plcgen.protocols.ds47.device import Parameter
+    from plcgen.protocols.ds47.plan.nouns import DrivePlan
+
+
+def readable(plan: DrivePlan) -> Iterator[Diagnostic]:
+    """PG246: what is written cannot be read, or is not what the drive has afterwards."""
+    for job in plan.shapes:
+        for use in job.uses:
+            why = "" if use.verifies is None else _why_not(use.parameter)
+            if why:
+                yield Diagnostic(
+                    "PG246",
+                    f"{use.label} cannot be read back: {why}",
+                    parameter_span(plan, use),
+                    help="write it in a job of its own, without verify",
+                )
+
+
+def _why_not(parameter: Parameter) -> str:
+    if parameter.access == "w":
+        return "it can only be written"
+    return "the drive sets it back automatically" if parameter.pnu in guards.SET_BACK else ""
+
+
+def nothing_written(plan: DrivePlan) -> Iterator[Diagnostic]:
+    """PG247: a job that writes no values is told to read them back."""
+    for job in plan.shapes:
+        if plan.entry(job).verify is not None and not job.verified:
+            yield Diagnostic(
+                "PG247",
+                f'"{job.shape}" writes no values: there is nothing to read back',
+                plan.loaded.key_span((*job.path, "verify")),
+                help="remove verify" if job.poll is None else "remove verify: save is done when the drive says so",
+            )

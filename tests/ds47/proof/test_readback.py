@@ -1,0 +1,235 @@
+"""Reading back: what is sent, what counts as the same, who is told what; by hand on the soft CPU."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from plcgen import api
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
+from plcgen.protocols.ds47.proof.plant import Plant
+from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.words import WORDS
+from plcgen.protocols.ds47.sim.parameters import Keeps
+
+SPEC = """
+drives:
+  mixer:
+    device: sinamics-g120
+    ID: 270
+    parameters:
+      P2900: {type: Integer16, array: 8}
+      P2901: {type: "VisibleString[4]"}
+      P3000: {type: FloatingPoint, array: 200}
+jobs:
+  ramp: {drive: mixer, write: {P1120: 10.0}, verify: readback}
+  steps: {drive: mixer, write: {P1121: 2.0, "P2900[3..5]": [1, 2, 3], P2901: "abc"}, verify: readback}
+  long: {drive: mixer, write: {"P3000[0..99]": 1.5}, verify: readback}
+"""
+DEVIATES = 0x8200
+
+
+@pytest.fixture
+def plant(generate, target) -> Plant:
+    """A unit and OB1 with the jobs."""
+    made = generate(SPEC, target)
+    return Plant(made.plan, made.program).fresh()
+
+
+def job_of(plant: Plant, key: str) -> DriveJob:
+    """A job by its key."""
+    return next(job for job in plant.plan.jobs if job.key == key)
+
+
+def run(
+    plant: Plant, key: str, keeps: dict[int, Keeps] | None = None, meanwhile: dict[int, Keeps] | None = None
+) -> int:
+    """Run a job against a drive that makes something of its values; its status."""
+    plant.begin(DriveScenario(name="OB1", keeps=keeps or {}, meanwhile=meanwhile or {}))
+    job = job_of(plant, key)
+    plant.execute(job, value=False)
+    plant.step()
+    plant.execute(job)
+    for _ in range(300):
+        plant.step()
+        over, status = plant.result(job)
+        if over:
+            return status
+    raise AssertionError(f"{key} has not ended")
+
+
+def told(plant: Plant, key: str) -> list[tuple[int, int]]:
+    """What the job says of each parameter: written, then read back."""
+    path = f'"{plant.plan.engine.calls_db.name}".{job_of(plant, key).member}'
+    count = len(job_of(plant, key).uses)
+    return [(plant.cpu[f"{path}.errors[{n}]"], plant.cpu[f"{path}.errorInfos[{n}]"]) for n in range(1, count + 1)]
+
+
+def sent(plant: Plant) -> list[str]:
+    """Requests without their references."""
+    return [
+        one.data[1:].hex(" ") for one in plant.units["mixer"].journal if one.direction == "write" and not one.status
+    ]
+
+
+def test_it_writes_and_asks(plant: Plant) -> None:
+    """P1120 = 0460h of drive object 1: 41200000h is written, then the parameter is read, once each."""
+    assert run(plant, "ramp") == 0
+    assert sent(plant) == ["02 01 01 10 01 04 60 00 00 08 01 41 20 00 00", "01 01 01 10 01 04 60 00 00"]
+    assert told(plant, "ramp") == [(0, 0), (0, 0)]
+    assert plant.cpu[back(plant)] == 10.0
+
+
+def back(plant: Plant) -> str:
+    """Where the value of P1120 lies that was read back."""
+    job = job_of(plant, "ramp")
+    return f'"{plant.plan.control_db.name}".{job.member}.{job.outputs[0].member}'
+
+
+def bits(pattern: str) -> Keeps:
+    """The drive has these bytes of a FloatingPoint."""
+    return lambda _index, _value: struct.unpack(">f", bytes.fromhex(pattern))[0]
+
+
+@pytest.mark.parametrize(
+    ("pattern", "same"),
+    [
+        ("41200000", True),
+        ("41200001", True),  # one unit of the last place up: 10.000001
+        ("411FFFFF", True),  # and down: the bytes differ in three places, the numbers by 9.5e-7
+        ("41200002", False),
+        ("411FFFFE", False),
+        ("41300000", False),  # 11.0, a drive that clips
+        ("C1200000", False),  # -10.0
+        ("41210001", False),  # the last byte is one away as well
+        ("00000000", False),
+    ],
+)
+def test_one_unit_of_the_last_place(plant: Plant, pattern: str, same: bool) -> None:
+    """10.0 is 41200000h (IEEE 754); its neighbours are what rounding of a REAL may lead to, nothing else is."""
+    status = run(plant, "ramp", keeps={1120: bits(pattern)})
+    assert status == (0 if same else 0x8503), pattern
+    assert told(plant, "ramp") == [(0, 0), (0, 0) if same else (DEVIATES, 0)]
+    assert struct.pack(">f", plant.cpu[back(plant)]).hex().upper() == pattern  # what the drive has is delivered
+
+
+def test_the_next_run_is_a_new_one(plant: Plant) -> None:
+    """After a deviation the same job is done when the drive has the value."""
+    assert run(plant, "ramp", keeps={1120: bits("41300000")}) == 0x8503 == WORDS["DEVIATES"]
+    assert run(plant, "ramp") == 0
+
+
+def test_somebody_else_writes_in_between(plant: Plant) -> None:
+    """The drive took 10.0; before it is asked, an operator panel makes 5.0 of it."""
+    assert run(plant, "ramp", meanwhile={1120: bits("40A00000")}) == 0x8503
+    assert plant.cpu[back(plant)] == 5.0
+
+
+def test_errors_name_parameter_and_index(plant: Plant) -> None:
+    """Parameters 1 to 3 were taken; of those read back, 4 is right, of 5 the value of index 4, of 6 octet 2 is not."""
+    keeps: dict[int, Keeps] = {
+        2900: lambda index, value: 9 if index >= 4 else value,
+        2901: lambda _index, _value: "abX ",
+    }
+    assert run(plant, "steps", keeps=keeps) == 0x8503
+    assert told(plant, "steps") == [(0, 0), (0, 0), (0, 0), (0, 0), (DEVIATES, 4), (DEVIATES, 2)]
+
+
+def test_nothing_is_sent_behind_a_deviation(plant: Plant) -> None:
+    """100 REALs are two telegrams each way; the first answer is enough to know, the second question is not asked."""
+    assert [telegram.writes for telegram in job_of(plant, "long").telegrams] == [True, True, False, False]
+    assert run(plant, "long") == 0
+    assert len(sent(plant)) == 4
+    assert run(plant, "long", keeps={3000: lambda index, value: 0.0 if index == 7 else value}) == 0x8503
+    assert len(sent(plant)) == 3
+    assert told(plant, "long") == [(0, 0), (DEVIATES, 7)]
+    assert run(plant, "long", keeps={3000: lambda index, value: 0.0 if index == 99 else value}) == 0x8503
+    assert len(sent(plant)) == 4
+    assert told(plant, "long") == [(0, 0), (DEVIATES, 99)]
+
+
+def test_other_jobs_wait_until_it_is_read_back(plant: Plant) -> None:
+    """The unit is held from the write to the answer: a job that is started meanwhile sends behind both."""
+    plant.begin(DriveScenario(name="OB1"))
+    plant.execute(job_of(plant, "ramp"))
+    plant.step(2)
+    plant.execute(job_of(plant, "long"))
+    plant.step(100)
+    assert [request[:2] for request in sent(plant)] == ["02", "01", "02", "02", "01", "01"]
+
+
+def test_indexes_that_no_int_has(generate, target) -> None:
+    """Index 40001 is 9C41h."""
+    text = "{drive: m, write: {'P5000[40001]': 7}, verify: readback}"
+    made = generate(
+        "drives: {m: {device: sinamics-g120, ID: 270, parameters: {P5000: {type: Integer16, array: 40002}}}}\n"
+        f"jobs: {{j: {text}}}\n",
+        target,
+    )
+    plant = Plant(made.plan, made.program).fresh()
+    plant.begin(DriveScenario(name="OB1", keeps={5000: lambda _index, _value: 8}))
+    plant.execute(plant.plan.jobs[0])
+    plant.step(100)
+    assert plant.result(plant.plan.jobs[0]) == (True, 0x8503)
+    assert told(plant, "j") == [(0, 0), (DEVIATES, 0x9C41)]
+
+
+HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "says"),
+    [
+        ("write: {P1120: 1.0}, verify: true", "PG107", "readback"),
+        ("write: {P1120: 1.0}, verify: compare", "PG107", "readback"),
+        ("write: {P1120: 1.0}, verify: readback, buffers: db", "PG223", "2 telegrams"),
+        ("write: {P1120: {as: x}, P1121: {as: xBack}}, verify: readback", "PG406", "xBack"),
+    ],
+)
+def test_what_cannot_be_meant(text: str, code: str, says: str, tmp_path: Path) -> None:
+    """Each is told at its place."""
+    path = tmp_path / "job.yaml"
+    path.write_text(f"{HEAD}jobs: {{j: {{drive: d, {text}}}}}\n", "utf-8")
+    found = [d for d in api.check(path).diagnostics if d.severity.name == "ERROR"]
+    assert code in [d.code for d in found], found
+    assert any(says in d.message + d.help for d in found), found
+    assert found[0].span.line == 3
+
+
+def test_an_editor_knows_the_word() -> None:
+    """One spelling."""
+    validator = jsonschema.Draft202012Validator(api.schema())
+    spec = {"plc": {"name": "t", "family": "s7-1500", "toolchain": "tia-v17"}, "drives": {}}
+    for value, right in (("readback", True), ("ReadBack", False), (True, False)):
+        job = {"drive": "d", "write": {"P1120": 1.0}, "verify": value}
+        assert validator.is_valid({**spec, "jobs": {"j": job}}) == right, value
+
+
+@pytest.mark.parametrize(
+    ("more", "right"),
+    [("", True), (", step: 0.5", True), (", step: 0.4", False), (", low: 0, high: 9, clips: true", False)],
+)
+def test_own_drive(more: str, right: bool, tmp_path: Path) -> None:
+    """10.5 in steps of 0.4 is 10.4, clipped it is 9.0: 16#8503. 10.5 is a multiple of 0.5."""
+    path, drive = tmp_path / "job.yaml", tmp_path / "drive.yaml"
+    path.write_text(f"{HEAD}jobs: {{j: {{drive: d, write: {{P1120: 10.5}}, verify: readback}}}}\n", "utf-8")
+    assert api.generate(path, tmp_path / "out").ok
+    drive.write_text(
+        f"objects: [{{number: 1, parameters: [{{pnu: 1120, type: FloatingPoint, value: 1.0{more}}}]}}]", "utf-8"
+    )
+    result = api.verify(path, tmp_path / "out", faults="none", drive=drive)
+    (verdict,) = [check.verdict for check in result.checks() if check.id == "own.j"]
+    assert verdict == "ok, values agree" if right else "16#8503" in verdict
+
+
+def test_what_is_written_is_listed_once(tmp_path: Path) -> None:
+    """IMPORT.md has the write, not the read."""
+    path = tmp_path / "job.yaml"
+    path.write_text(f"{HEAD}jobs: {{j: {{drive: d, write: {{P1120: 10.5}}, verify: readback}}}}\n", "utf-8")
+    assert api.generate(path, tmp_path / "out").ok
+    text = (tmp_path / "out" / "IMPORT.md").read_text("utf-8")
+    assert text.count("| P1120 |") == 1
+    assert [use.verifies is not None for use in api.check(path).project.plan(DrivePlan).jobs[0].uses] == [False, True]
