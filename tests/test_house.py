@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
 from projects import ROOT
 
 PACKAGE = ROOT / "plcgen"
-TREES = {path: ast.parse(path.read_text("utf-8")) for path in sorted(PACKAGE.rglob("*.py"))}
 
 
 def name_of(path: Path) -> str:
@@ -19,20 +19,27 @@ def name_of(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-MODULES = {name_of(path): tree for path, tree in TREES.items()}
+@cache
+def modules() -> dict[str, ast.Module]:
+    """Every module of the package, parsed when the first test asks."""
+    return {name_of(path): ast.parse(path.read_text("utf-8")) for path in sorted(PACKAGE.rglob("*.py"))}
 
 
 def imported(tree: ast.Module) -> Iterator[str]:
     """Modules of the package that a module imports, inside functions and for type checkers too."""
+    known = modules().keys()
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names if alias.name in MODULES)
+            yield from (alias.name for alias in node.names if alias.name in known)
         elif isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "plcgen":
-            below = {f"{node.module}.{alias.name}" for alias in node.names} & MODULES.keys()
-            yield from below or {node.module} & MODULES.keys()
+            below = {f"{node.module}.{alias.name}" for alias in node.names} & known
+            yield from below or {node.module} & known
 
 
-GRAPH = {name: set(imported(tree)) - {name} for name, tree in MODULES.items()}
+@cache
+def graph() -> dict[str, set[str]]:
+    """What each module imports."""
+    return {name: set(imported(tree)) - {name} for name, tree in modules().items()}
 
 
 def reachable(start: str) -> set[str]:
@@ -40,7 +47,7 @@ def reachable(start: str) -> set[str]:
     seen: set[str] = set()
     left = [start]
     while left:
-        for module in GRAPH[left.pop()] - seen:
+        for module in graph()[left.pop()] - seen:
             seen.add(module)
             left.append(module)
     return seen
@@ -48,12 +55,12 @@ def reachable(start: str) -> set[str]:
 
 def test_no_circles() -> None:
     """Not inside a room either, and not through imports inside functions."""
-    assert {name for name in GRAPH if name in reachable(name)} == set()
+    assert {name for name in graph() if name in reachable(name)} == set()
 
 
 def test_the_graph_sees_imports_inside_functions() -> None:
     """A face imports its parts when they are asked for: the graph knows that it does."""
-    assert "plcgen.protocols.ds47.plan.resolve" in GRAPH["plcgen.protocols.ds47"]
+    assert "plcgen.protocols.ds47.plan.resolve" in graph()["plcgen.protocols.ds47"]
     assert "plcgen.protocols.ds47.schema" in reachable("plcgen.protocols.ds47")
 
 
@@ -62,7 +69,7 @@ def test_no_room_asks_which_protocol_it_has() -> None:
     above = ("plcgen.protocols.", "plcgen.api", "plcgen.cli", "plcgen.trace")
     found = {
         (name, module)
-        for name, modules in GRAPH.items()
+        for name, modules in graph().items()
         for module in modules
         if module.startswith(("plcgen.protocols.ds47", "plcgen.protocols.ppi"))
         if not name.startswith(above)
@@ -73,15 +80,15 @@ def test_no_room_asks_which_protocol_it_has() -> None:
 def test_protocols_do_not_know_each_other() -> None:
     """Neither imports anything of the other."""
     for own, other in (("ds47", "ppi"), ("ppi", "ds47")):
-        inside = [name for name in GRAPH if name.startswith(f"plcgen.protocols.{own}")]
-        found = {(name, m) for name in inside for m in GRAPH[name] if m.startswith(f"plcgen.protocols.{other}")}
+        inside = [name for name in graph() if name.startswith(f"plcgen.protocols.{own}")]
+        found = {(name, m) for name in inside for m in graph()[name] if m.startswith(f"plcgen.protocols.{other}")}
         assert found == set()
 
 
 @pytest.mark.slow
 def test_classes_hold_one_idea() -> None:
     """None above 350 lines, and no stubs that only subclasses fill."""
-    nodes = [(name, node) for name, tree in MODULES.items() for node in ast.walk(tree)]
+    nodes = [(name, node) for name, tree in modules().items() for node in ast.walk(tree)]
     classes = [(name, node) for name, node in nodes if isinstance(node, ast.ClassDef)]
     assert [f"{m}.{c.name}" for m, c in classes if (c.end_lineno or 0) - c.lineno >= 350] == []
     stubs = [(m, n.lineno) for m, n in nodes if isinstance(n, ast.Raise) and "NotImplementedError" in ast.dump(n)]
@@ -102,7 +109,7 @@ def mirrored(places: set[str]) -> bool:
 def test_a_public_name_means_one_thing() -> None:
     """A class is found by its name: two rooms have one of the same name only if they mirror each other."""
     places: dict[str, set[str]] = {}
-    for name, tree in MODULES.items():
+    for name, tree in modules().items():
         for node in tree.body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 places.setdefault(node.name, set()).add(name)

@@ -42,6 +42,7 @@ def test_every_shipped_spec_runs_from_the_wheel(unpacked: Path, tmp_path: Path) 
             assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_the_wheel_holds_what_it_needs_and_nothing_else(unpacked: Path) -> None:
     """Type marker, licence, templates, specs; no tests, no examples."""
     files = {p.relative_to(unpacked).as_posix() for p in unpacked.rglob("*") if p.is_file()}

@@ -30,6 +30,7 @@ def test_every_verb_refuses_what_has_no_end(plcgen, tmp_path, verb, what, end):
     assert "bug in plcgen" not in result.err
 
 
+@pytest.mark.slow
 @posix
 def test_a_folder_with_a_manifest_that_has_no_end(plcgen, tmp_path):
     """Verify and generate read the manifest of the output folder."""

@@ -148,6 +148,7 @@ def test_version_imports_no_click():
     assert not imported("--version") & (HEAVY | {"click", "plcgen.cli.main", "plcgen.api"})
 
 
+@pytest.mark.slow
 def test_a_check_leaves_out_what_other_verbs_need():
     """Neither their results, nor CPU types, system blocks, literals, templates or XML."""
     others = {"plcgen.api.sources", "plcgen.api.telegrams", "plcgen.review.layout.tables", "plcgen.project.cpus"}

@@ -52,6 +52,7 @@ def test_a_folder_without_specs(plcgen, tmp_path):
         assert "below empty" in result.err
 
 
+@pytest.mark.slow
 def test_generate_and_verify_take_folders(plcgen, machines):
     """Each spec has its own folder; one that fails does not keep the others from their turn."""
     made = plcgen("generate", "machines")
@@ -74,6 +75,7 @@ def test_generate_and_verify_take_folders(plcgen, machines):
     assert "press_generated" not in short.out
 
 
+@pytest.mark.slow
 def test_verify_several_for_machines(plcgen, machines):
     """Every format tells the specs apart."""
     assert plcgen("generate", "machines", "-q").code == 0

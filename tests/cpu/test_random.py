@@ -212,7 +212,7 @@ class Walk:
         return text, run
 
 
-@pytest.mark.parametrize("seed", range(150))
+@pytest.mark.parametrize("seed", [*range(30), *(pytest.param(n, marks=pytest.mark.slow) for n in range(30, 150))])
 def test_random_programs(seed):
     """Memory is the same, byte by byte, after each of five calls."""
     walk = Walk(seed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import re
 import tomllib
 from collections.abc import Iterator
@@ -16,11 +17,15 @@ PAGE = (ROOT / "docs" / "architecture.md").read_text("utf-8")
 HOMES = {"yaml": "input", "jinja2": "documents", "lxml": "simaticml", "serial": "line", "click": "cli"}
 
 
-def imported(path: Path) -> Iterator[str]:
+@functools.cache
+def imported(path: Path) -> frozenset[str]:
     """Top-level names of what a module imports at run time."""
-    tree = ast.parse(path.read_text("utf-8"))
+    return frozenset(_imported(ast.parse(path.read_text("utf-8"))))
+
+
+def _imported(tree: ast.Module) -> Iterator[str]:
     for node in ast.walk(tree):
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+        if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
             node.body.clear()
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -47,7 +52,7 @@ def test_third_party_libraries_have_one_place_each() -> None:
     """The page says which; a second place would be a second way to do the same."""
     found: dict[str, set[str]] = {name: set() for name in HOMES}
     for path in PACKAGE.rglob("*.py"):
-        for name in HOMES.keys() & set(imported(path)):
+        for name in HOMES.keys() & imported(path):
             found[name].add(path.relative_to(PACKAGE).parts[0])
     assert found == {name: {home} for name, home in HOMES.items()}
 

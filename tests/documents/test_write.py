@@ -369,6 +369,7 @@ def test_a_big_difference_is_named_not_compared(tmp_path: Path) -> None:
     assert diff.count("\n") == 3
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="needs fork")
 def test_killed_writers_lose_nothing(tmp_path: Path) -> None:
     """SIGKILL at random moments: the next run finds exactly the old or exactly the new state, --check the half-way."""

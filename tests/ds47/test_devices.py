@@ -248,6 +248,7 @@ def test_defaults_of_a_profile_are_those_of_the_page(tmp_path: Path) -> None:
     assert (found.strict_length, found.error_table) == (True, "sinamics")
 
 
+@pytest.mark.slow
 def test_every_verb_works_with_a_profile_of_your_own(tmp_path: Path) -> None:
     """check, generate, verify, simulate and layout."""
     path = write(tmp_path)
@@ -310,6 +311,7 @@ def test_a_profile_in_a_folder_below_and_behind_a_link(tmp_path: Path) -> None:
         assert found(write(tmp_path, device, None)) == []
 
 
+@pytest.mark.slow
 def test_texts_of_a_profile_end_no_comment(tmp_path: Path) -> None:
     """What a profile says becomes comments: none of it becomes code."""
     nasty = '"x *) END_FUNCTION_BLOCK (* {{ 7 * 7 }} // \'"'

@@ -74,6 +74,7 @@ def test_decoding_raises_ppi_errors_only(data):
         assert encode_pdu(pdu, experimental=True) == data
 
 
+@pytest.mark.slow
 @given(anything | damaged(encoded).map(closed))
 def test_dissection_covers_every_byte_once(data):
     """Fields lie one behind the other from byte 0 to the last one; nothing raises; what is valid is not marked."""

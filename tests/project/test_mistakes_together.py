@@ -72,6 +72,7 @@ def damaged(text: str, by: str) -> Iterator[str]:
             yield "".join((*lines[: place.line - 1], new, *lines[place.line :]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", cases("pass"))
 def test_nothing_follows_from_what_cannot_be_read(case: dict[str, Any], tmp_path: Path) -> None:
     """A good spec with one value of a wrong type has that mistake and no other."""

@@ -115,6 +115,7 @@ class _Tags(html.parser.HTMLParser):
         self.handlers += [name for name, _ in attrs if name.startswith("on")]
 
 
+@pytest.mark.slow
 def test_texts_of_a_spec_are_texts(tmp_path):
     """Markup in names, titles, units and comments is shown, not obeyed: in HTML and in Markdown."""
     review = hostile_review(tmp_path)
@@ -180,6 +181,7 @@ def test_against_a_revision(repository):
     assert "/plcgen-base-" not in show("html", review) + show("markdown", review) + show("json", review)
 
 
+@pytest.mark.slow
 def test_against_a_folder_and_a_spec(repository, tmp_path_factory):
     """A folder with a spec of the same name is compared as a spec, one with sources alone as sources."""
     before = tmp_path_factory.mktemp("before")
@@ -192,6 +194,7 @@ def test_against_a_folder_and_a_spec(repository, tmp_path_factory):
     assert [(title, found.changes) for title, found in review.changes] == [("the generated sources on disk", ())]
 
 
+@pytest.mark.slow
 def test_a_link_in_a_revision_is_not_followed(repository):
     """A commit may hold a link to anywhere; of a revision only regular files are read."""
     (repository / "evil.yaml").symlink_to("/etc/passwd")
@@ -228,10 +231,12 @@ def test_a_spec_that_is_not_there_makes_a_page_too(tmp_path):
     assert ":x:" in show("markdown", review)
 
 
+@pytest.mark.slow
 def test_the_page_is_the_same_every_time():
     assert show("html", faq_review()) == show("html", api.review(FAQ, generated_example(FAQ.stem), faults="none"))
 
 
+@pytest.mark.slow
 def test_instances_of_a_plant_are_a_table():
     """20 drives with 3 jobs: 3 shapes, 60 instances, one row for each parameter that is written."""
     spec = FAQ.with_name("s7-300_plant_v5.yaml")

@@ -46,6 +46,7 @@ def put(folder: Path, **texts: str) -> list[Path]:
     return files
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", ["V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21"])
 def test_a_generated_folder_both_ways(version: str, tmp_path: Path) -> None:
     """Text to documents of every version and back: the same text; the documents keep the rules of exports."""
@@ -61,6 +62,7 @@ def test_a_generated_folder_both_ways(version: str, tmp_path: Path) -> None:
             assert (tmp_path / "scl" / path.name).read_bytes() == path.read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", ["V16", "V17", "V18", "V19", "V20", "V21"])
 def test_islands_of_converted_documents_are_valid(version: str, tmp_path: Path) -> None:
     """By Siemens' schemas, where they are at hand."""

@@ -49,7 +49,7 @@ class Generated:
 Generate = Callable[[str, str], Generated]
 
 
-@pytest.fixture(params=list(TARGETS))
+@pytest.fixture(params=[next(iter(TARGETS)), *(pytest.param(t, marks=pytest.mark.slow) for t in [*TARGETS][1:])])
 def target(request: pytest.FixtureRequest) -> str:
     """Each kind of CPU."""
     return str(request.param)
