@@ -18,7 +18,7 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block
-from plcgen.s7.shapes import TypeTable
+from plcgen.s7.shapes import OPEN_ARRAY, TypeTable
 from plcgen.s7.types import NamedType
 from plcgen.scl.declarations import blocks as declared_blocks
 from plcgen.scl.declarations import recursive_types
@@ -106,7 +106,9 @@ class Program:
         program.check_recursion()
         known = {file for file, _ in beside.interfaces}
         unique = dict.fromkeys([*beside.diagnostics, *(d for d in program.diagnostics if d.span.file not in known)])
-        program.diagnostics = sorted(unique, key=lambda d: d.sort_key)
+        refused = {(d.span.file, d.span.line) for d in unique if d.code == "PG803"}
+        said = (d for d in unique if OPEN_ARRAY not in d.message or (d.span.file, d.span.line) not in refused)
+        program.diagnostics = sorted(said, key=lambda d: d.sort_key)
         return program
 
     def report(self, code: str, message: str, span: Span | None = None, text: str = "") -> None:

@@ -134,6 +134,8 @@ _SYSTEM = re.compile(
     r"|(?:SEND|RECEIVE)_(?:P2P|RESET|CONFIG)|PORT_CONFIG|P_(?:SND|RCV)_RK|SEND_PTP|RCV_PTP", re.IGNORECASE
 )  # fmt: skip
 """Names of the system libraries, beyond those whose members ``system`` has."""
+OPEN_ARRAY = "ARRAY[*] has no length where it is memory of its own"
+"""What is said of an array without bounds that is no parameter."""
 
 
 class TypeTable(dict[str, "Block"]):
@@ -287,8 +289,13 @@ class ShapeBuilder:
         return Shape(type_, bits, 16, bits, 16, doubts=_WIDE if wide else NO_DOUBTS)
 
     def _array(self, type_: ArrayType, member: Member) -> Shape:
+        if not type_.bounds:
+            message = f"{member.name}: {OPEN_ARRAY}"
+            help_text = "write the bounds; parameters of a function and in-outs of a function block may leave them open"
+            self.report("PG806", message, member.span, help_text)
+            return _NOTHING
         lengths = [high - low + 1 for low, high in type_.bounds]
-        if not lengths or min(lengths) < 1:
+        if min(lengths) < 1:
             shown = ", ".join(f"{low}..{high}" for low, high in type_.bounds)
             self.report("PG806", f"{member.name}: ARRAY[{shown}] has no element", member.span)
             return _NOTHING

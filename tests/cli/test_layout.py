@@ -165,3 +165,39 @@ def test_an_instance_is_not_suggested_for_its_unknown_block(plcgen, tmp_path):
     result = plcgen("layout", tmp_path)
     assert result.code == 1
     assert "did you mean" not in result.err
+
+
+OPEN = """FUNCTION_BLOCK "F"
+VERSION : 0.1
+VAR
+  a : Array[*] of Int;
+END_VAR
+VAR_IN_OUT
+  b : Array[*] of Int;
+END_VAR
+BEGIN
+  ;
+END_FUNCTION_BLOCK
+"""
+
+
+def test_an_array_without_bounds_is_no_memory(plcgen, tmp_path):
+    """A static has a length; an in-out of an FB takes what it is given. One message in every verb."""
+    (tmp_path / "f.scl").write_text(OPEN, "utf-8")
+    calls = (["layout"], ["check", "--program", "--target", "tia-1500"])
+    for arguments in calls:
+        found = plcgen(*arguments, "f.scl")
+        text = found.out + found.err
+        assert found.code == 1
+        assert text.count("error[") == 1
+        assert "a: ARRAY[*] has no length where it is memory of its own" in text
+        assert "f.scl:4:3" in text
+        assert "write the bounds" in text
+
+
+def test_a_compiler_without_open_arrays_says_so_once(plcgen, tmp_path):
+    """STEP 7 V5 does not know ARRAY[*] (PG803): that it has no length there would be a second message."""
+    (tmp_path / "f.scl").write_text(OPEN.replace("VERSION : 0.1\n", ""), "utf-8")
+    found = plcgen("check", "--program", "--target", "v5", "f.scl")
+    text = found.out + found.err
+    assert [text.count(f"error[{code}]") for code in ("PG803", "PG806")] == [2, 0]

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Severity, Span
+from plcgen.review.layout.libraries import with_library_types
 from plcgen.review.layout.tables import GAP, MORE, BlockTable, LayoutRow, member_address, size_text
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.evidence import NO_DOUBTS, rule
@@ -43,15 +44,25 @@ def block_tables(
     tables: list[BlockTable] = []
     found: list[Diagnostic] = []
     room = MAX_ROWS
-    for block in blocks:
-        if block.kind in _WITH_MEMORY:
+    for source in blocks:
+        if source.kind in _WITH_MEMORY:
+            block = _with_access(source, types)
             try:
-                memory = _memory(block, types, found)
-                tables.append(_declared(block, types, room, memory, expand=expand))
+                known, warnings = with_library_types(block, types) if block.optimized else (types, [])
+                memory = _memory(block, known, found)
+                tables.append(_declared(block, known, room, memory, expand=expand))
+                found += warnings
                 room -= len(tables[-1].rows)
             except DiagnosticError as problem:
                 found += problem.diagnostics
     return tables, _grouped(dict.fromkeys(found))
+
+
+def _with_access(block: Block, types: Mapping[str, Block]) -> Block:
+    """An instance that says nothing of its access has the optimized one of its FB."""
+    owner = types.get((block.instance_of or "").upper())
+    optimized = block.optimized is None and owner is not None and owner.optimized
+    return replace(block, optimized=True) if optimized else block
 
 
 def _grouped(diagnostics: Mapping[Diagnostic, None]) -> list[Diagnostic]:

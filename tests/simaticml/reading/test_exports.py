@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from simaticml.reading.documents import document, function_block, global_db, sections
+from simaticml.reading.documents import STANDARD, document, function_block, global_db, sections
 
 from plcgen import api
 from plcgen.s7.types import ELEMENTARY, ArrayType, StringType
@@ -193,3 +193,70 @@ def test_an_instruction_for_one_type_has_it_in_its_name() -> None:
     template = '<TemplateValue Name="value_type" Type="Type">Word</TemplateValue>'
     call = f'<Instruction Name="SHL">{template}<Token Text="(" /><Token Text=")" /></Instruction>'
     assert scl(f'<Access Scope="Call">{call}</Access>') == ("SHL_WORD()", [])
+
+
+GRAPH = (
+    '<Member Name="RT_DATA" Datatype="G7_RTDataPlus_V6" Version="1.0" />'
+    '<Member Name="Step1" Datatype="GraphStep" Version="1.0" />'
+    '<Member Name="Step2" Datatype="GraphStep" Version="1.0" />'
+    '<Member Name="stop" Datatype="ESTOP1" Version="1.6" />'
+)
+
+
+def optimized(block: str) -> str:
+    return block.replace(STANDARD, STANDARD.replace("Standard", "Optimized"))
+
+
+def laid_out(folder: Path, **files: bytes):
+    for name, data in files.items():
+        (folder / f"{name}.xml").write_bytes(data)
+    return api.layout(folder)
+
+
+def test_a_graph_block_is_shown_with_the_types_that_only_the_library_knows(tmp_path: Path) -> None:
+    """Steps, transitions and safety blocks have no members here; the block has no offsets, so nothing is missing."""
+    interface = sections(Input='<Member Name="OFF_SQ" Datatype="Bool" />', Static=GRAPH)
+    block = function_block(interface, '<Graph xmlns="urn:graph" />').replace(
+        "Standard</MemoryLayout", "Optimized</MemoryLayout"
+    )
+    found = laid_out(tmp_path, sequence=document(block))
+    (table,) = found.blocks
+    assert [(row.name, row.type, row.byte) for row in table.rows] == [
+        ("OFF_SQ", "BOOL", None), ("RT_DATA", "G7_RTDataPlus_V6", None), ("Step1", "GraphStep", None),
+        ("Step2", "GraphStep", None), ("stop", "ESTOP1", None),
+    ]  # fmt: skip
+    said = {d.message: (d.code, d.severity.label) for d in found.diagnostics}
+    assert [what for message, what in said.items() if "GRAPH is not read" in message] == [("PG814", "note")]
+    for name in ("G7_RTDataPlus_V6", "GraphStep", "ESTOP1"):
+        assert said[f"the members of {name} are not known to plcgen: shown without them"] == ("PG806", "warning")
+    assert len(said) == len(found.diagnostics) == 4
+
+
+def test_an_instance_of_such_a_block_has_its_access(tmp_path: Path) -> None:
+    """An instance DB that says nothing has the access of its FB: no offsets either."""
+    block = optimized(function_block(sections(Static=GRAPH)))
+    instance = (
+        '<SW.Blocks.InstanceDB ID="0"><AttributeList><InstanceOfName>Job</InstanceOfName>'
+        f"<InstanceOfType>FB</InstanceOfType>{sections(Static='')}<Name>Job_DB</Name><Number>5</Number>"
+        "<ProgrammingLanguage>DB</ProgrammingLanguage></AttributeList></SW.Blocks.InstanceDB>"
+    )
+    found = laid_out(tmp_path, job=document(block), job_db=document(instance))
+    assert [d for d in found.diagnostics if d.severity.label == "error"] == []
+    assert {table.name: table.size for table in found.blocks} == {"Job": None, "Job_DB": None}
+
+
+def test_with_standard_access_such_a_type_leaves_nothing_to_be_shown(tmp_path: Path) -> None:
+    """Where a step lies, and all behind it, depends on its members: an error, as for any unknown type."""
+    found = laid_out(tmp_path, sequence=document(function_block(sections(Static=GRAPH))))
+    assert found.blocks == ()
+    assert {(d.code, d.severity.label) for d in found.diagnostics} == {("PG806", "error")}
+
+
+def test_a_type_of_the_user_is_missed_with_optimized_access_too(tmp_path: Path) -> None:
+    """Quotes are what a PLC data type has: some file declares it."""
+    member = '<Member Name="axis" Datatype="&quot;Axis&quot;" />'
+    block = optimized(function_block(sections(Static=member)))
+    found = laid_out(tmp_path, job=document(block))
+    assert [(d.code, d.severity.label, d.message) for d in found.diagnostics] == [
+        ("PG806", "error", "unknown data type Axis")
+    ]
