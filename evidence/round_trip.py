@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -23,7 +23,10 @@ _DEFAULTS = {("Blank", "Num", "1"), ("NewLine", "Num", "1"), ("LineComment", "In
 
 
 def code_elements(block: Element) -> list[str] | None:
-    """Elements of all networks of a block without UIds and defaults; None if one of them is not in SCL, or none is."""
+    """Elements of all networks of a block without UIds and defaults; None if one of them is not in SCL, or none is.
+
+    A source does not say in which language its comments are: of a block with comments in one language, it is left out.
+    """
     networks = [
         network
         for unit in children(child(block, "ObjectList"), "SW.Blocks.CompileUnit")
@@ -31,15 +34,17 @@ def code_elements(block: Element) -> list[str] | None:
     ]
     if any(local(network) != "StructuredText" for network in networks):
         return None
-    return [element for network in networks for element in _elements(network)] or None
+    languages = {text.get("Lang") for network in networks for text in network.iter("{*}MultiLanguageText")}
+    left_out = {"UId", "Lang"} if len(languages) == 1 else {"UId"}
+    return [element for network in networks for element in _elements(network, left_out)] or None
 
 
-def _elements(network: Element) -> Iterator[str]:
+def _elements(network: Element, left_out: Collection[str]) -> Iterator[str]:
     pending: list[tuple[int, Element]] = [(0, part) for part in reversed(list(children(network)))]
     while pending:
         depth, element = pending.pop()
         tag = local(element)
-        pairs = sorted((str(name), element.get(name, "")) for name in map(str, element.keys()) if name != "UId")
+        pairs = sorted((str(name), element.get(name, "")) for name in map(str, element.keys()) if name not in left_out)
         shown = " ".join(f"{name}={value}" for name, value in pairs if (tag, name, value) not in _DEFAULTS)
         content = text(element) if not len(element) else ""
         yield f"{depth} {tag} {shown} {content.replace('P# ', 'P#')}"

@@ -236,10 +236,10 @@ class Arguments:
             return None
         place = self.places.place(argument.value)
         if place is not None and place.section is _IN:
-            self.context.error(
-                "PG823", f"{self.context.text(argument.value)} is an input", argument.value, "inputs are read only"
-            )
-            return None
+            # the TIA Portal warns that the declaration of the actual parameter does not match that of the formal one
+            tolerated = self.context.link.dialect.is_tia
+            self.assignments.input_written(argument.value, "inputs are read only", tolerated=tolerated)
+            return place if tolerated else None
         return place
 
     def take_output(self, argument: ast.Argument, target: MemoryPlace) -> None:

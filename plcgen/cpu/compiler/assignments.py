@@ -63,10 +63,7 @@ class Assignments:
             # STEP 7 V5 lets an FB write its inputs: public libraries reset their commands that way
             # so do exports of the TIA Portal, in functions too
             tolerated = self.context.link.dialect.is_tia or self.context.scope.block.kind is BlockKind.FB
-            severity = Severity.WARNING if tolerated else Severity.ERROR
-            self.context.error(
-                "PG823", f"{self.context.text(node)} is an input", node, "copy it to a variable of its own", severity
-            )
+            self.input_written(node, "copy it to a variable of its own", tolerated=tolerated)
         if "(" in place.dyn:
             name = self.out.temporary()
             self.out.emit(f"{name}={place.dyn}")
@@ -76,6 +73,11 @@ class Assignments:
             self.out.emit(f"{name}={place.dynbit}")
             place.dynbit = name
         return place
+
+    def input_written(self, node: ast.Expression, text: str, *, tolerated: bool) -> None:
+        """An input gets a value in its own block (PG823)."""
+        severity = Severity.WARNING if tolerated else Severity.ERROR
+        self.context.error("PG823", f"{self.context.text(node)} is an input", node, text, severity)
 
     def assign_slice(self, node: ast.Slice, value_node: ast.Expression) -> None:
         """``x.%X3 := value``: the rest of x stays."""

@@ -25,6 +25,7 @@ from plcgen.cpu.type_rules import (
     SIGNED,
     STAMPS,
     TEXTS,
+    WIDTHS,
     bit_string,
     common_bits,
     common_type,
@@ -32,6 +33,7 @@ from plcgen.cpu.type_rules import (
     whole_number,
 )
 from plcgen.diagnostics import Severity
+from plcgen.s7.types import HARDWARE
 from plcgen.s7.values import RANGES
 from plcgen.scl import ast
 
@@ -227,6 +229,8 @@ class Operators:
         common = common_type(left.type, right.type, self.context.rules)
         if common in BITS and self.context.rules.dialect.is_tia and not self.context.rules.checked:
             common = whole_number(common, classic=self.context.classic)
+        if common in HARDWARE and WIDTHS[common] == WIDTHS["UINT"] and not self.context.rules.checked:
+            common = "UINT"  # the number of a connection that a library counts up
         if common not in NUMERIC:
             return self.mismatch(node, left, right)
         pure = left.pure and right.pure
