@@ -30,6 +30,12 @@ EQUIVALENT = {
     r"^DriveChannel: B#16#02 -> B#16#03: tempPointer\.id := ": (
         "CHAR has the size of BYTE; no document says what SFB 52 does with it (SFC 59 takes BYTE only)"
     ),
+    r"^DriveChannel: W#16#FFFF -> W#16#FFFE: tempWord :=": (
+        "it stays only if the answer is at fault, which makes every error FFFF at the end"
+    ),
+    r"^DriveChannel: OR -> AND: ELSIF tempFault OR tempFrom \+ 2 > statLength": (
+        "the place stays where the fault was, and behind the end of the answer the check of the size finds one"
+    ),
     r"^\w+: 3 -> 4: tempSize := 3;": "a value of three bytes and its pad are four, and it is not the last one",
     r"^DriveChannel: dropped: statAsk := statAsk MOD 30000 \+ 1 \(2\)$": (
         "a pause gives the place back; until the gate has taken it, it is this channel's under the old number, too"

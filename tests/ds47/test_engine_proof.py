@@ -198,6 +198,25 @@ MISSING = {
         "telegrams in data blocks of their own",
     ),
     "what WRREC says of garbage counts": ("v5", "tempCode := 0;", ";", WRITE_ONE.key),
+    "an order whose number is below that of its slot is not ended": (
+        "t15",
+        "DINT_TO_INT(#tempGrant / 100000)",
+        "DINT_TO_INT(#tempGrant / 100001)",
+        "channel loaded behind scan 7 of the first job of the last slot",
+    ),
+    "time passes although the clock stands still": ("t3", "LIMIT(MN := L#0,", "LIMIT(MN := L#1,", "scans of 0 ms"),
+    "a job that is gone has a millisecond less": (
+        "v5",
+        "statStill := 0;",
+        "statStill := 1;",
+        "a job is not called any more, to the millisecond",
+    ),
+    "the first byte of an ANY is no whole byte": (
+        "v5",
+        "DW#16#84000000",
+        "DW#16#84000001",
+        "telegrams in data blocks of their own",
+    ),
     "places count beyond 30,000": ("t3", "#statAsk MOD 30000 + 1", "#statAsk MOD 30001 + 1", "counters wrap"),
 }
 

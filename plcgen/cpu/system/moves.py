@@ -12,9 +12,11 @@ _CODES = {0x80: "P", 0x81: "I", 0x82: "Q", 0x83: "M", 0x84: "DB", 0x85: "DB", 0x
 _AREA_CODES = {"P": 0x80, "I": 0x81, "Q": 0x82, "M": 0x83, "DB": 0x84, "L": 0x86}
 _BAD_POSITION = 0x80B4 - 0x10000
 _SIZES = {1: 1, 2: 1, 3: 1, 4: 2, 5: 2, 6: 4, 7: 4, 8: 4, 9: 2, 10: 4, 11: 4, 12: 2, 14: 8, 0x13: 1}
+_BOOL = 1
 _S7 = 0x10
 """Syntax ID of an ANY for S7 (System and Standard Functions, "Format of the Parameter Type ANY")."""
 _NO_ANY: Reference = None, 0, -1
+_UNALIGNED: Reference = None, 0, -2
 
 _HANDLES = 4000
 """Pointers to local data that are known at once."""
@@ -120,10 +122,16 @@ class MemoryMoves:
         return None if area is None else self.locate(area, number)
 
     def any_of(self, memory: bytearray, offset: int) -> Reference:
-        """Reference behind an ANY that lies in memory; to nothing if it has another syntax ID or no type of data."""
+        """Reference behind an ANY that lies in memory; to nothing if it has another syntax ID or no type of data.
+
+        A bit address of anything but bits leads to nothing either: an alignment error, RET_VAL 8x28h and 8x29h of the
+        manual System and Standard Functions.
+        """
         data = bytes(memory[offset : offset + 10])
         if data[0] != _S7 or data[1] not in _SIZES:
             return _NO_ANY
+        if data[1] != _BOOL and data[9] & 7:
+            return _UNALIGNED
         size = _SIZES[data[1]] * int.from_bytes(data[2:4])
         return self.area(data[6], int.from_bytes(data[4:6])), (int.from_bytes(data[7:10]) & 0x7FFFF) >> 3, size
 
@@ -165,6 +173,8 @@ class MemoryMoves:
         memory, offset, size = reference
         if reference is _NO_ANY:
             return (0x8001 | parameter << 8) - 0x10000
+        if reference is _UNALIGNED:
+            return (0x8000 | parameter << 8 | code + 6) - 0x10000
         if memory is None:
             return (0x803A | parameter << 8) - 0x10000
         if offset < 0 or offset + size > len(memory):

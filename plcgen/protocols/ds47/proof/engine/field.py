@@ -66,6 +66,12 @@ class JobField:
             self.sent.setdefault(job.unit, []).extend(request[1:] for request in job.requests())
             job.db.set("execute", 1)
 
+    def times_sent(self, number: int) -> int:
+        """How often the drive has taken the first request of a job since its journal began."""
+        job = self.job(number)
+        journal = self.rig.drives[job.unit - 1].journal
+        return [e.data[1:] for e in journal if e.direction == "write" and not e.status].count(job.requests()[0][1:])
+
     def drop(self, *numbers: int) -> None:
         """Take the commands away."""
         for number in numbers:
