@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -100,7 +102,8 @@ def _buffer(
     slots = []
     for leaf in leaves(layout):
         path = leaf.path.replace('"', "")
-        given = leaf.member.start is not None or any(path.upper().startswith(name) for name in assigned)
+        parents = itertools.accumulate(re.split(r"(?=[.\[])", path.upper()))
+        given = leaf.member.start is not None or not assigned.isdisjoint(parents)
         place = leaf.member.span or source.block.span or Span(source.file)
         size = max(leaf.size // 8, 1)
         slots.append(Slot(path, leaf.byte, size, leaf.size, leaf.type, place, given))

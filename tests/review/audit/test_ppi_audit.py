@@ -121,3 +121,29 @@ def test_every_finding_at_once(tmp_path: Path) -> None:
     edits = [["B#16#8B", "B#16#8A"], [":= 34,", ":= 94,"], ["[0 .. 254]", "[0 .. 15]"]]
     found = audited("cp341", damaged(tmp_path, "cp341", "PPI.AWL", edits)).diagnostics
     assert sorted(d.code for d in found) == ["PG671", "PG674", "PG675"]
+
+
+def test_a_checksum_that_the_program_adds_up_is_no_finding(tmp_path: Path) -> None:
+    """A table with a member for each field: ``fc`` has a start value, ``fcs`` has none, which is not one of 0."""
+    pdu = bytes.fromhex("32 01 00 00 00 00 00 0E 00 00 04 01 12 0A 10 02 00 01 00 01 84 00 03 20")
+    start = ", ".join(f"16#{byte:02X}" for byte in pdu)
+    begin = {"sd": "68", "le": "1B", "ler": "1B", "sdr": "68", "da": "02", "sa": "00", "fc": "6C", "ed": "16"}
+    lines = "\n".join(f"  {name} := 16#{value};" for name, value in begin.items())
+    (tmp_path / "table.db").write_text(
+        f"""DATA_BLOCK "Table"
+{{ S7_Optimized_Access := 'FALSE' }}
+VERSION : 0.1
+  STRUCT
+    reserve, sd, le, ler, sdr, da, sa, fc : Byte;
+    pdu : Array[0..23] of Byte := [{start}];
+    fcs, ed : Byte;
+  END_STRUCT;
+BEGIN
+{lines}
+END_DATA_BLOCK
+""",
+        "utf-8",
+    )
+    result = audited("cm1241", tmp_path)
+    assert result.diagnostics == ()
+    assert next(iter(result.checks())).verdict == "a right telegram of read_vb100; 1 of its bytes come at run time"
