@@ -94,26 +94,27 @@ def bits(pattern: str) -> Keeps:
     return lambda _index, _value: struct.unpack(">f", bytes.fromhex(pattern))[0]
 
 
-@pytest.mark.parametrize(
-    ("pattern", "same"),
-    [
-        ("41200000", True),
-        ("41200001", True),  # one unit of the last place up: 10.000001
-        ("411FFFFF", True),  # and down: the bytes differ in three places, the numbers by 9.5e-7
-        ("41200002", False),
-        ("411FFFFE", False),
-        ("41300000", False),  # 11.0, a drive that clips
-        ("C1200000", False),  # -10.0
-        ("41210001", False),  # the last byte is one away as well
-        ("00000000", False),
-    ],
-)
-def test_one_unit_of_the_last_place(plant: Plant, pattern: str, same: bool) -> None:
-    """10.0 is 41200000h (IEEE 754); its neighbours are what rounding of a REAL may lead to, nothing else is."""
-    status = run(plant, "ramp", keeps={1120: bits(pattern)})
-    assert status == (0 if same else 0x8503), pattern
-    assert told(plant, "ramp") == [(0, 0), (0, 0) if same else (DEVIATES, 0)]
-    assert struct.pack(">f", plant.cpu[back(plant)]).hex().upper() == pattern  # what the drive has is delivered
+NEIGHBOURS = {
+    "41200000": True,
+    "41200001": True,  # one unit of the last place up: 10.000001
+    "411FFFFF": True,  # and down: the bytes differ in three places, the numbers by 9.5e-7
+    "41200002": False,
+    "411FFFFE": False,
+    "41300000": False,  # 11.0, a drive that clips
+    "C1200000": False,  # -10.0
+    "41210001": False,  # the last byte is one away as well
+    "00000000": False,
+}
+"""What a drive may have instead of 10.0, which is 41200000h (IEEE 754), and whether that is the same."""
+
+
+def test_one_unit_of_the_last_place(plant: Plant) -> None:
+    """The neighbours of a REAL are what rounding of a REAL may lead to; nothing else is the same."""
+    for pattern, same in NEIGHBOURS.items():
+        status = run(plant, "ramp", keeps={1120: bits(pattern)})
+        assert status == (0 if same else 0x8503), pattern
+        assert told(plant, "ramp") == [(0, 0), (0, 0) if same else (DEVIATES, 0)]
+        assert struct.pack(">f", plant.cpu[back(plant)]).hex().upper() == pattern  # what the drive has is delivered
 
 
 def test_the_next_run_is_a_new_one(plant: Plant) -> None:
@@ -177,6 +178,52 @@ def test_indexes_that_no_int_has(generate, target) -> None:
     assert told(plant, "j") == [(0, 0), (DEVIATES, 0x9C41)]
 
 
+SAVED = """
+drives: {mixer: {device: sinamics-g120, ID: 270}}
+jobs: {keep: {drive: mixer, write: {P1120: 10.0}, verify: readback, save: drive_object}}
+"""
+WRITE, ASK = "02 01 01 10 01 04 60 00 00 08 01 41 20 00 00", "01 01 01 10 01 04 60 00 00"
+SAVE, SAVING = "02 01 01 10 01 03 cb 00 00 06 01 00 01", "01 01 01 10 01 03 cb 00 00"
+"""P1120 = 0460h and p0971 = 03CBh of drive object 1: written, asked for."""
+
+
+def test_what_is_right_is_saved(generate, target) -> None:
+    """Written, read back, saved, asked whether that has ended: in this order, and once each."""
+    made = generate(SAVED, target)
+    plant = Plant(made.plan, made.program).fresh()
+    assert run(plant, "keep") == 0
+    assert sent(plant) == [WRITE, ASK, SAVE, SAVING]
+    assert told(plant, "keep") == [(0, 0)] * 4
+    assert plant.cpu[f'"{plant.plan.engine.calls_db.name}".keep.saves'] == 1
+
+
+def test_what_is_not_right_is_not_saved(generate, target) -> None:
+    """A deviation ends the job in front of the save; it costs no distance: the next start saves at once."""
+    made = generate(SAVED, target)
+    plant = Plant(made.plan, made.program).fresh()
+    saves, rest = (f'"{plant.plan.engine.calls_db.name}".keep.{name}' for name in ("saves", "statRest"))
+    assert run(plant, "keep", keeps={1120: bits("41300000")}) == 0x8503
+    assert sent(plant) == [WRITE, ASK]
+    assert told(plant, "keep") == [(0, 0), (DEVIATES, 0), (0xFFFF, 0), (0xFFFF, 0)]
+    assert (plant.cpu[saves], plant.cpu[rest]) == (0, 0)
+    assert run(plant, "keep") == 0
+    assert plant.cpu[saves] == 1
+
+
+def test_too_soon_writes_nothing(generate, target) -> None:
+    """Within the distance of a save a start is refused as a whole: the values are not written either."""
+    made = generate(SAVED, target)
+    plant = Plant(made.plan, made.program).fresh()
+    assert run(plant, "keep") == 0
+    before = len(sent(plant))
+    plant.control.set("keep.execute", 0)
+    plant.step()
+    plant.control.set("keep.execute", 1)
+    plant.step(50)
+    assert plant.result(job_of(plant, "keep")) == (True, WORDS["TOO_SOON"])
+    assert len(sent(plant)) == before
+
+
 HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
 
 
@@ -186,6 +233,8 @@ HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device
         ("write: {P1120: 1.0}, verify: true", "PG107", "readback"),
         ("write: {P1120: 1.0}, verify: compare", "PG107", "readback"),
         ("write: {P1120: 1.0}, verify: readback, buffers: db", "PG223", "2 telegrams"),
+        ("write: {P9500: {value: 1, type: Unsigned16}}, verify: readback, save: drive_object", "PG219", "P9500"),
+        ("write: {P977: {value: 1, type: Unsigned16}}, verify: readback, save: drive_object", "PG219", "P977"),
         ("write: {P1120: {as: x}, P1121: {as: xBack}}, verify: readback", "PG406", "xBack"),
     ],
 )
@@ -208,6 +257,7 @@ def test_an_editor_knows_the_word() -> None:
         assert validator.is_valid({**spec, "jobs": {"j": job}}) == right, value
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("more", "right"),
     [("", True), (", step: 0.5", True), (", step: 0.4", False), (", low: 0, high: 9, clips: true", False)],

@@ -202,10 +202,18 @@ def _packed(
 
 
 def _kind(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> JobKind | None:
-    """The one kind that a job says it is; None after a diagnostic."""
+    """The one kind that a job says it is; None after a diagnostic. What is read back may be saved in the same job."""
     given = [kind for kind in kinds() if getattr(job, kind.key) is not None]
     if len(given) == 1:
         return given[0]
+    saved = [kind for kind in given if kind.writes and kind.poll is None]
+    if len(given) == 2 and len(saved) == 1 and _then(job, saved[0]) is not None:
+        if job.verify is not None:
+            return saved[0]
+        message = f'job "{key}" saves what it has not read back'
+        help_ = "add verify: readback, or make two jobs of it"
+        report.add(Diagnostic("PG218", message, loaded.key_span(("jobs", key)), help=help_))
+        return None
     names = " or ".join(kind.key for kind in given)
     what = f"either {names}, not both" if given else "what to read, what to write or what to save"
     help_ = "make two jobs of it" if given else f"add {' or '.join(kind.example for kind in kinds())}"
@@ -216,6 +224,28 @@ def _kind(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> JobKin
 def _uses(
     job: JobEntry, kind: JobKind, path: SpecPath, loaded: LoadedSpec, resolver: UseResolver, report: Report
 ) -> tuple[Use, ...]:
+    first = _own_uses(job, kind, 0, path, loaded, resolver, report)
+    then = _then(job, kind)
+    if then is None or not first:
+        return first
+    return first + _own_uses(job, then, len(first), path, loaded, resolver, report)
+
+
+def _then(job: JobEntry, kind: JobKind) -> JobKind | None:
+    """The kind of what a job does behind its own: it saves."""
+    return next((one for one in kinds() if one is not kind and one.poll and getattr(job, one.key) is not None), None)
+
+
+def _own_uses(
+    job: JobEntry,
+    kind: JobKind,
+    before: int,
+    path: SpecPath,
+    loaded: LoadedSpec,
+    resolver: UseResolver,
+    report: Report,
+) -> tuple[Use, ...]:
+    """The uses of one kind, with ``before`` others in front of them."""
     items = kind.items(getattr(job, kind.key))
     if not items:
         report.add(Diagnostic("PG218", f'job "{path[-1]}" names no parameter', loaded.span((*path, kind.key))))
@@ -225,7 +255,7 @@ def _uses(
     found = [
         resolver.resolve(
             item,
-            position,
+            before + position,
             place if kind.poll is not None else (*place, position - 1),
             write=kind.writes and isinstance(item, WriteItem),
         )

@@ -221,6 +221,11 @@ class DriveJob(PlannedJob):
         return any(use.verifies is not None for use in self.uses)
 
     @property
+    def saving(self) -> tuple[Use, ...]:
+        """The two at the end that save and ask whether that has ended, if it saves."""
+        return self.uses[-2:] if self.poll is not None else ()
+
+    @property
     def poll(self) -> Poll | None:
         """How its last telegram is repeated, if it is."""
         return self.uses[-1].poll
@@ -298,7 +303,9 @@ class DrivePlan(Plan):
         """
         spec = self.entry(job)
         given = spec.allow_safety if pnu in guards.SAFETY else spec.allow
-        saves = None if job.poll is None else f"the job says save, once in {spelled(job.poll.distance)} at most"
+        saves = None
+        if job.poll is not None and pnu == job.uses[-1].parameter.pnu:
+            saves = f"the job says save, once in {spelled(job.poll.distance)} at most"
         return next((why for text, why in given.items() if number_of(text) == pnu), saves)
 
     @property

@@ -123,7 +123,7 @@ class JobConduct:
         if telegram > number and job.poll is None:
             raise ScenarioError(f"a telegram {telegram} is handed over, the job has {number}")
         self.polled = max(self.polled, telegram - number)
-        if job.poll is not None and telegram == 1:
+        if job.poll is not None and telegram == len(job.telegrams) - 1:
             self.saved_at = rig.cpu.clock
         request = self.requests[number - 1]
         found = rig.handed_over(len(request))

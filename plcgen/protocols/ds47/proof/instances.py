@@ -116,7 +116,7 @@ class Trio:
             if not one.db.flag("done") or status != DONE:
                 raise ScenarioError(f"instance {one.key} ends with 16#{status:04X}")
             for use in self.job.uses:
-                if self.job.poll is not None and use.writes:
+                if use.writes and use in self.job.saving:
                     continue  # it has returned to 0
                 there = held(one.drive, one.drive_object, use)
                 if use.verifies is not None:
@@ -125,6 +125,12 @@ class Trio:
                 if here != there and not (use.writes and self._shared(one)):
                     raise ScenarioError(
                         f"{use.label} is {here.hex(' ')} at instance {one.key}, {there.hex(' ')} in its drive"
+                    )
+            requests = {exchange.data[1:] for exchange in one.drive.journal if exchange.direction == "write"}
+            for request in one.values.requests(self.job, one.drive_object):
+                if request[1:] not in requests:
+                    raise ScenarioError(
+                        f"instance {one.key} does not send {request.hex(' ').upper()} (reference aside)"
                     )
             order = [exchange.direction for exchange in one.drive.journal if not exchange.status]
             if any(before == after for before, after in pairwise(order)):

@@ -54,7 +54,7 @@ def _run(rig: JobRig, drive: Drive) -> int:
         raise ScenarioError(f"with your drive it ends with 16#{status:04X}, {meaning}{_refused(rig)}")
     number = drive.behaviour.aliases.get(job.drive.drive_object, job.drive.drive_object)
     for use in job.uses:
-        if job.poll is not None and use.writes:
+        if use.writes and use in job.saving:
             continue  # it has returned to 0
         expected = held(drive, number, use)
         found = use.data if use.writes else rig.db.bytes(use.member, len(expected))

@@ -233,7 +233,7 @@ class Plant:
                 return  # somebody else has written in between
             if not answers:
                 raise ScenarioError(f"{job.key} does not send {request.hex(' ').upper()} (reference aside)")
-            answer = answers[0 if job.poll is None else -1]
+            answer = answers[0 if telegram.parts[0].use not in job.saving else -1]
             at = 4
             for part in telegram.parts if not telegram.writes else ():
                 name = f"{job.member}.{part.use.member}"

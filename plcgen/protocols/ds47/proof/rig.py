@@ -204,7 +204,8 @@ class JobRig:
         """What the spec wants to go with the request."""
         job = self.job
         number = min(telegram, len(requests))
-        once = job.once and job.telegrams[number - 1].writes
+        sent = job.telegrams[number - 1]
+        once = job.once and sent.writes and (not job.verified or sent.parts[0].use in job.saving)
         found = {"length": len(requests[number - 1]), "retries": job.retries, "timeout": job.timeout}
         found |= {"pause": job.retry_pause, "once": int(once), "pinned": int(job.pinned), "id": self.id_value}
         found |= {"requestDb": 0, "responseDb": 0, "responseSize": 0}

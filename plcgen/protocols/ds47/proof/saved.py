@@ -37,10 +37,10 @@ def check_saved(rig: JobRig, status: int, before: int | None) -> None:
         raise ScenarioError("a start that comes too soon sends something")
     if before is None:
         return
-    taken = sum(one.direction == "read" and one.data[1:2] == bytes((CHANGED,)) for one in rig.drive.journal)
+    taken = sum(answer[1:2] == bytes((CHANGED,)) for answer in _answers(rig, -2))
     if rig.saves != before + taken:
         raise ScenarioError(f"{rig.saves - before} saves were counted, the drive has taken {taken}")
-    use = rig.job.outputs[0]
+    use = rig.job.outputs[-1]
     shown = rig.db.bytes(use.member, use.count * use.format.size)
     if said is not None and shown != said:
         raise ScenarioError(f"{use.member} is {shown.hex(' ')}, the drive said {said.hex(' ')} last")
@@ -52,7 +52,7 @@ def check_held_back(jobs: Iterable[DriveJob], exchanges: Iterable[tuple[bytes, b
     ``jobs`` are those of one unit, ``exchanges`` its requests and good or bad answers, in order. Raises ScenarioError.
     """
     questions = {
-        _of(job, job.telegrams[0].request.data): _of(job, job.telegrams[-1].request.data)
+        _of(job, job.telegrams[-2].request.data): _of(job, job.telegrams[-1].request.data)
         for job in jobs
         if job.poll is not None
     }
@@ -75,9 +75,19 @@ def last_answer(rig: JobRig) -> bytes | None:
     """Wire bytes of the value in the last good answer of this run; None without one."""
     part = rig.job.telegrams[-1].parts[0]
     accepted = {part.use.format.code} | {one.code for one in (formats.generic_of(part.size),) if one is not None}
-    for exchange in reversed(rig.drive.journal):
-        data = exchange.data
-        good = exchange.direction == "read" and not exchange.status and data[1:2] == bytes((READ,))
+    for data in reversed(_answers(rig, -1)):
+        good = data[1:2] == bytes((READ,))
         if good and len(data) == rig.job.telegrams[-1].positive_length and data[4] in accepted and data[5] == 1:
             return data[6 : 6 + part.size]
     return None
+
+
+def _answers(rig: JobRig, telegram: int) -> list[bytes]:
+    """Answers of this run that were fetched behind a request like that of a telegram."""
+    wanted, asked, found = rig.requests()[telegram][1:], b"", []
+    for exchange in rig.drive.journal:
+        if exchange.direction == "write":
+            asked = exchange.data[1:] if not exchange.status else asked
+        elif not exchange.status and asked == wanted:
+            found.append(exchange.data)
+    return found

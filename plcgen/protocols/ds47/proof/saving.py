@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from plcgen.protocols.ds47.kinds import Poll
 from plcgen.protocols.ds47.plan.nouns import DriveJob
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.verifying import another
 from plcgen.protocols.ds47.proof.words import WORDS
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 
 LOST, STATE_CONFLICT, FATAL_WRITE = 0xDE80A000, 0xDE80B500, 0xDF80B000
 SLACK_SCANS = 30
 """Scans that the telegrams of a save take at most besides its questions."""
+TELEGRAM_SCANS = 15
+"""And each telegram in front of them."""
 OCCUPIED_MS = 300
 """Another job has the unit for so long: the time for the drive does not begin before its answer."""
 CLOCK_MS = 3000
@@ -25,19 +29,22 @@ def saving(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     """All of them."""
     yield from _durations(job, poll)
     yield from _questions(job, poll)
-    yield from _guard(poll)
+    yield from _guard(job, poll)
+    if job.verified:
+        yield from _deviation(job)
 
 
 def _durations(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     """The drive is fast, slow, slower than allowed."""
     wide = max(10, min(poll.limit // 10_000, (job.timeout - poll.limit - poll.interval) // 30))
-    between = poll.interval + SLACK_SCANS * wide
+    slack = SLACK_SCANS + TELEGRAM_SCANS * _before(job)
+    between = poll.interval + slack * wide
     yield DriveScenario(name="the drive saves at once", saving=0, scan=wide, took=(poll.interval, between))
     yield DriveScenario(
         name="the unit is free for a save after a while",
         saving=0,
         occupied=OCCUPIED_MS,
-        took=(OCCUPIED_MS + poll.interval, OCCUPIED_MS + poll.interval + 10 * SLACK_SCANS),
+        took=(OCCUPIED_MS + poll.interval, OCCUPIED_MS + poll.interval + 10 * slack),
         follow=False,
     )
     for name, time in (("two questions and a half", _several(poll)), ("almost the limit", poll.limit * 49 // 50)):
@@ -58,23 +65,23 @@ def _several(poll: Poll) -> int:
 
 def _questions(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     """A later question is refused, gets lost, is never answered."""
-    long = _several(poll)
+    long, before = _several(poll), _before(job)
     if long > 2 * poll.interval:
         yield DriveScenario(
             name="the drive refuses the second question",
             saving=long,
-            faults=(Fault(FaultKind.ERROR, after=2, number=0x11, position=1, words=2, info=7),),
+            faults=(Fault(FaultKind.ERROR, after=before + 2, number=0x11, position=1, words=2, info=7),),
             status=(WORDS["PARAMETER_ERROR"],),
-            telegram=2,
-            errors={(2, 1): (0x8011, 7)},
+            telegram=before + 2,
+            errors={(before + 2, 1): (0x8011, 7)},
         )
-        yield DriveScenario(name="the second question gets lost", saving=long, reads={3: LOST}, again=1)
+        yield DriveScenario(name="the second question gets lost", saving=long, reads={before + 3: LOST}, again=1)
     words = [name for name in ("RETRIES", "TIMEOUT", "NO_PLACE") if name == "RETRIES" or job.retries > 1]
     yield DriveScenario(
         name="no question is answered",
-        reads=dict.fromkeys(range(2, 20_000), STATE_CONFLICT),
+        reads=dict.fromkeys(range(before + 2, 20_000), STATE_CONFLICT),
         status=tuple(WORDS[name] for name in words),
-        telegram=2,
+        telegram=before + 2,
         answered=False,
         again=None,
         scan=50,
@@ -85,10 +92,11 @@ def _questions(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     )
 
 
-def _guard(poll: Poll) -> Iterator[DriveScenario]:
+def _guard(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     """Once in ``distance``: counted from a save that the drive has taken or may have taken, not from a refused one."""
     soon = (WORDS["TOO_SOON"],)
-    refused = Fault(FaultKind.ERROR, number=0x11, position=1, words=1)
+    save = _before(job) + 1
+    refused = Fault(FaultKind.ERROR, after=save - 1, number=0x11, position=1, words=1)
     near, far = poll.distance - 15, poll.distance + CLOCK_MS
     yield DriveScenario(name="a save before another", follow=False)
     yield DriveScenario(name="at once again", since=0, status=soon, checked=False, follow=False)
@@ -96,16 +104,28 @@ def _guard(poll: Poll) -> Iterator[DriveScenario]:
     yield DriveScenario(name="again behind the distance", since=far, follow=False)
     yield DriveScenario(
         name="a save of which nobody knows whether the drive took it",
-        reads={1: LOST}, status=(WORDS["UNKNOWN"],), telegram=1, answered=False, follow=False,
+        reads={save: LOST}, status=(WORDS["UNKNOWN"],), telegram=save, answered=False, follow=False,
     )  # fmt: skip
     yield DriveScenario(name="at once again, it may have", since=0, status=soon, checked=False, follow=False)
     for name, how in (
-        ("refuses", {"faults": (refused,), "errors": {(1, 1): (0x8011, 0)}, "status": (WORDS["PARAMETER_ERROR"],)}),
-        ("does not get", {"writes": {1: FATAL_WRITE}, "answered": False, "status": (WORDS["WRITE_ERROR"],)}),
-        ("does not know", {"reads": {1: _unknown}, "answered": False, "status": (WORDS["NOT_SUPPORTED"],)}),
+        ("refuses", {"faults": (refused,), "errors": {(save, 1): (0x8011, 0)}, "status": (WORDS["PARAMETER_ERROR"],)}),
+        ("does not get", {"writes": {save: FATAL_WRITE}, "answered": False, "status": (WORDS["WRITE_ERROR"],)}),
+        ("does not know", {"reads": {save: _unknown}, "answered": False, "status": (WORDS["NOT_SUPPORTED"],)}),
     ):
-        yield DriveScenario(name=f"a save that the drive {name}", telegram=1, follow=False, **how)
+        yield DriveScenario(name=f"a save that the drive {name}", telegram=save, follow=False, **how)
         yield DriveScenario(name=f"at once again: the drive {name} the first", since=0, follow=False)
+
+
+def _deviation(job: DriveJob) -> Iterator[DriveScenario]:
+    """What is not as written is not saved; the next start may be at once."""
+    telegram = next(one for one in job.telegrams if one.parts[0].use.verifies is not None)
+    yield replace(another(telegram, 1), follow=False)
+    yield DriveScenario(name="at once again: nothing was saved", since=0, follow=False)
+
+
+def _before(job: DriveJob) -> int:
+    """Telegrams in front of the one that saves."""
+    return len(job.telegrams) - 2
 
 
 def _unknown(answer: bytes) -> bytes:

@@ -257,7 +257,7 @@ def _record_calls(job: DriveJob) -> Iterator[DriveScenario]:
 def silence(job: DriveJob) -> tuple[int, ...]:
     """How a job may end whose drive never has an answer: what its times allow; where calls decide, either."""
     short, long = job.retries * job.retry_pause, job.retries * (job.retry_pause + CALLS_MS)
-    if job.once:
+    if job.once and not job.verified:
         found = ["RETRIES"] if short <= job.timeout / 3 + job.retry_pause else []
         found += ["UNKNOWN"] if long + CALLS_MS >= job.timeout / 3 else []
         found += ["TIMEOUT", "NO_PLACE"] if (job.retry_pause + CALLS_MS) * 2 >= job.timeout / 3 else []

@@ -26,6 +26,7 @@ def verifying(job: DriveJob) -> Iterator[DriveScenario]:
     for telegram in telegrams:
         for place, part in enumerate(telegram.parts, 1):
             yield from _each(job, telegram, place, part)
+        yield from _near_zero(job, telegram)
     for telegram in dict.fromkeys((telegrams[0], telegrams[-1])):
         for place in positions(telegram):
             yield from _one_octet(telegram, place)
@@ -36,13 +37,39 @@ def verifying(job: DriveJob) -> Iterator[DriveScenario]:
 
 def _each(job: DriveJob, telegram: DriveTelegram, place: int, part: Part) -> Iterator[DriveScenario]:
     """The first and last value of every parameter, and of every piece that was sent apart."""
-    written = [one for sent in job.telegrams for one in sent.parts if one.use is part.use.verifies]
-    starts = {max(one.start - part.start, 0) for one in written if one.start < part.start + part.count}
+    starts = _pieces(job, part)
     ends = {start - 1 for start in starts if start} | {part.count - 1}
-    for at in sorted(starts | ends):
+    for at in sorted({*starts, *ends}):
         name = f"the drive keeps another value {at} of parameter {place} of telegram {telegram.number}"
         keeps = {part.use.parameter.pnu: _other(part, at, 0)}
         yield replace(_deviates(name, telegram, {place: at}, keeps=keeps), follow=False)
+
+
+def _pieces(job: DriveJob, part: Part) -> list[int]:
+    """Where in a part that is read begins what one telegram has written."""
+    written = [one for sent in job.telegrams for one in sent.parts if one.use is part.use.verifies]
+    return sorted({max(one.start - part.start, 0) for one in written if one.start < part.start + part.count})
+
+
+def _near_zero(job: DriveJob, telegram: DriveTelegram) -> Iterator[DriveScenario]:
+    """In every piece a number in floating point, zero in one of the sets, is two units of the last place away."""
+    floats = [(n, part) for n, part in enumerate(telegram.parts, 1) if part.use.format.kind is FormatKind.FLOAT]
+    pieces = [(place, part, _pieces(job, part)) for place, part in floats]
+    for number in range(max((len(starts) for _, _, starts in pieces), default=0)):
+        found = [(place, part, starts[number]) for place, part, starts in pieces if number < len(starts)]
+        keeps: dict[int, Keeps] = {}
+        for pnu in {part.use.parameter.pnu for _, part, _ in found}:
+            own = [(part, at) for _, part, at in found if part.use.parameter.pnu == pnu]
+            keeps[pnu] = _only({_index(part, at) for part, at in own}, _moved(own[0][0].use, 2))
+        places = {place: at for place, _, at in found}
+        for turn in range(1, VALUE_SETS + 1):
+            name = f"piece {number + 1} of telegram {telegram.number} is near to what was sent, set {turn}"
+            yield replace(_deviates(name, telegram, places, keeps=keeps, values="odd"), follow=False)
+
+
+def _only(indexes: set[int], keeps: Keeps) -> Keeps:
+    """Values of some indexes alone."""
+    return lambda index, value: keeps(index, value) if index in indexes else value
 
 
 def _one_octet(telegram: DriveTelegram, place: int) -> Iterator[DriveScenario]:
@@ -58,6 +85,13 @@ def _one_octet(telegram: DriveTelegram, place: int) -> Iterator[DriveScenario]:
     yield _deviates(name, telegram, {place: 0}, meanwhile=keeps)
     name = f"parameter {place} of telegram {telegram.number} is another one, in a format 41h to 43h"
     yield _deviates(name, telegram, {place: 0}, keeps=keeps, generic=True)
+
+
+def another(telegram: DriveTelegram, place: int) -> DriveScenario:
+    """The drive keeps another first value of a parameter."""
+    part = telegram.parts[place - 1]
+    name = f"the drive keeps another first value of parameter {place} of telegram {telegram.number}"
+    return _deviates(name, telegram, {place: 0}, keeps={part.use.parameter.pnu: _other(part, 0, 0)})
 
 
 def _several(job: DriveJob, telegram: DriveTelegram) -> Iterator[DriveScenario]:

@@ -43,8 +43,9 @@ def texts(plan: DrivePlan) -> Iterator[tuple[SpecPath, dict[str, str]]]:
         yield (*drive.path, "comment"), drive.comment
     for job in plan.shapes:
         yield (*job.path, "comment"), job.comment
-        for use in job.uses if job.poll is None else ():  # that of a save is not the spec's
-            yield (*use.path, "comment"), use.comment
+        for use in job.uses:
+            if use not in job.saving:  # that of a save is not the spec's
+                yield (*use.path, "comment"), use.comment
 
 
 def plain(plan: DrivePlan) -> Iterator[tuple[SpecPath, str]]:

@@ -32,7 +32,7 @@ def member_span(plan: DrivePlan, use: Use) -> Span:
 def spelling(plan: DrivePlan, job: DriveJob, use: Use) -> str:
     """Quote the parameter as the spec writes it."""
     items = _items(plan, job)
-    return items[use.position - 1].parameter if items else ""
+    return items[use.position - 1].parameter if use.position <= len(items) else ""
 
 
 def given_start(plan: DrivePlan, job: DriveJob, use: Use) -> bool:

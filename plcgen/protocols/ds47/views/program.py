@@ -75,8 +75,11 @@ def title(plan: DrivePlan, job: DriveJob) -> str:
     """One-line title of a job."""
     verb = job.kind.capitalize() + (" and read back" if job.verified else "")
     uses = [use for use in job.uses if use.poll is None and use.verifies is None]
+    then = ""
+    if job.verified and job.poll is not None:
+        uses, then = uses[:-1], ", then save"
     labels = ", ".join(use.label for use in uses[:4]) + (", .." if len(uses) > 4 else "")
-    return clean_title(comment_text(job.comment, plan.languages, plan.target, f"{verb} {labels}"))
+    return clean_title(comment_text(job.comment, plan.languages, plan.target, f"{verb} {labels}{then}"))
 
 
 def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
@@ -143,13 +146,16 @@ def _verify(job: DriveJob) -> dict[str, Any]:
 
 
 def _comparisons(job: DriveJob, answer: DriveTelegram) -> Iterator[dict[str, Any]]:
-    """The values of an answer that one request has sent: where both begin, how many of which size."""
+    """The values of an answer that one request has sent: where both begin, how many of which size.
+
+    ``opens``: the first ones of their parameter.
+    """
     asked = [(telegram, field) for telegram in job.telegrams if telegram.writes for field in telegram.request.fields]
     blocks = {id(part): number for number, part in enumerate(answer.parts, 1)}
     for came in answer.response.fields:
         if came.role != "value" or came.part is None:
             continue
-        found, size = came.part, came.part.use.format.size
+        found, size, opens = came.part, came.part.use.format.size, True
         for telegram, sent in asked:
             if sent.role != "value" or sent.part is None or sent.part.use is not found.use.verifies:
                 continue
@@ -158,6 +164,7 @@ def _comparisons(job: DriveJob, answer: DriveTelegram) -> Iterator[dict[str, Any
             if count > 0:
                 yield {
                     "label": found.use.label,
+                    "opens": opens,
                     "block": blocks[id(found)],
                     "request": f"statRequest{_suffix(job, telegram)}",
                     "sent": sent.offset + (start - sent.part.start) * size,
@@ -168,6 +175,7 @@ def _comparisons(job: DriveJob, answer: DriveTelegram) -> Iterator[dict[str, Any
                     "float": found.use.format.kind is FormatKind.FLOAT,
                     "zero": _may_be_zero(sent.part.use, start, count),
                 }
+                opens = False
 
 
 def _may_be_zero(use: Use, start: int, count: int) -> bool:
@@ -239,6 +247,8 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
     return {
         "index": telegram.number,
         "writes": telegram.writes,
+        "saves": telegram.writes and telegram.parts[0].use in job.saving,
+        "asks": telegram.parts[0].use.poll is not None,
         "suffix": _suffix(job, telegram),
         "request_type": telegram.request.type.name,
         "response_type": telegram.response.type.name,
