@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -22,6 +24,35 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if PROOF in item.path.parents:
             item.add_marker(pytest.mark.slow)
+
+
+LARGEST = 200_000
+"""Characters of a JSON result beyond which nobody looks at its shape: a run of thousands of scans takes minutes."""
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _results_have_their_shape() -> Iterator[None]:
+    """Every JSON result of every test is what ``plcgen schema output`` says."""
+    from plcgen.output.registry import OutputFormat
+
+    render, known = OutputFormat.render, []
+
+    def checked(self: OutputFormat, kind: str, result: Any, view: Any) -> str:
+        text = render(self, kind, result, view)
+        if self.name == "json" and len(text) <= LARGEST:
+            if not known:
+                from jsonschema import Draft202012Validator
+
+                from plcgen.output.shapes import output_schema
+
+                known.append(Draft202012Validator(output_schema()))
+            wrong = [f"{list(one.absolute_path)}: {one.message}" for one in known[0].iter_errors(json.loads(text))]
+            assert not wrong, wrong[:5]
+        return text
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(OutputFormat, "render", checked)
+        yield
 
 
 @pytest.fixture

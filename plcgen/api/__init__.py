@@ -17,10 +17,10 @@ if TYPE_CHECKING:
         default_folder,
         generate,
         review,
-        schema,
         simulate,
         verify,
     )
+    from plcgen.api.schemas import schema
     from plcgen.api.sources import (
         SPEC_SUFFIXES,
         ConvertResult,
@@ -82,6 +82,8 @@ _TELEGRAMS = frozenset(
     {"EncodeResult", "EncodedTelegram", "decode", "decode_status", "encode", "encode_read", "encode_write", "explain"}
 )
 
+_ELSEWHERE = {"LayoutResult": "plcgen.review.layout.tables", "schema": "plcgen.api.schemas"}
+
 
 def __getattr__(name: str) -> Any:
     """Import a name of the API when it is first used: a verb starts without the modules of the others."""
@@ -89,12 +91,8 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
-    module = (
-        "plcgen.review.layout.tables"
-        if name == "LayoutResult"
-        else f"{__name__}.{'sources' if name in _SOURCES else 'telegrams' if name in _TELEGRAMS else 'project'}"
-    )
-    found = globals()[name] = getattr(import_module(module), name)
+    module = f"{__name__}.{'sources' if name in _SOURCES else 'telegrams' if name in _TELEGRAMS else 'project'}"
+    found = globals()[name] = getattr(import_module(_ELSEWHERE.get(name, module)), name)
     return found
 
 

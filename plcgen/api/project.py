@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
 
@@ -317,11 +317,3 @@ def review(
 
     own = Path(lock) if lock is not None else None
     return collect(ReviewRequest(Path(spec), _folder(spec, folder), against, faults, fault, own), progress)
-
-
-def schema() -> dict[str, Any]:
-    """JSON schema of a spec, for editors."""
-    from plcgen.project.shape import json_schema
-    from plcgen.protocols.registry import protocols
-
-    return json_schema(protocols())

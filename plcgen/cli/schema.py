@@ -1,9 +1,9 @@
-"""``plcgen schema``: the shape of a spec and the devices it may name."""
+"""``plcgen schema``: the shapes of files and results, and the devices that a spec may name."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,25 +14,41 @@ if TYPE_CHECKING:
     from plcgen.display.results import Answer
     from plcgen.output.registry import OutputFormat
 
+KINDS = ("spec", "drive", "station", "profile", "policy", "lock", "config", "output")
+
 
 @verb(
     "schema",
     "plcgen schema --output plcgen.schema.json",
+    "plcgen schema output",
     "plcgen schema --devices",
 )
+@click.argument("kind", type=click.Choice(KINDS), default="spec")
 @click.option("--devices", is_flag=True, help="List the device profiles instead.")
 @format_option("answer")
 @output_option
-def command(*, devices: bool, format_: OutputFormat, output: Path | None) -> int:
-    """Print the JSON schema of a spec for your editor, or the known devices."""
+def command(*, kind: str, devices: bool, format_: OutputFormat, output: Path | None) -> int:
+    """Print a JSON schema for editors and programs, or the known devices.
+
+    Of a spec if nothing else is named; or of a drive file, station file, device profile, policy, lock, plcgen.toml
+    (config), or of what --format json writes (output).
+    """
     out = console()
     if devices:
         return out.answer(format_, _devices(), output)
     from plcgen import api
     from plcgen.display.data import dump
 
-    out.result(dump(api.schema()), output)
+    out.result(dump(_config() if kind == "config" else api.schema(kind)), output)
     return OK
+
+
+def _config() -> dict[str, Any]:
+    from plcgen.api.schemas import VERSION
+    from plcgen.cli.config import Config
+    from plcgen.project.editor import file_schema
+
+    return file_schema("config", VERSION, "plcgen.toml: the defaults of a repository.", Config)
 
 
 def _devices() -> Answer:

@@ -1,4 +1,4 @@
-"""The JSON schema of a spec as an editor needs it: what the tool reads, in the spelling of a file.
+"""JSON schemas of files as an editor needs them: what the tool reads, in the spelling of a file.
 
 pydantic describes what stands in memory. In a file an integer may be ``16#B02E``, which is a text to every YAML reader
 but ours, and a duration has a unit, its default value too.
@@ -8,6 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import Any
+
+from pydantic import BaseModel
+from pydantic.json_schema import GenerateJsonSchema, JsonSchemaWarningKind
 
 S7_NUMBER = "^((B|W|DW|L|BYTE|WORD|DWORD)#)?(16#[0-9A-Fa-f_]+|8#[0-7_]+|2#[01_]+)$"
 """Numbers in the spelling of STEP 7, see ``plcgen.input.yaml``."""
@@ -58,3 +61,24 @@ def _number(schema: dict[str, Any]) -> dict[str, Any]:
         return schema
     number = {key: schema.pop(key) for key in ("type", "minimum", "maximum") if key in schema}
     return {**schema, "anyOf": [number, {"type": "string", "pattern": S7_NUMBER}]}
+
+
+class _Quiet(GenerateJsonSchema):
+    """Says nothing about defaults that are bytes: a file writes hexadecimal digits."""
+
+    def emit_warning(self, kind: JsonSchemaWarningKind, detail: str) -> None:
+        """Every other kind is told."""
+        if kind != "non-serializable-default":
+            super().emit_warning(kind, detail)
+
+
+def file_schema(kind: str, version: int, description: str, *models: type[BaseModel]) -> dict[str, Any]:
+    """JSON schema (draft 2020-12) of a kind of file for editors; with two models the second one has ``stations``."""
+    found = [model.model_json_schema(by_alias=True, schema_generator=_Quiet) for model in models]
+    parts = {name: part for each in found for name, part in each.pop("$defs", {}).items()}
+    body = found[0]
+    if len(found) > 1:
+        body = {"type": "object", "if": {"required": ["stations"]}, "then": found[1], "else": found[0]}
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": f"urn:plcgen:{kind}:{version}"}
+    more = {"$defs": parts} if parts else {}
+    return {**head, "title": f"plcgen {kind}", **in_a_file({**body, **more}), "description": description}

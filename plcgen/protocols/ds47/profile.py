@@ -15,6 +15,7 @@ from pydantic import (
     ValidationError,
     ValidationInfo,
     ValidatorFunctionWrapHandler,
+    WithJsonSchema,
     field_validator,
 )
 
@@ -70,11 +71,14 @@ def _any(allowed: object) -> object:
     return None if allowed == "any" else allowed
 
 
+_ALLOWED = {"anyOf": [{"const": "any"}, {"type": "array", "items": {"type": "integer", "minimum": 0, "maximum": 255}}]}
+
+
 class DriveObjects(StrictModel):
     """Numbers of drive objects (axes)."""
 
     default: DriveObject = Field(description="the one a drive has if the spec says nothing")
-    allowed: Annotated[tuple[DriveObject, ...] | None, BeforeValidator(_any)] = Field(
+    allowed: Annotated[tuple[DriveObject, ...] | None, BeforeValidator(_any), WithJsonSchema(_ALLOWED)] = Field(
         None, description="any, or a list of numbers"
     )
     rule: Line = Field("see the manual", description="how to find the number, for a message")

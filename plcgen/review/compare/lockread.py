@@ -9,9 +9,9 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, PlainValidator
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, PlainValidator, WithJsonSchema
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
 from plcgen.input.text import read_text
@@ -95,9 +95,12 @@ def _block_key(key: str) -> str:
     return key
 
 
+_MEMBER = {"type": "string", "maxLength": _LONGEST, "description": "offset, size, type, start value"}
 Number = Annotated[int, BeforeValidator(_number), Field(le=0xFFFF_FFFF)]
 Texts = dict[str, str]
-Members = Annotated[dict[str, Annotated[_Line, PlainValidator(_line)]], Field(default_factory=dict)]
+Members = Annotated[
+    dict[str, Annotated[_Line, PlainValidator(_line), WithJsonSchema(_MEMBER)]], Field(default_factory=dict)
+]
 
 
 class _Drive(StrictModel):
@@ -174,6 +177,28 @@ def _as_text(root: YamlNode) -> YamlNode:
 
 
 _LOCK = FileShape(_Lock, "the lock", "a lock is a mapping", prepare=_as_text)
+
+
+def lock_schema() -> dict[str, Any]:
+    """JSON schema of a lock for programs that read its YAML: every text may be a scalar of another type there."""
+    found = _scalars(_Lock.model_json_schema(by_alias=True))
+    found["properties"]["format"] = {"const": FORMAT}
+    found["properties"]["blocks"]["propertyNames"] = {"pattern": f"^({'|'.join(_KINDS)}) ."}
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": f"urn:plcgen:lock:{FORMAT}"}
+    text = "Layouts, telegrams and interfaces as they were released; plcgen lock writes it."
+    return {**head, **found, "title": "plcgen lock", "description": text}
+
+
+def _scalars(schema: Any) -> Any:
+    """Texts as YAML reads them, and without titles that repeat their keys."""
+    if isinstance(schema, list):
+        return [_scalars(each) for each in schema]
+    if not isinstance(schema, dict):
+        return schema
+    found = {key: _scalars(value) for key, value in schema.items() if key != "title" or not isinstance(value, str)}
+    if found.get("type") == "string":
+        found["type"] = ["string", "number", "boolean", "null"]
+    return {"enum": ["false", False]} if found.get("const") == "false" else found
 
 
 def read_lock(path: Path) -> Lock:

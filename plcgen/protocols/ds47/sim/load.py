@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, PlainValidator, ValidationInfo, field_validator
+from pydantic import BeforeValidator, Field, PlainValidator, ValidationInfo, WithJsonSchema, field_validator
 
 from plcgen.input.validation import FileShape, Octets, Problems, StrictModel, load_document, problem, unique
 from plcgen.protocols.ds47 import guards
@@ -41,19 +41,42 @@ def _object_number(key: object) -> object:
 class BehaviourKeys(StrictModel):
     """Key ``behaviour``: see ``Behaviour``."""
 
-    error_words: Literal[1, 2] = _BEHAVIOUR.error_words
-    answer_format: Literal["exact", "size"] = _BEHAVIOUR.answer_format
-    record_indexes: tuple[Word, ...] = _BEHAVIOUR.record_indexes
-    aliases: dict[Annotated[int, BeforeValidator(_object_number)], Byte] = Field(default_factory=dict)
-    local_object: Byte | None = None
-    max_parameters: int = Field(_BEHAVIOUR.max_parameters, ge=1, le=255)
-    max_elements: int = Field(_BEHAVIOUR.max_elements, ge=1, le=255)
-    record_limit: int = Field(_BEHAVIOUR.record_limit, ge=10, le=65535)
-    multi_supported: bool = _BEHAVIOUR.multi_supported
-    attributes: tuple[Byte, ...] = tuple(sorted(_BEHAVIOUR.attributes))
-    strict_length: bool = _BEHAVIOUR.strict_length
-    error_table: Table = _BEHAVIOUR.error_table
-    processing: Count = _BEHAVIOUR.processing
+    error_words: Literal[1, 2] = Field(
+        _BEHAVIOUR.error_words, description="words in an error block; 1 leaves the information word out"
+    )
+    answer_format: Literal["exact", "size"] = Field(
+        _BEHAVIOUR.answer_format, description="size answers reads with 41h, 42h, 43h where the type has 1, 2 or 4 bytes"
+    )
+    record_indexes: tuple[Word, ...] = Field(
+        _BEHAVIOUR.record_indexes, description="data records that carry DS47; others end with B0h"
+    )
+    aliases: dict[Annotated[int, BeforeValidator(_object_number)], Byte] = Field(
+        default_factory=dict, description="further drive object numbers and the object each one means"
+    )
+    local_object: Byte | None = Field(
+        None, description="object that record B02Eh addresses, whatever the request's byte says"
+    )
+    max_parameters: int = Field(
+        _BEHAVIOUR.max_parameters, ge=1, le=255, description="more parameters in one request: error 22h"
+    )
+    max_elements: int = Field(_BEHAVIOUR.max_elements, ge=1, le=255, description="more elements: error 16h")
+    record_limit: int = Field(
+        _BEHAVIOUR.record_limit,
+        ge=10,
+        le=65535,
+        description="longest request (B1h) and longest response (15h) in bytes",
+    )
+    multi_supported: bool = Field(_BEHAVIOUR.multi_supported, description="false: more than one parameter is error 23h")
+    attributes: tuple[Byte, ...] = Field(
+        tuple(sorted(_BEHAVIOUR.attributes)), description="supported attributes; others are error 16h"
+    )
+    strict_length: bool = Field(
+        _BEHAVIOUR.strict_length, description="a request longer or shorter than its contents: 18h, nothing is written"
+    )
+    error_table: Table = Field(
+        _BEHAVIOUR.error_table, description="profidrive answers a state's limit with 02h instead of C8h or C9h"
+    )
+    processing: Count = Field(_BEHAVIOUR.processing, description="milliseconds until the response is available")
 
     def behaviour(self) -> Behaviour:
         """Build the behaviour."""
@@ -68,6 +91,11 @@ def _format(name: object) -> Format:
         pass
     known = ", ".join(item.name for item in formats.FORMATS if item.writable)
     raise problem(f'"{name}" is no data type', help_=f"types: {known}")
+
+
+_TYPES: dict[str, Any] = {
+    "anyOf": [{"enum": [each.name for each in formats.FORMATS if each.writable]}, {"type": "string"}]
+}
 
 
 def _value(fmt: Format, value: Any) -> Value:
@@ -87,8 +115,8 @@ def _value(fmt: Format, value: Any) -> Value:
 class LimitsKeys(StrictModel):
     """Keys ``low`` and ``high``."""
 
-    low: float | None = None
-    high: float | None = None
+    low: float | None = Field(None, description="lower limit")
+    high: float | None = Field(None, description="upper limit")
 
     def limits(self) -> ValueLimits:
         """Build the limits."""
@@ -98,10 +126,10 @@ class LimitsKeys(StrictModel):
 class Refusal(StrictModel):
     """One entry of ``refuse``."""
 
-    error: Byte
-    while_: tuple[str, ...] = Field((), alias="while")
-    unless: tuple[str, ...] = Field((), validate_default=True)
-    read: bool = False
+    error: Byte = Field(description="error number of the answer")
+    while_: tuple[str, ...] = Field((), alias="while", description="states in which it is refused")
+    unless: tuple[str, ...] = Field((), validate_default=True, description="states in which it is not refused")
+    read: bool = Field(default=False, description="true refuses reads too")
 
     @field_validator("unless")
     @classmethod
@@ -118,25 +146,35 @@ class Refusal(StrictModel):
 class ParameterKeys(StrictModel):
     """One entry of ``parameters``."""
 
-    pnu: int = Field(ge=1, le=65535)
-    type: Annotated[Format, PlainValidator(_format)]
-    name: str = ""
-    value: Any = None
-    values: tuple[Any, ...] | None = Field(None, validate_default=True)
-    array: bool | None = None
-    low: float | None = None
-    high: float | None = None
-    state_limits: dict[str, LimitsKeys] = Field(default_factory=dict)
-    read_only: bool = False
-    reset_only: bool = False
-    allowed: tuple[Any, ...] = ()
-    refuse: tuple[Refusal, ...] = ()
-    texts: tuple[str, ...] = ()
-    described: bool = True
-    clears_after: Count | None = None
-    saves: Literal["object", "unit"] | None = None
-    step: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
-    clips: bool = False
+    pnu: int = Field(ge=1, le=65535, description="parameter number")
+    type: Annotated[Format, PlainValidator(_format), WithJsonSchema(_TYPES)] = Field(
+        description="data type, for example FloatingPoint, Unsigned16, VisibleString"
+    )
+    name: str = Field("", description="name in the parameter description")
+    value: Any = Field(None, description="the value; octets as hexadecimal text")
+    values: tuple[Any, ...] | None = Field(
+        None, validate_default=True, description="one value for each element of the array"
+    )
+    array: bool | None = Field(None, description="whether the parameter is indexed; true by default with values")
+    low: float | None = Field(None, description="lower limit: 02h")
+    high: float | None = Field(None, description="upper limit: 02h")
+    state_limits: dict[str, LimitsKeys] = Field(
+        default_factory=dict, description="narrower limits in a state: C8h, C9h"
+    )
+    read_only: bool = Field(default=False, description="every write is refused: 01h")
+    reset_only: bool = Field(default=False, description="06h for any value but 0")
+    allowed: tuple[Any, ...] = Field((), description="the only values taken: 14h")
+    refuse: tuple[Refusal, ...] = Field((), description="what is refused, and in which states")
+    texts: tuple[str, ...] = Field((), description="texts of attribute 30h, 16 characters each")
+    described: bool = Field(default=True, description="false: attribute 20h answers 09h")
+    clears_after: Count | None = Field(None, description="ms after which a value that was set returns to 0")
+    saves: Literal["object", "unit"] | None = Field(
+        None, description="what setting the parameter saves; changes are refused (11h) meanwhile"
+    )
+    step: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = Field(
+        None, description="a value that is written becomes a multiple of it"
+    )
+    clips: bool = Field(default=False, description="a value beyond the limits becomes the limit, without an error")
 
     @field_validator("value", "low", "high")
     @classmethod
@@ -221,9 +259,11 @@ class ParameterKeys(StrictModel):
 class ObjectKeys(StrictModel):
     """One entry of ``objects``."""
 
-    number: Byte
-    state: str = READY
-    parameters: Annotated[tuple[ParameterKeys, ...], unique("pnu", "parameter {} appears twice")] = ()
+    number: Byte = Field(description="drive object number")
+    state: str = Field(READY, description="operating state")
+    parameters: Annotated[tuple[ParameterKeys, ...], unique("pnu", "parameter {} appears twice")] = Field(
+        (), description="its parameters"
+    )
 
     def drive_object(self) -> DriveObject:
         """Build the drive object."""
@@ -233,19 +273,23 @@ class ObjectKeys(StrictModel):
 class FaultKeys(StrictModel):
     """One fault: see ``Fault``."""
 
-    kind: Annotated[FaultKind, Field(strict=False)]
-    times: Annotated[int, Field(ge=1, le=1_000_000)] | Literal["forever"] = 1
-    after: Count = _FAULT.after
-    call: Literal["read", "write"] = _FAULT.call
-    status: Annotated[int, Field(ge=1, le=0xFFFFFFFF)] | None = Field(None, validate_default=True)
-    code: Byte = _FAULT.code
-    milliseconds: int = Field(_FAULT.milliseconds, ge=0, le=10_000_000)
-    value: Byte | None = None
-    data: Octets = _FAULT.data
-    number: Word = _FAULT.number
-    position: Byte = _FAULT.position
-    words: Literal[1, 2] = _FAULT.words
-    info: Word = _FAULT.info
+    kind: Annotated[FaultKind, Field(strict=False)] = Field(description="what goes wrong")
+    times: Annotated[int, Field(ge=1, le=1_000_000)] | Literal["forever"] = Field(1, description="how often it strikes")
+    after: Count = Field(_FAULT.after, description="how many occasions it lets pass first")
+    call: Literal["read", "write"] = Field(_FAULT.call, description="read means RDREC, write WRREC")
+    status: Annotated[int, Field(ge=1, le=0xFFFFFFFF)] | None = Field(
+        None, validate_default=True, description="STATUS with which the call ends"
+    )
+    code: Byte = Field(_FAULT.code, description="error code of the call")
+    milliseconds: int = Field(
+        _FAULT.milliseconds, ge=0, le=10_000_000, description="how much longer the response takes"
+    )
+    value: Byte | None = Field(None, description="the wrong byte, or how many bytes of the response come")
+    data: Octets = Field(_FAULT.data, description="other bytes instead of a response, hexadecimal")
+    number: Word = Field(_FAULT.number, description="error number of the parameter")
+    position: Byte = Field(_FAULT.position, description="which parameter fails; 0: the whole request")
+    words: Literal[1, 2] = Field(_FAULT.words, description="words of the error block")
+    info: Word = Field(_FAULT.info, description="its information word")
 
     @field_validator("status")
     @classmethod
@@ -263,9 +307,9 @@ class FaultKeys(StrictModel):
 class DriveKeys(StrictModel):
     """A drive file."""
 
-    behaviour: BehaviourKeys = BehaviourKeys()
+    behaviour: BehaviourKeys = Field(BehaviourKeys(), description="how the drive answers")
     objects: Annotated[tuple[ObjectKeys, ...], unique("number", "drive object {} appears twice")] = Field(min_length=1)
-    faults: tuple[FaultKeys, ...] = ()
+    faults: tuple[FaultKeys, ...] = Field((), description="what goes wrong")
 
     def drive(self) -> Drive:
         """Build the drive."""

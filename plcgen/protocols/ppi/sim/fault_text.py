@@ -19,16 +19,18 @@ _FOR_EVER = ("always", "forever")
 class FaultKeys(StrictModel):
     """One fault: see ``Fault``."""
 
-    kind: Annotated[FaultKind, Field(strict=False)]
-    times: Annotated[int, Field(ge=1, le=MOST)] | Literal["once", "always", "forever"] = 1
-    after: int = Field(_FAULT.after, ge=0, le=MOST)
-    at: At = _FAULT.at
-    station: int | None = Field(None, ge=0, le=126)
-    value: int | None = Field(None, ge=0, le=0xFFFF)
-    milliseconds: int = Field(_FAULT.milliseconds, ge=0, le=MOST)
-    data: Octets = _FAULT.data
-    item: int = Field(_FAULT.item, ge=1, le=19)
-    code: int | None = Field(None, ge=1, le=0xFFFF)
+    kind: Annotated[FaultKind, Field(strict=False)] = Field(description="what goes wrong")
+    times: Annotated[int, Field(ge=1, le=MOST)] | Literal["once", "always", "forever"] = Field(
+        1, description="how often it strikes"
+    )
+    after: int = Field(_FAULT.after, ge=0, le=MOST, description="how many occasions pass first")
+    at: At = Field(_FAULT.at, description="the frame whose answer is damaged")
+    station: int | None = Field(None, ge=0, le=126, description="this address only")
+    value: int | None = Field(None, ge=0, le=0xFFFF, description="the wrong value; see the kind")
+    milliseconds: int = Field(_FAULT.milliseconds, ge=0, le=MOST, description="how much later the answer comes")
+    data: Octets = Field(_FAULT.data, description="other bytes, hexadecimal")
+    item: int = Field(_FAULT.item, ge=1, le=19, description="which item is refused")
+    code: int | None = Field(None, ge=1, le=0xFFFF, description="return code of the item, or error of the header")
 
     @field_validator("code")
     @classmethod

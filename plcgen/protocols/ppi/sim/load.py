@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, field_validator
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema, field_validator
 from pydantic_core import PydanticCustomError
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
@@ -106,6 +106,9 @@ def _cpu(name: object) -> str:
     return text
 
 
+_CPUS: dict[str, Any] = {"anyOf": [{"enum": list(profiles())}, {"type": ["string", "integer"]}]}
+
+
 def _type(text: str) -> str:
     if len(text) > 20 or not text.isascii():
         raise problem("a type is at most 20 ASCII characters")
@@ -138,8 +141,10 @@ def _check_value(memory: StationMemory, name: str, address: str, value: Any) -> 
 class Password(StrictModel):
     """Key ``password``: what needs one."""
 
-    level: int = Field(1, ge=1, le=4)
-    protects: tuple[Annotated[Service, Field(strict=False)], ...] | None = None
+    level: int = Field(1, ge=1, le=4, description="2 to 4 refuse forcing, and writing outputs in STOP, with D602h")
+    protects: tuple[Annotated[Service, Field(strict=False)], ...] | None = Field(
+        None, description="the services that are refused"
+    )
 
     def services(self) -> frozenset[Service]:
         """Services that are refused."""
@@ -149,19 +154,27 @@ class Password(StrictModel):
 class StationKeys(StrictModel):
     """One station."""
 
-    cpu: Annotated[str, BeforeValidator(_cpu)] = FIRST_CPU
-    address: int = Field(FIRST_ADDRESS, ge=0, le=126)
-    mode: Annotated[Mode, Field(strict=False)] = Mode.RUN
-    switch: Annotated[Switch, Field(strict=False)] = Switch.TERM
-    type: Annotated[str, AfterValidator(_type)] | None = None
-    pdu: int = Field(PDU_LIMIT, ge=LEAST_PDU, le=PDU_LIMIT)
-    not_ready: int = Field(0, ge=0, le=MOST)
-    frame_count: FrameCountRule = "standard"
-    password: Password = Password()
-    write_inputs: bool = True
-    experimental: bool = False
-    symbols: dict[str, Any] = Field(default_factory=dict)
-    values: dict[str, Any] = Field(default_factory=dict)
+    cpu: Annotated[str, BeforeValidator(_cpu), WithJsonSchema(_CPUS)] = Field(
+        FIRST_CPU, description="decides the sizes of the areas and the text of SYS"
+    )
+    address: int = Field(FIRST_ADDRESS, ge=0, le=126, description="address on the line")
+    mode: Annotated[Mode, Field(strict=False)] = Field(Mode.RUN, description="operating mode")
+    switch: Annotated[Switch, Field(strict=False)] = Field(
+        Switch.TERM, description="RUN from outside is refused with 8001h while the switch is in STOP"
+    )
+    type: Annotated[str, AfterValidator(_type)] | None = Field(None, description="the first 20 bytes of SYS, ASCII")
+    pdu: int = Field(
+        PDU_LIMIT, ge=LEAST_PDU, le=PDU_LIMIT, description="longest PDU; a master may negotiate a shorter one"
+    )
+    not_ready: int = Field(0, ge=0, le=MOST, description="polls of every request that get E5 before the answer")
+    frame_count: FrameCountRule = Field("standard", description="what a repeated frame count bit means")
+    password: Password = Field(Password(), description="what needs a password")
+    write_inputs: bool = Field(default=True, description="false refuses writes to I with 03")
+    experimental: bool = Field(
+        default=False, description="true executes force, unforce and writing of T and C, which no capture confirms"
+    )
+    symbols: dict[str, Any] = Field(default_factory=dict, description="names of addresses")
+    values: dict[str, Any] = Field(default_factory=dict, description="values by address or symbol")
 
     @field_validator("symbols")
     @classmethod
@@ -226,7 +239,7 @@ def _name_stations(faults: tuple[FaultKeys, ...], known: Iterable[int]) -> tuple
 class SingleKeys(StationKeys):
     """A file with one station."""
 
-    faults: tuple[FaultKeys, ...] = ()
+    faults: tuple[FaultKeys, ...] = Field((), description="what goes wrong on the line")
 
     @field_validator("faults")
     @classmethod
@@ -244,7 +257,7 @@ class BusKeys(StrictModel):
     stations: Annotated[
         tuple[StationKeys, ...], unique("address", "two stations have the address {}", FIRST_ADDRESS)
     ] = Field(min_length=1)
-    faults: tuple[FaultKeys, ...] = ()
+    faults: tuple[FaultKeys, ...] = Field((), description="what goes wrong on the line")
 
     @field_validator("faults")
     @classmethod
