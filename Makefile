@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test fast coverage lint bench engine mutate deletions examples example-diff docs pictures lock clean
+.PHONY: demo test fast coverage lint bench engine mutate deletions examples example-diff docs site pictures lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -63,6 +63,12 @@ example-diff: $(READY)
 docs: $(READY)
 	$(BIN)/python -m plcgen.diagnostics.pages docs/codes
 
+# The documentation as a site, in the folder site; MkDocs has an environment of its own.
+SITE := .venv-site/bin
+site:
+	@test -x $(SITE)/mkdocs || { $(PYTHON) -m venv .venv-site && $(SITE)/pip install --quiet --disable-pip-version-check ".[site]"; }
+	NO_MKDOCS_2_WARNING=1 $(SITE)/mkdocs build --strict --quiet
+
 # Screenshots of review pages for the documentation; needs Chromium.
 pictures: $(READY)
 	PYTHONPATH=tests $(BIN)/python tests/docs/make_pictures.py
@@ -80,4 +86,4 @@ $(READY): requirements.lock pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf .venv .venv-* .coverage .demo .examples build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf .venv .venv-* site .coverage .demo .examples build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

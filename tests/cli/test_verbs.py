@@ -404,7 +404,7 @@ def test_devices(plcgen):
 
 def test_schema(plcgen, monkeypatch):
     """The schema goes to stdout as it is."""
-    monkeypatch.setattr(plcgen_api, "schema", lambda: {"title": "plcgen job spec"})
+    monkeypatch.setattr(plcgen_api, "schema", lambda kind: {"title": f"plcgen job {kind}"})
     assert json.loads(plcgen("schema").out) == {"title": "plcgen job spec"}
 
 

@@ -239,7 +239,7 @@ def _name_stations(faults: tuple[FaultKeys, ...], known: Iterable[int]) -> tuple
 class SingleKeys(StationKeys):
     """A file with one station."""
 
-    faults: tuple[FaultKeys, ...] = Field((), description="what goes wrong on the line")
+    faults: tuple[FaultKeys, ...] = Field((), description="faults of the line")
 
     @field_validator("faults")
     @classmethod
@@ -257,7 +257,7 @@ class BusKeys(StrictModel):
     stations: Annotated[
         tuple[StationKeys, ...], unique("address", "two stations have the address {}", FIRST_ADDRESS)
     ] = Field(min_length=1)
-    faults: tuple[FaultKeys, ...] = Field((), description="what goes wrong on the line")
+    faults: tuple[FaultKeys, ...] = Field((), description="faults of the line")
 
     @field_validator("faults")
     @classmethod

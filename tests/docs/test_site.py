@@ -1,0 +1,90 @@
+"""The documentation as a site: every page has a place in it, links lead where they lead in the repository."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+import yaml
+from projects import ROOT
+
+
+class _Loader(yaml.SafeLoader):
+    """Ignores what only MkDocs understands."""
+
+
+_Loader.add_multi_constructor("tag:yaml.org,2002:python/", lambda *_: None)
+CONFIG = yaml.load((ROOT / "mkdocs.yml").read_text("utf-8"), _Loader)  # noqa: S506 - a safe loader
+
+
+def hook() -> ModuleType:
+    """docs/site.py, without MkDocs."""
+    spec = importlib.util.spec_from_file_location("site_hook", ROOT / "docs" / "site.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def pages(nav: object) -> list[str]:
+    """Every page of a navigation in order."""
+    if isinstance(nav, str):
+        return [nav]
+    parts = nav.values() if isinstance(nav, dict) else nav
+    return [page for part in parts for page in pages(part)]
+
+
+def test_every_page_has_one_place() -> None:
+    """All pages of docs and those beside it, but not a page for each code: their table leads there."""
+    wanted = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
+    wanted = {page for page in wanted if not re.fullmatch(r"codes/PG[0-9]+\.md", page)}
+    found = pages(CONFIG["nav"])
+    assert sorted(found) == sorted({*wanted, *hook().PAGES.values()})
+
+
+def test_nothing_is_fetched() -> None:
+    """No fonts, no plugin with a script from elsewhere; links are to files, so that pages open from a folder."""
+    assert CONFIG["theme"]["font"] is False
+    assert CONFIG["plugins"] == ["search"]
+    assert CONFIG["use_directory_urls"] is False
+
+
+@pytest.mark.parametrize(
+    ("page", "written", "expected"),
+    [
+        ("index.md", "[a](docs/spec.md#saving)", "[a](spec.md#saving)"),
+        ("index.md", "![a](docs/pictures/review_faq.png)", "![a](pictures/review_faq.png)"),
+        ("index.md", "[a](docs/codes/README.md)", "[a](codes/README.md)"),
+        ("index.md", "[a](docs/adr/)", "[a](architecture.md)"),
+        ("spec.md", "[a](../specs/devices)", "[a](devices.md)"),
+        ("spec.md", "[a](../specs/s7-300_plant_v5.yaml)", "[a](specs/s7-300_plant_v5.yaml)"),
+        ("architecture.md", "[a](../CONTRIBUTING.md#style)", "[a](CONTRIBUTING.md#style)"),
+        ("adr/0009-one-channel-per-unit.md", "[a](../verify.md)", "[a](../verify.md)"),
+        ("CHANGELOG.md", "[a](examples/s7-1500_s120_save)", "[a](examples.md)"),
+        ("ci.md", "[a](https://pre-commit.com)", "[a](https://pre-commit.com)"),
+        ("ci.md", "```text\n[a](../x)\n```", "```text\n[a](../x)\n```"),
+    ],
+)
+def test_links_are_those_of_the_repository(page: str, written: str, expected: str) -> None:
+    assert hook().relinked(written, page) == expected
+
+
+@pytest.mark.slow
+def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
+    """Skipped where MkDocs is not installed: it has an environment of its own (make site)."""
+    program = shutil.which("mkdocs", path=f"{ROOT / '.venv-site' / 'bin'}{os.pathsep}{os.environ['PATH']}")
+    if program is None:
+        pytest.skip("mkdocs is not installed: make site installs it")
+    command = [program, "build", "--strict", "--quiet", "--config-file", str(ROOT / "mkdocs.yml"), "-d", str(tmp_path)]
+    environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    page = (tmp_path / "tutorial.html").read_text("utf-8")
+    assert not re.findall(r"<(?:script|link|img)[^>]*(?:src|href)=[\"']https?:", page)
