@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from plcgen.api import default_folder
 from plcgen.cli.options import PATH, console, format_option, output_option, strict_option, verb
-from plcgen.cli.output import OK, PROBLEMS, Console
+from plcgen.cli.output import OK, PROBLEMS, USAGE, Console
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
@@ -29,6 +29,8 @@ Subject = tuple[str, Sequence["Diagnostic"]]
     "plcgen check job.yaml",
     "plcgen check machines/ --format github",
     "plcgen check job.yaml --format sarif --output plcgen.sarif",
+    "plcgen check old/ --format json -o known.json   record what is wrong today",
+    "plcgen check old/ --baseline known.json         and fail with what is new only",
     "plcgen check old_project/ --target tia-1500     what TIA would refuse in V5 sources",
     "plcgen check sources/ --program --target v5     compile it: names, types, calls",
 )
@@ -51,6 +53,9 @@ Subject = tuple[str, Sequence["Diagnostic"]]
     "that of the tool, on for tia-1500, off for tia-300.  [default: as-stated]",
 )
 @click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")
+@click.option(
+    "--baseline", type=PATH, metavar="FILE", help="Leave out what this earlier result of check --format json has."
+)
 @strict_option
 @format_option("findings")
 @output_option
@@ -62,6 +67,7 @@ def command(
     tags: tuple[Path, ...],
     iec_check: tuple[str, ...],
     encoding: str | None,
+    baseline: Path | None,
     strict: bool,
     format_: OutputFormat,
     output: Path | None,
@@ -72,12 +78,19 @@ def command(
     but for what was generated from these specs. Nothing is written. Exit code 1 if there is an error anywhere;
     warnings alone give 0.
     """
+    from plcgen.cli.baseline import compare, read_baseline
     from plcgen.cli.specs import named
+    from plcgen.diagnostics import DiagnosticError
     from plcgen.display.results import Findings
 
     out = console()
     if program and target is None:
         raise click.UsageError(f"--program needs --target: one of {', '.join(TARGETS)}")
+    try:
+        known = read_baseline(baseline) if baseline is not None else None
+    except DiagnosticError as problem:
+        out.complain(problem.diagnostics)
+        return USAGE
     paths = named(paths)
     documents = _documents(paths) if program else []
     specs, sources = _sorted(tuple(path for path in paths if path not in documents), program=program)
@@ -96,11 +109,19 @@ def command(
         found_sources, blocks = _files(sources, target, encoding, out)
         subjects += found_sources
     subjects = [*subjects[: len(specs)], *map(_settled, subjects[len(specs) :])]
-    found = Findings("check", subjects, {"specs": [subject for subject, _ in subjects]})
+    more: dict[str, Any] = {"specs": [subject for subject, _ in subjects]}
+    if known is not None:
+        compared = compare(subjects, known)
+        subjects = compared.subjects
+        more["baseline"] = {"known": compared.known, "gone": compared.gone}
+    found = Findings("check", subjects, more)
     if format_.name != "text" or found.diagnostics or output is not None:
         out.show(format_, "findings", found, output)
     if format_.name == "text":
         _summary(out, found, blocks if sources else None)
+    if known is not None:
+        gone = f"; {compared.gone} are gone: record it again" if compared.gone else ""
+        out.say(f"{compared.known} known of {baseline} left out{gone}")
     return PROBLEMS if any(d.severity.label == "error" for d in found.diagnostics) else OK
 
 

@@ -248,7 +248,9 @@ def _results() -> dict[str, Shape]:
         "audit": _headed("audit", VERIFICATION),
         "catalogue": _catalogue(),
         "catalogue import": _headed("catalogue import", {"changes": many(change), "skipped": many(TEXT)}),
-        "check": _headed("check", {**FOUND, "specs": many(TEXT)}),
+        "check": _headed(
+            "check", {**FOUND, "specs": many(TEXT)}, {"baseline": record(known=NUMBER, gone=NUMBER)}
+        ),
         "codes": _headed("codes", {"codes": many(record(code=TEXT, severity=TEXT, title=TEXT))}),
         "comparison": _headed("comparison", COMPARISON),
         "convert": _headed("convert", {**FOUND, "folder": TEXT, "written": many(TEXT), "unchanged": many(TEXT)}),
