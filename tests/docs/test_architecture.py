@@ -57,11 +57,15 @@ def test_third_party_libraries_have_one_place_each() -> None:
     assert found == {name: {home} for name, home in HOMES.items()}
 
 
+MADE_WITH = ("dev", "site")
+
+
 @pytest.mark.slow
 def test_dependencies_are_imported() -> None:
-    """Whatever the package or one of its extras installs is used by the package."""
+    """Whatever the package or one of its extras installs is used by the package; dev and site are for developers."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-    extras = [need for name, needs in project["optional-dependencies"].items() if name != "dev" for need in needs]
+    offered = project["optional-dependencies"].items()
+    extras = [need for name, needs in offered if name not in MADE_WITH for need in needs]
     names = {re.split(r"[<>=]", need)[0] for need in (*project["dependencies"], *extras)}
     module = {"PyYAML": "yaml", "pyserial": "serial"}
     used = {name for path in PACKAGE.rglob("*.py") for name in imported(path)}
