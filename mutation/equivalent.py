@@ -36,6 +36,7 @@ EQUIVALENT = {
     r"^DriveChannel: OR -> AND: ELSIF tempFault OR tempFrom \+ 2 > statLength": (
         "the place stays where the fault was, and behind the end of the answer the check of the size finds one"
     ),
+    r"^DriveGate: 1 -> 2: tempUsed := tempUsed \+ 1; \(2\)$": "who would have a place now has it in the next call",
     r"^\w+: 3 -> 4: tempSize := 3;": "a value of three bytes and its pad are four, and it is not the last one",
     r"^DriveChannel: dropped: statAsk := statAsk MOD 30000 \+ 1 \(2\)$": (
         "a pause gives the place back; until the gate has taken it, it is this channel's under the old number, too"

@@ -217,6 +217,12 @@ MISSING = {
         "DW#16#84000001",
         "telegrams in data blocks of their own",
     ),
+    "a place that is taken counts twice": (
+        "t15",
+        "ELSE\n      #tempUsed := #tempUsed + 1;",
+        "ELSE\n      #tempUsed := #tempUsed + 2;",
+        "2 places for three channels, called in the order (1, 2, 3, 4, 5, 8, 9)",
+    ),
     "places count beyond 30,000": ("t3", "#statAsk MOD 30000 + 1", "#statAsk MOD 30001 + 1", "counters wrap"),
 }
 

@@ -19,6 +19,8 @@ GATE_CALL = CALLS[0]
 MANY = 32
 """Channels of a gate that every engine has room for."""
 NO_RESOURCE = 0x80C3
+IN_TIME = 3
+"""Calls of the gate within which a channel that waits has a free place, those behind LEASE included."""
 Run = Callable[[JobField], None]
 
 
@@ -59,13 +61,14 @@ def restless(field: JobField, served: dict[int, int], numbers: tuple[int, ...] =
 
 
 def _never_more(count: int, calls: tuple[int, ...], field: JobField) -> None:
-    """Never more record jobs than places; no channel is passed twice; the CPU never has to refuse one."""
+    """As many record jobs as places, never more; no channel is passed twice; the CPU never has to refuse one."""
     three(field)
     field.rig.plan.set("places", count)
     field.rig.call(calls)
     field.rig.bus.write_busy, field.rig.bus.read_busy = 3, 2
     served = dict.fromkeys(JOBS, 0)
     field.step()
+    free = 0
     for _ in range(1500):
         restless(field, served)
         field.step()
@@ -74,6 +77,13 @@ def _never_more(count: int, calls: tuple[int, ...], field: JobField) -> None:
         granted = sum(bool(field.rig.gate.get(f"channels[{n}].grant")) for n in (1, 2, 3))
         if granted > count:
             raise ScenarioError(f"{granted} channels have one of {count} places")
+        waits = any(
+            field.rig.gate.get(f"channels[{n}].ask") and not field.rig.gate.get(f"channels[{n}].grant")
+            for n in (1, 2, 3)
+        )
+        free = free + 1 if waits and granted < count else 0
+        if free > IN_TIME:
+            raise ScenarioError(f"a channel waits although {count - granted} places are free")
         if any(unit.get("recordStatus") >> 8 & 0xFFFF == NO_RESOURCE for unit in field.rig.units):
             raise ScenarioError("the CPU refused a record job")
     # two telegrams take twice as long as one
