@@ -122,6 +122,7 @@ def _read_group(files: Sequence[SourceFile], *, classic: bool, keep: Callable[[P
     found.modern = not used.isdisjoint(_MODERN)
     if any(name not in found.types and name not in ELEMENTARY for name in used):
         _add_neighbours(files, found.types)
+        _add_documents(files, used, found.types, classic=classic)
     _add_written_out(found.blocks, found.types)
     found.diagnostics = list(dict.fromkeys([*found.diagnostics, *recursive_types(found.types.values())]))
     return found
@@ -297,6 +298,28 @@ def _add_neighbours(files: Iterable[SourceFile], types: TypeTable) -> None:
             near.update((parent / suffix[1:]).glob(f"*{suffix}"))
     for path in sorted(near - read)[:MAX_FILES]:
         _add_types(read_source(path)[0], types)
+
+
+def _add_documents(files: Sequence[SourceFile], used: Iterable[str], types: TypeTable, *, classic: bool) -> None:
+    """Types and FBs that the sources lack, from documents of their names beside the named files.
+
+    A document whose bounds nobody knows is no help.
+    """
+    from plcgen.simaticml.reading.documents import read_simaticml
+
+    folders = {file.path.parent for file in files if not file.listed}
+    beside = {path.stem.upper(): path for folder in sorted(folders) for path in sorted(folder.glob("*.xml"))}
+    for file in files:
+        beside.pop(file.path.stem.upper(), None)
+    pending = sorted(used)
+    while pending:
+        name = pending.pop()
+        path = beside.pop(name, None) if name not in types else None
+        if path is not None:
+            blocks, problems = read_simaticml(path, classic=classic)
+            if not any(problem.code == "PG806" for problem in problems):
+                _add_types(blocks, types)
+                pending += sorted(_used(blocks))
 
 
 def _add_aliases(symbols: dict[str, str], types: TypeTable) -> None:

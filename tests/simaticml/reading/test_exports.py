@@ -260,3 +260,26 @@ def test_a_type_of_the_user_is_missed_with_optimized_access_too(tmp_path: Path) 
     assert [(d.code, d.severity.label, d.message) for d in found.diagnostics] == [
         ("PG806", "error", "unknown data type Axis")
     ]
+
+
+def test_the_block_of_an_instance_lies_beside_it(tmp_path: Path) -> None:
+    """Of an instance DB alone its FB is read from the document of its name, and the type that the FB uses."""
+    member = '<Member Name="axis" Datatype="&quot;Axis&quot;" />'
+    udt = (
+        '<SW.Types.PlcStruct ID="0"><AttributeList>'
+        + sections(**{"None": '<Member Name="speed" Datatype="Real" /><Member Name="on" Datatype="Bool" />'})
+        + "<Name>Axis</Name></AttributeList></SW.Types.PlcStruct>"
+    )
+    instance = (
+        '<SW.Blocks.InstanceDB ID="0"><AttributeList><InstanceOfName>Job</InstanceOfName>'
+        f"<InstanceOfType>FB</InstanceOfType>{sections(Static='')}<Name>Job_DB</Name><Number>5</Number>"
+        "<ProgrammingLanguage>DB</ProgrammingLanguage></AttributeList></SW.Blocks.InstanceDB>"
+    )
+    (tmp_path / "Job.xml").write_bytes(document(function_block(sections(Static=member))))
+    (tmp_path / "Axis.xml").write_bytes(document(udt))
+    (tmp_path / "Job_DB.xml").write_bytes(document(instance))
+    found = api.layout(tmp_path / "Job_DB.xml")
+    assert found.diagnostics == ()
+    (table,) = found.blocks
+    assert (table.name, table.size) == ("Job_DB", 6)
+    assert [(row.name, row.offset) for row in table.rows[:3]] == [("axis", "0.0"), ("speed", "0.0"), ("on", "4.0")]
