@@ -11,8 +11,10 @@ import pytest
 from plcgen import api
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof.plant import Plant
+from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.words import WORDS
+from plcgen.protocols.ds47.proof.stimulus import UNITS
+from plcgen.protocols.ds47.proof.words import GRANT, WORDS
 from plcgen.protocols.ds47.sim.parameters import Keeps
 
 SPEC = """
@@ -178,6 +180,25 @@ def test_indexes_that_no_int_has(generate, target) -> None:
     assert told(plant, "j") == [(0, 0), (DEVIATES, 0x9C41)]
 
 
+def test_it_leaves_alone_what_is_not_its_own(generate, target) -> None:
+    """The unit belongs to another slot, whose telegram 2 has just ended: the job has lost it, and marks nothing."""
+    made = generate(SPEC, target)
+    rig = JobRig(made.plan, made.program, made.plan.shapes[0], 1)
+    rig.next_values("factory")
+    rig.drive.begin(DriveScenario(name="lost"))
+    rig.db.set("execute", 1)
+    while rig.telegram < 2:
+        rig.cpu.call(rig.db.block, 10)
+    unit = f'"{UNITS[0]}".unit'
+    rig.cpu[f"{unit}.turn.grant"] = 2 * GRANT + 1
+    rig.cpu[f"{unit}.turn.served"] = 2
+    rig.cpu[f"{unit}.turn.status"] = 0
+    rig.cpu[f"{unit}.errors[1]"] = 0
+    rig.cpu.call(rig.db.block, 10)
+    assert rig.db.get("status") == WORDS["LOST"]
+    assert rig.cpu[f"{unit}.errors[1]"] == 0
+
+
 SAVED = """
 drives: {mixer: {device: sinamics-g120, ID: 270}}
 jobs: {keep: {drive: mixer, write: {P1120: 10.0}, verify: readback, save: drive_object}}
@@ -273,6 +294,18 @@ def test_own_drive(more: str, right: bool, tmp_path: Path) -> None:
     result = api.verify(path, tmp_path / "out", faults="none", drive=drive)
     (verdict,) = [check.verdict for check in result.checks() if check.id == "own.j"]
     assert verdict == "ok, values agree" if right else "16#8503" in verdict
+
+
+@pytest.mark.slow
+def test_simulate_shows_what_the_drive_has(tmp_path: Path) -> None:
+    """10.5 becomes 9.0 in a drive that clips: the value that was read is among those of the job."""
+    path, drive = tmp_path / "job.yaml", tmp_path / "drive.yaml"
+    path.write_text(f"{HEAD}jobs: {{j: {{drive: d, write: {{P1120: 10.5}}, verify: readback}}}}\n", "utf-8")
+    assert api.generate(path, tmp_path / "out").ok
+    keys = "pnu: 1120, type: FloatingPoint, value: 1.0, low: 0, high: 9, clips: true"
+    drive.write_text(f"objects: [{{number: 1, parameters: [{{{keys}}}]}}]", "utf-8")
+    (job,) = api.simulate(path, tmp_path / "out", drives=[str(drive)]).jobs
+    assert (job.status, [value.value for value in job.values]) == (0x8503, [10.5, 9.0])
 
 
 def test_what_is_written_is_listed_once(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.wire.errors import error_text
 from plcgen.protocols.ds47.wire.formats import unpack_values
 from plcgen.protocols.ds47.wire.status import explain
-from plcgen.protocols.ds47.words import CHANNEL_STATES, STATUS_WORDS
+from plcgen.protocols.ds47.words import CHANNEL_STATES, ERROR_DEVIATES, STATUS_WORDS
 from plcgen.trace.face import JobEnd, JobFacts, Observed
 from plcgen.trace.model import Contact, JobValue, Signal, Value
 from plcgen.trace.recorder import Derived, kind_of, plain, signal, watch
@@ -161,7 +161,7 @@ class DriveJobWatch:
         if use.writes and use.constant:
             values = [_octets(item) for item in unpack_values(use.format, use.count, use.data)]
             value = plain(values[0] if len(values) == 1 else values)
-        elif use.writes or (finished and not word):
+        elif use.writes or (finished and word in {0, ERROR_DEVIATES}):
             value = plain(self._cpu[f"{self._path}.{use.member}"])
         parameter = use.parameter
         text = error_text(number).explain(info) if number is not None else ""
