@@ -217,6 +217,12 @@ MISSING = {
         "DW#16#84000001",
         "telegrams in data blocks of their own",
     ),
+    "a type of the same size is taken": (
+        "v5",
+        "tempCame = B#16#36 AND tempFormat = B#16#0D",
+        "tempCame = B#16#36 AND tempFormat <> B#16#0D",
+        "every type instead of every other of its size",
+    ),
     "a place that is taken counts twice": (
         "t15",
         "ELSE\n      #tempUsed := #tempUsed + 1;",

@@ -382,6 +382,22 @@ def _formats(form: AnswerForm) -> Iterator[EngineScenario]:
         yield from _another(form, index)
 
 
+def types_of_a_size(form: AnswerForm) -> Iterator[EngineScenario]:
+    """The first value in every other type of its size: 41h to 43h, and one TimeDifference for the other, are taken."""
+    (at, _), part = form.letter.blocks[0], form.letter.parts[0]
+    generic = generic_of(part.format.size)
+    taken = {_FIRMWARE.get(part.format.code)} | ({generic.code} if generic is not None else set())
+    for other in FORMATS:
+        if other.size != part.format.size or not other.writable or other.code == part.format.code:
+            continue
+        name = f"{part.format.name} comes as {other.name}"
+        if other.code in taken:
+            yield form.scenario(name, "DONE", put(at, other.code), follow=False)
+        else:
+            errors = {1: (0x8100 | other.code, part.count)}
+            yield form.scenario(name, "RESPONSE_FORMAT", put(at, other.code), errors=errors, follow=False)
+
+
 def _another(form: AnswerForm, index: int) -> Iterator[EngineScenario]:
     """A whole block of another type, length or number: the parameters around it are good."""
     at, size = form.letter.blocks[index - 1]

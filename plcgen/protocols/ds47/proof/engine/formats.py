@@ -8,6 +8,7 @@ from itertools import permutations
 from plcgen.proof.rig import Members
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import ScenarioError, Statistics
+from plcgen.protocols.ds47.proof.engine.answer_faults import AnswerForm, types_of_a_size
 from plcgen.protocols.ds47.proof.engine.conduct import EngineConduct
 from plcgen.protocols.ds47.proof.engine.end import following
 from plcgen.protocols.ds47.proof.engine.errands import (
@@ -16,6 +17,7 @@ from plcgen.protocols.ds47.proof.engine.errands import (
     WRITE_ONE,
     WRITE_PINNED,
     Errand,
+    Letter,
     every_format,
     full,
 )
@@ -33,6 +35,7 @@ Run = Callable[[JobField], None]
 def formats(*, classic: bool, many: bool = False) -> Iterator[tuple[str, Run]]:
     """Names and procedures; ``many`` runs 70,000 jobs in a row."""
     yield "reads and writes of every format", _every_format
+    yield "every type instead of every other of its size", _other_types
     yield "full records, all parameters, the last slot", _full
     yield "telegrams in data blocks of their own", _pinned
     yield f"{ROW} jobs in a row", _row
@@ -62,6 +65,17 @@ def _every_format(field: JobField) -> None:
     for errand in every_format(field.rig.engine.sizes.last + 1):
         orders = [EngineScenario(name=f"called {order}", order=order, follow=False) for order in permutations(CALLS)]
         run(field, errand, *orders[::2], EngineScenario(name="by size", generic=True))
+
+
+def _other_types(field: JobField) -> None:
+    """What is taken for what: the type of one value is exchanged in a good answer."""
+    room = field.rig.engine.sizes.last + 1
+    for reads in every_format(room)[::2]:
+        part = reads.letters[0].parts[0]
+        if not part.format.is_string:
+            letter = Letter(writes=False, parts=(part,))
+            errand = Errand(reads.key, (letter,))
+            run(field, errand, *types_of_a_size(AnswerForm(errand, 1, letter, room)))
 
 
 def _full(field: JobField) -> None:
