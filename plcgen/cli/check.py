@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -96,9 +96,8 @@ def command(
     specs, sources = _sorted(tuple(path for path in paths if path not in documents), program=program)
     if program and not sources:
         raise click.UsageError("--program needs PLC sources (.scl .udt .db)")
-    for option, given in (("--tags", tags), ("--iec-check", iec_check)):
-        if given and not program:
-            raise click.UsageError(f"{option} belongs to --program")
+    if not program:
+        _for_programs_only({"--tags": tags, "--iec-check": iec_check})
     checks = _iec_checks(iec_check)
     subjects: list[Subject] = _specs(specs, strict=strict)
     blocks = 0
@@ -123,6 +122,13 @@ def command(
         gone = f"; {compared.gone} are gone: record it again" if compared.gone else ""
         out.say(f"{compared.known} known of {baseline} left out{gone}")
     return PROBLEMS if any(d.severity.label == "error" for d in found.diagnostics) else OK
+
+
+def _for_programs_only(options: Mapping[str, tuple[object, ...]]) -> None:
+    """Options that mean nothing without --program. Raises UsageError."""
+    for option, given in options.items():
+        if given:
+            raise click.UsageError(f"{option} belongs to --program")
 
 
 def _iec_checks(values: tuple[str, ...]) -> dict[str, str]:
