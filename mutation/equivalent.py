@@ -37,6 +37,9 @@ EQUIVALENT = {
         "the place stays where the fault was, and behind the end of the answer the check of the size finds one"
     ),
     r"^DriveGate: 1 -> 2: tempUsed := tempUsed \+ 1; \(2\)$": "who would have a place now has it in the next call",
+    r"^DriveChannel: 0 -> 1: FOR tempByte := 0 TO statOrder\.length - 1 DO": (
+        "the first byte is the reference, which the channel puts there"
+    ),
     r"^\w+: 3 -> 4: tempSize := 3;": "a value of three bytes and its pad are four, and it is not the last one",
     r"^DriveChannel: dropped: statAsk := statAsk MOD 30000 \+ 1 \(2\)$": (
         "a pause gives the place back; until the gate has taken it, it is this channel's under the old number, too"
