@@ -65,6 +65,13 @@ def _near_zero(job: DriveJob, telegram: DriveTelegram) -> Iterator[DriveScenario
         for turn in range(1, VALUE_SETS + 1):
             name = f"piece {number + 1} of telegram {telegram.number} is near to what was sent, set {turn}"
             yield replace(_deviates(name, telegram, places, keeps=keeps, values="odd"), follow=False)
+        if number == 0:
+            far: dict[int, Keeps] = {}
+            for pnu in keeps:
+                own = [(part, at) for _, part, at in found if part.use.parameter.pnu == pnu]
+                far[pnu] = _only({_index(part, at) for part, at in own}, _anything(own[0][0].use))
+            name = f"numbers of telegram {telegram.number} are far from what was sent, values as delivered"
+            yield replace(_deviates(name, telegram, places, keeps=far, values="factory"), follow=False)
 
 
 def _only(indexes: set[int], keeps: Keeps) -> Keeps:
