@@ -40,6 +40,9 @@ EQUIVALENT = {
     r"^DriveChannel: 0 -> 1: FOR tempByte := 0 TO statOrder\.length - 1 DO": (
         "the first byte is the reference, which the channel puts there"
     ),
+    r"^DriveChannel: 0 -> 1: FOR tempByte := 0 TO LIMIT\(.*\(2\)$": (
+        "an answer without a byte does not occur; of one, BLKMOV on S7-300/400 moves a byte into the data block as well"
+    ),
     r"^\w+: 3 -> 4: tempSize := 3;": "a value of three bytes and its pad are four, and it is not the last one",
     r"^DriveChannel: dropped: statAsk := statAsk MOD 30000 \+ 1 \(2\)$": (
         "a pause gives the place back; until the gate has taken it, it is this channel's under the old number, too"
