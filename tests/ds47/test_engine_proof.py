@@ -262,8 +262,9 @@ def test_some_of_every_group(engines: dict[tuple[str, str], DriveEngine]) -> Non
     assert not [failure for n in chosen for failure in work(n).failures]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("target", ["t15", "t3", "v5"])
+@pytest.mark.parametrize(
+    "target", ["t15", pytest.param("t3", marks=pytest.mark.slow), pytest.param("v5", marks=pytest.mark.slow)]
+)
 def test_every_fault_of_a_read_is_survived(engines: dict[tuple[str, str], DriveEngine], target: str) -> None:
     result = run_faults(engines[target, "S"], READ_ONE)
     assert not result.failures
