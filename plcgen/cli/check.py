@@ -84,8 +84,7 @@ def command(
     from plcgen.display.results import Findings
 
     out = console()
-    if program and target is None:
-        raise click.UsageError(f"--program needs --target: one of {', '.join(TARGETS)}")
+    _meant(program=program, target=target, of_programs={"--tags": tags, "--iec-check": iec_check})
     try:
         known = read_baseline(baseline) if baseline is not None else None
     except DiagnosticError as problem:
@@ -96,8 +95,6 @@ def command(
     specs, sources = _sorted(tuple(path for path in paths if path not in documents), program=program)
     if program and not sources:
         raise click.UsageError("--program needs PLC sources (.scl .udt .db)")
-    if not program:
-        _for_programs_only({"--tags": tags, "--iec-check": iec_check})
     checks = _iec_checks(iec_check)
     subjects: list[Subject] = _specs(specs, strict=strict)
     blocks = 0
@@ -124,10 +121,12 @@ def command(
     return PROBLEMS if any(d.severity.label == "error" for d in found.diagnostics) else OK
 
 
-def _for_programs_only(options: Mapping[str, tuple[object, ...]]) -> None:
-    """Options that mean nothing without --program. Raises UsageError."""
-    for option, given in options.items():
-        if given:
+def _meant(*, program: bool, target: str | None, of_programs: Mapping[str, tuple[object, ...]]) -> None:
+    """What --program needs, and the options that mean nothing without it. Raises UsageError."""
+    if program and target is None:
+        raise click.UsageError(f"--program needs --target: one of {', '.join(TARGETS)}")
+    for option, given in of_programs.items():
+        if given and not program:
             raise click.UsageError(f"{option} belongs to --program")
 
 

@@ -97,14 +97,19 @@ def _load_alone(field: JobField) -> None:
         field.start(1)
         for _ in range(at):
             field.step()
-        field.rig.load("Channel1")
-        found = field.until_end((1,), most=WITHIN)
-        if found[1] not in ENDS:
-            raise ScenarioError(f"job 1, its channel loaded behind scan {at}, ends with 16#{found[1]:04X}")
+        _told(field, 1, at)
         field.drop(1)
         for _ in range(10):
             field.step()
         field.again(1)
+
+
+def _told(field: JobField, number: int, at: int) -> None:
+    """The channel is loaded again: the job ends, and how is right."""
+    field.rig.load("Channel1")
+    status = field.until_end((number,), most=WITHIN)[number]
+    if status not in ENDS:
+        raise ScenarioError(f"job {number}, its channel loaded behind scan {at}, ends with 16#{status:04X}")
 
 
 def _load_first(at: int, field: JobField) -> None:
@@ -118,10 +123,7 @@ def _load_first(at: int, field: JobField) -> None:
     field.start(3)
     for _ in range(at):
         field.step()
-    field.rig.load("Channel1")
-    found = field.until_end((3,), most=WITHIN)
-    if found[3] not in ENDS:
-        raise ScenarioError(f"job 3, its channel loaded behind scan {at}, ends with 16#{found[3]:04X}")
+    _told(field, 3, at)
     if field.times_sent(3) > 1:
         raise ScenarioError(f"a trigger was sent twice, its channel loaded behind scan {at}")
 
