@@ -51,7 +51,7 @@ def command(*, paths: tuple[Path, ...], folder: Path, culture: str, format_: Out
     """
     from plcgen import api
 
-    if not _is_culture(culture):
+    if not is_culture(culture):
         raise click.BadParameter("write it like en-US", param_hint="--culture")
     out = console()
     result = api.convert(*paths, out=folder, culture=culture, **options)
@@ -67,7 +67,7 @@ def command(*, paths: tuple[Path, ...], folder: Path, culture: str, format_: Out
     return OK if result.ok else PROBLEMS
 
 
-def _is_culture(text: str) -> bool:
+def is_culture(text: str) -> bool:
     """Whether a language tag is one that the schemas of SimaticML accept."""
     parts = text.split("-")
     sizes = [len(part) for part in parts]

@@ -29,6 +29,7 @@ SECTIONS: Sections = (
             ("layout", "Show where every byte of the data blocks lies."),
             ("verify", "Run the generated files against a simulated drive."),
             ("simulate", "Watch the jobs run scan by scan."),
+            ("texts", "Write text lists of status words and errors for an HMI."),
             ("convert", "Turn SCL sources into SimaticML and back."),
         ),
     ),

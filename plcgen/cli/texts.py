@@ -1,0 +1,69 @@
+"""``plcgen texts``: text lists for an HMI."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from plcgen.cli.convert import VERSIONS, is_culture
+from plcgen.cli.options import PATH, console, verb
+from plcgen.cli.output import OK
+
+if TYPE_CHECKING:
+    from plcgen.protocols.ds47.wire.errors import Table
+
+FORMATS = ("xlsx", "xml", "csv")
+DEFAULT = ("en-US", "de-DE", "zh-CN")
+
+
+@verb(
+    "texts",
+    "plcgen texts",
+    "plcgen texts --language de-DE --language zh-CN --format xlsx --format csv",
+    "plcgen texts --format xml --tia V19 --errors profidrive -o hmi",
+)
+@click.option(
+    "--language", "languages", multiple=True, metavar="TAG", help="A language.  [default: en-US, de-DE, zh-CN]"
+)
+@click.option("--format", "formats", multiple=True, type=click.Choice(FORMATS), help="What to write.  [default: xlsx]")
+@click.option(
+    "--tia",
+    "version",
+    type=click.Choice(VERSIONS, case_sensitive=False),
+    default="V16",
+    show_default=True,
+    metavar="VERSION",
+    help="TIA Portal version that xml names: V14 SP1, V15 .. V21.",
+)
+@click.option(
+    "--errors",
+    type=click.Choice(("sinamics", "profidrive")),
+    default="sinamics",
+    show_default=True,
+    help="Error numbers: those of SINAMICS too, or what PROFIdrive says alone.",
+)
+@click.option("-o", "--out", "folder", type=PATH, default=Path("texts"), show_default=True, metavar="DIR")
+@click.option("--force", is_flag=True, help="Overwrite files that exist.")
+def command(
+    *, languages: tuple[str, ...], formats: tuple[str, ...], version: str, errors: Table, folder: Path, force: bool
+) -> int:
+    """Write text lists for an HMI: status words and error numbers of drive jobs, fault classes of PROFIdrive.
+
+    xlsx is what the editor of text lists in the TIA Portal exports and imports, xml is for TIA Openness, csv for
+    everything else. Texts are there in English, German and Chinese.
+    """
+    from plcgen.documents.text_lists import WRITERS
+    from plcgen.documents.writing import add_files
+    from plcgen.protocols.ds47.hmi.lists import LANGUAGES, text_lists
+
+    cultures = tuple(dict.fromkeys(languages)) or DEFAULT
+    for tag in cultures:
+        if not is_culture(tag) or tag[:2].lower() not in LANGUAGES:
+            raise click.BadParameter(f'"{tag}": there is en-US, de-DE, zh-CN and the like', param_hint="--language")
+    lists = text_lists(cultures, errors)
+    files = [file for name in dict.fromkeys(formats or ("xlsx",)) for file in WRITERS[name](lists, cultures, version)]
+    done = add_files(files, folder, force=force)
+    console().say(f"{folder}: {len(done.written)} written, {len(done.unchanged)} unchanged")
+    return OK
