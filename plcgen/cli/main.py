@@ -52,8 +52,11 @@ SECTIONS: Sections = (
         ),
     ),
     (
-        "Talk to an S7-200",
-        (("ppi", "Read, write, simulate and decode over PPI."),),
+        "Talk to devices",
+        (
+            ("live", "Read from drives and CPUs, and compare with a spec."),
+            ("ppi", "Read, write, simulate and decode over PPI (S7-200)."),
+        ),
     ),
     (
         "Get to know it",

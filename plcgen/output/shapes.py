@@ -234,6 +234,17 @@ def _catalogue() -> Shape:
     return _headed("catalogue", {"parameters": many(parameter)}, {**FOUND, "facts": table(NUMBER)})
 
 
+def _live() -> dict[str, Shape]:
+    read = record(parameter=TEXT, value=maybe(TEXT), unit=TEXT, bytes=TEXT, type=TEXT, title=TEXT)
+    row = record(subject=TEXT, place=TEXT, wanted=TEXT, found=TEXT, verdict=TEXT, why=TEXT)
+    compared = {"rows": many(row), "skipped": many(TEXT)}
+    return {
+        "live compare": _headed("live compare", FOUND, compared),
+        "live db": _headed("live db", FOUND, compared),
+        "live read": _headed("live read", FOUND, {"address": TEXT, "drive_object": NUMBER, "parameters": many(read)}),
+    }
+
+
 def _results() -> dict[str, Shape]:
     """Every kind of result."""
     station = {"station": NUMBER}
@@ -262,6 +273,7 @@ def _results() -> dict[str, Shape]:
             "generate", {**FOUND, "specs": many(TEXT)}, {**_WRITTEN, "projects": many(record(**_WRITTEN))}
         ),
         "layout": _headed("layout", LAYOUT),
+        **_live(),
         "ppi info": _headed("ppi info", FOUND, {**station, "type": TEXT, "firmware": TEXT, "text": TEXT}),
         "ppi mode": _headed("ppi mode", FOUND, {**station, "mode": one_of("RUN", "STOP")}),
         "ppi monitor": _headed("ppi monitor", FOUND),

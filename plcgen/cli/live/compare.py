@@ -1,0 +1,66 @@
+"""``plcgen live compare``: what a spec writes, against real drives."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from plcgen.cli.live.places import comparison, place, timeout_option
+from plcgen.cli.options import PATH, format_option, verb
+from plcgen.cli.ppi.connection import ask
+
+if TYPE_CHECKING:
+    from plcgen.display.results import Answer
+    from plcgen.output.registry import OutputFormat
+    from plcgen.protocols.ds47.plan.nouns import DrivePlan
+
+
+@verb(
+    "compare",
+    "plcgen live compare job.yaml --drive 192.168.0.5",
+    "plcgen live compare line.yaml --drive fan01=192.168.0.5 --drive fan02=192.168.0.6",
+)
+@click.argument("spec", type=PATH)
+@click.option("--drive", "given", multiple=True, required=True, metavar="[DRIVE=]ADDRESS", help="Where a drive is.")
+@timeout_option
+@format_option("answer")
+def command(*, spec: Path, given: tuple[str, ...], timeout: float, format_: OutputFormat) -> int:
+    """Compare the values that the jobs of a spec write with what is in the drives.
+
+    A constant has to be there; for an input the value is shown. Drives without an address are left out and named.
+    Exit code 1 if something deviates or could not be read.
+    """
+
+    def question() -> Answer:
+        from plcgen.cli.live.specs import drive_plan
+        from plcgen.protocols.ds47.live.comparison import compare_drives
+        from plcgen.protocols.ds47.live.connection import S7Connection
+
+        plan = drive_plan(spec)
+        places = {key: place(host, "--drive") for key, host in _by_drive(plan, given).items()}
+        with ExitStack() as open_:
+            readers = {key: open_.enter_context(S7Connection(where, timeout)) for key, where in places.items()}
+            rows = list(compare_drives(plan, readers))
+        skipped = [drive.key for drive in plan.drives if drive.key not in places]
+        return comparison("live compare", rows, "job", skipped)
+
+    return ask(format_, "live compare", (str(spec), *given), question)
+
+
+def _by_drive(plan: DrivePlan, given: tuple[str, ...]) -> dict[str, str]:
+    """Addresses by the key of the drive; one without a key if the spec has one drive."""
+    keys = [drive.key for drive in plan.drives]
+    found: dict[str, str] = {}
+    for text in given:
+        key, equals, host = text.rpartition("=")
+        if not equals:
+            if len(keys) != 1:
+                raise click.UsageError(f"the spec has the drives {', '.join(keys[:8])}: write --drive {keys[0]}={text}")
+            key = keys[0]
+        if key not in keys:
+            raise click.UsageError(f'there is no drive "{key}" in the spec, but {", ".join(keys[:8])}')
+        found[key] = host
+    return found

@@ -1,0 +1,153 @@
+"""``plcgen live read``: parameters of a real drive."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from plcgen.cli.arguments import Argument, arguments
+from plcgen.cli.completed import devices
+from plcgen.cli.live.places import place, timeout_option
+from plcgen.cli.options import format_option, verb
+from plcgen.cli.ppi.connection import ask
+
+if TYPE_CHECKING:
+    from plcgen.display.results import Answer
+    from plcgen.output.registry import OutputFormat
+    from plcgen.protocols.ds47.device import Device, Parameter
+    from plcgen.protocols.ds47.live.parameters import Reading
+
+_MOST = 1000
+"""Elements that one call reads."""
+
+
+@verb(
+    "read",
+    "plcgen live read P1120 r0945[0..3] --drive 192.168.0.5 --device sinamics-g120",
+    "plcgen live read r0052:Unsigned16 --drive 192.168.0.5 --do 2",
+)
+@click.argument("words", nargs=-1, required=True, metavar="PARAMETER...")
+@click.option("--drive", "host", required=True, metavar="ADDRESS", help="IPv4 address of the drive, or ADDRESS:PORT.")
+@click.option("--device", metavar="DEVICE", shell_complete=devices, help="Device profile: types, limits, drive object.")
+@click.option("--do", "number", type=click.IntRange(0, 255), metavar="N", help="Drive object.  [default: by device, 1]")
+@timeout_option
+@format_option("answer")
+def command(
+    *, words: tuple[str, ...], host: str, device: str | None, number: int | None, timeout: float, format_: OutputFormat
+) -> int:
+    """Read parameters of a SINAMICS drive on PROFINET over the S7 protocol, as an HMI does.
+
+    A type after a colon says how to read the bytes: r0052:Unsigned16. Without one it comes from the catalogue: of
+    --device, or of all devices if those that know the number agree. Each element is one request.
+    """
+    where = place(host, "--drive")
+
+    def question() -> Answer:
+        from plcgen.protocols.ds47.devices import find_device
+        from plcgen.protocols.ds47.live.connection import S7Connection
+        from plcgen.protocols.ds47.live.parameters import read_parameter
+
+        known = find_device(device) if device else None
+        chosen = [_wanted(word, known) for word in arguments(words)]
+        if sum(len(indexes) for _, indexes in chosen) > _MOST:
+            raise click.UsageError(f"these are more than {_MOST} elements: read fewer at once")
+        object_ = number if number is not None else known.drive_object if known else 1
+        with S7Connection(where, timeout) as reader:
+            found = [one for wanted, indexes in chosen for one in read_parameter(reader, wanted, indexes, object_)]
+        return _answer(str(where), object_, found)
+
+    return ask(format_, "live read", words, question)
+
+
+def _wanted(word: Argument, device: Device | None) -> tuple[Parameter, Sequence[int]]:
+    """Parameter and indexes of a word. Raises DiagnosticError that points at it."""
+    from dataclasses import replace
+
+    from plcgen.protocols.ds47.device import Parameter
+    from plcgen.protocols.ds47.live.parameters import OBJECT_STEP
+    from plcgen.protocols.ds47.plan.references import parse_reference, spelling_hint
+    from plcgen.protocols.ds47.types import TypeTextError, read_type
+
+    text, _, type_ = word.text.partition(":")
+    reference = parse_reference(text)
+    if reference is None or (reference.pnu is not None and not 1 <= reference.pnu <= 0xFFFF):
+        raise word.problem("PG203", f'"{text}" is not a parameter', spelling_hint(text))
+    first, last = reference.first or 0, reference.last or 0
+    if last < first or last >= OBJECT_STEP:
+        raise word.problem("PG203", f"{text}: indexes go from 0 to {OBJECT_STEP - 1}", "write the lower one first")
+    parameter = _known(word, text, reference.name, reference.pnu, device, typed=bool(type_))
+    if type_:
+        try:
+            read_type(type_)
+        except TypeTextError as wrong:
+            raise word.problem("PG205", str(wrong), wrong.help) from None
+        base = parameter or Parameter(reference.pnu or 0, type_, access="r" if text[:1] in "rR" else "rw")
+        limits = {} if type_.lower() == base.type.lower() else {"minimum": None, "maximum": None, "bico": False}
+        parameter = replace(base, type=type_, **limits)  # type: ignore[arg-type]
+    assert parameter is not None  # noqa: S101 - _known raises unless there is a type
+    return parameter, range(first, last + 1)
+
+
+def _known(
+    word: Argument, text: str, name: str, pnu: int | None, device: Device | None, *, typed: bool
+) -> Parameter | None:
+    """What the catalogue says; None if the word has a type of its own and nothing is known."""
+    from plcgen.protocols.ds47.devices import device_names, find_device
+
+    if name and device is None:
+        raise word.problem("PG703", f'"{text}" is a name, and names belong to a device', "--device says which one")
+    devices_ = [device] if device else [find_device(one) for one in device_names()]
+    found = [one.by_name(name) if name else one.parameters.get(pnu or 0) for one in devices_]
+    known = [one for one in found if one is not None and one.type]
+    if device is None and len({one.type for one in known}) == 1:
+        return _common(known)
+    if device is not None and known:
+        return known[0]
+    if typed and not name:
+        return None
+    where = f"of {device.key}" if device else "of any device" if not known else "that all devices agree on"
+    raise word.problem("PG703", f"there is no type {where} for {text}", f"write it: {text}:Unsigned16")
+
+
+def _common(known: Sequence[Parameter]) -> Parameter:
+    """What all devices say about a number that they know with one type; limits are those of one family."""
+    from dataclasses import replace
+
+    first = known[0]
+    return replace(
+        first,
+        title=first.title if len({one.title for one in known}) == 1 else "",
+        unit=first.unit if len({one.unit for one in known}) == 1 else "",
+        bico=all(one.bico for one in known),
+        minimum=None,
+        maximum=None,
+    )
+
+
+def _answer(where: str, object_: int, found: Sequence[Reading]) -> Answer:
+    from plcgen.diagnostics import Diagnostic, Span
+    from plcgen.display.data import diagnostics_data
+    from plcgen.display.results import Answer
+    from plcgen.display.table import text_table
+    from plcgen.protocols.ds47.catalogue.pages import label
+
+    rows = [
+        (f"{label(one.parameter)}[{one.index}]", one.text or "?", one.parameter.unit, one.data.hex(" ").upper(),
+         one.parameter.type, one.parameter.title)
+        for one in found
+    ]  # fmt: skip
+    problems = [
+        Diagnostic("PG706", one.doubt, Span(f"{where} {row[0]}"))
+        for row, one in zip(rows, found, strict=True)
+        if one.doubt
+    ]
+    header = ("parameter", "value", "unit", "bytes", "type", "title")
+    data = [
+        {**dict(zip(header, row, strict=True)), "value": one.text if one.value is not None else None}
+        for row, one in zip(rows, found, strict=True)
+    ]
+    shown = {**diagnostics_data("live read", problems), "address": where, "drive_object": object_, "parameters": data}
+    text = f"{where}, drive object {object_}\n" + "\n".join(text_table(header, rows, indent=0)) + "\n"
+    return Answer(shown, lambda _view: text, problems)
