@@ -54,6 +54,7 @@ EQUIVALENT = {
         "a copy that fails leaves what was there, which cannot be the opposite of the reference and the reference, too"
     ),
     r"^WriteRecipe: dropped: statOrder\.length := 240 \(2\)$": "the telegram before it is as long",
+    r"^ReadHistory: dropped: statOrder\.length := 10 \(2\)$": "the telegram before it is as long",
     r"^\w+: 0 -> 1: tempCount := 0;": "fewer than three bytes are no frame of PPI, whether none or one",
 }
 """Reasons by block, description of a mutant without the # of the TIA Portal, and its turn among those alike."""

@@ -49,6 +49,7 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_NOT_SAVED", 0x8501, "the drive has not finished saving within the limit of the job"),
     ("STATUS_TOO_SOON", 0x8502, "refused: the last save is not as long ago as the job demands"),
     ("STATUS_DEVIATES", 0x8503, "read back, a value is not the one that was written, see errors"),
+    ("STATUS_CHANGED", 0x8504, "the buffer of the drive changed while it was read, in every try"),
 )
 
 _TICKET = {"DONE", "IDLE", "STARTED", "RUNNING", "OCCUPIED", "LOST", "NOT_CALLED", "NO_SLOT", "SLOT_TAKEN"}
@@ -58,6 +59,8 @@ SAVE_WORDS = tuple(row for row in STATUS_WORDS if row[1] in {0x8501, 0x8502})
 """What only a job that saves reports."""
 VERIFY_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8503)
 """What only a job that reads back reports."""
+MESSAGE_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8504)
+"""What only a job that reads a buffer of messages reports."""
 ERROR_DEVIATES = 0x8200
 """In ``errors``: another value was read back than was written."""
 CHANNEL_WORDS = tuple(

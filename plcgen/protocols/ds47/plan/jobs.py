@@ -12,10 +12,10 @@ from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.triggers import plan_trigger
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.kinds import SAVES, JobKind, ReadItem, WriteItem, kinds
+from plcgen.protocols.ds47.kinds import SAVES, JobKind, Messages, ReadItem, WriteItem, kinds
 from plcgen.protocols.ds47.plan import pack
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part, PlannedDrive, PlannedUnit, Use
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, MessageList, Part, PlannedDrive, PlannedUnit, Use
 from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.schema import BufferSettings as BufferSpec
@@ -60,6 +60,7 @@ def plan_jobs(
     if job.trigger is not None and len(drives) > 1:
         _report_shared_flags(key, len(drives), loaded, path, report)
     timeout = _timeout(job, uses)
+    messages = _message_list(job, kind, name, numbering, path)
     return tuple(
         DriveJob(
             key=key if len(drives) == 1 else f"{key}.{drive.key}",
@@ -78,11 +79,20 @@ def plan_jobs(
             retry_pause=job.retry_pause,
             retries=_retries(job, timeout),
             faq_names=faq,
+            messages=messages,
             comment=job.comment or {},
             path=path,
         )
         for drive in drives
     )
+
+
+def _message_list(job: JobEntry, kind: JobKind, name: str, numbering: Numbering, path: SpecPath) -> MessageList | None:
+    """The list that the block delivers, if its kind reads a buffer of messages."""
+    if kind.messages is None:
+        return None
+    type_ = numbering.block("UDT", f"type{name}Entry", path)
+    return MessageList(kind.key, f"{kind.key.removesuffix('s')}Count", type_, kind.messages(getattr(job, kind.key)))
 
 
 def _report_shared_flags(key: str, drives: int, loaded: LoadedSpec, path: SpecPath, report: Report) -> None:
@@ -172,8 +182,11 @@ def _member(key: str, job: JobEntry, numbering: Numbering) -> str:
 
 
 def _directions(uses: tuple[Use, ...]) -> list[tuple[Use, ...]]:
-    """The uses of a job, divided where writing and reading change: a telegram does one of them."""
-    return [tuple(group) for _, group in groupby(uses, key=lambda use: use.writes)]
+    """The uses of a job, divided where writing and reading change: a telegram does one of them.
+
+    What asks again is behind everything else, in a telegram of its own.
+    """
+    return [tuple(group) for _, group in groupby(uses, key=lambda use: (use.writes, use.again is not None))]
 
 
 def _packed(
@@ -249,14 +262,17 @@ def _own_uses(
     items = kind.items(getattr(job, kind.key))
     if not items:
         report.add(Diagnostic("PG218", f'job "{path[-1]}" names no parameter', loaded.span((*path, kind.key))))
-    if kind.poll is not None and not _savable(items[0], (*path, kind.key), loaded, resolver, report):
-        return ()
     place = (*path, kind.key)
+    if kind.poll is not None and not _savable(items[0], place, loaded, resolver, report):
+        return ()
+    if kind.messages is not None and not _listable(items, place, loaded, resolver, report):
+        return ()
+    whole = kind.poll is not None or kind.messages is not None
     found = [
         resolver.resolve(
             item,
             before + position,
-            place if kind.poll is not None else (*place, position - 1),
+            place if whole else (*place, position - 1),
             write=kind.writes and isinstance(item, WriteItem),
         )
         for position, item in enumerate(items, 1)
@@ -266,7 +282,19 @@ def _own_uses(
         uses = (*uses, *_read_back(uses, items, resolver))
     if kind.poll is not None and uses:
         uses = (*uses[:-1], replace(uses[-1], poll=kind.poll(getattr(job, kind.key))))
+    if kind.messages is not None:
+        uses = tuple(_columns(uses, kind.messages(getattr(job, kind.key)))) if len(uses) == len(items) else ()
     return uses
+
+
+def _columns(uses: tuple[Use, ...], settings: Messages) -> Iterator[Use]:
+    """The accesses to a buffer of messages: the counter, columns of groups, the counter again."""
+    first, *middle, last = uses
+    yield first
+    for number, use in enumerate(middle):
+        group, column = divmod(number, len(settings.columns))
+        yield replace(use, column=settings.columns[column], group=group)
+    yield replace(last, again=first)
 
 
 def _read_back(uses: tuple[Use, ...], items: tuple[ReadItem | WriteItem, ...], resolver: UseResolver) -> Iterator[Use]:
@@ -292,6 +320,35 @@ def _savable(
     message = f"{name} is not in the catalogue of {device}: it is not known whether writing it saves anything"
     define = f"if your drive has it, define it there: parameters: {{{name}: {{type: Unsigned16}}}}"
     report.add(Diagnostic("PG243", message, loaded.span(path), help="; ".join((*others, define))))
+    return False
+
+
+def _listable(
+    items: tuple[ReadItem | WriteItem, ...], path: SpecPath, loaded: LoadedSpec, resolver: UseResolver, report: Report
+) -> bool:
+    """Whether every parameter of a buffer of messages is known, with a type that does not come from memory.
+
+    PG248 for those that are not: a job that reads another buffer than it says is worse than none.
+    """
+    wanted = dict.fromkeys(item.parameter.partition("[")[0] for item in items)
+    missing = []
+    for name in wanted:
+        known = resolver.known.get(number_of(name) or 0)
+        if known is None or not known.type or known.grades.get("type", "read") == "recalled":
+            missing.append(name)
+    if not missing:
+        return True
+    device, names = resolver.device.key, ", ".join(missing)
+    types = {944: "Unsigned16", 2121: "Unsigned16"}
+    one = number_of(missing[0]) or 0
+    definition = f"{missing[0]}: {{type: {types.get(one, '..')}{'' if one in types else ', array: 64'}}}"
+    message = (
+        f"{names} of {device}: nobody has looked up whether the device has {'it' if len(missing) == 1 else 'them'}"
+    )
+    help_ = f"look it up in the list manual and define it in the drive: parameters: {{{definition}}}"
+    if any(one not in types for one in map(number_of, missing)):
+        help_ += "; or leave its column out"
+    report.add(Diagnostic("PG248", message, loaded.span(path), help=help_))
     return False
 
 

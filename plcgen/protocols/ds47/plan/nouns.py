@@ -12,7 +12,7 @@ from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, Plan
 from plcgen.project.spec import SpecPath
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
-from plcgen.protocols.ds47.kinds import Poll
+from plcgen.protocols.ds47.kinds import PLACES, Messages, Poll
 from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.schema import DriveSections, DriveSettings, JobEntry
 from plcgen.protocols.ds47.wire.formats import Format
@@ -69,7 +69,9 @@ class Use:
     ``count`` values of ``format`` (for string formats: octets), ``elements`` the byte in the address of an
     unsplit access, ``data`` the constant or start value as wire bytes, ``constant`` whether it is a constant,
     ``sources`` whether the values are BICO values with a drive object, ``writes`` whether it is changed; ``poll`` says
-    that it is read until it is 0, ``verifies`` which use it reads back.
+    that it is read until it is 0, ``verifies`` which use it reads back. ``column`` and ``group`` are set where the
+    values belong to messages of a buffer, ``again`` where the counter of the buffer is read once more: it says which
+    use was the first.
     """
 
     position: int
@@ -87,6 +89,9 @@ class Use:
     writes: bool = False
     poll: Poll | None = None
     verifies: Use | None = None
+    column: str = ""
+    group: int = 0
+    again: Use | None = None
 
     @property
     def subindex(self) -> int:
@@ -96,7 +101,7 @@ class Use:
     @property
     def divisible(self) -> bool:
         """Whether the access may be spread over several telegrams."""
-        return self.count > 1 and not self.format.is_string
+        return self.count > 1 and not self.format.is_string and not self.column
 
     @property
     def label(self) -> str:
@@ -170,6 +175,24 @@ class DriveTelegram(Telegram):
         return self.parts[0].use.writes
 
 
+@dataclass(frozen=True, slots=True)
+class MessageList:
+    """The buffer of messages that a job delivers: an array ``member`` of ``type``, and how many are present.
+
+    ``settings`` is what the kind says of the buffer.
+    """
+
+    member: str
+    count: str
+    type: BlockRef
+    settings: Messages
+
+    @property
+    def places(self) -> int:
+        """Elements of the array."""
+        return PLACES * len(self.settings.latest_last)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class DriveJob(PlannedJob):
     """A parameter job on one drive: an instance of a function block that it shares with the same job on other drives.
@@ -189,6 +212,7 @@ class DriveJob(PlannedJob):
     retry_pause: int
     retries: int
     faq_names: bool
+    messages: MessageList | None = None
 
     @property
     def drive(self) -> PlannedDrive:
@@ -207,8 +231,8 @@ class DriveJob(PlannedJob):
 
     @property
     def outputs(self) -> tuple[Use, ...]:
-        """The values the block returns."""
-        return tuple(use for use in self.uses if not use.writes)
+        """The values the block returns one by one: all that it reads, unless they are those of a buffer of messages."""
+        return tuple(use for use in self.uses if not use.writes) if self.messages is None else ()
 
     @property
     def writes(self) -> bool:

@@ -15,6 +15,7 @@ from plcgen.input.files import read_bounded
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder, table_rows
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
+from plcgen.protocols.ds47.proof import listed
 from plcgen.protocols.ds47.wire import formats
 from plcgen.s7.image import image
 from plcgen.s7.layout import Layout, layout_block, locate
@@ -95,6 +96,7 @@ def _job(job: DriveJob, layout: Layout, start: bytes) -> Iterator[str]:
     """What is wrong with the structure of a job."""
     flags = {name for name, _ in job.trigger.items()}
     values = {use.member for use in (*job.inputs, *job.outputs)}
+    values |= {path.partition("[")[0] for path in listed.paths(job)}
     wanted = {name for name in SIGNALS if name not in flags} | values
     prefix = f"{job.member}."
     paths = (entry.path.replace('"', "") for entry in layout.entries if entry.depth == 1)

@@ -6,6 +6,7 @@ from plcgen.proof.runner import Run
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.proof.end import check_end, check_errors
 from plcgen.protocols.ds47.proof.fence import Fence
+from plcgen.protocols.ds47.proof.listed import fill
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.saved import check_saved
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
@@ -69,7 +70,10 @@ class JobConduct:
             rig.occupy()
         happens = set(scenario.happens.values())
         self.fence.begin(alone=not scenario.occupied and not {"cold", "warm"} & happens)
-        self.before, self.wanted, self.requests = rig.delivered(), self.due(scenario), rig.requests()
+        if scenario.messages is not None:
+            fill(rig.job, rig.drive, rig.drive_object, scenario.messages)
+        self.before, self.wanted = rig.delivered(), self.due(scenario)
+        self.requests = rig.requests() * scenario.rounds
         for (telegram, place), data in scenario.delivers.items():
             self.wanted[telegram - 1][place - 1] = data
         self.length = scenario.scan
@@ -112,6 +116,8 @@ class JobConduct:
         if rig.building:
             self.handed_over(telegram)
         if run.seen[0]:
+            if rig.job.messages is not None and telegram:
+                telegram = (telegram - 1) % len(rig.job.telegrams) + 1
             for number, (found, before) in enumerate(zip(rig.delivered(), self.before, strict=True), 1):
                 if number >= telegram and found != before:
                     raise ScenarioError(f"an output of telegram {number} changed although it is not answered")
@@ -135,10 +141,11 @@ class JobConduct:
         ]
         if wrong:
             raise ScenarioError(f"in the order of telegram {telegram} {', '.join(wrong)}")
-        if job.telegrams[number - 1].writes:
+        asked = job.telegrams[(number - 1) % len(job.telegrams)]
+        if asked.writes:
             return
         at = rig.unit.spots["expected"].byte
-        for position, part in enumerate(job.telegrams[number - 1].parts):
+        for position, part in enumerate(asked.parts):
             word = bytes(rig.unit.memory[at + 4 * position : at + 4 * position + 4])
             right = bytes((part.use.format.code, part.count, 0, part.size))
             if word != right:
@@ -147,7 +154,10 @@ class JobConduct:
 
     def end(self, run: Run[DriveScenario], status: int) -> None:
         """Values, errors, wire."""
-        check_end(self.rig, run.scenario, self.requests, self.before, self.wanted, status, self.polled)
+        wanted = self.wanted
+        if self.rig.job.messages is not None:  # the buffer may have changed; what is not whole is not listed
+            wanted = self.due(run.scenario) if status == DONE else self.before
+        check_end(self.rig, run.scenario, self.requests, self.before, wanted, status, self.polled)
         if self.rig.job.poll is not None:
             check_saved(self.rig, status, self.saves if run.scenario.checked else None)
         self.before = self.rig.delivered()

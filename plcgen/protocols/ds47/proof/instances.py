@@ -11,6 +11,7 @@ from plcgen.cpu.program import Program
 from plcgen.proof.rig import Members
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
+from plcgen.protocols.ds47.proof import listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, held, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.rig import record_index
@@ -63,7 +64,7 @@ class Trio:
     def _instance(self, key: str, slot: int, id_value: int, drive: ScriptedDrive, drive_object: int) -> Instance:
         self.cpu.bus.attach(id_value, drive)
         id_name = "hardwareId" if self.plan.target.t15 else "driveAddress"
-        members = [use.member for use in (*self.job.inputs, *self.job.outputs)]
+        members = [*(use.member for use in (*self.job.inputs, *self.job.outputs)), *listed.paths(self.job)]
         paths = [f"{key}.{name}" for name in (*SIGNALS, id_name, *members)]
         db = Members(self.cpu, self.program, self.block, paths, f"{key}.")
         values = value_set(self.job, drive, drive_object, "next", f"{self.job.shape} {key}")
@@ -115,7 +116,9 @@ class Trio:
             status = one.db.get("status")
             if not one.db.flag("done") or status != DONE:
                 raise ScenarioError(f"instance {one.key} ends with 16#{status:04X}")
-            for use in self.job.uses:
+            if listed.shown(self.job, one.db) != listed.wanted(self.job, one.drive, one.drive_object):
+                raise ScenarioError(f"the list of instance {one.key} is not that of its drive")
+            for use in (*self.job.outputs, *(use for use in self.job.uses if use.writes)):
                 if use.writes and use in self.job.saving:
                     continue  # it has returned to 0
                 there = held(one.drive, one.drive_object, use)

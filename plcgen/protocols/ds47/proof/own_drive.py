@@ -10,6 +10,7 @@ from plcgen.diagnostics import Diagnostic
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.protocols.ds47.proof import listed
 from plcgen.protocols.ds47.proof.contents import held
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.words import DONE, DRAIN_MS, MEANINGS
@@ -53,8 +54,10 @@ def _run(rig: JobRig, drive: Drive) -> int:
         meaning = MEANINGS.get(status, ("", ""))[1]
         raise ScenarioError(f"with your drive it ends with 16#{status:04X}, {meaning}{_refused(rig)}")
     number = drive.behaviour.aliases.get(job.drive.drive_object, job.drive.drive_object)
+    if listed.shown(job, rig.db) != listed.wanted(job, drive, number):
+        raise ScenarioError("the list is not that of your drive")
     for use in job.uses:
-        if use.writes and use in job.saving:
+        if (use.writes and use in job.saving) or job.messages is not None:
             continue  # it has returned to 0
         expected = held(drive, number, use)
         found = use.data if use.writes else rig.db.bytes(use.member, len(expected))

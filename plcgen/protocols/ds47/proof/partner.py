@@ -47,6 +47,9 @@ class ScriptedDrive(Drive):
         """Take a request, unless the script has a STATUS for this call."""
         self.writes += 1
         script = self.scenario.writes
+        event = self.scenario.events.get(self.writes)
+        if event is not None:
+            event(self)
         status = script.get(self.writes) or script.get(0, 0)
         if not self.disturbed and data[1] == RequestId.READ:
             self.disturb()

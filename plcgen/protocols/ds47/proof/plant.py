@@ -12,6 +12,7 @@ from plcgen.cpu.system.record import PLACES
 from plcgen.proof.rig import Members
 from plcgen.proof.scenario import IDLE, RUNNING, STARTED, ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedUnit, Use
+from plcgen.protocols.ds47.proof import listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, piece, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.saved import check_held_back, saving_scans
@@ -52,6 +53,7 @@ class Plant:
         """Members of the job's structure: what has no flag, and values."""
         yield from (name for name in SIGNALS if getattr(job.trigger, name) is None)
         yield from (use.member for use in (*job.inputs, *job.outputs))
+        yield from listed.paths(job)
 
     def _build(self, unit: PlannedUnit) -> ScriptedDrive:
         uses: dict[int, list[Use]] = {drive.drive_object: [] for drive in self.plan.drives if drive.unit is unit}
@@ -235,7 +237,7 @@ class Plant:
                 raise ScenarioError(f"{job.key} does not send {request.hex(' ').upper()} (reference aside)")
             answer = answers[0 if telegram.parts[0].use not in job.saving else -1]
             at = 4
-            for part in telegram.parts if not telegram.writes else ():
+            for part in telegram.parts if not telegram.writes and job.messages is None else ():
                 name = f"{job.member}.{part.use.member}"
                 found = piece(part, self.control.bytes(name, part.use.count * part.use.format.size))
                 came = answer[at + 2 : at + 2 + part.size]
@@ -243,3 +245,6 @@ class Plant:
                     where = f"{self.plan.control_db.name}.{name}"
                     raise ScenarioError(f"{where} is {found.hex(' ')}, {came.hex(' ')} came")
                 at += 2 + padded(part.size)
+        drive = self.units[job.drive.unit.key]
+        if listed.shown(job, self.control, f"{job.member}.") != listed.wanted(job, drive, job.drive.drive_object):
+            raise ScenarioError(f"the list of {job.key} is not that of its drive")

@@ -9,6 +9,7 @@ from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery
 from plcgen.proof.rig import Members, Source
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Part
+from plcgen.protocols.ds47.proof import listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, held, kept, piece, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.scenario import Contents
@@ -58,7 +59,7 @@ class JobRig:
         self.id_name = "hardwareId" if plan.target.t15 else "driveAddress"
         self.channel = Members(self.cpu, program, f"{shape_fb(number)}_DB", CHANNEL, "channel0.")
         values = [use.member for use in (*job.inputs, *job.outputs)]
-        paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values)]
+        paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values, *listed.paths(job))]
         paths += [f"job.{name}" for name in GUARD] if job.poll is not None else []
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
         self.unit = self.unit_of(UNITS[0])
@@ -139,6 +140,8 @@ class JobRig:
 
     def wanted(self, *keeps: Mapping[int, Keeps]) -> list[list[bytes]]:
         """Wire bytes that the parts of each telegram must deliver; ``keeps``: what the drive makes of written ones."""
+        if self.job.messages is not None:
+            return self._listed(listed.wanted(self.job, self.drive, self.drive_object))
         known = {use.position: held(self.drive, self.drive_object, use) for use in self.job.outputs}
         for use in self.job.outputs:
             if use.verifies is not None:
@@ -147,7 +150,13 @@ class JobRig:
 
     def delivered(self) -> list[list[bytes]]:
         """Wire bytes of the outputs, by telegrams and parts; a change has none."""
+        if self.job.messages is not None:
+            return self._listed(listed.shown(self.job, self.db))
         return [[self.output(part) for part in t.parts if not t.writes] for t in self.job.telegrams]
+
+    def _listed(self, content: bytes) -> list[list[bytes]]:
+        """A list of messages is delivered as a whole, with the last parameter."""
+        return [[b"" if part.use.again is None else content for part in t.parts] for t in self.job.telegrams]
 
     def output(self, part: Part) -> bytes:
         """Wire bytes of a part of an output."""
@@ -204,7 +213,7 @@ class JobRig:
         """What the spec wants to go with the request."""
         job = self.job
         number = min(telegram, len(requests))
-        sent = job.telegrams[number - 1]
+        sent = job.telegrams[(number - 1) % len(job.telegrams)]
         once = job.once and sent.writes and (not job.verified or sent.parts[0].use in job.saving)
         found = {"length": len(requests[number - 1]), "retries": job.retries, "timeout": job.timeout}
         found |= {"pause": job.retry_pause, "once": int(once), "pinned": int(job.pinned), "id": self.id_value}

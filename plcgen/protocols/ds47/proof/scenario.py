@@ -7,11 +7,14 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from plcgen.proof.scenario import Scenario
+from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault
 from plcgen.protocols.ds47.sim.parameters import Keeps
 
 Edit = Callable[[bytes], bytes]
 """What becomes of the bytes of an answer on its way."""
+Event = Callable[[Drive], None]
+"""What happens to a drive."""
 Contents = Literal["next", "factory", "low", "high", "odd"]
 """Which values drive and inputs have: others than in the run before, those of the spec, the ends of their ranges, and
 those that arithmetic loses: -1, -0.0, 2**31."""
@@ -33,6 +36,10 @@ class DriveScenario(Scenario):
 
     ``keeps`` is what the drive makes of written values, by number of the parameter: it rounds, or clips without a word;
     ``meanwhile`` what somebody else makes of them before they are read back.
+
+    ``messages`` is how many are in each group of a buffer; None: as the values are. ``events`` happen in front of the
+    n-th WRREC, ``rounds`` is how often all telegrams are sent; what a round has not answered has the result of the one
+    before.
 
     ``telegram`` is the one that ends the job, 0 the last; ``answered`` says that it had an answer. ``errors`` are those
     stated by hand: (error, info) by number of the telegram and place in it, all others of an answered telegram are 0.
@@ -56,6 +63,9 @@ class DriveScenario(Scenario):
     since: int | None = None
     keeps: Mapping[int, Keeps] = field(default_factory=dict)
     meanwhile: Mapping[int, Keeps] = field(default_factory=dict)
+    messages: int | None = None
+    events: Mapping[int, Event] = field(default_factory=dict)
+    rounds: int = 1
     telegram: int = 0
     answered: bool = True
     errors: Mapping[tuple[int, int], tuple[int, int]] = field(default_factory=dict)

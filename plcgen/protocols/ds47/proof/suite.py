@@ -147,7 +147,9 @@ class DriveSuite:
         """The block of a job. Its telegrams count from 1."""
         span = self.plan.loaded.key_span(job.path)
         numbers = frozenset(range(1, len(job.telegrams) + 1))
-        names = TELEGRAM if job.poll is None else ()  # a telegram that is repeated has a number of its own each time
+        names = (
+            TELEGRAM if job.poll is None and job.messages is None else ()
+        )  # a telegram that is repeated has a number of its own each time
         premises = [Premise(NO_OTHER, variable=name, values=numbers, given="") for name in names]
         return CodeBlock(job.key, job.key, job.block.name, (job,), lambda: span, tuple(premises))
 
@@ -172,6 +174,12 @@ class DriveSuite:
         name, job, count = rig.db.block, rig.job, polls(rig.job)
         values = [(use, value_text(rig.cpu[f"{name}.job.{use.member}"])) for use in job.outputs]
         shown = [f"{use.label} = {text} {use.parameter.unit}".rstrip() for use, text in values]
+        if job.messages is not None:
+            member = job.messages.member
+            latest, present = (
+                value_text(rig.cpu[f"{name}.job.{path}"]) for path in (f"{member}[1].code", job.messages.count)
+            )
+            shown = [f"{present} {member}, the latest {latest}"]
         shown = shown or [f"{use.label} written" for use in job.uses]
         more = f", .. ({len(shown)})" if len(shown) > SHOWN_VALUES else ""
         tail = f", RDREC B5 x{count}" if count else ""

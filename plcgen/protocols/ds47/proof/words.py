@@ -53,6 +53,7 @@ MEANINGS = {
     0x8501: ("NOT_SAVED", "the parameter that saves has not returned to 0 within the limit"),
     0x8502: ("TOO_SOON", "refused: the last save is less than the distance ago"),
     0x8503: ("DEVIATES", "the drive has another value than was written, see errors"),
+    0x8504: ("CHANGED", "the buffer of the drive changed while it was read, in every try"),
 }
 WORDS = {name: word for word, (name, _) in MEANINGS.items()}
 """Status words by name: ``WORDS["TIMEOUT"]``."""

@@ -96,6 +96,8 @@ def job_signals(cpu: Cpu, plan: DrivePlan, job: DriveJob, units: UnitWatch) -> I
     for name in _MEMBERS:
         names = STATUS_TEXTS if name == "status" else {}
         yield signal(cpu, job.key, name, f"{own}.{name}", names=names)
+    if job.messages is not None:
+        yield signal(cpu, job.key, job.messages.count, f"{own}.{job.messages.count}", listed=True)
     for use in (*job.inputs, *job.outputs):
         name = f"{use.member}_value" if use.member in _OWN else use.member
         path = f"{own}.{use.member}"
@@ -161,11 +163,19 @@ class DriveJobWatch:
         if use.writes and use.constant:
             values = [_octets(item) for item in unpack_values(use.format, use.count, use.data)]
             value = plain(values[0] if len(values) == 1 else values)
-        elif use.writes or (finished and word in {0, ERROR_DEVIATES}):
-            value = plain(self._cpu[f"{self._path}.{use.member}"])
+        elif use.again is None and (use.writes or (finished and word in {0, ERROR_DEVIATES})):
+            value = plain(self._cpu[f"{self._path}.{value_path(self._planned, use)}"])
         parameter = use.parameter
         text = error_text(number).explain(info) if number is not None else ""
         return JobValue(use.label, use.member, parameter.title, parameter.unit or "", value, number, info, text)
+
+
+def value_path(job: DriveJob, use: Use) -> str:
+    """Where an instance has a value; of a buffer of messages as it came."""
+    if job.messages is None:
+        return use.member
+    number = next(one.number for one in job.telegrams if one.parts[-1].use.position >= use.position)
+    return f"statResponseView{number}.{use.member}"
 
 
 def _octets(value: object) -> object:

@@ -14,6 +14,7 @@ from plcgen.protocols.ds47.plan.values import value_text
 from plcgen.protocols.ds47.views.calls import caller
 from plcgen.protocols.ds47.views.engine import programs as engine_programs
 from plcgen.protocols.ds47.views.engine import types
+from plcgen.protocols.ds47.views.messages import entry_types
 from plcgen.protocols.ds47.views.program import program
 
 
@@ -24,7 +25,7 @@ def contribution(plan: DrivePlan) -> Contribution:
     return Contribution(
         family="DS47",
         jobs="drive jobs",
-        types=types(plan),
+        types=[*types(plan), *entry_types(plan)],
         data=[
             *(_unit(plan, unit) for unit in plan.units),
             DataBlock(engine.gate_db, "Places for record jobs", (gate,)),

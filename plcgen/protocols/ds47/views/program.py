@@ -9,12 +9,20 @@ from plcgen.documents.control import signals
 from plcgen.documents.members import initializer, plain
 from plcgen.documents.nouns import CallerValue, Command, FunctionBlock, MemberRow
 from plcgen.documents.simaticml import RECORD_NOTE
-from plcgen.documents.spelling import clean_title, comment_text, encodable, literal, one_line, type_text
+from plcgen.documents.spelling import (
+    clean_title,
+    comment_text,
+    encodable,
+    literal,
+    one_line,
+    type_text,
+)
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
 from plcgen.protocols.ds47.plan.pack import BLOCK_HEADER
 from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.views.engine import names, versions
+from plcgen.protocols.ds47.views.messages import list_values, messages_view
 from plcgen.protocols.ds47.views.rows import buffer_blocks
 from plcgen.protocols.ds47.wire.formats import FormatKind, unpack_values
 from plcgen.protocols.ds47.wire.model import HEADER_SIZE
@@ -51,7 +59,7 @@ def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
         flags=dict(job.trigger.items()),
         signals=signals(plan),
         inputs=[_value(plan, use, start=True) for use in job.inputs],
-        outputs=[_value(plan, use, start=False) for use in job.outputs],
+        outputs=[*(_value(plan, use, start=False) for use in job.outputs), *list_values(plan, job)],
     )
 
 
@@ -74,6 +82,10 @@ def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
 def title(plan: DrivePlan, job: DriveJob) -> str:
     """One-line title of a job."""
     verb = job.kind.capitalize() + (" and read back" if job.verified else "")
+    if job.messages is not None:
+        where = "" if len(job.messages.settings.latest_last) == 1 else " and their history"
+        text = f"Read the {job.messages.member} that are present{where}"
+        return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
     uses = [use for use in job.uses if use.poll is None and use.verifies is None]
     then = ""
     if job.verified and job.poll is not None:
@@ -89,6 +101,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "block": job.block,
         "poll": None if job.poll is None else _poll(plan, job),
         "verify": None if not job.verified else _verify(job),
+        "messages": None if job.messages is None else messages_view(plan, job, job.messages),
         "pinned": job.pinned,
         "many": len(job.telegrams) > 1,
         "title": label,
@@ -98,11 +111,14 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "use_count": len(job.uses),
         "in_a_row": len(job.uses) > _UNROLLED,
         "inputs": [_interface(plan, use, start=True) for use in job.inputs],
-        "outputs": [_interface(plan, use, start=False) for use in job.outputs],
+        "outputs": [
+            *(_interface(plan, use, start=False) for use in job.outputs),
+            *(value.member for value in list_values(plan, job)),
+        ],
         "telegrams": [_telegram(plan, job, telegram, aligned=_aligned(job)) for telegram in job.telegrams],
         "input_copies": [] if job.pinned else _copies(plan, job, response=False),
         "own_writes": _own_writes(plan, job) if job.pinned else [],
-        "output_copies": _copies(plan, job, response=True),
+        "output_copies": _copies(plan, job, response=True) if job.messages is None else [],
     }
 
 
@@ -213,6 +229,7 @@ def _order(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
 def _label(use: Use) -> str:
     """Line of the header: which index of ``errors`` belongs to which parameter."""
     does = "writes" if use.writes else "reads" if use.verifies is None else "reads back"
+    does += " again" if use.again is not None else ""
     text = f"{use.position}: {does} {use.label} {use.parameter.title}"
     return one_line(text)
 
@@ -244,11 +261,15 @@ def _aligned(job: DriveJob) -> bool:
 
 def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligned: bool) -> dict[str, Any]:
     first = telegram.parts[0].use.position
+    closes = telegram.parts[0].use.again is not None
+    blocks = [_block(index, part) for index, part in enumerate(telegram.parts, 1)]
     return {
         "index": telegram.number,
         "writes": telegram.writes,
         "saves": telegram.writes and telegram.parts[0].use in job.saving,
         "asks": telegram.parts[0].use.poll is not None,
+        "closes": closes,
+        "keeps": not telegram.writes and not closes,
         "suffix": _suffix(job, telegram),
         "request_type": telegram.request.type.name,
         "response_type": telegram.response.type.name,
@@ -259,7 +280,9 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "count": len(telegram.parts),
         "in_a_row": aligned and len(telegram.parts) > _UNROLLED,
         "use_shift": f" + {first - 1}" if first > 1 else "",
-        "blocks": [_block(index, part) for index, part in enumerate(telegram.parts, 1)],
+        "blocks": blocks,
+        # a question that follows the one in which it was the first expects what is expected already
+        "expects": [] if closes and telegram.number == 2 else blocks,
     }
 
 

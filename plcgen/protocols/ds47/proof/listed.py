@@ -1,0 +1,93 @@
+"""Lists of messages, stated by hand after the manuals: which parameter each column is, what comes first, what is empty.
+
+TIA Portal information system, parameters of SINAMICS S210 (r0945): indexes 0 to 7 are the present fault case, the
+oldest fault first; 8 to 15 the case that was acknowledged last, in the same order, and so on. Alarms (r2122): 0 is the
+oldest of those present, 7 the latest; from 8 on those that have gone, the latest first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcgen.proof.rig import Members
+from plcgen.protocols.ds47.plan.nouns import DriveJob
+from plcgen.protocols.ds47.sim.drive import Drive
+from plcgen.protocols.ds47.sim.parameters import SimulatedParameter
+from plcgen.protocols.ds47.wire.formats import pack_values
+
+COLUMNS = {
+    "code": ("code", 945, 2122),
+    "value": ("value", 949, 2124),
+    "received": ("received", 948, 2123),
+    "received_days": ("receivedDays", 2130, 2145),
+    "removed": ("removed", 2109, 2125),
+    "removed_days": ("removedDays", 2136, 2146),
+    "float_value": ("floatValue", 2133, 2134),
+    "component": ("component", 3120, 3121),
+    "drive_object": ("driveObject", 3115, 0),
+}
+"""Member of an entry, parameter of faults and of alarms, by the word that a spec has for a column."""
+COUNTERS = {"faults": 944, "alarms": 2121}
+"""What counts the changes of a buffer."""
+GROUP = 8
+"""Places of the present, and of each group of the history."""
+
+
+def columns(job: DriveJob) -> list[tuple[str, int]]:
+    """Member and parameter of every column; none of another kind of job."""
+    if job.messages is None:
+        return []
+    which = 1 if job.messages.member == "faults" else 2
+    return [(COLUMNS[name][0], COLUMNS[name][which]) for name in job.messages.settings.columns]  # type: ignore[misc]
+
+
+def groups(job: DriveJob) -> int:
+    """The present, and what there is of the history."""
+    return len(job.messages.settings.latest_last) if job.messages is not None else 0
+
+
+def paths(job: DriveJob) -> Iterator[str]:
+    """Members of the block that have the list."""
+    if job.messages is None:
+        return
+    for place in range(1, GROUP * groups(job) + 1):
+        for name, _ in columns(job):
+            yield f"{job.messages.member}[{place}].{name}"
+    yield "faultCount" if job.messages.member == "faults" else "alarmCount"
+
+
+def shown(job: DriveJob, db: Members, prefix: str = "") -> bytes:
+    """The list as the block has it."""
+    return b"".join(db.bytes(prefix + path) for path in paths(job))
+
+
+def wanted(job: DriveJob, drive: Drive, drive_object: int) -> bytes:
+    """The list that the buffer of a drive makes; nothing for another kind of job. Raises KeyError."""
+    if job.messages is None:
+        return b""
+    parameters = drive.objects[drive_object].parameters
+    found = b""
+    present = 0
+    for group in range(groups(job)):
+        indexes = range(GROUP * group, GROUP * group + GROUP)
+        reads = indexes if job.messages.member == "alarms" and group else indexes[::-1]
+        code = parameters[dict(columns(job))["code"]]
+        used = [index for index in reads if code.values[index]]
+        for index in used:
+            found += b"".join(_one(parameters[pnu], index) for _, pnu in columns(job))
+        empty = b"".join(bytes(parameters[pnu].format.size) for _, pnu in columns(job))
+        found += empty * (GROUP - len(used))
+        present = len(used) if group == 0 else present
+    return found + present.to_bytes(2)
+
+
+def _one(parameter: SimulatedParameter, index: int) -> bytes:
+    return pack_values(parameter.format, [parameter.values[index]])
+
+
+def fill(job: DriveJob, drive: Drive, drive_object: int, messages: int) -> None:
+    """So many messages in every group, those that are there first."""
+    code = drive.objects[drive_object].parameters[dict(columns(job))["code"]]
+    for group in range(groups(job)):
+        for index in range(GROUP * group + messages, GROUP * group + GROUP):
+            code.values[index] = 0
