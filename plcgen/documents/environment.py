@@ -121,7 +121,10 @@ def render(document: Document) -> RenderedFile:
 
 
 def _text(document: Document) -> str:
-    return render_text(document.template, document.view, document.spelling) if document.template else document.text
+    if not document.template:
+        return document.text
+    text = render_text(document.template, document.view, document.spelling)
+    return text if document.voice is None else document.voice(text)
 
 
 def _finished(document: Document, text: str) -> RenderedFile:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import lru_cache, partial
-from typing import Any
-from weakref import WeakKeyDictionary
 
 from plcgen.documents.nouns import MemberRow, StartAssignment, WatchRow
-from plcgen.documents.spelling import clean_title, culture, elements, literal, one_line, type_text, type_words
+from plcgen.documents.spelling import culture, elements, literal, one_line, type_text, type_words
+from plcgen.documents.voice import voice_of
 from plcgen.project.nouns import BlockRef, BufferField, Frame
 from plcgen.s7.types import ArrayType, DataType, Elementary
 from plcgen.s7.values import SIGNED, UNSIGNED
@@ -21,60 +19,9 @@ _LETTER = {8: "DBB", 16: "DBW", 32: "DBD"}
 
 
 def plain(frame: Frame, name: str, type_: str, text: str, start: str = "") -> MemberRow:
-    """A member whose comment is in one language only: that of the spec where it says it, else English."""
-    return MemberRow(name, type_, text, start, comments=in_its_language(frame, text))
-
-
-def in_its_language(frame: Frame, text: str) -> tuple[tuple[str, str], ...]:
-    """A comment in the language it is in; none if the project has not that, or where no document will be made of it."""
-    if not text or frame.target.xml_version is None:
-        return ()
-    language = languages_of(frame)(text)
-    return ((language, one_line(text)),) if language else ()
-
-
-_LANGUAGES: WeakKeyDictionary[Frame, Callable[[str], str]] = WeakKeyDictionary()
-"""Made once for each plan, kept as long as the plan is."""
-
-
-def languages_of(frame: Frame) -> Callable[[str], str]:
-    """What tells the culture of a text of the sources: that of a comment of the spec inside it, else that of English.
-
-    It is empty if the project has no such language.
-    """
-    if frame not in _LANGUAGES:
-        _LANGUAGES[frame] = _languages(frame)
-    return _LANGUAGES[frame]
-
-
-def _languages(frame: Frame) -> Callable[[str], str]:
-    cultures = dict.fromkeys(map(culture, frame.languages))
-    english = next((name for name in cultures if name.startswith("en-")), "")
-    said = {text: name for text, name in _comments(frame.loaded.spec.model_dump(exclude_none=True)) if name != english}
-    return lru_cache(maxsize=65536)(partial(_language, {t: n for t, n in said.items() if n in cultures}, english))
-
-
-def _language(said: Mapping[str, str], english: str, text: str) -> str:
-    words = text.split() if said else []
-    parts = (" ".join(words[begin:end]) for begin in range(len(words)) for end in range(len(words), begin, -1))
-    return next((said[part] for part in parts if part in said), english)
-
-
-def _comments(tree: Any) -> Iterator[tuple[str, str]]:
-    """Every text under a key ``comment``, as sources and titles have it, with its culture."""
-    pending = [tree]
-    while pending:
-        found = pending.pop()
-        if isinstance(found, dict):
-            comment = found.get("comment")
-            if isinstance(comment, dict):
-                for language, text in comment.items():
-                    line = one_line(str(text))
-                    yield line, culture(language)
-                    yield " ".join(clean_title(line).split()), culture(language)
-            pending += found.values()
-        elif isinstance(found, list | tuple):
-            pending += found
+    """A member with a comment of the templates or of the spec: a source has it as it is, a document by language."""
+    found = () if frame.target.xml_version is None else voice_of(frame).texts(one_line(text))
+    return MemberRow(name, type_, text, start, comments=found)
 
 
 def _translated(texts: Mapping[str, str]) -> Iterator[tuple[str, str]]:

@@ -14,9 +14,9 @@ from itertools import count
 from typing import Any
 
 from plcgen.documents.document import Document
-from plcgen.documents.members import languages_of
 from plcgen.documents.nouns import Call, DataBlock, FunctionBlock, LibraryInstance, TagRow, TypeBlock, WatchRow
 from plcgen.documents.spelling import culture, one_line
+from plcgen.documents.voice import voice_of
 from plcgen.project.nouns import Frame
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.simaticml.versions import VERSIONS
@@ -39,8 +39,8 @@ class SimaticMl:
         version = VERSIONS[frame.target.xml_version or ""]
         self._languages = frame.languages
         self._cultures = tuple(culture(language) for language in frame.languages)
-        self._language = languages_of(frame)
-        self._setting = Setting(version, frame.target.classic, self._cultures, self._language)
+        self._texts_of = voice_of(frame).texts
+        self._setting = Setting(version, frame.target.classic, self._cultures, self._texts_of)
         self._early = VERSION_NOTE if version.early else ""
         self.note = VERSION_NOTE if version.inferred or version.early else ""
         """Why documents of this version are experimental, if they are."""
@@ -78,10 +78,9 @@ class SimaticMl:
         view: dict[str, Any] = {"name": name, "id": next(ids), "tags": []}
         for row in rows:
             tag = {**row._asdict(), "id": next(ids), "text_id": next(ids)}
-            own = self._language(row.text)
+            texts = dict(self._texts_of(row.text))
             tag["entries"] = [
-                {"id": next(ids), "culture": shown, "text": row.text if shown == own else ""}
-                for shown in self._cultures
+                {"id": next(ids), "culture": shown, "text": texts.get(shown, "")} for shown in self._cultures
             ]
             view["tags"].append(tag)
         return self._document(name, "simaticml/tags.xml.j2", view, self._early)

@@ -8,6 +8,7 @@ from typing import Any
 from plcgen.documents.document import Document
 from plcgen.documents.nouns import Call, DataBlock, FunctionBlock, LibraryInstance, TypeBlock
 from plcgen.documents.spelling import spelling_of
+from plcgen.documents.voice import voice_of
 from plcgen.project.nouns import BlockRef, Frame
 
 
@@ -19,6 +20,7 @@ class SourceWriter:
         system = "s7-1500" if where.t15 else "s7-300"
         self.v5, self.classic = where.v5, where.classic
         self._encoding, self._spelling = where.encoding, spelling_of(where)
+        self._voice = voice_of(frame).source
         self._newline = "\r\n" if where.v5 else "\n"
         self._common = {"s7_1500": where.t15, "system": system, "calls": "step7-v5" if where.v5 else system}
 
@@ -73,4 +75,5 @@ class SourceWriter:
             encoding=self._encoding,
             newline=self._newline,
             spelling=self._spelling,
+            voice=self._voice,
         )

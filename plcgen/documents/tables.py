@@ -10,6 +10,7 @@ from plcgen.documents.nouns import TagRow, WatchRow
 from plcgen.documents.overview import Overview
 from plcgen.documents.sources import SourceWriter
 from plcgen.documents.spelling import encodable
+from plcgen.documents.voice import voice_of
 from plcgen.project.nouns import Project
 from plcgen.sources.generated import ATTRIBUTES
 
@@ -32,7 +33,7 @@ def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> 
         yield sources.table("symbols.sdf", _symbols(project, seen, tags))
         yield sources.table("compile.inp", "".join(f"{path.split('/')[1].removesuffix('.scl')}\n" for path in order))
     elif tags:
-        rows = [(tag.name, tag.type, f"%{tag.address}", tag.text) for tag in tags]
+        rows = [(tag.name, tag.type, f"%{tag.address}", voice_of(project).say(tag.text)) for tag in tags]
         yield _sheet("tags.csv", ("Name", "Data Type", "Logical Address", "Comment"), rows)
     guides = [contribution.guide() for contribution in seen.contributions]
     view = {
@@ -83,7 +84,8 @@ def _symbols(project: Project, seen: Overview, tags: Sequence[TagRow]) -> str:
         rows.append((block.name, address, seen.symbols.get(block, address), ""))
     for tag in tags:
         area = tag.address.rstrip("0123456789.")
-        text = tag.text if encodable(tag.text, project.target) else ""
+        said = voice_of(project).say(tag.text)
+        text = said if encodable(said, project.target) else ""
         rows.append((tag.name, f"{area} {tag.address[len(area) :]}", tag.type.upper(), text[:80]))
     return "".join(map(_symbol_row, rows))
 

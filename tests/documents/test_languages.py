@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
+import tomllib
 from pathlib import Path
 
 import pytest
 from lxml import etree
 
 from plcgen import api
+from plcgen.documents.phrases import translated
+from plcgen.protocols.ds47.devices import device_names, find_device
+from plcgen.resources import templates_dir
 
 SPEC = """
 plc: {{name: Ramps, family: s7-1500, toolchain: tia-v19, languages: [{languages}]}}
@@ -16,6 +21,7 @@ drives:
 jobs:
   ramp: {{drive: fan, read: [P1120], comment: {{de-DE: "Rampe \'lesen\'"}}, trigger: M50.0}}
 """
+LAEUFT, INTERNAL = "der Auftrag läuft", "what goes with every telegram"
 RUNNING, NUMBER, JOB = "the job is running", "Anzahl Parameter", "Rampe 'lesen'"
 
 
@@ -33,22 +39,116 @@ def said(folder: Path, languages: str) -> set[tuple[str, str]]:
 
 
 @pytest.mark.parametrize("languages", ["de-DE, en-US", "en-US, de-DE", "zh-CN, de-DE, en-GB"])
-def test_what_is_not_translated_is_english_only(languages: str, tmp_path: Path) -> None:
+def test_every_text_is_in_its_own_language(languages: str, tmp_path: Path) -> None:
     """Whatever the order of the languages; the comment of a job is in the language that the spec says."""
     english = next(name for name in languages.split(", ") if name.startswith("en"))
     found = said(tmp_path, languages)
     assert {culture for culture, text in found if text == RUNNING} == {english}
+    assert {culture for culture, text in found if text == LAEUFT} == {"de-DE"}
+    assert {culture for culture, text in found if text == INTERNAL} == {english}
     assert ("de-DE", NUMBER) in found
     assert {culture for culture, text in found if text in {JOB, JOB.replace("'", "").replace("  ", " ")}} == {"de-DE"}
 
 
-def test_a_project_without_english_has_no_place_for_it(tmp_path: Path) -> None:
-    """The text source has the comment; the document does not call it German."""
+def test_a_project_without_english(tmp_path: Path) -> None:
+    """What the engine says to itself has no place in the documents, and what it says to its user is German."""
     found = said(tmp_path, "de-DE")
     assert {culture for culture, _ in found} == {"de-DE"}
-    assert RUNNING not in {text for _, text in found}
-    assert RUNNING in (tmp_path / "out" / "scl" / "Ramp.scl").read_text("utf-8-sig")
+    texts = {text for _, text in found}
+    assert not {RUNNING, INTERNAL} & texts
+    assert LAEUFT in texts
+    source = (tmp_path / "out" / "scl" / "Ramp.scl").read_text("utf-8-sig")
+    assert f"busy : Bool;  // {LAEUFT}" in source
+    assert INTERNAL in source
     assert (tmp_path / "out" / "xml" / "Ramp.xml").read_text("utf-8-sig").count("Rampe") == 1
+
+
+PLANT = """
+plc: {{name: Plant, family: s7-1500, toolchain: tia-v19, languages: [{languages}]}}
+drives:
+  fan: {{device: sinamics-g120, hardware_id: 270, drive_object: 1}}
+  dcm: {{device: sinamics-dcm, hardware_id: 271}}
+  cu: {{device: sinamics-s120, hardware_id: 272}}
+jobs:
+  watch: {{drive: fan, read: [actual_speed, "r947[0..3]"], trigger: M50.0}}
+  ramps: {{drive: fan, write: {{P1120: null, P1121: 5.0}}, verify: readback}}
+  pinned: {{drive: dcm, write: {{P50303: 1.0}}, request: {{db: 5}}, response: {{db: 6}}}}
+  keep: {{drive: fan, save: drive_object}}
+  stops: {{drive: cu, faults: current}}
+  past: {{drive: cu, alarms: current}}
+"""
+USED = ("DriveJobs", "Main", "DriveCalls", "DriveJobTags", "Watch", "Ramps", "Pinned", "Keep", "Stops", "Past")
+INNER = {"Static", "Temp", "Constant"}
+
+
+def shown(folder: Path, languages: str) -> dict[str, list[dict[str, str]]]:
+    """What a user of the jobs sees: for each document of theirs, comments and titles by culture."""
+    (folder / "job.yaml").write_text(PLANT.format(languages=languages), "utf-8")
+    assert api.generate(folder / "job.yaml", folder / "out").ok
+    found = {}
+    for name in USED:
+        root = etree.parse(str(folder / "out" / "xml" / f"{name}.xml")).getroot()
+        sections = [s for s in root.iter("{*}Section") if name == "DriveJobs" or s.get("Name") not in INNER]
+        comments = [c for s in sections for c in s.iter("{*}Comment")]
+        texts = [{t.get("Lang"): t.text for t in c.iter("{*}MultiLanguageText")} for c in comments]
+        for group in root.iter("{*}MultilingualText"):
+            items = {
+                item.findtext(".//Culture"): item.findtext(".//Text") for item in group.iter("{*}MultilingualTextItem")
+            }
+            texts.append({culture: text for culture, text in items.items() if text})
+        found[name] = [text for text in texts if text]
+    return found
+
+
+def test_german_and_chinese_are_as_complete_as_english(tmp_path: Path) -> None:
+    """Every comment and title of jobs, DriveJobs, Main, caller and tags is there in all three; none is copied."""
+    for name, texts in shown(tmp_path, "en-US, de-DE, zh-CN").items():
+        assert texts, name
+        for text in texts:
+            assert set(text) == {"en-US", "de-DE", "zh-CN"}, (name, text)
+            assert len(set(text.values())) == 3 or not text["en-US"].strip("rP[]0123456789.:, "), (name, text)
+
+
+def test_the_first_language_is_that_of_the_sources(tmp_path: Path) -> None:
+    """No line without Chinese in what a user reads of a Chinese project."""
+    shown(tmp_path, "zh-CN")
+    lines = [
+        line for name in ("scl/Watch.scl", "db/DriveJobs.db", "scl/Main.scl")
+        for line in (tmp_path / "out" / name).read_text("utf-8-sig").partition("END_VAR\n\nVAR\n")[0].splitlines()
+        if "//" in line or "TITLE" in line or "REGION " in line
+    ]  # fmt: skip
+    assert len(lines) > 20
+    assert [line for line in lines if not re.search("[\u4e00-\u9fff]", line)] == []
+
+
+def test_languages_that_nobody_translated(tmp_path: Path) -> None:
+    """French first: sources have the next language, documents have no French."""
+    texts = shown(tmp_path, "fr-FR, de-DE")
+    assert {culture for found in texts.values() for text in found for culture in text} == {"de-DE"}
+    assert f"// {LAEUFT}" in (tmp_path / "out" / "scl" / "Watch.scl").read_text("utf-8-sig")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("languages", ["de-DE", "zh-CN, en-US", "fr-FR, de-DE"])
+def test_what_is_generated_in_other_languages_is_verified(languages: str, tmp_path: Path) -> None:
+    """Sources and documents are the same blocks, and the headers are what the spec says."""
+    shown(tmp_path, languages)
+    assert api.verify(tmp_path / "job.yaml", tmp_path / "out", faults="none", engine=False).ok
+
+
+def test_every_title_of_the_catalogue_is_translated() -> None:
+    """Also those of parameters that no test uses; an unknown title is left alone."""
+    titles = {p.title for name in device_names() for p in find_device(name).parameters.values()}
+    assert sorted(title for title in titles if set(translated(f"P1 {title} [s]")) != {"de", "zh"}) == []
+    assert translated("P1 Something of your own [s]") == {}
+
+
+def test_every_phrase_has_two_translations() -> None:
+    """The places of a phrase are those of its translations."""
+    for path in templates_dir().glob("*/phrases.toml"):
+        for text, translations in tomllib.loads(path.read_text("utf-8")).items():
+            places = sorted(re.findall(r"{(\w+)}", text))
+            assert [sorted(re.findall(r"{(\w+)}", one)) for one in translations] == [places, places], text
 
 
 def test_the_example_ob_has_the_access_that_genuine_ones_have(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.simaticml.escape import content
-from plcgen.simaticml.writing.interface import CultureOf, sections
+from plcgen.simaticml.writing.interface import TextsOf, sections
 from plcgen.simaticml.writing.scope import is_system
 from plcgen.simaticml.writing.starts import Starts
 
@@ -35,18 +35,18 @@ _EVENTS = (
 class Setting:
     """What a document depends on besides its block: version, CPU family, languages.
 
-    ``cultures`` are those of the project; ``language`` tells which of them a text is in, empty if in none of them: then
-    the text is left out (None: all are in the first one).
+    ``cultures`` are those of the project; ``texts`` gives a text of a block in those that have it; a text that none has
+    is left out (None: all texts are in the first culture).
     """
 
     version: Version
     classic: bool
     cultures: tuple[str, ...] = ("en-US",)
-    language: CultureOf | None = None
+    texts: TextsOf | None = None
 
-    def culture_of(self, text: str) -> str:
-        """Language of a text of a block; empty if the project has no place for it."""
-        return self.cultures[0] if self.language is None else self.language(text)
+    def texts_of(self, text: str) -> tuple[tuple[str, str], ...]:
+        """A text of a block by culture; empty if the project has no place for it."""
+        return ((self.cultures[0], text),) if self.texts is None else self.texts(text)
 
 
 class _Ids:
@@ -81,7 +81,7 @@ def document(
     for assignment in block.assignments:
         starts.assign(assignment.path, assignment.literal, members)
     namespace = setting.version.interface_namespace
-    interface = sections(block, kind, namespace, setting.culture_of, starts, classic=setting.classic)
+    interface = sections(block, kind, namespace, setting.texts_of, starts, classic=setting.classic)
     attributes = _attributes(block, kind, setting, interface)
     ids = _Ids()
     head = ids()
@@ -155,12 +155,12 @@ def _texts(block: Block, kind: str, setting: Setting, code: str, ids: _Ids) -> s
 
 
 def _text(name: str, text: str, setting: Setting, ids: _Ids, pad: str) -> str:
-    """A MultilingualText: ``text`` in its language, the others empty."""
+    """A MultilingualText: ``text`` in the languages that have it, the others empty."""
     head = f'{pad}<MultilingualText ID="{ids()}" CompositionName="{name}">\n{pad}  <ObjectList>\n'
     items = []
-    language = setting.culture_of(text) if text else ""
+    texts = dict(setting.texts_of(text)) if text else {}
     for culture in setting.cultures:
-        shown = f"<Text>{content(text)}</Text>" if culture == language else "<Text />"
+        shown = f"<Text>{content(texts[culture])}</Text>" if culture in texts else "<Text />"
         items.append(
             f'{pad}    <MultilingualTextItem ID="{ids()}" CompositionName="Items">\n{pad}      <AttributeList>\n'
             f"{pad}        <Culture>{culture}</Culture>\n{pad}        {shown}\n"

@@ -36,7 +36,8 @@ _LEAVES = (Elementary, StringType)
 PAD = "          "
 """Indentation of a Member."""
 
-CultureOf = Callable[[str], str]
+TextsOf = Callable[[str], tuple[tuple[str, str], ...]]
+"""A text of a block by culture, in the order of the project's languages."""
 """Language of a comment; empty if there is no place for it."""
 
 
@@ -46,12 +47,12 @@ def section_names(kind: str, *, classic: bool) -> tuple[SectionKind, ...]:
     return found[1:] if classic and kind == "SW.Blocks.OB" else found
 
 
-def sections(block: Block, kind: str, namespace: str, culture: CultureOf, starts: Starts, *, classic: bool) -> str:
+def sections(block: Block, kind: str, namespace: str, texts: TextsOf, starts: Starts, *, classic: bool) -> str:
     """The Interface attribute of an object, without the indentation of its first line."""
     lines = [f'<Interface><Sections xmlns="{namespace}">']
     for section in section_names(kind, classic=classic):
         name = "None" if kind == "SW.Types.PlcStruct" else section.value
-        body = "".join(_section(block, section, kind, culture, starts))
+        body = "".join(_section(block, section, kind, texts, starts))
         if section is _RETURN and not body:
             body = f'{PAD}<Member Name="Ret_Val" Datatype="Void" />\n'
         lines.append(f'        <Section Name="{name}">\n{body}        </Section>' if body else _empty(name))
@@ -63,20 +64,20 @@ def _empty(name: str) -> str:
     return f'        <Section Name="{name}" />'
 
 
-def _section(block: Block, section: SectionKind, kind: str, culture: CultureOf, starts: Starts) -> list[str]:
+def _section(block: Block, section: SectionKind, kind: str, texts: TextsOf, starts: Starts) -> list[str]:
     values = kind != "SW.Types.PlcStruct" or block.kind is BlockKind.UDT
     whole = kind == "SW.Blocks.GlobalDB" and is_retentive(block)
     found = []
     for group in block.sections:
         if group.kind is section:
             retain = whole or (group.retain == "RETAIN" and kind != "SW.Blocks.InstanceDB")
-            found += [member(m, culture, starts if values else None, retain=retain) for m in group.members]
+            found += [member(m, texts, starts if values else None, retain=retain) for m in group.members]
     return found
 
 
 def member(
     declared: Member,
-    culture: CultureOf,
+    texts: TextsOf,
     starts: Starts | None,
     path: Path = (),
     pad: str = PAD,
@@ -94,10 +95,10 @@ def member(
             declared.comment,
             declared.at,
             declared.attributes,
-            culture(declared.comment),
+            texts(declared.comment),
             retain=retain,
         )
-    return _member(declared, culture, starts, path, pad, retain=retain)
+    return _member(declared, texts, starts, path, pad, retain=retain)
 
 
 @lru_cache(maxsize=16384)
@@ -108,16 +109,16 @@ def _leaf(
     comment: str,
     at: str | None,
     attributes: tuple[tuple[str, str], ...],
-    culture: str,
+    texts: tuple[tuple[str, str], ...],
     *,
     retain: bool,
 ) -> str:
     """A member without members: the same ones occur in block after block."""
     declared = Member(name, type_, start, comment, at, None, attributes)
-    return _member(declared, lambda _: culture, Starts(), (), PAD, retain=retain)
+    return _member(declared, lambda _: texts, Starts(), (), PAD, retain=retain)
 
 
-def _member(declared: Member, culture: CultureOf, starts: Starts | None, path: Path, pad: str, *, retain: bool) -> str:
+def _member(declared: Member, texts: TextsOf, starts: Starts | None, path: Path, pad: str, *, retain: bool) -> str:
     name = declared.name
     here = (*path, name.upper())
     if starts is not None:
@@ -128,12 +129,14 @@ def _member(declared: Member, culture: CultureOf, starts: Starts | None, path: P
     head += ' Remanence="Retain"' if retain else ""
     inner = pad + "  "
     parts = _attribute_list(declared, pairs, inner)
-    if declared.comment and (language := culture(declared.comment)):
-        text = f'<MultiLanguageText Lang="{language}">{content(declared.comment)}</MultiLanguageText>'
-        parts.append(f"{inner}<Comment>\n{inner}  {text}\n{inner}</Comment>\n")
+    found = texts(declared.comment) if declared.comment else ()
+    if found:
+        items = (f'<MultiLanguageText Lang="{name}">{content(text)}</MultiLanguageText>' for name, text in found)
+        lines = "".join(f"{inner}  {item}\n" for item in items)
+        parts.append(f"{inner}<Comment>\n{lines}{inner}</Comment>\n")
     element = innermost(declared.type)
     if isinstance(element, StructType):
-        parts += [member(m, culture, starts, here, inner) for m in element.members]
+        parts += [member(m, texts, starts, here, inner) for m in element.members]
     elif isinstance(element, NamedType) and starts is not None and starts.below(here):
         parts.append(_expanded(starts.members(element), starts, here, inner))
     if starts is not None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from plcgen.protocols.ds47.plan.nouns import DriveField
+from plcgen.documents.phrases import LANGUAGES, translated
+from plcgen.protocols.ds47.plan.nouns import DriveField, Use
 
 _REQUEST: dict[str, tuple[str, str, str]] = {
     "reference": ("request reference 1..255", "Auftragsreferenz 1..255", "请求参考 1..255"),
@@ -47,10 +48,21 @@ def field_texts(field: DriveField, languages: tuple[str, ...], *, response: bool
     for language in languages:
         text = row[_COLUMN.get(language[:2].lower(), 0)]
         if part is not None and field.role == "value":
-            parameter = part.use.parameter
-            unit = f" [{parameter.unit}]" if parameter.unit else ""
-            text = f"{part.use.label} {part.use.comment.get(language) or parameter.title or text}{unit}"
+            text = _value_text(part.use, language, text)
         elif part is not None:
             text = f"{part.use.label} {text}"
         texts.append((language, text))
     return texts
+
+
+def _value_text(use: Use, language: str, word: str) -> str:
+    """Parameter, what the spec or the catalogue calls it, unit; without a translation the mere ``word`` for a value."""
+    parameter = use.parameter
+    unit = f" [{parameter.unit}]" if parameter.unit else ""
+    english = f"{use.label} {parameter.title}{unit}"
+    name = language[:2].lower()
+    if use.comment.get(language) or not parameter.title:
+        return f"{use.label} {use.comment.get(language) or word}{unit}"
+    if name not in LANGUAGES:
+        return english
+    return translated(english).get(name, f"{use.label} {word}{unit}")
