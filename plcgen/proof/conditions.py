@@ -47,6 +47,7 @@ class Names:
         self.never = {premise.never.upper(): premise for premise in premises if premise.never}
         self.held = [premise for premise in premises if premise.variable]
         self.arrays = {premise.variable.upper() for premise in self.held}
+        self.elements = {name + ELEMENT for name in self.arrays}
         self.given = {premise.given.upper() for premise in premises} | {self.state}
         self.constants: dict[str, int] = {}
         self.locals: set[str] = set()
@@ -78,15 +79,15 @@ class Names:
                 return True
         return False
 
-    def compared_with(self, name: str) -> set[int]:
-        """Constants that a counter is compared with, and their neighbours: where it may stop counting."""
-        found: set[int] = set()
+    def compared(self) -> dict[str, set[int]]:
+        """Constants that variables are compared with, and their neighbours: where a counter may stop counting."""
+        found: dict[str, set[int]] = {}
         for node in ast.walk(self.unit):
             if isinstance(node, ast.Binary) and node.operator in OPPOSITE:
                 for one, other in ((node.left, node.right), (node.right, node.left)):
-                    value = evaluate(other, self.constants)
-                    if isinstance(one, ast.Name) and one.name.upper() == name.upper() and value is not None:
-                        found |= {value - 1, value, value + 1}
+                    value = evaluate(other, self.constants) if isinstance(one, ast.Name) else None
+                    if isinstance(one, ast.Name) and value is not None:
+                        found.setdefault(one.name.upper(), set()).update((value - 1, value, value + 1))
         return found
 
     def value(self, node: ast.Expression, env: Env) -> Values:

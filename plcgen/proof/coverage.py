@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from plcgen.cpu.linkage import Probe
@@ -69,21 +69,48 @@ def cover(
         if probe.file == entry.result.tokens.file:
             totals[probe] = totals.get(probe, 0) + count
     missing = [probe for probe, count in totals.items() if not count]
-    explained: list[tuple[Probe, str]] = []
     position = entry.result.tokens.position
     cases = {position(node.start) for node in ast.walk(entry.unit) if isinstance(node, ast.Case)}
 
-    def excluded(known: Sequence[Premise], open_names: Sequence[str]) -> list[Probe]:
+    def excluded(known: Sequence[Premise], open_names: Sequence[str]) -> frozenset[Probe]:
         reached = {(*position(offset), kind) for offset, kind in reachable(entry.unit, known, open_names)}
-        return [probe for probe in missing if (probe.line, probe.column, probe.kind) not in reached]
+        return frozenset(probe for probe in missing if (probe.line, probe.column, probe.kind) not in reached)
 
-    others = [probe for probe in missing if probe.kind == "else" and (probe.line, probe.column) in cases]
-    if others:
-        explained += [(probe, NO_OTHER) for probe in excluded(premises, ()) if probe in others]
-    missing = [probe for probe in missing if (probe, NO_OTHER) not in explained]
-    dead = excluded((), opened) if missing else []
-    for known, premise in enumerate(premises if len(dead) < len(missing) else (), 1):
-        explained += [(probe, premise.reason) for probe in excluded(premises[:known], opened) if probe not in dead]
-        missing = [probe for probe in missing if (probe, premise.reason) not in explained]
+    others = {probe for probe in missing if probe.kind == "else" and (probe.line, probe.column) in cases}
+    reasons = dict.fromkeys(excluded(premises, ()) & others, NO_OTHER) if others else {}
+    missing = [probe for probe in missing if probe not in reasons]
+    if missing:
+        dead = excluded((), opened)
+        if len(dead) < len(missing):
+            reasons |= _attributed(premises, dead, lambda known: excluded(known, opened))
+    explained = [
+        (probe, why) for why in dict.fromkeys(reasons.values()) for probe in totals if reasons.get(probe) == why
+    ]
+    missing = [probe for probe in missing if probe not in reasons]
     statements = sum(probe.kind == "statement" for probe in totals)
     return Coverage(statements, len(totals) - statements, tuple(missing), tuple(explained), steps)
+
+
+def _attributed(
+    premises: Sequence[Premise],
+    dead: frozenset[Probe],
+    excluded: Callable[[Sequence[Premise]], frozenset[Probe]],
+) -> dict[Probe, str]:
+    """The premise behind which a probe is excluded, taken in their order; ``dead`` is what none is needed for."""
+    reasons: dict[Probe, str] = {}
+
+    def between(first: int, last: int, before: frozenset[Probe], after: frozenset[Probe]) -> None:
+        """Halve until there is one premise, or nothing between two of them."""
+        if before >= after:
+            return
+        if last - first == 1:
+            reasons.update(dict.fromkeys(after - before, premises[first].reason))
+            return
+        half = (first + last) // 2
+        middle = excluded(premises[:half])
+        between(first, half, before, middle)
+        between(half, last, middle, after)
+
+    if premises:
+        between(0, len(premises), dead, excluded(premises))
+    return reasons

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import inf
 from typing import TypeAlias
 
-from plcgen.proof.conditions import ELEMENT, Names, Premise
+from plcgen.proof.conditions import Names, Premise
 from plcgen.proof.values import (
     ANYTHING,
     MOST,
@@ -61,10 +61,11 @@ class _Execution:
         self.written: dict[int, frozenset[str]] = {}
         self.limits: dict[str, list[float]] = {}
         """Where a variable that is calculated may stop counting."""
+        compared = scope.compared()
         for node in ast.walk(unit):
             if isinstance(node, ast.Assign) and isinstance(node.value, ast.Binary):
                 for name in _written(node):
-                    self.limits[name] = sorted({-inf, inf, *scope.compared_with(name)})
+                    self.limits[name] = sorted({-inf, inf, *compared.get(name, ())})
 
     def run(self) -> frozenset[Place]:
         """Everything that is reached from the start values on."""
@@ -176,8 +177,8 @@ class _Execution:
         """Store a value in a variable of the block; arrays and everything outside are not followed."""
         value = self.scope.value(node.value, env)
         env = self.without(node, env)
-        if self.scope.arrays:  # which element was meant before, nobody knows now
-            env = {name: values for name, values in env.items() if not name.endswith(ELEMENT)}
+        if not self.scope.elements.isdisjoint(env):  # which element was meant before, nobody knows now
+            env = {name: values for name, values in env.items() if name not in self.scope.elements}
         for target in (node.target, *node.also):
             name = target.name.upper() if isinstance(target, ast.Name) else ""
             if name in self.scope.locals and node.operator == ":=" and value != ANYTHING:

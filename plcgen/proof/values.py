@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf
+from operator import add, mul, sub
 from typing import TypeAlias
 
 Values: TypeAlias = frozenset[int] | tuple[float, float]
@@ -14,6 +15,9 @@ ANYTHING: Values = (-inf, inf)
 FALSE, TRUE = frozenset({0}), frozenset({1})
 MOST = 64
 """So many values are kept apart."""
+
+
+OPERATIONS: dict[str, Callable[[int, int], int]] = {"+": add, "-": sub, "*": mul}
 
 
 def least(values: Values) -> float:
@@ -61,15 +65,7 @@ def narrowed(values: Values, operator: str, other: Values) -> Values | None:
     """Those of ``values`` for which the comparison with some of ``other`` holds; None if there is none."""
     low, high = least(other), greatest(other)
     if isinstance(values, frozenset):
-        tests: dict[str, Callable[[int], bool]] = {
-            "<": lambda v: v < high,
-            "<=": lambda v: v <= high,
-            ">": lambda v: v > low,
-            ">=": lambda v: v >= low,
-            "=": lambda v: v in other if isinstance(other, frozenset) else low <= v <= high,
-            "<>": lambda v: not low == high == v,
-        }
-        return frozenset(filter(tests[operator], values)) or None
+        return _some(values, operator, other, low, high) or None
     if operator == "=":
         found = narrowed(other, ">=", values)
         return narrowed(found, "<=", values) if found is not None and isinstance(other, frozenset) else other
@@ -81,6 +77,19 @@ def narrowed(values: Values, operator: str, other: Values) -> Values | None:
     return few(first, last) if first <= last else None
 
 
+def _some(values: frozenset[int], operator: str, other: Values, low: float, high: float) -> frozenset[int]:
+    """Those of a few values for which a comparison with something from ``low`` to ``high`` may hold."""
+    if operator == "=":
+        return values & other if isinstance(other, frozenset) else frozenset(v for v in values if low <= v <= high)
+    if operator == "<>":
+        return values if low != high else frozenset(v for v in values if v != low)
+    if operator in {"<", "<="}:
+        last = high - (operator == "<")
+        return values if max(values) <= last else frozenset(v for v in values if v <= last)
+    first = low + (operator == ">")
+    return values if min(values) >= first else frozenset(v for v in values if v >= first)
+
+
 def few(low: float, high: float) -> Values:
     """Everything between two ends, one by one if it is little."""
     return frozenset(range(int(low), int(high) + 1)) if high - low < MOST else (low, high)
@@ -89,12 +98,8 @@ def few(low: float, high: float) -> Values:
 def calculated(operator: str, one: Values, two: Values) -> Values:
     """Sums, differences and products."""
     if isinstance(one, frozenset) and isinstance(two, frozenset) and len(one) * len(two) <= MOST:
-        signs: dict[str, Callable[[int, int], int]] = {
-            "+": lambda a, b: a + b,
-            "-": lambda a, b: a - b,
-            "*": lambda a, b: a * b,
-        }
-        return frozenset(signs[operator](a, b) for a in one for b in two)
+        calculate = OPERATIONS[operator]
+        return frozenset(calculate(a, b) for a in one for b in two)
     if operator == "+":
         return least(one) + least(two), greatest(one) + greatest(two)
     return (least(one) - greatest(two), greatest(one) - least(two)) if operator == "-" else ANYTHING

@@ -244,10 +244,12 @@ PLAUSIBLE = {
 """Specs that somebody would write, and in which nothing is wrong."""
 
 
-@pytest.mark.parametrize("target", ["t12", "t3"])
-@pytest.mark.parametrize("what", PLAUSIBLE)
+@pytest.mark.parametrize(("what", "target"), zip(PLAUSIBLE, ["t3", "t12"] * len(PLAUSIBLE), strict=False))
 def test_a_good_spec_passes(what: str, target: str, tmp_path: Path) -> None:
-    """Nothing is reported where nothing is wrong: no failure, no statement that never runs, no traceback."""
+    """Nothing is reported where nothing is wrong: no failure, no statement that never runs, no traceback.
+
+    Half of them with each of the two modules: what they ask for has little to do with it.
+    """
     body = f"\n    {COMPLETE}\n    {PLAUSIBLE[what]}\n"
     assert troubles(api.verify(made(target, tmp_path, body), tmp_path / "out")) == []
 

@@ -82,12 +82,18 @@ def test_the_page_lists_what_was_not_seen() -> None:
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> dict[Signature, Counter[str]]:
-    """Signatures of all shipped specs and of every data type, for V15 to V21 and all families."""
+    """Signatures of every data type of all families for V15 to V21, and of each shipped spec for three of them.
+
+    The oldest, the newest, and one between them: another one for the next spec.
+    """
     base = tmp_path_factory.mktemp("evidence")
     versions = [name for name in VERSIONS if simaticml.age(name) >= (15,)]
     assert (versions[0], versions[-1]) == ("V15", "V21")
     for version in versions:
-        texts = {spec.stem: spec.read_text("utf-8") for spec in SPECS}
+        position = versions.index(version)
+        ends = version in {versions[0], versions[-1]}
+        chosen = [spec for n, spec in enumerate(SPECS) if ends or 1 + n % (len(versions) - 2) == position]
+        texts = {spec.stem: spec.read_text("utf-8") for spec in chosen}
         texts |= {family: EVERY_TYPE.format(family=family, toolchain="tia") for family in FAMILIES}
         for name, text in texts.items():
             spec = base / f"{version}_{name}.yaml"
@@ -95,7 +101,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> dict[Signature, Counter[st
             assert api.generate(spec, base / version / name).ok
     found = simaticml.summary(base)
     assert found.versions.keys() == set(versions)
-    assert sum(found.versions.values()) > 1500
+    assert sum(found.versions.values()) > 1000
     return found.found
 
 
