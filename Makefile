@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+# The tests start hundreds of processes: compiled modules are kept, whatever the caller's environment says.
+unexport PYTHONDONTWRITEBYTECODE
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
 .PHONY: demo test fast coverage lint bench engine mutate deletions examples example-diff docs site pictures lock clean

@@ -6,7 +6,7 @@ import re
 from functools import cache
 from pathlib import Path
 
-import yaml
+from yaml_files import read_yaml
 
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types import ArrayType, DataType, Member, NamedType, StringType, StructType, elementary
@@ -16,7 +16,7 @@ VECTORS = Path(__file__).parent / "vectors" / "layouts.yaml"
 
 @cache
 def cases() -> dict[str, dict]:
-    return {case["id"]: case for case in yaml.safe_load(VECTORS.read_text(encoding="utf-8"))["cases"]}
+    return {case["id"]: case for case in read_yaml(VECTORS.read_text(encoding="utf-8"))["cases"]}
 
 
 def to_type(text: str) -> DataType:

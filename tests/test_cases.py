@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
+from yaml_files import read_yaml
 
 from plcgen import api
 from plcgen.diagnostics import Diagnostic, Span
@@ -25,7 +25,7 @@ def _cases(kind: str) -> list[Any]:
     return [
         pytest.param(path.stem, case, id=f"{path.stem}: {case['name']}")
         for path in FILES
-        for case in yaml.safe_load(path.read_text("utf-8")).get(kind, [])
+        for case in read_yaml(path.read_text("utf-8")).get(kind, [])
     ]
 
 
@@ -119,7 +119,7 @@ def test_a_good_spec_is_not_reported(code: str, case: dict[str, Any], tmp_path: 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_a_case_file_has_both_sides(path: Path) -> None:
     """A rule without an example that passes could report everything."""
-    data = yaml.safe_load(path.read_text("utf-8"))
+    data = read_yaml(path.read_text("utf-8"))
     assert data["fail"]
     assert data["pass"]
     assert set(data) == {"fail", "pass"}

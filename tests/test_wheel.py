@@ -38,8 +38,8 @@ def test_every_shipped_spec_runs_from_the_wheel(unpacked: Path, tmp_path: Path) 
     assert where.stdout.startswith(str(unpacked)), where.stderr
     shipped = unpacked / "plcgen" / "_specs"
     runs = [["generate", "--quiet", str(spec), "--out", spec.stem] for spec in shipped.glob("*.yaml")]
-    for name in ("s7-300_mm440_dp", "s7-1200_s7-200_ppi"):
-        runs.append(["verify", "--faults", "none", str(shipped / f"{name}.yaml"), "--out", name])
+    both = ("s7-300_mm440_dp", "s7-1200_s7-200_ppi")
+    runs += [["verify", "--faults", "none", str(shipped / f"{name}.yaml"), "--out", name] for name in both]
     for arguments in runs:
         done = run(unpacked, tmp_path, "-m", "plcgen", *arguments)
         assert done.returncode == 0, done.stdout + done.stderr

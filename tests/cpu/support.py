@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-import yaml
+from yaml_files import read_yaml
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
@@ -15,7 +15,7 @@ DIALECTS = {"V5": Dialect.STEP7_V5, "T3": Dialect.TIA_300_400, "T15": Dialect.TI
 
 def cases(name):
     """Cases of one file below ``cases``."""
-    return yaml.safe_load((HERE / "cases" / f"{name}.yaml").read_text(encoding="utf-8"))
+    return read_yaml((HERE / "cases" / f"{name}.yaml").read_text(encoding="utf-8"))
 
 
 def source(case):

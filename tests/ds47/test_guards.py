@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
+from yaml_files import read_yaml
 
 from plcgen import api
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.load import load_drive
 
-DANGEROUS: list[dict[str, Any]] = yaml.safe_load(Path(__file__).with_name("dangerous.yaml").read_text("utf-8"))
+DANGEROUS: list[dict[str, Any]] = read_yaml(Path(__file__).with_name("dangerous.yaml").read_text("utf-8"))
 SIGNABLE = [case for case in DANGEROUS if "code" not in case]
 PROFILE = """\
 title: Acme

@@ -4,7 +4,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import yaml
+from yaml_files import read_yaml
 
 from plcgen.protocols.ds47.wire.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock, ZeroBlock
 
@@ -14,7 +14,7 @@ PATH = Path(__file__).parents[1] / "vectors" / "ds47.yaml"
 @cache
 def tables() -> dict[str, Any]:
     """Return the file as plain data."""
-    return yaml.safe_load(PATH.read_text(encoding="utf-8"))
+    return read_yaml(PATH.read_text(encoding="utf-8"))
 
 
 def _values(row: list) -> ValueBlock:

@@ -4,7 +4,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import yaml
+from yaml_files import read_yaml
 
 from plcgen.protocols.ppi.wire import model
 
@@ -14,7 +14,7 @@ PATH = Path(__file__).parents[1] / "vectors" / "ppi.yaml"
 @cache
 def tables() -> dict[str, Any]:
     """Return the file as plain data."""
-    return yaml.safe_load(PATH.read_text(encoding="utf-8"))
+    return read_yaml(PATH.read_text(encoding="utf-8"))
 
 
 FRAMES = {row["id"]: row for row in tables()["frames"]}

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 from projects import ROOT
+from yaml_files import read_yaml
 
 from plcgen import api
 from plcgen.diagnostics import Report
@@ -25,7 +25,7 @@ def cases(kind: str) -> list[Any]:
     return [
         pytest.param(case, id=f"{path.stem}: {case['name']}")
         for path in sorted(CASES.glob("PG[2-4]??.yaml"))
-        for case in yaml.safe_load(path.read_text("utf-8")).get(kind, [])
+        for case in read_yaml(path.read_text("utf-8")).get(kind, [])
         if "spec" in case and case.get("severity", "error") != "note"
     ]
 

@@ -244,7 +244,7 @@ PLAUSIBLE = {
 """Specs that somebody would write, and in which nothing is wrong."""
 
 
-@pytest.mark.parametrize(("what", "target"), zip(PLAUSIBLE, ["t3", "t12"] * len(PLAUSIBLE), strict=False))
+@pytest.mark.parametrize(("what", "target"), list(zip(PLAUSIBLE, ["t3", "t12"] * len(PLAUSIBLE), strict=False)))
 def test_a_good_spec_passes(what: str, target: str, tmp_path: Path) -> None:
     """Nothing is reported where nothing is wrong: no failure, no statement that never runs, no traceback.
 

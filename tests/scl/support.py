@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import yaml
+from yaml_files import read_yaml
 
 from plcgen.diagnostics import Diagnostic
 
@@ -14,7 +14,7 @@ HERE = Path(__file__).parent
 
 def load(name: str) -> list[Any]:
     """Cases of one file below ``cases``."""
-    return list(yaml.safe_load((HERE / "cases" / f"{name}.yaml").read_text(encoding="utf-8")))
+    return list(read_yaml((HERE / "cases" / f"{name}.yaml").read_text(encoding="utf-8")))
 
 
 def source(name: str) -> str:

@@ -6,12 +6,12 @@ import re
 from pathlib import Path
 
 import pytest
-import yaml
 from hypothesis import example, given
 from hypothesis import strategies as st
 from projects import ROOT, SPECS, TARGETS, every_type
 from simaticml.codes import SETTING, back, exact, meant, network, read_code, wrapped
 from simaticml.test_structured_text import CASES
+from yaml_files import read_yaml
 
 from plcgen import api
 from plcgen.diagnostics import Severity
@@ -27,7 +27,7 @@ from plcgen.simaticml.writing.structured_text import elements, numbered
 
 
 def cases(name: str) -> list:
-    return list(yaml.safe_load((ROOT / f"tests/scl/cases/{name}.yaml").read_text("utf-8")))
+    return list(read_yaml((ROOT / f"tests/scl/cases/{name}.yaml").read_text("utf-8")))
 
 
 def block_of(text: str):

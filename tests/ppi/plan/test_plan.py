@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 from projects import ROOT
+from yaml_files import read_yaml
 
 from plcgen import api
 from plcgen.proof.folder import read_folder
@@ -15,7 +15,7 @@ from plcgen.protocols.ppi.plan.fields import request_fields
 from plcgen.protocols.ppi.plan.nouns import PpiPlan
 from plcgen.s7.image import image
 
-VECTORS = yaml.safe_load((ROOT / "tests" / "vectors" / "ppi.yaml").read_text("utf-8"))["frames"]
+VECTORS = read_yaml((ROOT / "tests" / "vectors" / "ppi.yaml").read_text("utf-8"))["frames"]
 TARGETS = {
     "t15": ("s7-1500", "tia-v19", "cm-ptp", "port: 270"),
     "t12": ("s7-1200", "tia-v17", "cm1241", "port: 270"),

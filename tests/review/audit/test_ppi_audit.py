@@ -9,8 +9,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-import yaml
 from projects import SPECS, generated_example
+from yaml_files import read_yaml
 
 import plcgen
 from plcgen.diagnostics.codes import all_codes
@@ -18,9 +18,7 @@ from plcgen.proof.checks import Outcome
 
 HERE = Path(__file__).parent / "ppi"
 CODES = [code for code in all_codes() if code.startswith("PG67")]
-CASES = [
-    (code, case) for code in CODES for case in yaml.safe_load((HERE / "cases" / f"{code}.yaml").read_text("utf-8"))
-]
+CASES = [(code, case) for code in CODES for case in read_yaml((HERE / "cases" / f"{code}.yaml").read_text("utf-8"))]
 RIGHT = ["cp341", "cm1241"]
 OWN = [path for path in SPECS if "ppi" in path.stem]
 

@@ -7,8 +7,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-import yaml
 from projects import FAQ, ROOT
+from yaml_files import read_yaml
 
 import plcgen
 from plcgen.diagnostics import DiagnosticError
@@ -18,7 +18,7 @@ from plcgen.review.compare.model import Comparison
 from plcgen.review.compare.policy import KINDS, Level, fails
 from plcgen.review.compare.policyfile import load_policy
 
-CASES = yaml.safe_load((ROOT / "tests" / "vectors" / "diff.yaml").read_text("utf-8"))
+CASES = read_yaml((ROOT / "tests" / "vectors" / "diff.yaml").read_text("utf-8"))
 GOLDEN = ROOT / "examples" / FAQ.stem / "expected"
 
 
