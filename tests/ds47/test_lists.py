@@ -6,6 +6,8 @@ The lists are written by hand after the windows of the programs; no file of a pr
 from __future__ import annotations
 
 import json
+import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,6 +15,7 @@ from click.testing import CliRunner
 
 from plcgen.cli.main import cli
 from plcgen.diagnostics import DiagnosticError
+from plcgen.display.workbook import workbook_bytes
 from plcgen.protocols.ds47.catalogue.lists import ListedParameter, load_list, parse_list
 from plcgen.protocols.ds47.catalogue.merging import Merged, merge, profile_text
 from plcgen.protocols.ds47.devices import device_names, find_device, read_profile
@@ -89,10 +92,62 @@ def test_a_list_that_cannot_be_read(tmp_path: Path) -> None:
     assert (told.code, told.span.file) == ("PG110", str(tmp_path / "nothing.csv"))
 
 
-def test_spreadsheets_are_refused(tmp_path: Path) -> None:
-    """With the way out."""
-    with pytest.raises(DiagnosticError, match="a spreadsheet is not read"):
-        load_list(tmp_path / "list.xlsx")
+def book(*sheets: list[list[str]]) -> bytes:
+    """A workbook of our own writer."""
+    return workbook_bytes({f"Sheet {number}": rows for number, rows in enumerate(sheets)})
+
+
+def test_a_workbook_is_read_like_a_table(tmp_path: Path) -> None:
+    """The sheet with the headings, wherever it is; the file says the same as its CSV."""
+    rows = [line.split("\t") for line in STARTDRIVE.splitlines()]
+    path = tmp_path / "list.xlsx"
+    path.write_bytes(book([["About", "this file"]], [["Pump"], [], *rows]))
+    assert [replace(one, line=one.line - 2) for one in load_list(path)] == parse_list(STARTDRIVE, path)
+
+
+def test_cells_as_other_programs_write_them(tmp_path: Path) -> None:
+    """Numbers, text inside the cell, rich text, reading aids, gaps, no places: ECMA-376, 18.3.1.4 and 18.4."""
+    main = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
+    strings = f"<sst {main}><si><r><t>p1</t></r><r><t>120</t></r><rPh sb='0' eb='1'><t>aid</t></rPh></si></sst>"
+    head = "".join(f'<c t="inlineStr"><is><t>{text}</t></is></c>' for text in ("Number", "Text", "Value", "Unit"))
+    cells = '<c r="A2" t="s"><v>0</v></c><c r="C2"><v>12.5</v></c><c r="D2" t="str"><f>1+1</f><v>s</v></c>'
+    sheet = f"<worksheet {main}><sheetData><row>{head}</row><row>{cells}</row></sheetData></worksheet>"
+    path = tmp_path / "list.xlsx"
+    with zipfile.ZipFile(path, "w") as file:
+        file.writestr("xl/sharedStrings.xml", strings)
+        file.writestr("xl/worksheets/sheet1.xml", sheet)
+    (one,) = load_list(path)
+    assert (one.pnu, one.value, one.unit, one.title) == (1120, 12.5, "s", "")
+
+
+@pytest.mark.parametrize(
+    ("part", "told"),
+    [
+        ("<!DOCTYPE x [<!ENTITY a 'aaaa'>]><worksheet>&a;</worksheet>", "document type"),
+        ("<worksheet><row><c t='s'><v>7</v></c></row></worksheet>", "not there"),
+        ("<worksheet><row>", "no XML"),
+        ("<worksheet>" + "<row/>" * 200_001 + "</worksheet>", "more than 200000 rows"),
+        ("<worksheet><x>" + " " * (64 << 20) + "</x></worksheet>", "more than 64 MiB"),
+        (None, "no sheet"),
+    ],
+)
+def test_workbooks_that_nobody_needs(part: str | None, told: str, tmp_path: Path) -> None:
+    """One line each; what is small when packed may be large."""
+    path = tmp_path / "list.xlsx"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("xl/worksheets/sheet1.xml" if part else "other", part or "")
+    with pytest.raises(DiagnosticError, match=told):
+        load_list(path)
+    path.write_bytes(path.read_bytes()[:60])
+    with pytest.raises(DiagnosticError, match="damaged"):
+        load_list(path)
+
+
+@pytest.mark.parametrize("name", ["list.xls", "list.ods"])
+def test_other_spreadsheets_are_refused(name: str, tmp_path: Path) -> None:
+    """With what to do about it."""
+    with pytest.raises(DiagnosticError, match="is not read"):
+        load_list(tmp_path / name)
 
 
 def test_preview() -> None:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 @click.option("--force", is_flag=True, help="Overwrite an existing profile.")
 @format_option("answer")
 def command(*, file: Path, device: str, profile: Path | None, force: bool, format_: OutputFormat) -> int:
-    """Show what a parameter list (CSV of STARTER, SCOUT or Startdrive) says beyond the catalogue.
+    """Show what a parameter list (CSV or XLSX of STARTER, SCOUT or Startdrive) says beyond the catalogue.
 
     The shipped catalogue stays as it is: --profile writes one of your own, with the facts of the list as read ones and
     its values as observed ones.

@@ -2,8 +2,9 @@
 
 The expert list of STARTER and SCOUT, saved as CSV, has Parameter, Data, Parameter text, the value, Unit, Modifiable to,
 Access level, Minimum, Maximum; the list of Startdrive has Number, Parameter text, Value, Unit. Headings may be English
-or German, in any order; the separator is a tab, a semicolon or a comma. Nobody publishes these formats: what is here
-follows the windows of the programs, and whatever is no known column is left alone.
+or German, in any order; the separator is a tab, a semicolon or a comma, or the list is a sheet of an XLSX workbook.
+Nobody publishes these formats: what is here follows the windows of the programs, and whatever is no known column is
+left alone.
 """
 
 from __future__ import annotations
@@ -18,9 +19,11 @@ from pathlib import Path
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
 from plcgen.input.text import decoded
+from plcgen.input.workbook import WorkbookError, read_sheets
 
 MAX_BYTES = 16 * 1024 * 1024
 MAX_ROWS = 200_000
+_ZIP = b"PK\x03\x04"
 _HEADINGS = 50
 """Rows at the top of a list among which the headings are looked for: some exports begin with a title."""
 
@@ -63,8 +66,8 @@ def load_list(path: Path) -> Sequence[ListedParameter]:
     Raises:
         DiagnosticError: PG704 if it is too long or no list, PG110 if it cannot be read.
     """
-    if path.suffix.lower() in {".xlsx", ".xls"}:
-        raise _wrong(path, "a spreadsheet is not read", "save it as CSV (separated by semicolons or tabs)")
+    if path.suffix.lower() in {".xls", ".ods"}:
+        raise _wrong(path, f"{path.suffix} is not read", "save it as XLSX or CSV")
     try:
         data = read_bounded(path, MAX_BYTES)
     except OSError as problem:
@@ -73,12 +76,24 @@ def load_list(path: Path) -> Sequence[ListedParameter]:
         raise DiagnosticError([cannot]) from problem
     if len(data) > MAX_BYTES:
         raise _wrong(path, f"the file has more than {MAX_BYTES // 1024 // 1024} MiB", "export fewer parameters at once")
-    return parse_list(decoded(data), path)
+    return parse_book(data, path) if data.startswith(_ZIP) else parse_list(decoded(data), path)
+
+
+def parse_book(data: bytes, path: Path) -> Sequence[ListedParameter]:
+    """Read a workbook: its sheet with the most known headings. Raises DiagnosticError, PG704."""
+    try:
+        sheets = list(read_sheets(data, MAX_ROWS))
+    except WorkbookError as problem:
+        raise _wrong(path, f"the workbook cannot be read: {problem}", "export it again, or as CSV") from problem
+    return _parsed(max(sheets, key=lambda rows: len(_headings(rows)[0])), path)
 
 
 def parse_list(text: str, path: Path) -> Sequence[ListedParameter]:
     """Read the text of a list, parameters in the order of their numbers. Raises DiagnosticError, PG704."""
-    rows = list(_rows(text, path))
+    return _parsed(list(_rows(text, path)), path)
+
+
+def _parsed(rows: Sequence[tuple[int, list[str]]], path: Path) -> Sequence[ListedParameter]:
     columns, first = _headings(rows)
     if "number" not in columns or len(columns) == 1:
         help_ = "the headings are for example Parameter; Parameter text; Online value; Unit; Minimum; Maximum"
