@@ -254,10 +254,14 @@ def _results() -> dict[str, Shape]:
         record_index={"type": "object", "additionalProperties": {"type": ["integer", "string"]}},
     )  # fmt: skip
     change = record(parameter=TEXT, fact=TEXT, catalogue=ANYTHING, known=ANYTHING, list=ANYTHING)
+    version = record(parameter=TEXT, fact=TEXT, old=TEXT, new=TEXT, grade=TEXT)
+    drift = record(parameter=TEXT, job=TEXT, wanted=TEXT, list=TEXT, verdict=TEXT)
     verification = _headed("verification", VERIFICATION)
     return {
         "audit": _headed("audit", VERIFICATION),
         "catalogue": _catalogue(),
+        "catalogue diff": _headed("catalogue diff", {"changes": many(version)}),
+        "catalogue drift": _headed("catalogue drift", FOUND, {"rows": many(drift)}),
         "catalogue import": _headed("catalogue import", {"changes": many(change), "skipped": many(TEXT)}),
         "check": _headed(
             "check", {**FOUND, "specs": many(TEXT)}, {"baseline": record(known=NUMBER, gone=NUMBER)}

@@ -10,6 +10,8 @@ SECTIONS: Sections = (
         (
             ("show", "Show what is known about parameters, how, and from where."),
             ("import", "Lay a list of STARTER, SCOUT or Startdrive over it."),
+            ("diff", "Compare two versions of it."),
+            ("drift", "Compare a list of a drive with the jobs of a spec."),
         ),
     ),
 )

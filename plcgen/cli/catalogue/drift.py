@@ -1,0 +1,59 @@
+"""``plcgen catalogue drift``: the parameter list of a drive, against what a spec does with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from plcgen.cli.options import PATH, console, format_option, verb
+
+if TYPE_CHECKING:
+    from plcgen.output.registry import OutputFormat
+
+
+@verb(
+    "drift",
+    "plcgen catalogue drift expert_list.csv job.yaml",
+    "plcgen catalogue drift fan01.xlsx line.yaml --drive fan01",
+)
+@click.argument("file", type=PATH, metavar="LIST")
+@click.argument("spec", type=PATH)
+@click.option("--drive", metavar="NAME", help="Drive of the spec that the list is of.  [default: the only one]")
+@format_option("answer")
+def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat) -> int:
+    """Compare the parameter list of a drive (CSV or XLSX) with the jobs of a spec.
+
+    Constants have to be in the drive and within its limits, and what is read or written has to exist. Exit code 1 if
+    something has drifted.
+    """
+    from plcgen.cli.live.specs import drive_plan
+    from plcgen.diagnostics import Diagnostic, Span
+    from plcgen.display.data import diagnostics_data
+    from plcgen.display.results import Answer
+    from plcgen.display.table import text_table
+    from plcgen.protocols.ds47.catalogue import lists
+    from plcgen.protocols.ds47.catalogue.drift import DEVIATES, MISSING, OUTSIDE
+    from plcgen.protocols.ds47.catalogue.drift import drift as drifted
+
+    plan = drive_plan(spec)
+    keys = [one.key for one in plan.drives]
+    if drive is None and len(keys) != 1:
+        raise click.UsageError(f"the spec has the drives {', '.join(keys[:8])}: --drive says which one the list is of")
+    if drive is not None and drive not in keys:
+        raise click.UsageError(f'there is no drive "{drive}" in the spec, but {", ".join(keys[:8])}')
+    rows = list(drifted(plan, drive or keys[0], {one.pnu: one for one in lists.load_list(file)}))
+    wrong = [row for row in rows if row.verdict in {DEVIATES, MISSING, OUTSIDE}]
+    problems = [
+        Diagnostic("PG707", f"{row.parameter} of {row.job}: {row.verdict}: {row.listed or 'nothing'}, not {row.wanted}"
+                   if row.wanted else f"{row.parameter} of {row.job}: {row.verdict}", Span(str(file)))
+        for row in wrong
+    ]  # fmt: skip
+    header = ("parameter", "job", "wanted", "list", "verdict")
+    cells = [(row.parameter, row.job, row.wanted, row.listed, row.verdict) for row in rows]
+    text = "\n".join(text_table(header, cells, indent=0)) + "\n"
+    data = [dict(zip(header, row, strict=True)) for row in cells]
+    return console().answer(
+        format_, Answer({**diagnostics_data("catalogue drift", problems), "rows": data}, lambda _view: text, problems)
+    )
