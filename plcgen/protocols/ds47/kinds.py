@@ -85,6 +85,23 @@ class SaveSettings(StrictModel):
     )
 
 
+def _meant(value: object) -> object:
+    if value is False:
+        raise problem("a job that shall not acknowledge is none", help_="write true, or leave the job out")
+    return {} if value is True else value
+
+
+class AcknowledgeSettings(StrictModel):
+    """How long a drive may take to acknowledge, and how often it is asked."""
+
+    limit: Annotated[Duration, Field(ge=100, le=60_000)] = Field(
+        5_000, description="longest time until the drive has no fault any more, 100 ms to 1 min"
+    )
+    interval: Annotated[Duration, Field(ge=100, le=10_000), AfterValidator(_within_limit)] = Field(
+        500, description="from one question to the next, 100 ms to 10 s"
+    )
+
+
 FaultColumn = Literal[
     "code", "value", "received", "received_days", "removed", "removed_days", "float_value", "component", "drive_object"
 ]
@@ -167,15 +184,21 @@ class Messages:
 
 @dataclass(frozen=True, slots=True)
 class Poll:
-    """The last telegram of a job is sent again and again until its value is 0.
+    """The last telegram of a job is sent again and again until all its values are 0.
 
     Times in ms: ``interval`` from one to the next, ``limit`` for all of them, counted from the answer to the telegram
-    in front of it; ``distance`` is how long after that telegram was handed over the job refuses to start again.
+    in front of it; ``distance`` is how long after that telegram was handed over the job refuses to start again, 0 if it
+    never does.
     """
 
     interval: int
     limit: int
     distance: int
+
+    @property
+    def saves(self) -> bool:
+        """Whether it waits for a drive that saves; else for one that acknowledges its faults."""
+        return self.distance > 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,6 +238,19 @@ def _save_items(settings: SaveSettings) -> tuple[ReadItem | WriteItem, ...]:
     name = f"P{SAVES[settings.persist]}"
     asked = {"parameter": name, "as": "saving", "comment": _SAVING}
     return WriteItem(parameter=name, value=1), ReadItem.model_validate(asked)
+
+
+ACKNOWLEDGES = 3981
+"""Set to 1, the parameter acknowledges the faults of a drive object, and returns to 0 (S120: p3981)."""
+
+
+def _acknowledge_items(_: AcknowledgeSettings) -> tuple[ReadItem | WriteItem, ...]:
+    name, codes = f"P{ACKNOWLEDGES}", f"r{FAULTS['code']}[0..{PLACES - 1}]"
+    asked = (
+        ReadItem.model_validate({"parameter": text, "as": member})
+        for text, member in ((name, "acknowledging"), (codes, "faultCodes"))
+    )
+    return WriteItem(parameter=name, value=1), *asked
 
 
 def _message_items(counter: int, numbers: Mapping[str, int], settings: Any) -> tuple[ReadItem, ...]:
@@ -275,6 +311,16 @@ SHIPPED = (
     ),
     _buffer_kind("faults", "fault", FaultSettings, FAULT_COUNTER, FAULTS),
     _buffer_kind("alarms", "alarm", AlarmSettings, ALARM_COUNTER, ALARMS),
+    JobKind(
+        key="acknowledge",
+        writes=True,
+        shape=Annotated[AcknowledgeSettings, BeforeValidator(_meant)],
+        description="true: acknowledge the faults of the drive object, or {limit, interval}",
+        example="acknowledge: true",
+        items=_acknowledge_items,
+        short=lambda _: {"anyOf": [{"const": True}, {"$ref": "#/$defs/AcknowledgeSettings"}, {"type": "null"}]},
+        poll=lambda settings: Poll(settings.interval, settings.limit, 0),
+    ),
 )
 
 

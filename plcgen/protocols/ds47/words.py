@@ -50,6 +50,8 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_TOO_SOON", 0x8502, "refused: the last save is not as long ago as the job demands"),
     ("STATUS_DEVIATES", 0x8503, "read back, a value is not the one that was written, see errors"),
     ("STATUS_CHANGED", 0x8504, "the buffer of the drive changed while it was read, in every try"),
+    ("STATUS_NOT_ACKNOWLEDGED", 0x8505, "the drive has not finished acknowledging within the limit of the job"),
+    ("STATUS_FAULTS_REMAIN", 0x8506, "acknowledged, but the drive has faults all the same, see faultCodes"),
 )
 
 _TICKET = {"DONE", "IDLE", "STARTED", "RUNNING", "OCCUPIED", "LOST", "NOT_CALLED", "NO_SLOT", "SLOT_TAKEN"}
@@ -57,6 +59,8 @@ TICKET_WORDS = tuple(row for row in STATUS_WORDS if row[0].removeprefix("STATUS_
 """What a ticket reports of itself."""
 SAVE_WORDS = tuple(row for row in STATUS_WORDS if row[1] in {0x8501, 0x8502})
 """What only a job that saves reports."""
+ACKNOWLEDGE_WORDS = tuple(row for row in STATUS_WORDS if row[1] in {0x8505, 0x8506})
+"""What only a job that acknowledges reports."""
 VERIFY_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8503)
 """What only a job that reads back reports."""
 MESSAGE_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8504)

@@ -225,3 +225,17 @@ def test_time_does_not_run_backwards():
     """A negative step is refused."""
     with pytest.raises(ValueError, match="-1 ms"):
         drive().advance(-1)
+
+
+@pytest.mark.parametrize(("remaining", "present"), [(0, [0, 0]), (1, [7, 0])])
+def test_acknowledging(remaining, present):
+    """Each fault case becomes that of the one before it (S210: r0945); what has its cause still is present again."""
+    codes = [7, 8, *[0] * 6, 9, *[0] * 7]
+    acknowledges = SimulatedParameter(3981, WORD, [0], clears_after=300, acknowledges=True, remaining=remaining)
+    changes, buffer = SimulatedParameter(944, WORD, [0xFFFF]), SimulatedParameter(945, WORD, codes, array=True)
+    unit = Drive(Behaviour(), [DriveObject(1, {944: changes, 945: buffer, 3981: acknowledges})])
+    change(unit, 1, 3981, 1)
+    assert (acknowledges.values, buffer.values) == ([1], codes)
+    unit.advance(300)
+    assert (acknowledges.values, changes.values) == ([0], [0])
+    assert buffer.values == [*present, *[0] * 6, 7, 8, *[0] * 6]

@@ -12,7 +12,18 @@ from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.triggers import plan_trigger
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.kinds import SAVES, JobKind, Messages, ReadItem, WriteItem, kinds
+from plcgen.protocols.ds47.kinds import (
+    ACKNOWLEDGES,
+    ALARM_COUNTER,
+    FAULT_COUNTER,
+    SAVES,
+    JobKind,
+    Messages,
+    ReadItem,
+    WriteItem,
+    kind_called,
+    kinds,
+)
 from plcgen.protocols.ds47.plan import pack
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, MessageList, Part, PlannedDrive, PlannedUnit, Use
@@ -164,7 +175,7 @@ _MOST_RETRIES = 30_000
 
 def _timeout(job: JobEntry, uses: tuple[Use, ...]) -> int:
     """Time-out of the channel in ms: what the spec says, and where the drive has something to do, the time for that."""
-    poll = uses[-1].poll
+    poll = next((use.poll for use in uses if use.poll is not None), None)
     return job.timeout + (poll.limit + poll.interval if poll is not None else 0)
 
 
@@ -246,7 +257,8 @@ def _uses(
 
 def _then(job: JobEntry, kind: JobKind) -> JobKind | None:
     """The kind of what a job does behind its own: it saves."""
-    return next((one for one in kinds() if one is not kind and one.poll and getattr(job, one.key) is not None), None)
+    saves = kind_called("save")
+    return saves if kind is not saves and getattr(job, saves.key) is not None else None
 
 
 def _own_uses(
@@ -263,9 +275,11 @@ def _own_uses(
     if not items:
         report.add(Diagnostic("PG218", f'job "{path[-1]}" names no parameter', loaded.span((*path, kind.key))))
     place = (*path, kind.key)
-    if kind.poll is not None and not _savable(items[0], place, loaded, resolver, report):
+    if kind.key == "save" and not _savable(items[0], place, loaded, resolver, report):
         return ()
-    if kind.messages is not None and not _listable(items, place, loaded, resolver, report):
+    if (kind.messages is not None or kind.key == "acknowledge") and not _listable(
+        items, place, loaded, resolver, report
+    ):
         return ()
     whole = kind.poll is not None or kind.messages is not None
     found = [
@@ -280,8 +294,8 @@ def _own_uses(
     uses = tuple(use for use in found if use is not None)
     if job.verify is not None and kind.poll is None and len(uses) == len(items):
         uses = (*uses, *_read_back(uses, items, resolver))
-    if kind.poll is not None and uses:
-        uses = (*uses[:-1], replace(uses[-1], poll=kind.poll(getattr(job, kind.key))))
+    if kind.poll is not None and len(uses) == len(items):
+        uses = (uses[0], replace(uses[1], poll=kind.poll(getattr(job, kind.key))), *uses[2:])
     if kind.messages is not None:
         uses = tuple(_columns(uses, kind.messages(getattr(job, kind.key)))) if len(uses) == len(items) else ()
     return uses
@@ -323,12 +337,16 @@ def _savable(
     return False
 
 
+_SCALARS = {f"r{FAULT_COUNTER}": "Unsigned16", f"r{ALARM_COUNTER}": "Unsigned16", f"P{ACKNOWLEDGES}": "Unsigned8"}
+"""Parameters about messages that have no index, with their type in an S120."""
+
+
 def _listable(
     items: tuple[ReadItem | WriteItem, ...], path: SpecPath, loaded: LoadedSpec, resolver: UseResolver, report: Report
 ) -> bool:
-    """Whether every parameter of a buffer of messages is known, with a type that does not come from memory.
+    """Whether every parameter about messages is known, with a type that does not come from memory.
 
-    PG248 for those that are not: a job that reads another buffer than it says is worse than none.
+    PG248 for those that are not: a job that reads something else than it says is worse than none.
     """
     wanted = dict.fromkeys(item.parameter.partition("[")[0] for item in items)
     missing = []
@@ -338,15 +356,11 @@ def _listable(
             missing.append(name)
     if not missing:
         return True
-    device, names = resolver.device.key, ", ".join(missing)
-    types = {944: "Unsigned16", 2121: "Unsigned16"}
-    one = number_of(missing[0]) or 0
-    definition = f"{missing[0]}: {{type: {types.get(one, '..')}{'' if one in types else ', array: 64'}}}"
-    message = (
-        f"{names} of {device}: nobody has looked up whether the device has {'it' if len(missing) == 1 else 'them'}"
-    )
+    names, them = ", ".join(missing), "it" if len(missing) == 1 else "them"
+    message = f"{names} of {resolver.device.key}: nobody has looked up whether the device has {them}"
+    definition = f"{missing[0]}: {{type: {_SCALARS.get(missing[0], '.., array: 64')}}}"
     help_ = f"look it up in the list manual and define it in the drive: parameters: {{{definition}}}"
-    if any(one not in types for one in map(number_of, missing)):
+    if not set(missing) <= set(_SCALARS) and isinstance(items[0], ReadItem):
         help_ += "; or leave its column out"
     report.add(Diagnostic("PG248", message, loaded.span(path), help=help_))
     return False

@@ -246,13 +246,19 @@ class DriveJob(PlannedJob):
 
     @property
     def saving(self) -> tuple[Use, ...]:
-        """The two at the end that save and ask whether that has ended, if it saves."""
-        return self.uses[-2:] if self.poll is not None else ()
+        """The one that starts something in the drive, and the one that asks whether that has ended."""
+        asks = next((number for number, use in enumerate(self.uses) if use.poll is not None), 0)
+        return self.uses[asks - 1 : asks + 1] if asks else ()
+
+    @property
+    def guarded(self) -> bool:
+        """Whether it refuses to start again too soon, because it saves."""
+        return self.poll is not None and self.poll.saves
 
     @property
     def poll(self) -> Poll | None:
         """How its last telegram is repeated, if it is."""
-        return self.uses[-1].poll
+        return next((use.poll for use in self.uses if use.poll is not None), None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -328,7 +334,7 @@ class DrivePlan(Plan):
         spec = self.entry(job)
         given = spec.allow_safety if pnu in guards.SAFETY else spec.allow
         saves = None
-        if job.poll is not None and pnu == job.uses[-1].parameter.pnu:
+        if job.poll is not None and job.poll.saves and pnu == job.saving[-1].parameter.pnu:
             saves = f"the job says save, once in {spelled(job.poll.distance)} at most"
         return next((why for text, why in given.items() if number_of(text) == pnu), saves)
 

@@ -7,13 +7,12 @@ oldest of those present, 7 the latest; from 8 on those that have gone, the lates
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 from plcgen.proof.rig import Members
 from plcgen.protocols.ds47.plan.nouns import DriveJob
 from plcgen.protocols.ds47.sim.drive import Drive
-from plcgen.protocols.ds47.sim.parameters import SimulatedParameter
-from plcgen.protocols.ds47.wire.formats import pack_values
+from plcgen.protocols.ds47.wire.formats import Format, Value, pack_values, padded, unpack_values
 
 COLUMNS = {
     "code": ("code", 945, 2122),
@@ -63,26 +62,41 @@ def shown(job: DriveJob, db: Members, prefix: str = "") -> bytes:
 
 def wanted(job: DriveJob, drive: Drive, drive_object: int) -> bytes:
     """The list that the buffer of a drive makes; nothing for another kind of job. Raises KeyError."""
+    parameters = drive.objects[drive_object].parameters
+    return _entries(job, {pnu: (parameters[pnu].format, parameters[pnu].values) for _, pnu in columns(job)})
+
+
+def answered(job: DriveJob, answers: Sequence[bytes]) -> bytes:
+    """The list that good answers make, one to each telegram."""
+    found: dict[int, tuple[Format, list[Value]]] = {}
+    for telegram, answer in zip(job.telegrams, answers, strict=True):
+        at = 4
+        for part in telegram.parts:
+            at += 2
+            if part.use.parameter.pnu in dict(columns(job)).values():
+                format_, values = found.setdefault(part.use.parameter.pnu, (part.use.format, []))
+                values += unpack_values(format_, part.count, answer[at : at + part.size])
+            at += padded(part.size)
+    return _entries(job, found)
+
+
+def _entries(job: DriveJob, held: Mapping[int, tuple[Format, Sequence[Value]]]) -> bytes:
+    """The list, from the values of every column."""
     if job.messages is None:
         return b""
-    parameters = drive.objects[drive_object].parameters
     found = b""
     present = 0
     for group in range(groups(job)):
         indexes = range(GROUP * group, GROUP * group + GROUP)
         reads = indexes if job.messages.member == "alarms" and group else indexes[::-1]
-        code = parameters[dict(columns(job))["code"]]
-        used = [index for index in reads if code.values[index]]
+        _, codes = held[dict(columns(job))["code"]]
+        used = [index for index in reads if codes[index]]
         for index in used:
-            found += b"".join(_one(parameters[pnu], index) for _, pnu in columns(job))
-        empty = b"".join(bytes(parameters[pnu].format.size) for _, pnu in columns(job))
+            found += b"".join(pack_values(held[pnu][0], [held[pnu][1][index]]) for _, pnu in columns(job))
+        empty = b"".join(bytes(held[pnu][0].size) for _, pnu in columns(job))
         found += empty * (GROUP - len(used))
         present = len(used) if group == 0 else present
     return found + present.to_bytes(2)
-
-
-def _one(parameter: SimulatedParameter, index: int) -> bytes:
-    return pack_values(parameter.format, [parameter.values[index]])
 
 
 def fill(job: DriveJob, drive: Drive, drive_object: int, messages: int) -> None:

@@ -30,14 +30,15 @@ class ScriptedDrive(Drive):
             for pnu, parameter in item.parameters.items():
                 parameter.keeps = scenario.keeps.get(pnu)
         for parameter in self.saving_parameters():
-            parameter.clears_after, parameter.saved = scenario.saving, ()
+            parameter.clears_after, parameter.saved, parameter.remaining = scenario.saving, (), scenario.remaining
         form = self.own.answer_format if scenario.generic is None else "size" if scenario.generic else "exact"
         if self.behaviour.answer_format != form:
             self.behaviour = self._server.behaviour = replace(self.own, answer_format=form)
 
     def saving_parameters(self) -> list[SimulatedParameter]:
-        """Those that start saving."""
-        return [one for item in self.objects.values() for one in item.parameters.values() if one.saves]
+        """Those that start saving, or acknowledge."""
+        every = (one for item in self.objects.values() for one in item.parameters.values())
+        return [one for one in every if one.saves or one.acknowledges]
 
     def switch_off(self) -> None:
         """Off and on again: the request and its answer are lost, the values are not."""

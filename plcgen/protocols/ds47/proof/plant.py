@@ -38,7 +38,7 @@ class Plant:
         members = [f"{job.member}.{name}" for job in plan.jobs for name in self._signals(job)]
         self.control = Members(self.cpu, program, plan.control_db.name, members)
         self.calls = plan.engine.calls_db.name
-        guards = [f"{job.member}.statRest" for job in plan.jobs if job.poll is not None]
+        guards = [f"{job.member}.statRest" for job in plan.jobs if job.guarded]
         self.guards = Members(self.cpu, program, self.calls, guards)
         self.values: dict[str, ValueSet] = {}
         self.forgiven: frozenset[str] = frozenset()
@@ -109,7 +109,7 @@ class Plant:
 
     def execute(self, job: DriveJob, *, value: bool = True) -> None:
         """Set the command of a job; the last save is long ago."""
-        if job.poll is not None:
+        if job.guarded:
             self.guards.set(f"{job.member}.statRest", 0)
         if job.trigger.execute is not None:
             self.cpu[str(job.trigger.execute)] = value
@@ -245,6 +245,8 @@ class Plant:
                     where = f"{self.plan.control_db.name}.{name}"
                     raise ScenarioError(f"{where} is {found.hex(' ')}, {came.hex(' ')} came")
                 at += 2 + padded(part.size)
-        drive = self.units[job.drive.unit.key]
-        if listed.shown(job, self.control, f"{job.member}.") != listed.wanted(job, drive, job.drive.drive_object):
-            raise ScenarioError(f"the list of {job.key} is not that of its drive")
+        if job.messages is not None:
+            last = {sent[1:]: answer for sent, answer in exchanges}
+            came = listed.answered(job, [last[request[1:]] for request in requests])
+            if listed.shown(job, self.control, f"{job.member}.") != came:
+                raise ScenarioError(f"the list of {job.key} is not what came")

@@ -60,7 +60,7 @@ class JobRig:
         self.channel = Members(self.cpu, program, f"{shape_fb(number)}_DB", CHANNEL, "channel0.")
         values = [use.member for use in (*job.inputs, *job.outputs)]
         paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values, *listed.paths(job))]
-        paths += [f"job.{name}" for name in GUARD] if job.poll is not None else []
+        paths += [f"job.{name}" for name in GUARD] if job.guarded else []
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
         self.unit = self.unit_of(UNITS[0])
         self.source = Source(program, job.block)
@@ -78,11 +78,11 @@ class JobRig:
     @property
     def saves(self) -> int:
         """Saves that the job has counted."""
-        return self.db.get("saves") if self.job.poll is not None else 0
+        return self.db.get("saves") if self.job.guarded else 0
 
     def forget(self) -> None:
         """The last save is long ago."""
-        if self.job.poll is not None:
+        if self.job.guarded:
             self.db.set("statRest", 0)
 
     def wait(self, milliseconds: int) -> None:

@@ -27,6 +27,9 @@ def check_saved(rig: JobRig, status: int, before: int | None) -> None:
     ``before`` is how many saves the job had counted; its count and its value are compared with what came, unless it is
     None. Raises ScenarioError.
     """
+    if not rig.job.guarded:
+        check_acknowledged(rig, status)
+        return
     said = last_answer(rig)
     for parameter in rig.drive.saving_parameters():
         if status == DONE and (any(parameter.values) or not parameter.saved):
@@ -46,6 +49,27 @@ def check_saved(rig: JobRig, status: int, before: int | None) -> None:
         raise ScenarioError(f"{use.member} is {shown.hex(' ')}, the drive said {said.hex(' ')} last")
 
 
+def check_acknowledged(rig: JobRig, status: int) -> None:
+    """Done says that p3981 is 0 again and r0945[0] to [7] are 0; else the job says which of them is not.
+
+    Raises ScenarioError.
+    """
+    parameters = rig.drive.objects[rig.drive_object].parameters
+    back, faults = not any(parameters[3981].values), any(parameters[945].values[:8])
+    ends = {DONE: back and not faults, WORDS["NOT_ACKNOWLEDGED"]: not back, WORDS["FAULTS_REMAIN"]: back and faults}
+    if not ends.get(status, True):
+        raise ScenarioError(f"P3981 is {parameters[3981].values}, the present faults are {parameters[945].values[:8]}")
+    if status not in ends:
+        return
+    came = _answers(rig, -1)[-1]
+    for use in rig.job.outputs:
+        part = next(part for part in rig.job.telegrams[-1].parts if part.use is use)
+        at = 6 if part.use.parameter.pnu == 3981 else 10
+        shown = rig.db.bytes(use.member, part.size)
+        if shown != came[at : at + part.size]:
+            raise ScenarioError(f"{use.member} is {shown.hex(' ')}, the drive said {came.hex(' ')} last")
+
+
 def check_held_back(jobs: Iterable[DriveJob], exchanges: Iterable[tuple[bytes, bytes]]) -> None:
     """From a save that the drive has taken until it says 0 nothing goes to its unit but the question whether it has.
 
@@ -54,7 +78,7 @@ def check_held_back(jobs: Iterable[DriveJob], exchanges: Iterable[tuple[bytes, b
     questions = {
         _of(job, job.telegrams[-2].request.data): _of(job, job.telegrams[-1].request.data)
         for job in jobs
-        if job.poll is not None
+        if job.guarded
     }
     question = None
     for sent, answer in exchanges:

@@ -29,7 +29,10 @@ def saving(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     """All of them."""
     yield from _durations(job, poll)
     yield from _questions(job, poll)
-    yield from _guard(job, poll)
+    if job.guarded:
+        yield from _guard(job, poll)
+    else:
+        yield from _remaining(job, poll)
     if job.verified:
         yield from _deviation(job)
 
@@ -52,10 +55,26 @@ def _durations(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     yield DriveScenario(
         name="the drive never finishes saving",
         saving=100 * poll.limit,
-        status=(WORDS["NOT_SAVED"],),
+        status=(WORDS["NOT_SAVED" if job.guarded else "NOT_ACKNOWLEDGED"],),
         scan=wide,
         took=(poll.limit, poll.limit + between),
     )
+
+
+def _remaining(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
+    """Faults whose cause is still there: the drive is asked until the limit, in case it is slow to take them out."""
+    wide = max(10, min(poll.limit // 10_000, (job.timeout - poll.limit - poll.interval) // 30))
+    for name, time in (("at once", 0), ("late", poll.limit // 2)):
+        for count in (1, 8):
+            yield DriveScenario(
+                name=f"the drive acknowledges {name}, {count} faults remain",
+                saving=time,
+                remaining=count,
+                status=(WORDS["FAULTS_REMAIN"],),
+                scan=wide,
+                took=(poll.limit, poll.limit + poll.interval + SLACK_SCANS * wide),
+            )
+    yield DriveScenario(name="the drive has no faults", values="low")
 
 
 def _several(poll: Poll) -> int:

@@ -31,7 +31,8 @@ class DriveScenario(Scenario):
     looks behind every call for bytes that are not the job's, not only at the end. ``at_once``: execute comes again in
     the call behind the end.
 
-    ``saving`` is how many ms the drive saves, ``since`` starts a job that saves so many ms behind the last save that
+    ``remaining`` is how many faults are there again when they were acknowledged. ``saving`` is how many ms the drive
+    saves or acknowledges, ``since`` starts a job that saves so many ms behind the last save that
     was handed over; None: long behind it.
 
     ``keeps`` is what the drive makes of written values, by number of the parameter: it rounds, or clips without a word;
@@ -60,6 +61,7 @@ class DriveScenario(Scenario):
     guarded: bool = False
     at_once: bool = False
     saving: int = 300
+    remaining: int = 0
     since: int | None = None
     keeps: Mapping[int, Keeps] = field(default_factory=dict)
     meanwhile: Mapping[int, Keeps] = field(default_factory=dict)

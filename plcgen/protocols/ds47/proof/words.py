@@ -54,6 +54,8 @@ MEANINGS = {
     0x8502: ("TOO_SOON", "refused: the last save is less than the distance ago"),
     0x8503: ("DEVIATES", "the drive has another value than was written, see errors"),
     0x8504: ("CHANGED", "the buffer of the drive changed while it was read, in every try"),
+    0x8505: ("NOT_ACKNOWLEDGED", "the parameter that acknowledges has not returned to 0 within the limit"),
+    0x8506: ("FAULTS_REMAIN", "it has, but the drive has faults after the limit"),
 }
 WORDS = {name: word for word, (name, _) in MEANINGS.items()}
 """Status words by name: ``WORDS["TIMEOUT"]``."""

@@ -20,9 +20,9 @@ def counted_apart(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG244: the same is saved by two jobs, each of which knows of its own saves only."""
     first: dict[tuple[str, int, int], DriveJob] = {}
     for job in plan.jobs:
-        if job.poll is None:
+        if not job.guarded:
             continue
-        number = job.uses[-1].parameter.pnu
+        number = job.saving[-1].parameter.pnu
         earlier = first.setdefault((job.drive.unit.key, number, job.drive.drive_object), job)
         if earlier is job:
             continue

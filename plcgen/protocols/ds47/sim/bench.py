@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from plcgen.protocols.ds47.device import Device
 from plcgen.protocols.ds47.device import Parameter as CatalogueParameter
-from plcgen.protocols.ds47.kinds import SAVES
+from plcgen.protocols.ds47.kinds import ACKNOWLEDGES, SAVES
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -69,10 +69,12 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParam
         limits=limits,
         read_only=definition.access == "r",
         clears_after=SAVING_MS if polled else None,
-        saves="" if not polled else "unit" if definition.pnu == SAVES["unit"] else "object",
+        saves="" if definition.pnu not in SAVES.values() or not polled else _SAVED[definition.pnu],
+        acknowledges=polled and definition.pnu == ACKNOWLEDGES,
     )
 
 
+_SAVED = {SAVES["unit"]: "unit", SAVES["drive_object"]: "object"}
 _NUMERIC = {FormatKind.SIGNED, FormatKind.UNSIGNED, FormatKind.FLOAT}
 
 

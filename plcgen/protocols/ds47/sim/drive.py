@@ -204,6 +204,8 @@ class Drive:
             self._clearing.remove(entry)
             _, number, parameter = entry
             parameter.values = [0] * len(parameter.values)
+            if parameter.acknowledges:
+                _acknowledge(self.objects[number], parameter.remaining)
             if parameter.saves:
                 self._save(self.objects.values() if parameter.saves == "unit" else [self.objects[number]])
 
@@ -211,3 +213,20 @@ class Drive:
         for item in objects:
             for parameter in item.parameters.values():
                 parameter.saved = tuple(parameter.values)
+
+
+FAULT_BUFFER = (945, 947, 948, 949, 2109, 2130, 2133, 2136, 3115, 3120, 3122)
+"""Columns of the fault buffer: a fault case has eight places (S120: r0945)."""
+CASE = 8
+
+
+def _acknowledge(item: DriveObject, remaining: int) -> None:
+    """Each fault case becomes that of the one before it; the first ``remaining`` faults are present again."""
+    for pnu in FAULT_BUFFER:
+        if pnu in item.parameters:
+            values = item.parameters[pnu].values
+            present = values[:CASE]
+            values[:] = [*present[:remaining], *[0] * (CASE - remaining), *values][: len(values)]
+    if 944 in item.parameters:
+        changes = item.parameters[944].values
+        changes[:] = [(int(value) + 1) % 0x10000 for value in changes]

@@ -171,6 +171,10 @@ class ParameterKeys(StrictModel):
     saves: Literal["object", "unit"] | None = Field(
         None, description="what setting the parameter saves; changes are refused (11h) meanwhile"
     )
+    acknowledges: bool = Field(
+        default=False, description="true: setting it acknowledges the faults, when it is 0 again"
+    )
+    remaining: int = Field(0, ge=0, le=8, description="so many faults are there again when they were acknowledged")
     step: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = Field(
         None, description="a value that is written becomes a multiple of it"
     )
@@ -239,6 +243,8 @@ class ParameterKeys(StrictModel):
             described=self.described,
             clears_after=self.clears_after,
             saves=self.saves or "",
+            acknowledges=self.acknowledges,
+            remaining=self.remaining,
             keeps=self._keeps if self.clips or self.step is not None else None,
         )
 

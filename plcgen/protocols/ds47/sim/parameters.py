@@ -70,8 +70,9 @@ class SimulatedParameter:
 
     ``state_limits`` narrows the limits in a state (C8h, C9h). ``clears_after`` makes the value return to 0
     that many milliseconds after it was set, as p0971 and p0977 do; with ``saves`` ("object" or "unit") the
-    values of the drive object or of the whole unit then survive ``Drive.power_cycle``. ``keeps`` makes another value
-    of a written one, from its index and itself: a drive that rounds, or clips without a word.
+    values of the drive object or of the whole unit then survive ``Drive.power_cycle``. With ``acknowledges``
+    the present faults then become those of the case before, but for the ``remaining`` first ones. ``keeps`` makes
+    another value of a written one, from its index and itself: a drive that rounds, or clips without a word.
     """
 
     pnu: int
@@ -89,6 +90,8 @@ class SimulatedParameter:
     described: bool = True
     clears_after: int | None = None
     saves: str = ""
+    acknowledges: bool = False
+    remaining: int = 0
     keeps: Keeps | None = None
     defaults: tuple[Value, ...] = field(init=False)
     saved: tuple[Value, ...] = field(init=False)

@@ -26,7 +26,7 @@ from plcgen.protocols.ds47.views.messages import list_values, messages_view
 from plcgen.protocols.ds47.views.rows import buffer_blocks
 from plcgen.protocols.ds47.wire.formats import FormatKind, unpack_values
 from plcgen.protocols.ds47.wire.model import HEADER_SIZE
-from plcgen.protocols.ds47.words import ERROR_DEVIATES, SAVE_WORDS, STATUS_WORDS, VERIFY_WORDS
+from plcgen.protocols.ds47.words import ACKNOWLEDGE_WORDS, ERROR_DEVIATES, SAVE_WORDS, STATUS_WORDS, VERIFY_WORDS
 from plcgen.s7.types import ArrayType, DataType, Elementary
 
 
@@ -86,6 +86,9 @@ def title(plan: DrivePlan, job: DriveJob) -> str:
         where = "" if len(job.messages.settings.latest_last) == 1 else " and their history"
         text = f"Read the {job.messages.member} that are present{where}"
         return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
+    if job.poll is not None and not job.guarded:
+        text = "Acknowledge the faults of the drive object"
+        return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
     uses = [use for use in job.uses if use.poll is None and use.verifies is None]
     then = ""
     if job.verified and job.poll is not None:
@@ -135,12 +138,23 @@ def _poll(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
         "interval": poll.interval,
         "limit": poll.limit,
         "distance": poll.distance,
-        "statuses": [(name, f"W#16#{value:04X}", text) for name, value, text in SAVE_WORDS],
+        "saves": poll.saves,
+        "name": "SAVE" if poll.saves else "ACKNOWLEDGE",
+        "statuses": [
+            (name, f"W#16#{value:04X}", text) for name, value, text in (SAVE_WORDS if poll.saves else ACKNOWLEDGE_WORDS)
+        ],
         "refused": [f"W#16#{value:04X}" for name, value, _ in STATUS_WORDS if name in _REFUSED],
         "bytes": range(first, first + asked.parts[0].size),
+        "codes": None if poll.saves else _places(asked, asked.parts[-1]),
         "asked": job.telegrams.index(asked),
         "clock": versions(plan)["TON_TIME"],
     }
+
+
+def _places(telegram: DriveTelegram, part: Part) -> tuple[int, int]:
+    """First and last byte of the values of a part in a good answer."""
+    field = next(field for field in telegram.response.fields if field.role == "value" and field.part is part)
+    return field.offset, field.offset + part.size - 1
 
 
 def _verify(job: DriveJob) -> dict[str, Any]:
