@@ -12,6 +12,7 @@ from click.testing import CliRunner
 
 from plcgen import api
 from plcgen.cli.main import cli
+from plcgen.diagnostics import DiagnosticError
 from plcgen.protocols.ds47.catalogue import pages
 from plcgen.protocols.ds47.device import Parameter
 from plcgen.protocols.ds47.devices import device_names, find_device
@@ -85,7 +86,7 @@ def test_the_table_counts_what_there_is() -> None:
     told = {
         row[0]: tuple(map(int, row[1:])) for row in ([c.strip() for c in line.strip("|").split("|")] for line in table)
     }
-    found = {name: _count(name) for name in device_names()}
+    found = {name: _count(name) for name in device_names() if not find_device(name).like}
     found["all"] = tuple(map(sum, zip(*found.values(), strict=True)))
     assert told == found
     assert found["all"][0] >= 350
@@ -99,11 +100,37 @@ def _count(name: str) -> tuple[int, ...]:
     return (len(known), some, *(pages.counts(device)[grade] for grade in pages.GRADES), sum(not p.type for p in known))
 
 
+def test_what_another_device_lends_decides_nothing() -> None:
+    """A G120C has the types of a G120, as conclusions: no limits, no factory settings, no number of indexes."""
+    base = find_device("sinamics-g120")
+    lent = find_device("sinamics-g120c")
+    assert lent.like == "sinamics-g120"
+    assert lent.parameters.keys() == base.parameters.keys()
+    for pnu, one in lent.parameters.items():
+        assert "read" not in one.grades.values(), pnu
+        assert (one.type, one.access) == (base.parameters[pnu].type, base.parameters[pnu].access)
+        assert (one.minimum, one.maximum, one.default, one.array) == (None, None, None, None)
+        assert one.source.startswith("as of the same number in sinamics-g120: ")
+    assert lent.parameters[1120].doubted["default"] == 10.0
+    assert find_device("sinamics-g120x").parameters[1121].read("type")
+
+
+def test_like_names_a_shipped_device(tmp_path: Path) -> None:
+    """And not another file, which could lead anywhere."""
+    (tmp_path / "own.yaml").write_text(ACME.replace("sources:", "like: sinamics-g121\nsources:"), "utf-8")
+    with pytest.raises(DiagnosticError, match='there is no shipped device "sinamics-g121"') as wrong:
+        find_device(str(tmp_path / "own.yaml"))
+    assert wrong.value.diagnostics[0].help.startswith('did you mean "sinamics-g120"?')
+    (tmp_path / "own.yaml").write_text(ACME.replace("sources:", "like: sinamics-g120\nsources:"), "utf-8")
+    found = find_device(str(tmp_path / "own.yaml"))
+    assert (found.parameters[1].title, found.parameters[1120].name) == ("Read", "ramp_up_time")
+
+
 def test_no_row_is_without_a_source_of_its_own() -> None:
     """In the shipped profiles, every parameter names what it was read in, or that it comes from memory."""
     for path in sorted((specs_dir() / "devices").glob("*.yaml")):
         profile = yaml.safe_load(path.read_text("utf-8"))
-        rows = profile["parameters"].items()
+        rows = profile.get("parameters", {}).items()
         assert [key for key, row in rows if not row.get("source")] == []
         assert [key for key, row in rows if row["source"] == "memory" and row.get("grade") != "recalled"] == []
 

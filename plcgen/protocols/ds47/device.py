@@ -88,7 +88,8 @@ class Device:
     ``drive_objects`` is None when every number is possible. ``answer_format`` is ``exact`` (the parameter's
     type) or ``size`` (41h/42h/43h). ``scalar_elements`` is the number of elements this device wants in a
     request without an index: (read, write). ``bases`` are the numbers of limits and references, which other values
-    are measured by. ``bico`` says whether BICO values carry the drive object.
+    are measured by. ``bico`` says whether BICO values carry the drive object, ``like`` from which device those
+    parameters come that the profile does not name.
     """
 
     key: str
@@ -110,6 +111,7 @@ class Device:
     bico: Layout
     error_table: Table
     parameters: dict[int, Parameter]
+    like: str = field(default="", compare=False)
 
     def danger(self, pnu: int) -> str:
         """Why a write needs a sign-off, whatever a spec says about the parameter; empty if it needs none."""

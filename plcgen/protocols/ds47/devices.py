@@ -7,7 +7,7 @@ entry point group ``plcgen.devices``, or beside the spec (``device: ./acme.yaml`
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -17,7 +17,8 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.files import below
 from plcgen.input.text import read_text
 from plcgen.plugins import plugins
-from plcgen.protocols.ds47.device import Device, Parameter
+from plcgen.protocols.ds47.catalogue.pages import facts
+from plcgen.protocols.ds47.device import UNKNOWN, Device, Parameter, parameter_from
 from plcgen.resources import specs_dir
 
 GROUP = "plcgen.devices"
@@ -83,7 +84,28 @@ def read_profile(path: Path, key: str) -> Device:
     from plcgen.protocols.ds47.profile import PROFILE
 
     file = path.as_posix()
-    return load_document(read_text(path, file), file, PROFILE).model.device(key)
+    model = load_document(read_text(path, file), file, PROFILE).model
+    device = model.device(key)
+    if model.like is None:
+        return device
+    if model.like not in _shipped() or model.like == key:
+        help_ = f"{did_you_mean(model.like, _shipped())} shipped devices: {', '.join(_shipped())}".strip()
+        raise DiagnosticError(
+            [Diagnostic("PG201", f'like: there is no shipped device "{model.like}"', Span(file), help=help_)]
+        )
+    base = _shipped_device(model.like)
+    lent = {pnu: _lent(one, base) for pnu, one in base.parameters.items()}
+    return replace(device, like=model.like, parameters={**lent, **device.parameters})
+
+
+def _lent(one: Parameter, base: Device) -> Parameter:
+    """A parameter of another device: whatever was read there is a conclusion here, so it decides no limits."""
+    known = facts(one)
+    entry: dict[str, Any] = {fact: value for fact, (value, _) in known.items()}
+    entry |= {key: getattr(one, key) for key in ("name", "dangerous", "note", "bico")}
+    entry |= {"type": one.type or UNKNOWN, "source": f"as of the same number in {base.key}: {one.source}"}
+    grades = {fact: "inferred" if grade == "read" else grade for fact, grade in one.grades.items()}
+    return parameter_from(one.pnu, {**entry, "grade": "inferred", "facts": grades}, read_only=one.access == "r")
 
 
 @functools.cache

@@ -225,6 +225,9 @@ class DeviceProfile(StrictModel):
     )
     bico: Layout = Field("drive-object", description="BICO values carry the drive object, or zeros in its place")
     error_table: Literal["sinamics", "profidrive"] = Field("sinamics", description="meaning of error numbers")
+    like: Line | None = Field(
+        None, description="a shipped device whose parameters this one has too, as far as anybody knows"
+    )
     sources: dict[str, Line] = Field(default_factory=dict, description="sources by a short name, for parameters")
     parameters: dict[ParameterNumber, ParameterEntry] = Field(default_factory=dict, description="the catalogue")
 
