@@ -16,6 +16,13 @@ def _spec() -> dict[str, Any]:
     return json_schema(protocols())
 
 
+def _shared() -> dict[str, Any]:
+    from plcgen.project.shape import json_schema
+    from plcgen.protocols.registry import protocols
+
+    return json_schema(protocols(), shared=True)
+
+
 def _drive() -> dict[str, Any]:
     from plcgen.project.editor import file_schema
     from plcgen.protocols.ds47.sim.load import DriveKeys
@@ -63,6 +70,7 @@ def _output() -> dict[str, Any]:
 
 SCHEMAS: dict[str, Callable[[], dict[str, Any]]] = {
     "spec": _spec,
+    "shared": _shared,
     "drive": _drive,
     "station": _station,
     "profile": _profile,

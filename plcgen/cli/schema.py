@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from plcgen.display.results import Answer
     from plcgen.output.registry import OutputFormat
 
-KINDS = ("spec", "drive", "station", "profile", "policy", "lock", "config", "output")
+KINDS = ("spec", "shared", "drive", "station", "profile", "policy", "lock", "config", "output")
 
 
 @verb(

@@ -18,10 +18,29 @@ _PLC = re.compile(rb"^(?:\xef\xbb\xbf)?(?:\{[ ]*)?[\"']?plc[\"']?[ \t]*:", re.MU
 
 
 def specs_below(folder: Path) -> list[Path]:
-    """Specs in a folder and below: YAML files with a section ``plc``; hidden ones and links to folders are left out."""
-    return sorted(
+    """Specs in a folder and below: YAML files with a section ``plc`` that no other of them includes.
+
+    Hidden ones and links to folders are left out.
+    """
+    found = sorted(
         path for path in islice(_files(folder), MAX_SEEN) if path.suffix.lower() in SUFFIXES and _is_spec(path)
     )
+    parts = {part for path in found for part in _included(path)}
+    return [path for path in found if path.resolve() not in parts] if parts else found
+
+
+def _included(spec: Path) -> Iterator[Path]:
+    """The files that a spec includes, as far as they can be read."""
+    from plcgen.diagnostics import DiagnosticError
+    from plcgen.input.text import read_text
+    from plcgen.project.composing import included_files
+
+    try:
+        text = read_text(spec)
+    except DiagnosticError:
+        return
+    if "include" in text:
+        yield from (path.resolve() for path in included_files(text, spec))
 
 
 def named(paths: Sequence[Path]) -> tuple[Path, ...]:

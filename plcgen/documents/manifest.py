@@ -10,7 +10,6 @@ from typing import Any
 
 from plcgen._version import __version__
 from plcgen.documents.environment import RenderedFile
-from plcgen.input.hashes import text_digest
 from plcgen.project.nouns import Project
 from plcgen.sources.generated import MANIFEST
 
@@ -34,9 +33,16 @@ def manifest(project: Project, entries: Sequence[dict[str, Any]]) -> RenderedFil
         "project": project.name,
         "family": project.target.family,
         "toolchain": project.target.toolchain,
-        "spec_sha256": text_digest(project.loaded.text.encode()),
+        "spec_sha256": project.loaded.digest,
+        **_included(project),
         "jobs": [],
         **{key: value for plan in project.plans for key, value in plan.protocol.documents(plan).manifest().items()},
         "files": sorted(entries, key=itemgetter("path")),
     }
     return RenderedFile(MANIFEST, (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode())
+
+
+def _included(project: Project) -> dict[str, list[str]]:
+    """Files that the spec includes, if there are any: the hash of the spec covers them."""
+    names = [project.loaded.below(file) for file, _ in project.loaded.included]
+    return {"included": sorted(names)} if names else {}

@@ -13,10 +13,10 @@ from typing import Any, Generic, NamedTuple
 
 from pydantic import ValidationError
 
-from plcgen.diagnostics import Diagnostic, Report, Span
+from plcgen.diagnostics import Diagnostic, Span
 from plcgen.diagnostics.suggest import near
 from plcgen.input.validation import FileShape, Loaded, Model, Path, keys_at
-from plcgen.input.yaml import YamlNode, parse_yaml
+from plcgen.input.yaml import YamlNode
 
 _ROUNDS = 12
 """What is left out may leave something else incomplete; files have fewer levels."""
@@ -54,21 +54,24 @@ class Parts:
     details: frozenset[str]
 
 
-def salvage(text: str, file: str, shape: FileShape[Model], parts: Parts) -> Salvaged[Model] | None:
-    """Read a file whose shape is wrong as far as that makes sense; None if nothing is left."""
-    report = Report()
-    root = parse_yaml(text, file, report)
-    if root is None or root.kind != "map":
+def salvage(
+    root: YamlNode, problems: Iterable[Diagnostic], shape: FileShape[Model], parts: Parts
+) -> Salvaged[Model] | None:
+    """Use a tree whose shape is wrong as far as that makes sense; None if nothing is left.
+
+    ``problems`` are those that were found before its shape was looked at. The tree is changed.
+    """
+    if root.kind != "map":
         return None
     mending = _Mending(root, shape, parts)
-    for found in report:
+    for found in problems:
         mending.doubt_at(found.span)
     for _ in range(_ROUNDS):
         model = mending.model()
         try:
             valid = model.model_validate(root.data())
-        except ValidationError as problems:
-            if not mending.mend(model, problems.errors(include_url=False)):
+        except ValidationError as wrong:
+            if not mending.mend(model, wrong.errors(include_url=False)):
                 return None
         else:
             mending.doubt_names()
@@ -92,7 +95,7 @@ class _Step(NamedTuple):
         """From the key to the end of the value."""
         start = self.above.key_span(self.key) if isinstance(self.key, str) else self.below.span
         end = self.below.span
-        if (end.line, end.column) < (start.line, start.column):  # an alias: the value stands elsewhere
+        if end.file != start.file or (end.line, end.column) < (start.line, start.column):  # the value stands elsewhere
             return start
         return Span(start.file, start.line, start.column, end.end_line, end.end_column)
 

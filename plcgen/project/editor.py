@@ -7,10 +7,13 @@ but ours, and a duration has a unit, its default value too.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass, field
 from typing import Any
 
 from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaWarningKind
+
+from plcgen.input.variables import WHOLE
 
 S7_NUMBER = "^((B|W|DW|L|BYTE|WORD|DWORD)#)?(16#[0-9A-Fa-f_]+|8#[0-7_]+|2#[01_]+)$"
 """Numbers in the spelling of STEP 7, see ``plcgen.input.yaml``."""
@@ -61,6 +64,80 @@ def _number(schema: dict[str, Any]) -> dict[str, Any]:
         return schema
     number = {key: schema.pop(key) for key in ("type", "minimum", "maximum") if key in schema}
     return {**schema, "anyOf": [number, {"type": "string", "pattern": S7_NUMBER}]}
+
+
+def with_variables(definitions: dict[str, Any]) -> dict[str, Any]:
+    """Definitions in which ``$(name)`` may stand for every value; ``Variable`` is a new one of them."""
+    found = {name: _inside(each) for name, each in definitions.items()}
+    return {**found, "Variable": {"type": "string", "pattern": WHOLE}}
+
+
+def _inside(schema: Any) -> Any:
+    """A schema with variables for the values below it."""
+    if isinstance(schema, list):
+        return [_inside(each) for each in schema]
+    if not isinstance(schema, dict):
+        return schema
+    found = {key: value if key in _DATA else _inside(value) for key, value in schema.items()}
+    if isinstance(found.get("properties"), dict):
+        found["properties"] = {name: _or_variable(each) for name, each in found["properties"].items()}
+    for key in ("items", "additionalProperties"):
+        if isinstance(found.get(key), dict):
+            found[key] = _or_variable(found[key])
+    return found
+
+
+_BESIDE = ("description", "default", "examples")
+
+
+def _or_variable(schema: dict[str, Any]) -> dict[str, Any]:
+    """The schema of a value, which may be a variable: said only where not every text will do."""
+    if _any_text(schema):
+        return schema
+    beside = {key: schema[key] for key in _BESIDE if key in schema}
+    rest = {key: value for key, value in schema.items() if key not in beside}
+    options = rest["anyOf"] if set(rest) == {"anyOf"} else [rest]
+    return {**beside, "anyOf": [*options, {"$ref": "#/$defs/Variable"}]}
+
+
+def _any_text(schema: dict[str, Any]) -> bool:
+    if "anyOf" in schema:
+        return any(_any_text(each) for each in schema["anyOf"])
+    kinds = schema.get("type", "")
+    return "string" in ([kinds] if isinstance(kinds, str) else kinds) and not {"pattern", "enum", "const"} & set(schema)
+
+
+@dataclass(slots=True)
+class Requirements:
+    """Takes the required keys out of a schema and its ``definitions``: what is taken out may stand in another file.
+
+    Below the key ``whole`` they stay.
+    """
+
+    definitions: dict[str, Any]
+    whole: str
+    taken: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+    def take(self, schema: dict[str, Any]) -> dict[str, Any]:
+        """A schema that says again what was taken out of this one."""
+        name = schema.get("$ref", "").rpartition("/")[2]
+        if name not in self.taken:
+            found = self.take_below(self.definitions[name] if name else schema)
+            if not name:
+                return found
+            self.taken[name] = found
+        return self.taken[name]
+
+    def take_below(self, schema: dict[str, Any]) -> dict[str, Any]:
+        """The same for a schema that is not named."""
+        found: dict[str, Any] = {key: schema.pop(key) for key in ("required", "minProperties") if key in schema}
+        keys = {name: each for name, each in schema.get("properties", {}).items() if name != self.whole}
+        below = {name: more for name, each in keys.items() if (more := self.take(each))}
+        if below:
+            found["properties"] = below
+        if isinstance(schema.get("additionalProperties"), dict) and (more := self.take(schema["additionalProperties"])):
+            found["additionalProperties"] = more
+        return found
 
 
 class _Quiet(GenerateJsonSchema):

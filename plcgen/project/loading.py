@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from plcgen.diagnostics import Report
+from plcgen.input.includes import Read
 from plcgen.input.salvage import Parts, Salvaged, salvage
 from plcgen.input.text import read_text
-from plcgen.input.validation import FileShape, keys_at, read_document
+from plcgen.input.validation import FileShape, keys_at, validate
 from plcgen.input.yaml import YamlNode
+from plcgen.project.composing import HELP, compose, from_disk
 from plcgen.project.schema import Spec
 from plcgen.project.shape import spec_model
 from plcgen.project.spec import LoadedSpec, SpecPath
@@ -19,7 +21,7 @@ from plcgen.protocols.registry import protocols
 
 
 def load_spec(path: Path, report: Report) -> LoadedSpec | None:
-    """Read and validate a spec file.
+    """Read and validate a spec file, with the files that it includes.
 
     Raises:
         DiagnosticError: if the file cannot be read as text at all.
@@ -27,26 +29,36 @@ def load_spec(path: Path, report: Report) -> LoadedSpec | None:
     return parse_spec(read_text(path), path.as_posix(), report)
 
 
-def parse_spec(text: str, file: str, report: Report) -> LoadedSpec | None:
+def parse_spec(text: str, file: str, report: Report, read: Read = from_disk) -> LoadedSpec | None:
     """Validate spec text; problems go to ``report``; None if it cannot be used."""
-    loaded = read_document(text, file, _SPEC, report)
-    return None if loaded is None else LoadedSpec(file, text, loaded.model, loaded.root)
+    own = Report()
+    composed = compose(text, file, own, read)
+    if composed is None:
+        report.extend(own)
+        return None
+    valid = validate(composed.root, _SPEC, own)
+    report.extend(composed.told(own))
+    if valid is None or own.has_errors:
+        return None
+    return LoadedSpec(file, text, valid, composed.root, composed.included, composed.uses)
 
 
 def salvage_spec(path: Path) -> Salvaged[Spec] | None:
     """What can be planned of a spec whose shape is wrong; None if that would be nothing."""
-    return salvage(read_text(path), path.as_posix(), _SPEC, _PARTS)
+    found = Report()
+    composed = compose(read_text(path), path.as_posix(), found)
+    return None if composed is None else salvage(composed.root, found, _SPEC, _PARTS)
 
 
-def _parsed(text: str, file: str) -> LoadedSpec:
-    loaded = parse_spec(text, file, Report())
+def _parsed(text: str, file: str, included: dict[str, str]) -> LoadedSpec:
+    loaded = parse_spec(text, file, Report(), lambda _, name: included[name])
     if loaded is None:
         raise ValueError(f"{file} was valid before")
     return loaded
 
 
 def _as_text(spec: LoadedSpec) -> tuple[Any, ...]:
-    return _parsed, (spec.text, spec.file)
+    return _parsed, (spec.text, spec.file, dict(spec.included))
 
 
 copyreg.pickle(LoadedSpec, _as_text)  # its model is made anew: a class that was made for some protocols has no name
@@ -73,6 +85,6 @@ _SPEC: FileShape[Spec] = FileShape(
     model=lambda root: spec_model(used_protocols(root)),
     what="the spec",
     shape="a spec is a mapping with plc, drives and jobs",
-    help="start from an example: plcgen new",
+    help=HELP,
     keys=spec_keys,
 )

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
 from plcgen.input.allowances import Allowance, allowances, settled
+from plcgen.input.variables import with_origins
 from plcgen.project.loading import load_spec, salvage_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
@@ -47,12 +48,16 @@ def open_spec(path: Path) -> Opened:
             apply_rules(project, report)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
-    return Opened(project, tuple(settled(report, allowed_in(project))))
+    uses = () if project is None else project.loaded.uses
+    return Opened(project, tuple(settled(with_origins(report, uses), allowed_in(project))))
 
 
 def allowed_in(project: Project | None) -> tuple[Allowance, ...]:
-    """What comments of the spec allow."""
-    return () if project is None else allowances(project.loaded.text, project.loaded.file)
+    """What comments of the spec and of its included files allow."""
+    if project is None:
+        return ()
+    spec = project.loaded
+    return tuple(each for file, text in ((spec.file, spec.text), *spec.included) for each in allowances(text, file))
 
 
 def _found_besides(path: Path) -> Iterator[Diagnostic]:

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
 from plcgen.input.validation import StrictModel, problem
+from plcgen.input.variables import NAME
 from plcgen.project.editor import DURATION
 
 Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
@@ -184,8 +185,24 @@ class Trigger(StrictModel):
     status: str | None = Field(None, description="word for the status, e.g. MW52")
 
 
+_FILE: dict[str, Any] = {"type": "string", "minLength": 1, "maxLength": 500, "pattern": r"\.[yY][aA]?[mM][lL]$"}
+Include = Annotated[
+    tuple[Annotated[str, Field(min_length=1, max_length=500, pattern=_FILE["pattern"])], ...],
+    ONE_OR_MORE,
+    WithJsonSchema({"anyOf": [_FILE, {"type": "array", "items": _FILE}]}),
+]
+Variables = Annotated[
+    dict[Annotated[str, Field(pattern=f"^{NAME}$")], Any],
+    WithJsonSchema({"type": "object", "propertyNames": {"pattern": f"^{NAME}$"}}),
+]
+
+
 class Spec(StrictModel):
     """What every spec has; each protocol that it uses adds its sections, see ``shape``."""
 
     version: Literal[1] = Field(1, description="version of the spec format")
+    include: Include = Field(
+        (), description="files with more of this spec, in its folder or below; what stands here wins"
+    )
+    variables: Variables = Field({}, description="values by name: $(name) stands for one, inside a text for its text")
     plc: Plc = Field(description="the controller")

@@ -7,7 +7,8 @@ from typing import Any
 
 from pydantic import create_model
 
-from plcgen.project.editor import in_a_file
+from plcgen.input.includes import WHOLE
+from plcgen.project.editor import Requirements, in_a_file, with_variables
 from plcgen.project.schema import Spec
 from plcgen.protocols.base import Protocol
 
@@ -22,19 +23,29 @@ def spec_model(used: tuple[Protocol, ...]) -> type[Spec]:
     return create_model("Spec", __base__=(Spec, *sections), __doc__=Spec.__doc__)  # type: ignore[arg-type]
 
 
-def json_schema(known: tuple[Protocol, ...]) -> dict[str, Any]:
-    """JSON schema (draft 2020-12) of a job spec for editors, short forms included."""
+def json_schema(known: tuple[Protocol, ...], *, shared: bool = False) -> dict[str, Any]:
+    """JSON schema (draft 2020-12) of a job spec for editors, short forms included; ``shared``: of an included file."""
     from plcgen.project.cpus import cpu_names
 
     schema = spec_model(known).model_json_schema(by_alias=True)
     schema["$defs"]["Plc"]["properties"]["cpu"]["anyOf"].insert(0, {"enum": list(cpu_names())})
     for protocol in known:
         protocol.complete(schema)
-    schema["required"] = ["plc"]
-    schema["anyOf"] = [
+    del schema["required"]
+    definitions = schema.pop("$defs")
+    whole = {"required": ["plc"], **Requirements(definitions, WHOLE).take(schema)}
+    whole["anyOf"] = [
         {"required": [name], "properties": {name: {"minProperties": 1}}}
         for name in (protocol.sections[0] for protocol in known)
     ]
-    schema["description"] = "A PLC, its drives and stations, and the jobs that read and write their values."
-    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": f"urn:plcgen:spec:{VERSION}"}
-    return {**head, "title": "plcgen job spec", **in_a_file(schema)}
+    if not shared:
+        schema |= {"if": {"not": {"required": ["include"]}}, "then": whole}
+    kind, text = ("shared", "Part of a spec, for files that specs include.") if shared else ("spec", _TEXT)
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": f"urn:plcgen:{kind}:{VERSION}"}
+    title = "plcgen shared file" if shared else "plcgen job spec"
+    spelled = in_a_file({**schema, "$defs": definitions})
+    spelled["$defs"] = with_variables(spelled["$defs"])
+    return {**head, "title": title, **spelled, "description": text}
+
+
+_TEXT = "A PLC, its drives and stations, and the jobs that read and write their values."

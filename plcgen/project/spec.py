@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import hashlib
+import posixpath
 from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, TypeVar
 
 from plcgen.diagnostics import Span
+from plcgen.input.hashes import text_digest
+from plcgen.input.variables import VariableUse
 from plcgen.input.yaml import YamlNode
 from plcgen.project.schema import Spec
 
@@ -25,6 +29,23 @@ class LoadedSpec:
     text: str
     spec: Spec
     root: YamlNode
+    included: tuple[tuple[str, str], ...] = ()
+    """The included files, each with its text."""
+    uses: tuple[VariableUse, ...] = ()
+    """Where variables were used."""
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the text without its line ends; with included files, that of a list of all hashes."""
+        own = text_digest(self.text.encode())
+        if not self.included:
+            return own
+        lines = [f"{text_digest(text.encode())}  {self.below(file)}\n" for file, text in self.included]
+        return hashlib.sha256("".join([f"{own}\n", *sorted(lines)]).encode()).hexdigest()
+
+    def below(self, file: str) -> str:
+        """Path of an included file, beginning at the spec."""
+        return posixpath.relpath(file, posixpath.dirname(self.file) or ".")
 
     def sections(self, shape: type[Sections]) -> Sections:
         """The spec as one protocol sees it."""

@@ -11,7 +11,6 @@ from typing import Any, Literal, cast
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
-from plcgen.input.hashes import text_digest
 from plcgen.project.nouns import Project
 from plcgen.project.opening import open_spec
 from plcgen.proof import verify
@@ -67,7 +66,7 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
         folder=request.folder.as_posix(),
         project=project.name if project is not None else verification.project,
         target=f"{project.target.family} / {project.target.toolchain}" if project is not None else verification.target,
-        spec_hash=text_digest(project.loaded.text.encode()) if project is not None else "",
+        spec_hash=project.loaded.digest if project is not None else "",
         files_hash=_digest("".join(f"{file.sha256}  {file.path}\n" for file in files).encode()) if files else "",
         files=files,
         verification=verification,
