@@ -11,6 +11,7 @@ import click
 from plcgen.api import default_folder
 from plcgen.cli.options import PATH, console, format_option, output_option, strict_option, verb
 from plcgen.cli.output import OK, PROBLEMS, USAGE, Console
+from plcgen.cli.watch import watch_option
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
@@ -59,6 +60,7 @@ Subject = tuple[str, Sequence["Diagnostic"]]
 @strict_option
 @format_option("findings")
 @output_option
+@watch_option(generated=False)
 def command(
     *,
     paths: tuple[Path, ...],

@@ -11,6 +11,7 @@ import click
 from plcgen.api import default_folder
 from plcgen.cli.options import PATH, console, folder_option, format_option, verb
 from plcgen.cli.output import OK, PROBLEMS, Console, error_detail, error_line, help_line
+from plcgen.cli.watch import watch_option
 
 if TYPE_CHECKING:
     from plcgen.api import GenerateResult
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 @click.option("--force", is_flag=True, help="Overwrite files that were changed by hand.")
 @click.option("--stats", is_flag=True, help="Run an idle scan in the simulated CPU and count its statements.")
 @format_option("findings")
+@watch_option(generated=False)
 def command(
     *,
     paths: tuple[Path, ...],

@@ -9,6 +9,7 @@ import click
 
 from plcgen.api import default_folder
 from plcgen.cli.options import PATH, console, folder_option, format_option, output_option, strict_option, verb
+from plcgen.cli.watch import watch_option
 
 if TYPE_CHECKING:
     from plcgen.output.registry import OutputFormat
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 @strict_option
 @format_option("verification")
 @output_option
+@watch_option(generated=True)
 def command(
     *,
     paths: tuple[Path, ...],
