@@ -37,9 +37,11 @@ def workbook_bytes(sheets: Mapping[str, Sequence[Sequence[str]]], properties: Ma
     if properties:
         parts["docProps/custom.xml"] = _custom(properties)
     stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as book:
+    with zipfile.ZipFile(stream, "w") as book:  # not compressed: the bytes do not depend on the version of zlib
         for path, text in parts.items():
-            book.writestr(zipfile.ZipInfo(path, _EPOCH), _HEAD + text, zipfile.ZIP_DEFLATED)
+            part = zipfile.ZipInfo(path, _EPOCH)
+            part.create_system = 0  # else it says on which system it was made
+            book.writestr(part, _HEAD + text)
     return stream.getvalue()
 
 

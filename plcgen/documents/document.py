@@ -16,7 +16,8 @@ class Document:
     ``path`` is relative to the output folder, with forward slashes; without a ``template`` the ``text`` is finished;
     ``encoding`` a Python codec name; ``newline`` the line ending; ``experimental`` why the file was never seen in a
     real import ("" if it was); ``twins`` makes further documents from the finished text of this one; ``spelling`` says
-    for which compiler the template is rewritten, ``voice`` says the finished text in the project's languages.
+    for which compiler the template is rewritten, ``voice`` says the finished text in the project's languages; ``data``
+    is a file that is no text.
     """
 
     path: str
@@ -29,3 +30,4 @@ class Document:
     twins: Callable[[str], Iterator[Document]] | None = field(default=None, repr=False)
     spelling: Spelling = Spelling.TIA
     voice: Callable[[str], str] | None = field(default=None, repr=False)
+    data: bytes = b""

@@ -128,6 +128,8 @@ def _text(document: Document) -> str:
 
 
 def _finished(document: Document, text: str) -> RenderedFile:
+    if document.data:
+        return RenderedFile(document.path, document.data, document.experimental)
     if document.newline != "\n":
         text = text.replace("\n", document.newline)
     return RenderedFile(document.path, text.encode(document.encoding, "replace"), document.experimental)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from plcgen.display.table import Row, csv_table
+from plcgen.display.workbook import workbook_bytes
 from plcgen.documents.document import Document
 from plcgen.documents.nouns import TagRow, WatchRow
 from plcgen.documents.overview import Overview
@@ -35,6 +36,7 @@ def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> 
     elif tags:
         rows = [(tag.name, tag.type, f"%{tag.address}", voice_of(project).say(tag.text)) for tag in tags]
         yield _sheet("tags.csv", ("Name", "Data Type", "Logical Address", "Comment"), rows)
+        yield _workbook(seen)
     guides = [contribution.guide() for contribution in seen.contributions]
     view = {
         "project": project.name,
@@ -57,6 +59,28 @@ def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> 
 def _sheet(path: str, header: Row, rows: Sequence[Row]) -> Document:
     """A table for a spreadsheet: semicolons and a byte order mark, as an Excel with German settings opens them."""
     return Document(path, text=csv_table(header, rows, ";"), encoding="utf-8-sig")
+
+
+_TAGS = (
+    "Name", "Path", "Data Type", "Logical Address", "Comment",
+    "Hmi Visible", "Hmi Accessible", "Hmi Writeable", "Typeobject ID", "Version ID",
+)  # fmt: skip
+WORKBOOK_NOTE = "the workbook was not imported into a TIA Portal"
+
+
+def _workbook(seen: Overview) -> Document:
+    """The tags as the editor of the TIA Portal exports and imports them.
+
+    Sheet, columns and cells are those of public exports (github.com/AoufNihed/PLC, github.com/Canabis220/Robot), which
+    all carry the property TIA_Version: the help of the TIA Portal says that an import without it fails.
+    """
+    rows = [
+        (tag.name, table, tag.type, f"%{tag.address}", tag.text, "True", "True", "True", "", "")
+        for table, tags in seen.tags.items()
+        for tag in tags
+    ]
+    data = workbook_bytes({"PLC Tags": [_TAGS, *rows]}, {"TIA_Version": "1.0"})
+    return Document("tags.xlsx", data=data, experimental=WORKBOOK_NOTE)
 
 
 def _foreign(project: Project) -> Iterator[tuple[str, str, str]]:

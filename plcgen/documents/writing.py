@@ -408,6 +408,8 @@ def _diff(file: RenderedFile, old: bytes | None) -> list[str]:
     """Unified diff of one file; of a very long one and of the manifest only the header."""
     if file.path == MANIFEST or len(file.data) + len(old or b"") > MAX_DIFF:
         return [f"--- a/{file.path}\n+++ b/{file.path}\n(differs)\n"]
+    if b"\0" in file.data:
+        return [f"--- a/{file.path}\n+++ b/{file.path}\n(no text: differs)\n"]
     try:
         before = [] if old is None else old.decode("utf-8-sig").splitlines(keepends=True)
         after = file.data.decode("utf-8-sig").splitlines(keepends=True)

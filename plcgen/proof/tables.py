@@ -18,6 +18,7 @@ from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check
 from plcgen.proof.folder import Folder, table_rows
 from plcgen.proof.headers import MAIN, verdict
+from plcgen.proof.workbook import first_sheet
 from plcgen.s7.address import Address
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.layout import Layout, layout_block, locate
@@ -83,6 +84,7 @@ class _Tables:
             yield "compile.inp", partial(self.order, "compile.inp")
         elif flags:
             yield "tags.csv", partial(self.tags, "tags.csv", self.csv_flags)
+            yield "tags.xlsx", partial(self.tags, "tags.xlsx", self.xlsx_flags)
         yield "IMPORT.md", partial(self.order, "IMPORT.md")
         yield "LAYOUT.md", self.sheet
         for path in sorted(self.folder.path.glob("watch/*.csv")):
@@ -94,12 +96,16 @@ class _Tables:
             yield "xml/import.json", self.imports
             yield "xml/import.ps1", self.script
 
-    def text(self, name: str) -> str:
-        """Text of a file of the folder."""
+    def data(self, name: str) -> bytes:
+        """Bytes of a file of the folder."""
         try:
-            data = read_bounded(self.folder.path / name, MAX_BYTES)
+            return read_bounded(self.folder.path / name, MAX_BYTES)
         except OSError as problem:
             raise _WrongError(f"cannot be read: {problem.strerror or problem}") from problem
+
+    def text(self, name: str) -> str:
+        """Text of a file of the folder."""
+        data = self.data(name)
         encoding = "cp1252" if self.v5 and name.endswith((".sdf", ".inp")) else "utf-8-sig"
         return data.decode(encoding, "replace").replace("\r\n", "\n")
 
@@ -136,6 +142,16 @@ class _Tables:
         if not rows or rows[0] != ["Name", "Data Type", "Logical Address", "Comment"]:
             raise _WrongError("the header is not that of a tag table")
         return [Flag(row[0], row[1].upper(), row[2].removeprefix("%")) for row in rows[1:] if len(row) == 4]
+
+    def xlsx_flags(self, name: str) -> list[Flag]:
+        """Rows of ``tags.xlsx``; columns are found by their titles, as the TIA Portal does."""
+        try:
+            rows = first_sheet(self.data(name), name)
+            columns = [rows[0].index(title) for title in ("Name", "Data Type", "Logical Address")]
+            cells = [[row[column] for column in columns] for row in rows[1:]]
+        except (ValueError, IndexError) as problem:
+            raise _WrongError(f"it is not a workbook of tags: {problem}") from problem
+        return [Flag(name, type_.upper(), address.removeprefix("%")) for name, type_, address in cells]
 
     def xml_flags(self, name: str) -> list[Flag]:
         """Tags of a tag table document."""
