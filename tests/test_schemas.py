@@ -23,6 +23,7 @@ from plcgen.cli.schema import KINDS
 from plcgen.diagnostics import DiagnosticError
 from plcgen.display.view import PLAIN
 from plcgen.output.registry import find
+from plcgen.protocols.ds47.recording.faults import plan_faults
 from plcgen.protocols.ds47.sim.load import load_drive
 from plcgen.protocols.ppi.sim.load import load_bus
 from plcgen.review.compare.lockread import read_lock
@@ -89,6 +90,14 @@ def test_what_is_shipped_and_documented_passes() -> None:
         wrong("station", {"stations": [{"address": 2}, {"address": 3, "cpu": 226}], "faults": [{"kind": "fcs"}]}) == []
     )
     assert wrong("policy", {"member-renamed": "compatible", "start-value": "documentation"}) == []
+    faults = [
+        {"kind": "busy", "drive": "fan"},
+        {"kind": "status", "status": "16#DF80B500"},
+        {"kind": "fcs"},
+    ]
+    assert wrong("faults", faults) == []
+    assert wrong("faults", {"faults": faults}) == []
+    assert wrong("faults", [{"kind": "not_ready", "times": "always", "at": "poll"}]) == []
     assert wrong("config", tomllib.loads(blocks("cli.md", "toml")[0])) == []
 
 
@@ -117,6 +126,9 @@ BROKEN: list[tuple[str, str]] = [
     ("station", "stations: []"),
     ("station", "stations: [{adress: 2}]"),
     ("station", "faults: [{kind: silence, at: noon}]"),
+    ("faults", "[{kind: bussy}]"),
+    ("faults", "faults: [{kind: busy, colour: red}]"),
+    ("faults", "kind: busy"),
     ("policy", "member-renamd: breaking"),
     ("policy", "member-renamed: harmless"),
     ("lock", "format: 4\nblocks: {DB a: {access: none}}"),
@@ -138,6 +150,7 @@ def test_what_the_tool_refuses_does_not_pass(kind: str, text: str, tmp_path: Pat
         "station": lambda: load_bus(text),
         "policy": lambda: load_policy([str(path)]),
         "lock": lambda: read_lock(path),
+        "faults": lambda: plan_faults([], path, []),
         "config": lambda: load_config(path),
     }
     with pytest.raises(DiagnosticError):

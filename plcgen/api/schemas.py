@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from typing import Any
 
@@ -62,6 +63,36 @@ def _lock() -> dict[str, Any]:
     return lock_schema()
 
 
+def _faults() -> dict[str, Any]:
+    from plcgen.project.editor import file_schema
+    from plcgen.protocols.ds47.recording.faults import DriveFaults
+    from plcgen.protocols.ppi.recording.faults import LineFaults
+
+    text = "Faults of drives or of a PPI line for simulate: a list, or the key faults of a mapping."
+    drive, line = file_schema("faults", VERSION, text, DriveFaults), file_schema("faults", VERSION, text, LineFaults)
+    line = json.loads(json.dumps(line).replace("#/$defs/", "#/$defs/Line"))
+    line["$defs"] = {f"Line{name}": each for name, each in line["$defs"].items()}
+    items = [each.pop("properties")["faults"]["items"] for each in (drive, line)]
+    faults = {"type": "array", "items": {"anyOf": items}, "description": "the faults, each of its kind"}
+    mapping = {
+        "type": "object", "properties": {"faults": faults}, "required": ["faults"], "additionalProperties": False
+    }  # fmt: skip
+    head = {key: drive[key] for key in ("$schema", "$id", "title", "description")}
+    return {**head, "anyOf": [faults, mapping], "$defs": {**drive["$defs"], **line["$defs"]}}
+
+
+def _serve() -> dict[str, Any]:
+    from plcgen.output.lines import serve_schema
+
+    return serve_schema()
+
+
+def _monitor() -> dict[str, Any]:
+    from plcgen.output.lines import monitor_schema
+
+    return monitor_schema()
+
+
 def _output() -> dict[str, Any]:
     from plcgen.output.shapes import output_schema
 
@@ -76,9 +107,12 @@ SCHEMAS: dict[str, Callable[[], dict[str, Any]]] = {
     "profile": _profile,
     "policy": _policy,
     "lock": _lock,
+    "faults": _faults,
     "output": _output,
+    "serve": _serve,
+    "monitor": _monitor,
 }
-"""By the kind of file; ``output`` are the results of ``--format json``."""
+"""By the kind of file; ``output`` are results of ``--format json``, ``serve`` and ``monitor`` a line of these verbs."""
 
 
 def schema(kind: str = "spec") -> dict[str, Any]:

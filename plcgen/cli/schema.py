@@ -14,7 +14,10 @@ if TYPE_CHECKING:
     from plcgen.display.results import Answer
     from plcgen.output.registry import OutputFormat
 
-KINDS = ("spec", "shared", "drive", "station", "profile", "policy", "lock", "config", "output")
+KINDS = (
+    "spec", "shared", "drive", "station", "profile", "policy", "lock", "config", "faults",
+    "output", "serve", "monitor",
+)  # fmt: skip
 
 
 @verb(
@@ -30,8 +33,9 @@ KINDS = ("spec", "shared", "drive", "station", "profile", "policy", "lock", "con
 def command(*, kind: str, devices: bool, format_: OutputFormat, output: Path | None) -> int:
     """Print a JSON schema for editors and programs, or the known devices.
 
-    Of a spec if nothing else is named; or of a drive file, station file, device profile, policy, lock, plcgen.toml
-    (config), or of what --format json writes (output).
+    Of a spec if nothing else is named; or of a file that specs include (shared), a drive file, station file, device
+    profile, policy, lock, plcgen.toml (config) or file of faults; or of what --format json writes (output), and of a
+    line of ppi serve and ppi monitor.
     """
     out = console()
     if devices:

@@ -220,9 +220,10 @@ def _review() -> Shape:
     return _headed("review", keys)
 
 
-def _values() -> dict[str, Shape]:
-    reading = {"name": TEXT, "address": TEXT, "type": TEXT, "ok": FLAG, "value": ANYTHING, "hex": hexadecimal()}
-    return {"values": many(record(**reading, return_code=hexadecimal(2), error=TEXT))}
+READING = record(
+    name=TEXT, address=TEXT, type_=TEXT, ok=FLAG, value=ANYTHING, hex_=hexadecimal(), return_code=hexadecimal(2),
+    error=TEXT,
+)  # fmt: skip
 
 
 def _catalogue() -> Shape:
@@ -283,8 +284,8 @@ def _results() -> dict[str, Shape]:
         "ppi monitor": _headed("ppi monitor", FOUND),
         "ppi requests": _headed("ppi requests", {**FOUND, "telegrams": many(record(request=TEXT, **row))}),
         "ppi telegrams": _headed("ppi telegrams", {**FOUND, "telegrams": many(FRAME)}),
-        "ppi values": _headed("ppi values", FOUND, _values()),
-        "ppi write": _headed("ppi write", FOUND, _values()),
+        "ppi values": _headed("ppi values", FOUND, {"values": many(READING)}),
+        "ppi write": _headed("ppi write", FOUND, {"values": many(READING)}),
         "requests": _headed("requests", {**FOUND, "telegrams": many(record(job=TEXT, block=TEXT, **row))}),
         "review": _review(),
         "status": _headed(

@@ -3,8 +3,10 @@
 import json
 
 import pytest
+from jsonschema import Draft202012Validator
 from ppi.vectors import FRAMES
 
+from plcgen.api import schema
 from plcgen.cli.ppi import SECTIONS
 from plcgen.cli.ppi.capture import Capture, capture_of
 from plcgen.line.tcp import TcpServer
@@ -438,6 +440,9 @@ def test_monitor_lines(plcgen, monkeypatch):
     result = plcgen("ppi", "monitor", "VW100", "VB9000", "--count", "1", "--json")
     row = json.loads(result.out)
     assert (result.code, row["ok"], [value["value"] for value in row["values"]]) == (1, False, [1234, None])
+    line = Draft202012Validator(schema("monitor"))
+    assert list(line.iter_errors(row)) == []
+    assert not line.is_valid({**row, "time": "noon"})
 
 
 @pytest.mark.usefixtures("port")

@@ -14,7 +14,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from jsonschema import Draft202012Validator
 
+from plcgen.api import schema
 from plcgen.line.tcp import parse_address
 
 ROOT = Path(__file__).parents[2]
@@ -113,6 +115,10 @@ def test_json_lines_are_for_programs(tmp_path: Path) -> None:
     assert opened["event"] == "open"
     assert opened["stations"] == [{"address": 2, "cpu": "CPU 224", "mode": "run"}]
     events = [json.loads(line) for line in out.splitlines()]
+    line = Draft202012Validator(schema("serve"))
+    assert [list(line.iter_errors(event)) for event in [opened, *events]] == [[]] * (1 + len(events))
+    assert not line.is_valid({**opened, "event": "closed"})
+    assert not line.is_valid({**opened, "surplus": 1})
     assert [event["event"] for event in events if event["event"] != "connection"] == ["frame"] * 4 + ["end"]
     frames = [event for event in events if event["event"] == "frame"]
     assert [frame["direction"] for frame in frames] == ["request", "answer"] * 2

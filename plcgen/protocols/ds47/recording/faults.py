@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationInfo, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 from plcgen.diagnostics.suggest import did_you_mean
@@ -46,7 +46,7 @@ def plan_faults(texts: Sequence[str], file: Path | None, drives: Sequence[str]) 
     """Faults of the command line and of a YAML file. Raises DiagnosticError with every problem."""
     plan = FaultPlan()
     problems: list[Diagnostic] = []
-    faults: list[_Fault] = []
+    faults: list[DriveFault] = []
     for text in texts:
         try:
             faults.append(_typed(text, drives))
@@ -64,10 +64,10 @@ def plan_faults(texts: Sequence[str], file: Path | None, drives: Sequence[str]) 
     return plan
 
 
-class _Fault(FaultKeys):
+class DriveFault(FaultKeys):
     """A fault of ``simulate``: for one drive, or for all."""
 
-    drive: str | None = None
+    drive: str | None = Field(None, description="this drive only")
 
     @field_validator("drive")
     @classmethod
@@ -79,17 +79,17 @@ class _Fault(FaultKeys):
         return drive
 
 
-class _Faults(StrictModel):
+class DriveFaults(StrictModel):
     """A file of faults."""
 
-    faults: tuple[_Fault, ...]
+    faults: tuple[DriveFault, ...]
 
 
-_FILE = FileShape(_Faults, "the file", FAULTS_SHAPE, prepare=with_faults_key)
-_OPTION = FileShape(_Fault, "the fault", FAULTS_SHAPE)
+_FILE = FileShape(DriveFaults, "the file", FAULTS_SHAPE, prepare=with_faults_key)
+_OPTION = FileShape(DriveFault, "the fault", FAULTS_SHAPE)
 
 
-def _typed(text: str, drives: Sequence[str]) -> _Fault:
+def _typed(text: str, drives: Sequence[str]) -> DriveFault:
     """One ``KIND[:KEY=VALUE,...]`` of the command line."""
     option = f"--fault {text}"
     entry = read_fault(text, option, [item.value for item in FaultKind], _plain)
