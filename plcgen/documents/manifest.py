@@ -44,5 +44,5 @@ def manifest(project: Project, entries: Sequence[dict[str, Any]]) -> RenderedFil
 
 def _included(project: Project) -> dict[str, list[str]]:
     """Files that the spec includes, if there are any: the hash of the spec covers them."""
-    names = [project.loaded.below(file) for file, _ in project.loaded.included]
-    return {"included": sorted(names)} if names else {}
+    names = project.loaded.included_names
+    return {"included": list(names)} if names else {}

@@ -206,6 +206,7 @@ def _review() -> Shape:
     comparison = {**_headed("comparison", COMPARISON)["properties"], "title": TEXT}
     keys = {
         "spec": TEXT, "folder": TEXT, "project": TEXT, "target": TEXT, "spec_sha256": SHA256, "files_sha256": SHA256,
+        "included": said("What the spec includes; its hash covers these files.", many(TEXT)),
         "files": many(record(path=TEXT, sha256=SHA256, bytes=NUMBER, experimental=TEXT)), "missing": many(TEXT),
         "base": TEXT, "changes": many(record(**comparison)), "lock": maybe({"$ref": "#/$defs/comparison"}),
         "writes": many(_WRITE),

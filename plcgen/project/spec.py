@@ -43,6 +43,11 @@ class LoadedSpec:
         lines = [f"{text_digest(text.encode())}  {self.below(file)}\n" for file, text in self.included]
         return hashlib.sha256("".join([f"{own}\n", *sorted(lines)]).encode()).hexdigest()
 
+    @property
+    def included_names(self) -> tuple[str, ...]:
+        """Paths of the included files, beginning at the spec, sorted."""
+        return tuple(sorted(self.below(file) for file, _ in self.included))
+
     def below(self, file: str) -> str:
         """Path of an included file, beginning at the spec."""
         return posixpath.relpath(file, posixpath.dirname(self.file) or ".")

@@ -67,6 +67,7 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
         project=project.name if project is not None else verification.project,
         target=f"{project.target.family} / {project.target.toolchain}" if project is not None else verification.target,
         spec_hash=project.loaded.digest if project is not None else "",
+        included=project.loaded.included_names if project is not None else (),
         files_hash=_digest("".join(f"{file.sha256}  {file.path}\n" for file in files).encode()) if files else "",
         files=files,
         verification=verification,

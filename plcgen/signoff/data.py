@@ -20,6 +20,7 @@ def review_data(review: Review) -> dict[str, Any]:
         "project": review.project,
         "target": review.target,
         "spec_sha256": review.spec_hash,
+        "included": list(review.included),
         "files_sha256": review.files_hash,
         "files": [
             {"path": f.path, "sha256": f.sha256, "bytes": f.bytes, "experimental": f.experimental} for f in review.files

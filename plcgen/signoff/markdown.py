@@ -107,7 +107,7 @@ def _head(review: Review) -> _Part:
         f"{mark} **{verdict(review)}**: {counts or 'no checks'}{base}",
         "",
         f"- {escape(review.target or 'unknown target')}",
-        f"- spec {code(review.spec)}, SHA-256 `{review.spec_hash or 'unknown'}`",
+        f"- spec {code(review.spec)}{_included(review)}, SHA-256 `{review.spec_hash or 'unknown'}`",
         f"- {len(review.files)} files in {code(review.folder)}, over the list `{review.files_hash or 'unknown'}`",
     ]
     return _Part(f"Review of {escape(review.project or review.spec)}", lines, ())
@@ -186,3 +186,7 @@ def _runs(review: Review) -> Iterator[str]:
             line = time_line(run.trace, job)
             fault = f" with the fault {code(run.fault)}" if run.fault else ""
             yield f"- {code(clean(job.key))}{fault}: {escape(line.summary)}"
+
+
+def _included(review: Review) -> str:
+    return f" with {', '.join(map(code, review.included))}" if review.included else ""

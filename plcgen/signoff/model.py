@@ -85,8 +85,9 @@ class Excerpt:
 class Review:
     """Everything of a page.
 
-    ``base`` names what was compared with, empty if nothing was; ``changes`` are comparisons, each with a title;
-    ``lock`` is the comparison of the lock with the sources; ``missing`` are sentences about what is not there.
+    ``spec_hash`` covers the files that the spec has ``included``; ``base`` names what was compared with, empty if
+    nothing was; ``changes`` are comparisons, each with a title; ``lock`` is the comparison of the lock with the
+    sources; ``missing`` are sentences about what is not there.
     """
 
     spec: str
@@ -94,6 +95,7 @@ class Review:
     project: str
     target: str
     spec_hash: str
+    included: tuple[str, ...]
     files_hash: str
     files: tuple[ReviewedFile, ...]
     verification: Verification

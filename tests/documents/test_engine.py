@@ -90,7 +90,7 @@ def files(family: str, toolchain: str, folder: Path, monkeypatch: pytest.MonkeyP
     job = cast("PlannedJob", SimpleNamespace(trigger=PlannedTrigger()))
     plan = Plan(*frame, protocol=cast("Any", Toy()), jobs=[job], blocks=blocks)
     made = render_all(emit(Project(*frame, plans=(plan,))))
-    return {file.path: file.data.decode("utf-8-sig").replace("\r\n", "\n") for file in made}
+    return {file.path: file.data.decode("utf-8-sig").replace("\r\n", "\n") for file in made if b"\0" not in file.data}
 
 
 @pytest.mark.parametrize("toolchain", ["step7-v5", "tia-v16"])

@@ -188,3 +188,17 @@ def test_variables_do_not_multiply(tmp_path: Path) -> None:
         path.write_text(f"variables: {{big: {value}}}\n{WRITTEN_OUT.replace('P1120: 7.5', f'P1120: {use}')}")
         (found,) = api.check(path).diagnostics
         assert (found.code, "expands to more" in found.message) == ("PG109", True)
+
+
+def test_the_review_names_what_is_included(spec: Path) -> None:
+    """Beside the hash that covers it."""
+    from plcgen.display.view import PLAIN
+    from plcgen.output.registry import find
+
+    assert api.generate(spec).ok
+    review = api.review(spec, faults="none")
+    assert review.included == ("common/parameters.yaml", "common/plant.yaml")
+    for name in ("html", "json", "markdown"):
+        format_ = find(name)
+        assert format_ is not None
+        assert "parameters.yaml" in format_.render("review", review, PLAIN).replace("<wbr>", "")
