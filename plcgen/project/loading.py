@@ -78,7 +78,9 @@ def spec_keys(path: SpecPath) -> list[str]:
 _PARTS = Parts(
     head=("plc",),
     sections=frozenset({"units", "drives", "jobs", "stations"}),
-    details=frozenset({"comment", "cycle", "reference", "retries", "retry_pause", "split", "timeout", "trigger", "wait"}),
+    details=frozenset(
+        {"comment", "cycle", "reference", "retries", "retry_pause", "split", "timeout", "trigger", "wait"}
+    ),
 )
 
 _SPEC: FileShape[Spec] = FileShape(

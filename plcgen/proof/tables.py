@@ -14,11 +14,11 @@ from functools import partial
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
+from plcgen.input.workbook import read_sheets
 from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check
 from plcgen.proof.folder import Folder, table_rows
 from plcgen.proof.headers import MAIN, verdict
-from plcgen.proof.workbook import first_sheet
 from plcgen.s7.address import Address
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.layout import Layout, layout_block, locate
@@ -27,6 +27,7 @@ from plcgen.s7.types import Elementary
 from plcgen.simaticml.reading.documents import read_tag_table, read_watch_table
 
 MAX_BYTES = 16 * 1024 * 1024
+MAX_TAGS = 1_000_000
 SCRIPT = "2abb9af59cd36568d6da8b2f624d74d64615689148c94b9ae226a1f65f272ebd"
 """SHA-256 of ``xml/import.ps1``, the same text for every project, without the version of the documents and with LF."""
 _QUOTED = re.compile(r'"([^"\n]+)"')
@@ -146,7 +147,7 @@ class _Tables:
     def xlsx_flags(self, name: str) -> list[Flag]:
         """Rows of ``tags.xlsx``; columns are found by their titles, as the TIA Portal does."""
         try:
-            rows = first_sheet(self.data(name), name)
+            rows = [cells for _, cells in next(read_sheets(self.data(name), MAX_TAGS))]
             columns = [rows[0].index(title) for title in ("Name", "Data Type", "Logical Address")]
             cells = [[row[column] for column in columns] for row in rows[1:]]
         except (ValueError, IndexError) as problem:

@@ -36,16 +36,14 @@ def test_the_workbook_of_tags_is_that_of_an_export() -> None:
 
 
 def test_a_workbook_that_says_something_else_is_noticed(tmp_path: Path) -> None:
-    """Another address, a part that unpacks to too much, no workbook at all."""
+    """Another address, no workbook at all."""
     made = shutil.copytree(generated_example(FAQ.stem), tmp_path / "made")
-    other, huge = io.BytesIO(), io.BytesIO()
+    other = io.BytesIO()
     with zipfile.ZipFile(made / "tags.xlsx") as good, zipfile.ZipFile(other, "w") as book:
         for part in good.namelist():
             book.writestr(part, good.read(part).replace(b"%M50.0", b"%M50.1"))
-    with zipfile.ZipFile(huge, "w", zipfile.ZIP_DEFLATED) as book:
-        book.writestr("xl/sharedStrings.xml", b"<sst>" + b" " * 17_000_000)
     project = open_spec(FAQ).sound()
-    for data, word in ((other.getvalue(), "M50.1"), (huge.getvalue(), "16 MiB"), (b"PK", "it is no workbook")):
+    for data, word in ((other.getvalue(), "M50.1"), (b"PK", "no XLSX file")):
         (made / "tags.xlsx").write_bytes(data)
         (check,) = check_tables(project, read_folder(made, project.target))
         assert "tags.xlsx" in str(check.diagnostic)
