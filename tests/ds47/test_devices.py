@@ -192,7 +192,10 @@ def test_help_names_what_was_meant(tmp_path: Path) -> None:
     assert 'did you mean "source"?' in helps[2]
     assert 'did you mean "exact"? allowed: exact, size' in helps[6] or "1, 2" in helps[6]
     assert 'did you mean "FloatingPoint"?' in helps[14]
-    assert "keys here: type, name, title, unit, access, array, min, max, default, bico, dangerous, source" in helps[16]
+    assert (
+        "keys here: type, name, title, unit, access, array, min, max, default, bico, values, dangerous, source"
+        in helps[16]
+    )
     assert 'did you mean "access"?' in helps[22]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
@@ -31,6 +32,15 @@ def _number(key: str) -> str:
     return key
 
 
+def _value_name(name: str) -> str:
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or re.fullmatch(r"[PpRr]0*[0-9]+", name):
+        raise problem(
+            f'"{name}" is not a name of a value: letters, digits and underscores', help_="for example inactive"
+        )
+    return name
+
+
+ValueName = Annotated[str, AfterValidator(_value_name), Field(max_length=64)]
 Line = Annotated[str, AfterValidator(_one_line), Field(max_length=300)]
 ParameterNumber = Annotated[str, AfterValidator(_number)]
 DataSets = Literal["CDS", "DDS", "EDS", "MDS", "n"]
@@ -52,7 +62,7 @@ class Parameter:
     or rw; ``minimum``/``maximum`` in the parameter's unit; ``dangerous`` says why a write needs a sign-off where its
     profile says so: ``Device.danger`` knows the numbers too. ``grades`` says how each stated fact is known. Limits,
     factory setting and number of indexes that were not read decide nothing: they stand in ``doubted`` alone.
-    ``observed`` is a value that a drive had once.
+    ``observed`` is a value that a drive had once; ``values`` are single values by their names.
     """
 
     pnu: int
@@ -74,6 +84,7 @@ class Parameter:
     note: str = ""
     grades: Mapping[Fact, Grade] = field(default_factory=dict, compare=False)
     doubted: Mapping[Fact, Any] = field(default_factory=dict, compare=False)
+    values: Mapping[str, int] = field(default_factory=dict)
 
     def read(self, fact: Fact) -> bool:
         """Whether a fact was read in its source."""
@@ -138,6 +149,9 @@ class ParameterDef(StrictModel):
     max: float | None = Field(None, description="greatest value that a constant may have")
     default: Value | None = Field(None, description="factory setting")
     bico: bool = Field(default=False, description="value is a BICO source such as r722.2")
+    values: dict[ValueName, int] = Field(
+        default_factory=dict, description="single values by names that a job may write"
+    )
 
 
 def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Parameter:
@@ -171,6 +185,7 @@ def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Pa
         note=entry.get("note", ""),
         grades=grades,
         doubted=doubted,
+        values=entry.get("values") or {},
     )
 
 

@@ -180,6 +180,13 @@ class ParameterEntry(ParameterDef):
             raise problem(f"the default {value:g} is outside min and max")
         return value
 
+    @field_validator("values")
+    @classmethod
+    def _are_values(cls, values: dict[str, int], info: ValidationInfo) -> dict[str, int]:
+        for value in values.values() if info.data.get("type", UNKNOWN) != UNKNOWN else ():
+            _pack(read_type(info.data["type"])[0], value)
+        return values
+
     @field_validator("bico")
     @classmethod
     def _is_wide_enough(cls, bico: bool, info: ValidationInfo) -> bool:  # noqa: FBT001 - pydantic's signature

@@ -47,6 +47,9 @@ def page(device: Device, parameter: Parameter) -> Page:
     sections = [("Facts", "\n".join(_line(device, fact, value, grade) for fact, (value, grade) in known.items()))]
     if not parameter.type:
         sections.append(("Type", "unknown: a job has to give it, {parameter: .., type: ..}"))
+    if parameter.values:
+        named = ", ".join(f"{value} = {name}" for name, value in parameter.values.items())
+        sections.append(("Values with a name", named))
     if parameter.observed is not None:
         sections.append(("Seen in a drive", f"{parameter.observed}, which is no factory setting"))
     danger = device.danger(parameter.pnu)

@@ -41,6 +41,9 @@ class Reading:
             return str(read_bico(self.value)) if self.value >> 16 else str(self.value)
         if isinstance(self.value, bytes):
             return self.value.hex(" ").upper()
+        named = next((name for name, value in self.parameter.values.items() if value == self.value), "")
+        if named:
+            return f"{self.value} ({named})"
         return f"{self.value:.7g}" if isinstance(self.value, float) else str(self.value)
 
 

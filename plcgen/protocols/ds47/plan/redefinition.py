@@ -27,6 +27,7 @@ def merged(known: Parameter, own: Parameter) -> Parameter:
         minimum=known.minimum if own.minimum is None else own.minimum,
         maximum=known.maximum if own.maximum is None else own.maximum,
         bico=known.bico or own.bico,
+        values={**known.values, **own.values},
         observed=known.observed if own.type == known.type else None,
         grades={**known.grades, "type": "read"},
     )

@@ -195,6 +195,8 @@ class UseResolver:
         return packed if ok else None
 
     def _pack_one(self, value: Any, parameter: Parameter, fmt: Format, path: SpecPath) -> bytes | None:
+        if isinstance(value, str) and value in parameter.values:
+            value = parameter.values[value]
         if isinstance(value, str):
             source = parse_bico(value) if fmt.name == "Unsigned32" else None
             bico = source and source.within(self.device.bico)
@@ -203,7 +205,8 @@ class UseResolver:
                 self.problem("PG211", message, path, f"write {value.partition('@')[0]}")
                 return None
             if bico is None and fmt.kind is not FormatKind.OPAQUE:
-                self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, _value_help(fmt))
+                help_ = _name_help(value, parameter) or _value_help(fmt)
+                self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, help_)
                 return None
             value = value if bico is None else bico
         try:
@@ -250,7 +253,8 @@ class UseResolver:
 def _names_sources(given: Any, parameter: Parameter, fmt: Format) -> bool:
     """Whether a value is a BICO value: the parameter says so, or the value is written as one."""
     values = given if isinstance(given, tuple) else (given,)
-    return fmt.name == "Unsigned32" and (parameter.bico or any(isinstance(value, str) for value in values))
+    named = any(isinstance(value, str) and value not in parameter.values for value in values)
+    return fmt.name == "Unsigned32" and (parameter.bico or named)
 
 
 def _octets(value: Any, size: int) -> bytes:
@@ -262,6 +266,12 @@ def _octets(value: Any, size: int) -> bytes:
     if len(data) != size:
         raise FormatValueError(f"write {size} octets as {2 * size} hexadecimal digits")
     return data
+
+
+def _name_help(value: str, parameter: Parameter) -> str:
+    """Which values have a name; empty if none has one."""
+    known = list(parameter.values)
+    return f"{did_you_mean(value, known)} values with a name: {', '.join(known)}".strip() if known else ""
 
 
 def _value_help(fmt: Format) -> str:
