@@ -54,6 +54,10 @@ EQUIVALENT = {
         "a copy that fails leaves what was there, which cannot be the opposite of the reference and the reference, too"
     ),
     r"^WriteRecipe: dropped: statOrder\.length := 240 \(2\)$": "the telegram before it is as long",
+    r"^\w+: - -> \+: CASE \((tempSeen|statTicket\.ask)\.telegram - 1\) MOD 2 \+ 1 OF": (
+        "of two telegrams, the one before and the one behind are the same"
+    ),
+    r"^\w+: 0 -> 1: IF statLast > 0 AND NOT statChanged THEN": "a buffer is read in two telegrams at least",
     r"^ReadHistory: dropped: statOrder\.length := 10 \(2\)$": "the telegram before it is as long",
     r"^\w+: 0 -> 1: tempCount := 0;": "fewer than three bytes are no frame of PPI, whether none or one",
 }

@@ -44,7 +44,7 @@ def _durations(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     between = poll.interval + slack * wide
     yield DriveScenario(name="the drive saves at once", saving=0, scan=wide, took=(poll.interval, between))
     yield DriveScenario(
-        name="the unit is free for a save after a while",
+        name="the unit is free after a while",
         saving=0,
         occupied=OCCUPIED_MS,
         took=(OCCUPIED_MS + poll.interval, OCCUPIED_MS + poll.interval + 10 * slack),
@@ -107,7 +107,7 @@ def _questions(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
         follow=False,
     )
     yield DriveScenario(
-        name="the first question after a save without answers", saving=0, took=(poll.interval, 2 * job.timeout)
+        name="the first question after a run without answers", saving=0, took=(poll.interval, 2 * job.timeout)
     )
 
 
