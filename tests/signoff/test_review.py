@@ -249,13 +249,15 @@ def test_instances_of_a_plant_are_a_table():
 
 
 def test_ppi_jobs_are_reviewed():
-    """RUN and STOP of a station are dangerous; what the result rests on is said."""
+    """RUN and STOP of a station are dangerous and signed off by their keys; what the result rests on is said."""
     review = ppi_review()
     assert not any("ledger" in sentence for sentence in review.missing)
     assert "manual CP 341" in show("html", review)
     assert [one.subject for one in review.assumptions].count("layout") == 1
     assert all(entry.danger for entry in review.sheet.writes if entry.parameter == "CPU")
-    assert show("html", review)
+    signed = {entry.signed for entry in review.sheet.writes if entry.parameter == "CPU"}
+    assert signed == {"by the key run of the job", "by the key stop of the job"}
+    assert "not signed off in the spec" not in show("html", review)
 
 
 def test_scenarios_stand_in_grids():

@@ -59,6 +59,7 @@ def _writes(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Iterator[Write
         return WriteEntry(
             _key(master, job), master.block.name, (job.station.key,), parameter, text, value, given, "", "",
             _trigger(plan, master, job), "memory of the station" if not danger else "operating mode", danger,
+            f"by the key {job.kind} of the job" if danger else "",
         )  # fmt: skip
 
     if job.kind in {"run", "stop"}:
