@@ -29,7 +29,7 @@ _NAME = 26
 @click.option(
     "--faults",
     type=click.Choice(["none", "quick", "full"]),
-    help="How many faults the generated SCL runs through.  [default: quick for one drive, none for plants and lines]",
+    help="How many faults the generated SCL runs through.  [default: quick for small ones, none for others]",
 )
 def command(*, folder: Path, faults: Literal["none", "quick", "full"] | None) -> int:
     """Copy the shipped specs to DIR (plcgen-demo), generate their blocks and verify them, a line for each.
@@ -94,11 +94,13 @@ def _line(spec: Path, made: GenerateResult, result: Verification, runs: str) -> 
 
 
 def _small(spec: Path) -> bool:
-    """Whether faults take a second or two, not ten: a single drive."""
+    """Whether faults take a second or two, not ten: a single drive, and jobs of one telegram."""
     from plcgen.project.opening import open_spec
 
     project = open_spec(spec).project
-    return project is not None and len(project.loaded.root.find(["drives"]).pairs) == 1
+    if project is None or len(project.loaded.root.find(["drives"]).pairs) != 1:
+        return False
+    return all(len(job.telegrams) == 1 for job in project.jobs)
 
 
 def _text() -> OutputFormat:
