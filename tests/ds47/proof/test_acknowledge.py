@@ -55,6 +55,7 @@ def codes(plant: Plant) -> list[object]:
     return [plant.cpu[f'"DriveJobs".clear.faultCodes[{index}]'] for index in range(8)]
 
 
+@pytest.mark.slow
 def test_a_drive_is_asked_until_it_has_no_fault(plant: Plant) -> None:
     """The drive takes 1.5 s: the question after 1 s is answered with 1 and the faults, the one after 2 s with zeros."""
     scans, status = run(plant, 1500)
@@ -73,6 +74,7 @@ def test_faults_that_stay(plant: Plant) -> None:
     assert run(plant, 0)[1] == 0  # the next start acknowledges what is left
 
 
+@pytest.mark.slow
 def test_a_drive_that_does_not_acknowledge(plant: Plant) -> None:
     """p3981 stays 1: 8505, whatever the faults."""
     assert run(plant, 3_600_000)[1] == 0x8505 == WORDS["NOT_ACKNOWLEDGED"]

@@ -86,6 +86,7 @@ def test_the_latest_first(plant: Plant) -> None:
     assert plant.cpu[place] == 0
 
 
+@pytest.mark.slow
 def test_alarms_that_have_gone_are_the_latest_first_already(plant: Plant) -> None:
     """r2122[7] is the latest of the present, r2122[8] that of those that have gone (parameters of S120, r2122)."""
     gone = [0] * 5 + [9, 8, 7]
@@ -103,6 +104,7 @@ def comes(drive: Drive) -> None:
     parameters[944].values[0] += 1  # type: ignore[operator]
 
 
+@pytest.mark.slow
 def test_a_buffer_that_changes_is_read_again(plant: Plant) -> None:
     """A fault comes between the two questions: the second try has it, and is what is listed."""
     assert run(plant, "what", {2: comes}, r944=[41], r945=[7]) == 0
