@@ -30,7 +30,7 @@ def check_end(
         return
     results = telegram_results(rig.job, scenario)
     check_errors(rig, use_results(rig.job, results))
-    check_values(rig, results, before, wanted)
+    check_values(rig, results, before, wanted, asked_again=polled > 0)
     if status == DONE:
         for use in rig.job.uses:
             if not use.writes or use in rig.job.saving:
@@ -78,14 +78,25 @@ def check_errors(rig: JobRig, wanted: list[Result]) -> None:
 
 
 def check_values(
-    rig: JobRig, results: list[list[Result]], before: list[list[bytes]], wanted: list[list[bytes]]
+    rig: JobRig,
+    results: list[list[Result]],
+    before: list[list[bytes]],
+    wanted: list[list[bytes]],
+    *,
+    asked_again: bool,
 ) -> None:
-    """What came without an error is delivered, everything else is as it was."""
+    """What came without an error is delivered, everything else is as it was.
+
+    Of a question that waits for the drive only the latter is looked at here, where it was asked once.
+    """
     found = rig.delivered()
     for telegram, errors in zip(rig.job.telegrams, results, strict=True):
-        if telegram.writes or telegram.parts[0].use in rig.job.saving:
+        asks = telegram.parts[0].use in rig.job.saving
+        if telegram.writes or (asks and asked_again):
             continue
         for place, (part, (error, _)) in enumerate(zip(telegram.parts, errors, strict=True)):
+            if asks and not error:
+                continue
             at = telegram.number - 1
             right = (before if error not in {0, DEVIATES} else wanted)[at][place]
             if found[at][place] != right:
