@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import yaml_server
-from projects import SPECS
+from projects import ROOT, SPECS
 
 from plcgen.api.schemas import SCHEMAS
 from plcgen.cli.schema import KINDS
@@ -50,6 +50,33 @@ def test_check_jsonschema_takes_the_shipped_specs(schemas: Path, tmp_path: Path)
     code, out = checked("--schemafile", schemas / "spec.json", wrong)
     assert code == 1
     assert "famly" in out
+
+
+def test_check_jsonschema_takes_the_other_files(schemas: Path, tmp_path: Path) -> None:
+    """Profiles, a drive, stations, a lock, faults, a part of a spec, and results as the commands write them."""
+    from plcgen.cli.main import run
+
+    def written(name: str, text: str) -> Path:
+        (tmp_path / name).write_text(text, "utf-8")
+        return tmp_path / name
+
+    lock, result = tmp_path / "plcgen.lock.yaml", tmp_path / "layout.json"
+    assert run(["lock", str(SPECS[0]), "--out", str(lock), "--quiet"]) == 0
+    assert run(["layout", str(SPECS[0]), "--format", "json", "--output", str(result), "--quiet"]) == 0
+    files = {
+        "profile": sorted((ROOT / "specs" / "devices").glob("*.yaml")),
+        "drive": [
+            written("drive.yaml", "objects: [{number: 2, parameters: [{pnu: 50303, type: FloatingPoint, value: 1}]}]")
+        ],
+        "station": [written("stations.yaml", "stations: [{address: 2}, {address: 3, cpu: 226}]")],
+        "policy": [written("policy.yaml", "member-renamed: compatible")],
+        "faults": [written("faults.yaml", "[{kind: busy, times: 2}, {kind: fcs}]")],
+        "shared": [written("shared.yaml", "drives: {fan: {device: sinamics-g120, wait: $(wait)}}")],
+        "lock": [lock],
+        "output": [result],
+    }
+    found = {kind: checked("--schemafile", schemas / f"{kind}.json", *paths) for kind, paths in files.items()}
+    assert found == dict.fromkeys(files, (0, "ok -- validation done\n"))
 
 
 HEAD = """\
