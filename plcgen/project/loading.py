@@ -78,9 +78,7 @@ def spec_keys(path: SpecPath) -> list[str]:
 _PARTS = Parts(
     head=("plc",),
     sections=frozenset({"units", "drives", "jobs", "stations"}),
-    details=frozenset(
-        {"comment", "cycle", "reference", "retries", "retry_pause", "split", "timeout", "trigger", "wait"}
-    ),
+    details=frozenset({"comment", "cycle", "reference", "retries", "retry_pause", "split", "timeout", "trigger"}),
 )
 
 _SPEC: FileShape[Spec] = FileShape(

@@ -19,7 +19,7 @@ drives:
 jobs:
   read_it: {drive: dcm, read: [P50303], request: {db: 3}, response: {db: 4}, reference: 3}
 """
-BAD = GOOD.replace("sinamics-dcm", "sinamics-dcx")
+BAD = GOOD.replace("sinamics-dcm", "sinamics-dcmm")
 
 
 @dataclass(frozen=True)

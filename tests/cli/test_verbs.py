@@ -28,13 +28,14 @@ def test_check_bad(plcgen, bad):
     result = plcgen("check", bad)
     assert result.code == 1
     assert result.out == (
-        'error[PG201]: unknown device "sinamics-dcx"\n'
+        'error[PG201]: unknown device "sinamics-dcmm"\n'
         " --> bad.yaml:3:17\n"
         "  |\n"
-        "3 |   dcm: {device: sinamics-dcx, address: 256, drive_object: 2}\n"
-        "  |                 ^^^^^^^^^^^^\n"
+        "3 |   dcm: {device: sinamics-dcmm, address: 256, drive_object: 2}\n"
+        "  |                 ^^^^^^^^^^^^^\n"
         '  = help: did you mean "sinamics-dcm"? known devices: micromaster-4, profidrive, sinamics-dcm,\n'
-        "          sinamics-g120, sinamics-s120, sinamics-s210, sinamics-v90\n"
+        "          sinamics-dcp, sinamics-g110m, sinamics-g115d, sinamics-g120, sinamics-g120c,\n"
+        "          sinamics-g120x, sinamics-s120, sinamics-s210, sinamics-v90\n"
     )
     assert result.err == "\n1 error in bad.yaml\n"
 
@@ -54,7 +55,7 @@ def test_check_formats(plcgen, bad, format_, tmp_path):
     if format_ == "junit":
         assert ET.fromstring(result.out).get("failures") == "1"  # noqa: S314 - our own output
     elif format_ == "github":
-        assert result.out.startswith("::error file=bad.yaml,line=3,col=17,endColumn=29,title=PG201::")
+        assert result.out.startswith("::error file=bad.yaml,line=3,col=17,endColumn=30,title=PG201::")
     else:
         assert json.loads(result.out)
     filed = plcgen("check", bad, "--format", format_, "-o", "out.txt")
