@@ -111,7 +111,7 @@ def measure(place: Path, judged: Judged, figures: Figures) -> None:
     fresh = 0 if seen is True else len(own) - seen
     if fresh:
         figures.fresh[name] += fresh
-    refused = {path for path in own if not check_source(path).ok}
+    refused = {path for path in own if _is_refused(check_source(path))}
     for path in sorted(refused):
         short = path.relative_to(place).as_posix()
         figures.refused.append((name, short, judged.refused.get((name, short), OPEN)))
@@ -142,6 +142,11 @@ def measure_documents(place: Path, judged: Judged, figures: Figures) -> None:
             figures.in_documents["names" if problem.code in NAMES else verdict or OPEN] += 1
             if problem.code in TYPES and not verdict:
                 figures.unjudged.append((name, problem.span.file, problem))
+
+
+def _is_refused(check: SourceCheck) -> bool:
+    """Whether a file is no source, rather than one with start values that do not fit."""
+    return any(d.severity is Severity.ERROR and d.code not in TYPES for d in check.diagnostics)
 
 
 def _targets(paths: list[Path], place: Path, known: dict[str, Any]) -> dict[Path, Dialect]:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from plcgen.cpu.compiler.block import compile_block
 from plcgen.cpu.linkage import ENO, Compiled, Linkage, Probe, ProgramBlock
-from plcgen.cpu.start_values import with_constants
+from plcgen.cpu.start_values import unfit_constants, with_constants
 from plcgen.cpu.surroundings import Surroundings
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.cpu.type_rules import IecCheck
 from plcgen.cpu.unknown_types import add_unknown_types
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
-from plcgen.s7.blocks import BlockKind
+from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block
 from plcgen.s7.shapes import OPEN_ARRAY, TypeTable
@@ -23,7 +24,7 @@ from plcgen.s7.types import NamedType
 from plcgen.scl.declarations import blocks as declared_blocks
 from plcgen.scl.declarations import recursive_types
 from plcgen.scl.dialect import Dialect
-from plcgen.scl.parser import parse
+from plcgen.scl.parser import ParseResult, parse
 from plcgen.sources.text import has_bodies, load_text
 
 Source = Path | str | tuple[str, str]
@@ -32,7 +33,9 @@ Source = Path | str | tuple[str, str]
 MAX_PROGRAM_BYTES = 4 * 1024 * 1024
 """Largest data block the soft CPU holds."""
 
-_ONE_ELEMENT = re.compile(r"index -?\d+ is outside (-?\d+)\.\.\1$")
+_ONE_ELEMENT = re.compile(r"index -?\d+ is outside (-?\d+)\.\.\1$|more than 1 values$")
+_BITS_OF_A_REAL = re.compile(r"[28]#[01_0-7]+|16#[0-9A-F_]+", re.IGNORECASE)
+"""What sources that the TIA Portal made from blocks of a process library have for a REAL; no manual says its value."""
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
 
 
@@ -123,7 +126,10 @@ class Program:
         if found is None:
             return
         file, text = found
-        result = parse(text, file, self.link.dialect, bodies=has_bodies(file))
+        self.keep(parse(text, file, self.link.dialect, bodies=has_bodies(file)))
+
+    def keep(self, result: ParseResult) -> None:
+        """Add the blocks of a source that is parsed already."""
         self.diagnostics += result.diagnostics
         declared, problems = declared_blocks(result, self.link.dialect, self.link.numbers)
         self.diagnostics += problems
@@ -180,6 +186,10 @@ class Program:
         for entry in link.blocks.values():
             if entry.block.kind in {BlockKind.FB, BlockKind.DB}:
                 self.lay_out_block(entry, types)
+            elif entry.block.kind is BlockKind.UDT:
+                with suppress(DiagnosticError):
+                    self.start_values(entry.block, types)
+            self.diagnostics += unfit_constants(entry.block)
         for number, name in link.aliases.items():
             aliased = link.blocks.get(name)
             if aliased is not None and number.startswith("DB") and number[2:].isdigit():
@@ -198,19 +208,24 @@ class Program:
             entry.shape = layout_block(block, types, MAX_PROGRAM_BYTES).shape
             if block.instance_of is not None and block.instance_of.upper() in self.link.opaque:
                 entry.shape = replace(entry.shape, type=NamedType(block.instance_of))
-            opaque = isinstance(entry.shape.type, NamedType)
-            if block.kind is BlockKind.DB and not opaque:
-                self.images[entry.index] = bytes(image(block, types))
+            if not isinstance(entry.shape.type, NamedType):
+                content = self.start_values(block, types)
+                if block.kind is BlockKind.DB:
+                    self.images[entry.index] = content
         except DiagnosticError as problem:
             self.diagnostics += (d for d in problem.diagnostics if d.code != "PG807" or not self.circles)
-        except StartValueError as problem:
+
+    def start_values(self, block: Block, types: TypeTable) -> bytes:
+        """What a block holds after a download; PG824 for every start value that does not fit."""
+        unfit: list[StartValueError] = []
+        content = bytes(image(block, types, unfit))
+        for problem in unfit:
             inside = bool(self.link.opaque) and "there is no member" in str(problem)
-            if inside or (self.link.guessed_bounds and _ONE_ELEMENT.search(str(problem))):
-                self.report("PG827", str(problem), problem.span or block.span)
-            else:
-                self.report("PG824", str(problem), problem.span or block.span)
-            if entry.shape is not None:
-                self.images[entry.index] = bytes(entry.shape.bits // 8)
+            guessed = self.link.guessed_bounds and _ONE_ELEMENT.search(str(problem))
+            bits = problem.type_name in {"REAL", "LREAL"} and _BITS_OF_A_REAL.fullmatch(problem.text)
+            code = "PG827" if inside or guessed or bits else "PG824"
+            self.report(code, str(problem), problem.span or block.span)
+        return content
 
     # --- code -----------------------------------------------------------------------------------------
 
@@ -278,3 +293,12 @@ class Program:
     def start_up(self) -> ProgramBlock | None:
         """The start-up OB, if there is one."""
         return self.link.find("OB100") or self.link.find("Startup")
+
+
+def unfit_start_values(results: Iterable[ParseResult], dialect: Dialect) -> list[Diagnostic]:
+    """PG824 for every start value of these sources that does not fit; what other sources declare is not judged."""
+    program = Program(Linkage(dialect))
+    for result in results:
+        program.keep(result)
+    program.lay_out()
+    return [d for d in dict.fromkeys(program.diagnostics) if d.code == "PG824"]

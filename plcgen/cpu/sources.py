@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-from plcgen.cpu.program import Program
+from plcgen.cpu.program import Program, unfit_start_values
 from plcgen.cpu.sharing import sharing
 from plcgen.cpu.surroundings import Surroundings
 from plcgen.cpu.type_rules import IecCheck
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Severity, Span
 from plcgen.input.files import read_bounded
 from plcgen.scl.dialect import Dialect
+from plcgen.scl.parser import ParseResult
 from plcgen.sources.files import MAX_FILES, MAX_SEEN
 from plcgen.sources.text import is_binary, load_text, read_source
 
@@ -45,9 +46,15 @@ class SourceCheck:
 def check_source(path: Path | str, target: Dialect | None = None, *, encoding: str | None = None) -> SourceCheck:
     """Read one file (.scl .udt .db .awl): its syntax, its declarations, and what ``target`` does not compile.
 
-    Without a target everything is right that one of the three compilers accepts.
+    Start values must fit as well, as far as the file declares their types. Without a target everything is right that
+    one of the three compilers accepts.
     """
-    found, problems = read_source(path, target, encoding=encoding)
+    kept: list[ParseResult] = []
+    found, problems = read_source(path, target, encoding=encoding, keep=kept.append)
+    if not any(problem.severity is Severity.ERROR for problem in problems):
+        problems = sorted(
+            [*problems, *unfit_start_values(kept, target or Dialect.TIA_1200_1500)], key=lambda d: d.sort_key
+        )
     declared = tuple((block.kind.value, block.name, block.span or Span(str(path))) for block in found)
     return SourceCheck((Path(path),), len(found), tuple(problems), declared)
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.s7.blocks import Block, Section, SectionKind
-from plcgen.s7.types import Elementary, Member, StructType
+from plcgen.s7.literals import LiteralError, parse_literal
+from plcgen.s7.types import Elementary, Member, StringType, StructType
 from plcgen.scl.constants import evaluate, filled, integer
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import parse_value
@@ -28,8 +29,9 @@ def with_constants(block: Block, project: Mapping[str, str], dialect: Dialect) -
     if dialect.is_tia:
         block = replace(block, sections=tuple(_signed(section) for section in block.sections))
     texts = {f'"{name}"': literal for name, literal in project.items()}
-    texts |= {m.name.upper(): m.start for m in block.section(SectionKind.CONSTANT) if m.start is not None}
     numbers = {name: value for name, text in texts.items() if (value := integer(text)) is not None}
+    for member in block.section(SectionKind.CONSTANT):
+        _add_constant(member, texts, numbers)
     found: list[Diagnostic] = []
     sections = tuple(
         section
@@ -40,6 +42,39 @@ def with_constants(block: Block, project: Mapping[str, str], dialect: Dialect) -
         for section in block.sections
     )
     return (replace(block, sections=tuple(sections)), found) if tuple(sections) != block.sections else (block, found)
+
+
+def _add_constant(member: Member, texts: dict[str, str], numbers: dict[str, int]) -> None:
+    """Keep the value of a constant of the block; one without a value has the default of its type, an empty text."""
+    name, text = member.name.upper(), (member.start or "").strip()
+    value = 0 if not text else _number(text, numbers)
+    if value is not None:
+        numbers[name] = value
+    named = _literal(text, texts) if text else ""
+    texts[name] = named if named is not None else (str(value) if value is not None and _is_named(text) else text)
+
+
+def _is_named(text: str) -> bool:
+    """Whether a start value may name a constant, alone or in an expression."""
+    return bool(_NAMED.fullmatch(text)) and text.upper() not in _WORDS and "'" not in text
+
+
+def _number(text: str, numbers: Mapping[str, int]) -> int | None:
+    """Value of a whole number or of an expression of constants."""
+    node = parse_value(text) if _is_named(text) else None
+    return integer(text) if node is None else evaluate(node, numbers)
+
+
+def unfit_constants(block: Block) -> Iterator[Diagnostic]:
+    """PG824 for every constant of an elementary type or text whose literal does not fit; expressions are not judged."""
+    for member in block.section(SectionKind.CONSTANT):
+        text = (member.start or "").strip()
+        if not text or not isinstance(member.type, Elementary | StringType) or _is_named(text):
+            continue
+        try:
+            parse_literal(text, member.type)
+        except LiteralError as error:
+            yield Diagnostic("PG824", f"{member.name}: {error}", member.span or block.span or Span(""))
 
 
 def _signed(section: Section) -> Section:
@@ -64,22 +99,28 @@ def _written_out(member: Member, texts: dict[str, str], numbers: dict[str, int],
     if _APART.fullmatch(text):
         return replace(member, start="".join(text.split()))
     if text.startswith("[") and "'" not in text:
-        text = _NAME_IN_LIST.sub(lambda name: _literal(name[0], texts) or name[0], text)
+        text = _NAME_IN_LIST.sub(lambda name: _in_list(name[0], texts), text)
         return _elsewhere(member, text, found) if '"' in text else replace(member, start=text)
-    if not _NAMED.fullmatch(text) or text.upper() in _WORDS or "'" in text:
+    if not _is_named(text):
         return member
-    if literal := _literal(text, texts):
-        return replace(member, start=literal)
-    node = parse_value(text)
-    value = evaluate(node, numbers) if node is not None else None
+    literal = _literal(text, texts)
+    if literal is not None:
+        return replace(member, start=literal or None)
+    value = _number(text, numbers)
     if value is not None:
         return replace(member, start=str(value))
     return _elsewhere(member, text, found) if text.startswith('"') else member
 
 
 def _literal(name: str, texts: Mapping[str, str]) -> str | None:
-    """Literal of a constant, ``"N"`` of the project or ``#N`` of the block."""
-    return texts.get(name.upper()) or texts.get(name.strip('#"').upper())
+    """Literal of a constant, ``"N"`` of the project or ``#N`` of the block; empty for the default of its type."""
+    found = texts.get(name.upper())
+    return texts.get(name.strip('#"').upper()) if found is None else found
+
+
+def _in_list(name: str, texts: Mapping[str, str]) -> str:
+    literal = _literal(name, texts)
+    return name if literal is None else literal
 
 
 def _elsewhere(member: Member, text: str, found: list[Diagnostic]) -> Member:

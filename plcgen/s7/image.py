@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING, TypeAlias
 
 from plcgen.s7.errors import UnfitValueError
-from plcgen.s7.initializers import Group, InitialItem, Node, flatten, parse_initializer
+from plcgen.s7.initializers import Group, InitialItem, flatten, parse_initializer
 from plcgen.s7.layout import Entry, Layout, layout_block, locate
 from plcgen.s7.literals import LiteralError, pack_literal
 from plcgen.s7.types import ELEMENTARY, ArrayType, Elementary, StringType
@@ -30,6 +30,8 @@ _DEFAULTS: dict[str, Value] = {
     "DTL": 0,
 }
 """Default start values that are not all zero bytes."""
+MAX_UNFIT = 100
+"""So many values that do not fit are noted of one initialiser."""
 
 
 class StartValueError(LiteralError):
@@ -42,26 +44,29 @@ class StartValueError(LiteralError):
         self.args = (f"{path}: {self.args[0]}",)
 
 
-def image(block: Block, types: Mapping[str, Block]) -> bytearray:
+def image(block: Block, types: Mapping[str, Block], unfit: list[StartValueError] | None = None) -> bytearray:
     """Bytes of a DB (or of an FB's instance data) after a download; ``len`` is the layout's size.
 
-    Declared start values first, then the BEGIN assignments. Raises DiagnosticError like ``layout_block`` and
-    StartValueError for a value or an assignment that does not fit.
+    Declared start values first, then the BEGIN assignments. Every value and assignment that does not fit goes into
+    ``unfit``; without such a list the first one is raised, a StartValueError. Raises DiagnosticError like
+    ``layout_block``.
     """
     layout = layout_block(block, types)
     memory = bytearray(layout.size)
     builder = _Builder()
     builder.fill(memory, layout.shape, 0)
     for assignment in block.assignments:
+        found: list[LiteralError] = []
         try:
             entry = locate(layout, assignment.path)
+            _initialize(memory, entry.shape, entry.offset, assignment.literal, found)
         except KeyError as error:
-            reason = LiteralError(assignment.literal, "start value", str(error.args[0]))
-            raise StartValueError(reason, assignment.path, assignment.span) from None
-        try:
-            _store(memory, entry.shape, entry.offset, parse_initializer(assignment.literal))
-        except LiteralError as error:
-            raise StartValueError(error, assignment.path, assignment.span) from None
+            found.append(LiteralError(assignment.literal, "start value", str(error.args[0])))
+        builder.unfit += (StartValueError(error, assignment.path, assignment.span) for error in found)
+    if unfit is None:
+        _raise_first(builder)
+    else:
+        unfit += builder.unfit
     return memory
 
 
@@ -70,7 +75,10 @@ def default_bytes(shape: Shape) -> bytes:
 
     Raises StartValueError for a declared value that does not fit.
     """
-    return _Builder().default(shape)
+    builder = _Builder()
+    made = builder.default(shape)
+    _raise_first(builder)
+    return made
 
 
 def read_member(memory: bytes | bytearray, layout: Layout, path: str) -> Tree:
@@ -98,10 +106,11 @@ def _scalar(entry: Entry) -> Elementary | StringType:
 
 
 class _Builder:
-    """Default contents; the bytes of a type are made once and copied."""
+    """Default contents; the bytes of a type are made once and copied. ``unfit`` are the values that do not fit."""
 
     def __init__(self) -> None:
         self._made: dict[int, bytes] = {}
+        self.unfit: list[StartValueError] = []
 
     def default(self, shape: Shape) -> bytes:
         key = id(shape)
@@ -136,10 +145,14 @@ class _Builder:
             by_pointer = child.shape.type is _POINTER and child.member.type is not _POINTER
             if child.member.start is None or by_pointer:
                 continue
-            try:
-                _store(memory, child.shape, start, parse_initializer(child.member.start))
-            except LiteralError as error:
-                raise StartValueError(error, child.member.name, child.member.span) from None
+            found: list[LiteralError] = []
+            _initialize(memory, child.shape, start, child.member.start, found)
+            self.unfit += (StartValueError(error, child.member.name, child.member.span) for error in found)
+
+
+def _raise_first(builder: _Builder) -> None:
+    if builder.unfit:
+        raise builder.unfit[0]
 
 
 def _bounds(shape: Shape) -> tuple[tuple[int, int], ...]:
@@ -154,28 +167,45 @@ def _put(memory: bytearray, offset: int, data: bytes, bits: int) -> None:
         memory[offset // 8 : offset // 8 + len(data)] = data
 
 
-def _store(memory: bytearray, shape: Shape, offset: int, items: tuple[InitialItem, ...]) -> None:
+def _add(unfit: list[LiteralError], error: LiteralError) -> None:
+    """Note a value that does not fit; a repeated one is noted once."""
+    if len(unfit) < MAX_UNFIT and (not unfit or unfit[-1].args != error.args):
+        unfit.append(error)
+
+
+def _initialize(memory: bytearray, shape: Shape, offset: int, text: str, unfit: list[LiteralError]) -> None:
+    """Write the value of ``text`` at a place; what does not fit goes into ``unfit``."""
+    try:
+        items = parse_initializer(text)
+    except LiteralError as error:
+        _add(unfit, error)
+    else:
+        _store(memory, shape, offset, items, unfit)
+
+
+def _store(
+    memory: bytearray, shape: Shape, offset: int, items: tuple[InitialItem, ...], unfit: list[LiteralError]
+) -> None:
     """Write an initialiser at a place; an empty value keeps what is there."""
     if isinstance(shape.type, Elementary | StringType):
         if len(items) != 1 or items[0].name or items[0].count != 1 or not isinstance(items[0].value, str):
             empty = not items or (len(items) == 1 and isinstance(items[0].value, Group) and not items[0].value.items)
             if not empty:
-                raise LiteralError("(..)", shape.type.name, "a single value is needed")
+                _add(unfit, LiteralError("(..)", shape.type.name, "a single value is needed"))
             return
-        _put(memory, offset, pack_literal(items[0].value, shape.type), shape.bits)
+        try:
+            _put(memory, offset, pack_literal(items[0].value, shape.type), shape.bits)
+        except LiteralError as error:
+            _add(unfit, error)
     elif shape.element is not None:
-        _store_array(memory, shape, offset, items)
+        _store_array(memory, shape, offset, items, unfit)
     else:
-        _store_struct(memory, shape, offset, items)
+        _store_struct(memory, shape, offset, items, unfit)
 
 
-def _node(memory: bytearray, shape: Shape, offset: int, node: Node) -> None:
-    if node is None:
-        return
-    _store(memory, shape, offset, (InitialItem(node),))
-
-
-def _store_array(memory: bytearray, shape: Shape, offset: int, items: tuple[InitialItem, ...]) -> None:
+def _store_array(
+    memory: bytearray, shape: Shape, offset: int, items: tuple[InitialItem, ...], unfit: list[LiteralError]
+) -> None:
     element = shape.element
     if element is None:
         return
@@ -183,8 +213,9 @@ def _store_array(memory: bytearray, shape: Shape, offset: int, items: tuple[Init
     nested = element.element is not None
     for position, node in enumerate(flatten(_unwrap(items), total, "" if nested else "[")):
         if position >= total:
-            raise LiteralError("[..]", "ARRAY", f"more than {total} values")
-        _node(memory, element, offset + _element_offset(shape, position), node)
+            _add(unfit, LiteralError("[..]", "ARRAY", f"more than {total} values"))
+        elif node is not None:
+            _store(memory, element, offset + _element_offset(shape, position), (InitialItem(node),), unfit)
 
 
 def _unwrap(items: tuple[InitialItem, ...]) -> tuple[InitialItem, ...]:
@@ -205,17 +236,24 @@ def _element_offset(shape: Shape, position: int) -> int:
     return offset
 
 
-def _store_struct(memory: bytearray, shape: Shape, offset: int, items: tuple[InitialItem, ...]) -> None:
+def _store_struct(
+    memory: bytearray, shape: Shape, offset: int, items: tuple[InitialItem, ...], unfit: list[LiteralError]
+) -> None:
+    """The members by position or name; of a type whose members nobody knows, nothing is said."""
     if len(items) == 1 and items[0].name is None and isinstance(items[0].value, Group):
         items = items[0].value.items
     own = [child for child in shape.fields if child.member.at is None]
+    if not own:
+        return
     if len(items) > len(own):
-        raise LiteralError("(..)", "STRUCT", f"more than {len(own)} values")
+        _add(unfit, LiteralError("(..)", "STRUCT", f"more than {len(own)} values"))
+        return
     for position, item in enumerate(items):
         child = own[position] if item.name is None else shape.index.get(item.name.upper())
         if child is None:
-            raise LiteralError(item.name or "", "STRUCT", "no such member")
-        _node(memory, child.shape, offset + child.offset, item.value)
+            _add(unfit, LiteralError(item.name or "", "STRUCT", "no such member"))
+        elif item.value is not None:
+            _store(memory, child.shape, offset + child.offset, (InitialItem(item.value),), unfit)
 
 
 def _read(memory: bytes | bytearray, shape: Shape, offset: int) -> Tree:

@@ -22,6 +22,11 @@ _BASED = re.compile(r"(2|8|16)#([0-9A-Fa-f_]+)")
 _DECIMAL = re.compile(r"[+-]?\d[\d_]*", re.ASCII)
 _REAL = re.compile(r"[+-]?\d[\d_]*(?:\.\d[\d_]*)?(?:[eE][+-]?\d+)?", re.ASCII)
 _BYTES = re.compile(r"\(\s*(\d+(?:\s*,\s*\d+)*)\s*\)", re.ASCII)
+_PLACE = {
+    "TIMER": re.compile(r"T\s*(\d{1,5})", re.IGNORECASE | re.ASCII),
+    "COUNTER": re.compile(r"[CZ]\s*(\d{1,5})", re.IGNORECASE | re.ASCII),
+}
+"""A timer or counter by its number, as in ``T 5``; STEP 7 in German writes ``Z 5`` for a counter."""
 _ESCAPE = re.compile(r"\$(?:([$'\"LNPRT])|([0-9A-F]{4})|([0-9A-F]{2})|(.?))", re.IGNORECASE | re.DOTALL)
 _CONTROL = {"L": "\n", "N": "\r\n", "P": "\f", "R": "\r", "T": "\t"}
 _TEXT = frozenset({"CHAR", "WCHAR"})
@@ -126,6 +131,9 @@ def _bool(body: str) -> bool:
 
 
 def _whole(prefix: str, body: str, name: str) -> int:
+    place = _PLACE[name].fullmatch(body) if name in _PLACE else None
+    if place is not None:
+        return int(place[1])
     if prefix == "C" and name == "WORD":
         return _counter(body)
     if prefix in _TEXT and name in BIT_STRINGS:
