@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from plcgen.diagnostics import Diagnostic, Span
-from plcgen.s7.blocks import Block, Section, SectionKind
+from plcgen.s7.blocks import Assignment, Block, Section, SectionKind
 from plcgen.s7.literals import LiteralError, parse_literal
 from plcgen.s7.types import Elementary, Member, StringType, StructType
 from plcgen.scl.constants import evaluate, filled, integer
@@ -41,7 +41,19 @@ def with_constants(block: Block, project: Mapping[str, str], dialect: Dialect) -
         )
         for section in block.sections
     )
-    return (replace(block, sections=tuple(sections)), found) if tuple(sections) != block.sections else (block, found)
+    assigned = (_assigned(assignment, texts, numbers, found) for assignment in block.assignments)
+    assignments = tuple(assignment for assignment in assigned if assignment is not None)
+    same = sections == block.sections and assignments == block.assignments
+    return (block if same else replace(block, sections=sections, assignments=assignments)), found
+
+
+def _assigned(
+    assignment: Assignment, texts: dict[str, str], numbers: dict[str, int], found: list[Diagnostic]
+) -> Assignment | None:
+    """A line of a DB's BEGIN part with the value of the constants in it; None if nobody here knows it."""
+    given = Member("", StringType("STRING", 1), assignment.literal, span=assignment.span)
+    literal = _written_out(given, texts, numbers, found).start
+    return None if literal is None else replace(assignment, literal=literal)
 
 
 def _add_constant(member: Member, texts: dict[str, str], numbers: dict[str, int]) -> None:

@@ -74,6 +74,8 @@ def constant_as(context: Context, value: Val, target: str, node: ast.Expression)
     elif isinstance(const, float):
         if target in REALS:
             return source_of(as_real(const, target))
+        if target != "BOOL" and widens("REAL", target, context.rules):
+            return convert_code(source_of(as_real(const, "REAL")), "REAL", target)
     elif isinstance(const, int):
         number = integer_constant(context, const, target, node)
         if number is not None:
@@ -107,9 +109,18 @@ def integer_constant(context: Context, const: int, target: str, node: ast.Expres
 
 
 def truth(context: Context, value: Val, node: ast.Expression) -> str:
-    """Code of a condition."""
+    """Code of a condition; 1 and 0 are constants of BOOL in the TIA Portal."""
+    if value.type == INT_CONST and value.const in {0, 1} and context.rules.dialect.is_tia:
+        return "True" if value.const else "False"
     if value.type not in {"BOOL", UNKNOWN}:
-        context.error("PG821", f"a condition is BOOL, not {value.type or 'a structure'}", node)
+        kind = (
+            "a number"
+            if value.type in {INT_CONST, REAL_CONST}
+            else "a text"
+            if value.type == TEXT_CONST
+            else value.type
+        )
+        context.error("PG821", f"a condition is BOOL, not {kind or 'a structure'}", node)
         return "0"
     return value.code
 
