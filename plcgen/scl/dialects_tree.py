@@ -62,7 +62,7 @@ def tree(units: Sequence[ast.Unit], tokens: Tokens, dialect: Dialect) -> Iterato
         for node in ast.walk(unit):
             if isinstance(node, ast.CallStatement):
                 yield from _call_statement(node, tokens, dialect)
-            elif isinstance(node, ast.Call | ast.Index):
+            elif isinstance(node, ast.Call | ast.Index) and unit.keyword != "DATA_BLOCK":
                 yield from _absolute(node, dialect, declared | blocks)
             elif isinstance(node, ast.Name):
                 yield from _name(node, dialect, declared)

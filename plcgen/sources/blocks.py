@@ -17,6 +17,7 @@ from plcgen.simaticml.reading.source import source
 from plcgen.simaticml.reading.xml import load, parse_xml
 from plcgen.sources.code import Code, document_code, statement_list_code, unit_code
 from plcgen.sources.files import XML_SUFFIXES, Files, read_files
+from plcgen.sources.networks import NetworkCall, document_calls
 from plcgen.sources.text import read_text
 
 STATEMENT_LISTS = frozenset({".awl", ".stl"})
@@ -33,7 +34,7 @@ class SourceBlock:
     ``unit`` is its syntax tree, None if there is none; of SimaticML it is that of the SCL its networks say, whose
     lines (``located`` False) are not those of the file. ``attributes`` has one entry per member with attributes:
     upper-case path to name and value; the key ``RETAIN`` is the retentivity (``RETAIN``, ``NONRETAIN``,
-    ``SETINIDB``).
+    ``SETINIDB``). ``calls`` are those of its networks in LAD and FBD.
     """
 
     block: Block
@@ -43,6 +44,16 @@ class SourceBlock:
     unit: ast.Unit | None = None
     parsed: ParseResult | None = None
     located: bool = True
+    calls: tuple[NetworkCall, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Details:
+    """What the model of a document's blocks leaves out, by block name."""
+
+    code: dict[str, Code] = field(default_factory=dict)
+    attributes: dict[str, dict[str, dict[str, str]]] = field(default_factory=dict)
+    calls: dict[str, tuple[NetworkCall, ...]] = field(default_factory=dict)
 
 
 @dataclass(slots=True)
@@ -86,7 +97,7 @@ def _sources(files: Files, parsed: Sequence[ParseResult]) -> Sources:
         for result in reversed(parsed)
         for unit in reversed(result.units)
     }
-    documents: dict[str, tuple[dict[str, Code], dict[str, dict[str, dict[str, str]]]]] = {}
+    documents: dict[str, _Details] = {}
     found: list[SourceBlock] = []
     for block in files.blocks:
         file = block.span.file if block.span is not None else ""
@@ -96,34 +107,30 @@ def _sources(files: Files, parsed: Sequence[ParseResult]) -> Sources:
         elif Path(file).suffix.lower() in XML_SUFFIXES:
             if file not in documents:
                 documents[file] = _details(Path(file))
-            code, attributes = documents[file]
-            own = attributes.get(block.name, {})
-            found.append(_from_document(block, file, code.get(block.name, Code()), own, files.types))
+            found.append(_from_document(block, file, documents[file], files.types))
         else:
             found.append(SourceBlock(block, file))
     return Sources(found, files.types, files.diagnostics)
 
 
-def _details(path: Path) -> tuple[dict[str, Code], dict[str, dict[str, dict[str, str]]]]:
-    """Networks and attributes of members of a document by block name; nothing if it cannot be read any more."""
+def _details(path: Path) -> _Details:
+    """Networks and attributes of members of a document; nothing if it cannot be read any more."""
     try:
         root = parse_xml(*load(path, None))
     except DiagnosticError:
-        return {}, {}
-    return document_code(root), document_attributes(root)
+        return _Details()
+    return _Details(document_code(root), document_attributes(root), document_calls(root))
 
 
-def _from_document(
-    block: Block, file: str, networks: Code, attributes: dict[str, dict[str, str]], types: TypeTable
-) -> SourceBlock:
+def _from_document(block: Block, file: str, details: _Details, types: TypeTable) -> SourceBlock:
     """A block of SimaticML; where its networks are StructuredText, with the SCL that they say."""
-    if block.code is None:
-        return SourceBlock(block, file, networks, attributes)
-    result = parse(source(block, types), file)
-    if len(result.units) != 1:
-        return SourceBlock(block, file, networks, attributes)
+    attributes = details.attributes.get(block.name, {})
+    networks, calls = details.code.get(block.name, Code()), details.calls.get(block.name, ())
+    result = None if block.code is None else parse(source(block, types), file)
+    if result is None or len(result.units) != 1:
+        return SourceBlock(block, file, networks, attributes, calls=calls)
     code = replace(unit_code(result.units[0], result), located=False)
-    return SourceBlock(block, file, code, attributes, result.units[0], result, located=False)
+    return SourceBlock(block, file, code, attributes, result.units[0], result, located=False, calls=calls)
 
 
 def _from_text(block: Block, file: str, unit: ast.Unit, result: ParseResult) -> SourceBlock:

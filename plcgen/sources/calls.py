@@ -1,4 +1,4 @@
-"""Calls in SCL and in statement lists, known by the names of their parameters, whatever the instance is called.
+"""Calls in SCL, statement lists, LAD and FBD, known by the names of their parameters, whatever the instance is called.
 
 Arguments are constants where they can be evaluated; one of them may point to the memory that the call sends or fills.
 """
@@ -64,6 +64,7 @@ class SourceCall:
 def find_calls(sources: Sources, required: frozenset[str], pointer: str = "") -> Iterator[SourceCall]:
     """Every call with all of these parameters in the text sources and documents, in the order of the files."""
     for source in sources.blocks:
+        yield from _in_networks(source, sources.types, required, pointer)
         if source.unit is None or source.parsed is None:
             continue
         if Path(source.file).suffix.lower() in STATEMENT_LISTS:
@@ -94,9 +95,27 @@ def _scl(
         if pointer in named:
             area = _area(named[pointer].value, _text(result, named[pointer].value), result.span(named[pointer]))
         if area is not None and area.local and area.length is None:
-            area = replace(area, length=_local_size(named[pointer].value, source, types))
+            target = named[pointer].value
+            size = _local_size(target.name, source, types) if isinstance(target, ast.Name) else None
+            area = replace(area, length=size)
         call = SourceCall(block_title(source.block), result.span(node.target), arguments, area)
         yield call if source.located else _at_block(call, source.block.span or Span(source.file))
+
+
+def _in_networks(
+    source: SourceBlock, types: Mapping[str, Block], required: frozenset[str], pointer: str
+) -> Iterator[SourceCall]:
+    """Calls of LAD and FBD; each stands where the document has it."""
+    for call in source.calls:
+        operands = dict(call.operands)
+        if not required <= operands.keys():
+            continue
+        span = Span(source.file, call.line, 1)
+        arguments = {name: ConstantArgument(text, integer(text), span) for name, text in operands.items()}
+        area = _stl_area(operands[pointer], span) if pointer in operands else None
+        if area is not None and area.local and area.length is None:
+            area = replace(area, length=_local_size(area.text.lstrip("#"), source, types))
+        yield SourceCall(block_title(source.block), span, arguments, area)
 
 
 def _at_block(call: SourceCall, place: Span) -> SourceCall:
@@ -106,11 +125,9 @@ def _at_block(call: SourceCall, place: Span) -> SourceCall:
     return replace(call, span=place, arguments=arguments, area=area)
 
 
-def _local_size(node: ast.Expression, source: SourceBlock, types: Mapping[str, Block]) -> int | None:
+def _local_size(name: str, source: SourceBlock, types: Mapping[str, Block]) -> int | None:
     """Bytes of a variable of the block; None if it is none, of unknown size, or a pointer to something else."""
-    if not isinstance(node, ast.Name):
-        return None
-    members = [m for s in source.block.sections for m in s.members if m.name.upper() == node.name.upper()]
+    members = [m for s in source.block.sections for m in s.members if m.name.upper() == name.upper()]
     if any(isinstance(m.type, Elementary) and m.type.name in {"ANY", "POINTER"} for m in members):
         return None
     try:

@@ -9,6 +9,7 @@ from plcgen.proof.audited import Audited, audited
 from plcgen.proof.checks import Check, CheckGroup, Outcome
 from plcgen.protocols.ppi.audit.frames import telegrams
 from plcgen.protocols.ppi.audit.jobs import match_jobs
+from plcgen.protocols.ppi.audit.loads import loaded
 from plcgen.protocols.ppi.audit.memory import assigned, stated
 from plcgen.protocols.ppi.audit.model import FoundTelegram, ModuleCall
 from plcgen.protocols.ppi.audit.modules import answer_size, check_receiving, check_sending, module_calls, shown
@@ -26,7 +27,11 @@ def audit(plan: PpiPlan, sources: Sources) -> Audited:
     problems: list[Diagnostic] = []
     buffers = find_buffers(sources, problems)
     memories = [memory for buffer in buffers if (memory := stated(buffer)) is not None]
-    found = [telegram for memory in (*memories, *assigned(sources)) for telegram in telegrams(memory)]
+    found = [
+        telegram
+        for memory in (*memories, *assigned(sources), *loaded(sources, buffers))
+        for telegram in telegrams(memory)
+    ]
     match_jobs(plan, found)
     calls = list(module_calls(sources, buffers))
     needed, whose = _longest(plan, found)
