@@ -21,7 +21,7 @@ from plcgen.s7.types import (
 )
 from plcgen.simaticml.datatypes import default_literal, innermost
 from plcgen.simaticml.reading.types import checked_datatype, has_constants, parse_datatype, with_values
-from plcgen.simaticml.reading.values import is_plain_value, is_start_value
+from plcgen.simaticml.reading.values import SINGLE, is_start_value
 from plcgen.simaticml.reading.xml import TAGS, child, children, namespace, parts, span, text
 
 if TYPE_CHECKING:
@@ -155,7 +155,8 @@ class InterfaceReader:
             if tag == "Comment":
                 comment = comment or _first_text(sub)
             elif tag == "StartValue":
-                literal = literal or self.value(sub)
+                plain = sub.text  # nearly every value is one word; a look at it is cheaper than a call
+                literal = literal or (plain if plain and SINGLE(plain) else self.value(sub))
             elif tag == "AttributeList":
                 listed = sub
             else:
@@ -227,7 +228,7 @@ class InterfaceReader:
     def value(self, element: Element) -> str | None:
         """Text of a StartValue; None if it is empty, or no value at all."""
         found = (element.text or "").strip()
-        if found and not (is_plain_value(found) or is_start_value(found)):
+        if found and not (SINGLE(found) or is_start_value(found)):
             self.report(f"{found[:40]} is no start value", element)
             return None
         return found or None

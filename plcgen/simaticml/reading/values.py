@@ -7,22 +7,18 @@ from functools import lru_cache
 
 from plcgen.scl.lexer import ADDRESS, EOF, INT, LOCAL, NAME, POINTER, QUOTED, REAL, STRING, TYPED, tokenize
 
-_SINGLE = re.compile(r"[^\s;,:(){}\[\]'\"/]+")
+SINGLE = re.compile(r"[^\s;,:(){}\[\]'\"/]+").fullmatch
+"""Whether a value is one word without brackets, quotes and slashes, as numbers are."""
 _PARTS = frozenset(
     {INT, REAL, STRING, TYPED, POINTER, NAME, QUOTED, LOCAL, ADDRESS, EOF, "TRUE", "FALSE", "-", "+", "*", "/"}
     | {"(", ")", "[", "]", ",", ".", ":="}
 )
 
 
-def is_plain_value(text: str) -> bool:
-    """Whether a value is one word without brackets, quotes and slashes, as numbers are."""
-    return _SINGLE.fullmatch(text) is not None
-
-
 @lru_cache(maxsize=4096)
 def is_literal(text: str) -> bool:
     """Whether a constant is one literal and nothing more: a number, a text, a pointer."""
-    if _SINGLE.fullmatch(text):
+    if SINGLE(text):
         return True
     kinds = tokenize(text, "").kinds
     return len(kinds) == 2 and kinds[0] in {STRING, TYPED, POINTER} and text == text.strip()
