@@ -54,10 +54,11 @@ examples: $(READY)
 # Every line of every example that differs from what the commit BASE generates.
 BASE ?= HEAD
 example-diff: $(READY)
-	@rm -rf .examples && mkdir -p .examples/base
+	@rm -rf .examples && mkdir -p .examples/base .examples/before
 	@git archive $(BASE) plcgen templates specs | tar -x -C .examples/base
 	@for name in $(SPECS); do \
-	  (cd .examples/base && $(CURDIR)/$(BIN)/python -m plcgen generate specs/$$name.yaml --out ../before/$$name --quiet) || exit 1; \
+	  test ! -f .examples/base/specs/$$name.yaml || \
+	    (cd .examples/base && $(CURDIR)/$(BIN)/python -m plcgen generate specs/$$name.yaml --out ../before/$$name --quiet) || exit 1; \
 	  $(BIN)/python -m plcgen generate specs/$$name.yaml --out .examples/after/$$name --quiet || exit 1; \
 	done
 	@git --no-pager diff --no-index .examples/before .examples/after || true
