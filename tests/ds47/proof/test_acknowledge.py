@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import jsonschema
 import pytest
 
 from plcgen import api
@@ -12,6 +11,7 @@ from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.words import WORDS
 
+HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-s120, hardware_id: 270}}\n"
 SPEC = """
 drives: {axis: {device: sinamics-s120, ID: 281, drive_object: 3}}
 jobs: {clear: {drive: axis, acknowledge: {limit: 2s, interval: 1s}}}
@@ -79,39 +79,6 @@ def test_a_drive_that_does_not_acknowledge(plant: Plant) -> None:
     """p3981 stays 1: 8505, whatever the faults."""
     assert run(plant, 3_600_000)[1] == 0x8505 == WORDS["NOT_ACKNOWLEDGED"]
     assert codes(plant) == [7, 8, 0, 0, 0, 0, 0, 0]
-
-
-HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-s120, hardware_id: 270}}\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "code", "says"),
-    [
-        ("acknowledge: false", "PG107", "is none"),
-        ("acknowledge: {limit: 1s, interval: 2s}", "PG107", "the first question comes after the limit"),
-        ("acknowledge: true, faults: current", "PG218", "faults or acknowledge"),
-        ("acknowledge: true, save: drive_object", "PG218", "save or acknowledge"),
-        ("write: {P1121: {value: 1.0, type: FloatingPoint}}, verify: readback, acknowledge: true", "PG218", "write or"),
-        ("acknowledge: true, verify: readback", "PG247", "writes no values"),
-    ],
-)
-def test_what_cannot_be_meant(text: str, code: str, says: str, tmp_path: Path) -> None:
-    """Each is told at its place."""
-    path = tmp_path / "job.yaml"
-    path.write_text(f"{HEAD}jobs: {{j: {{drive: d, {text}}}}}\n", "utf-8")
-    found = [d for d in api.check(path).diagnostics if d.severity.name == "ERROR"]
-    assert [d.code for d in found] == [code], found
-    assert says in found[0].message
-    assert found[0].span.line == 3
-
-
-def test_an_editor_knows_both_forms() -> None:
-    """True, and the mapping."""
-    validator = jsonschema.Draft202012Validator(api.schema())
-    spec = {"plc": {"name": "t", "family": "s7-1500", "toolchain": "tia-v17"}, "drives": {}}
-    for value, right in ((True, True), ({"limit": "2s"}, True), (False, False), ("all", False)):
-        job = {"drive": "d", "acknowledge": value}
-        assert validator.is_valid({**spec, "jobs": {"j": job}}) == right, value
 
 
 @pytest.mark.slow

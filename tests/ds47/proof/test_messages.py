@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-import jsonschema
 import pytest
 
 from plcgen import api
@@ -14,6 +13,7 @@ from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.sim.drive import Drive
 
+HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-s120, hardware_id: 270}}\n"
 SPEC = """
 drives: {axis: {device: sinamics-s120, ID: 281, drive_object: 3}}
 jobs:
@@ -120,43 +120,6 @@ def test_a_buffer_that_always_changes(plant: Plant) -> None:
     assert entries(plant, "what.faults", "code")[:2] == [(7,), (0,)]
     assert run(plant, "what", r944=[60], r945=[8]) == 0
     assert entries(plant, "what.faults", "code")[:2] == [(8,), (0,)]
-
-
-HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-s120, hardware_id: 270}}\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "code", "says"),
-    [
-        ("faults: latest", "PG107", "latest"),
-        ("faults: {columns: [code, text]}", "PG107", "text"),
-        ("faults: {columns: [value]}", "PG107", "without its code"),
-        ("faults: {columns: [code, code]}", "PG107", "named twice"),
-        ("faults: {history: 8}", "PG107", "7"),
-        ("faults: {tries: 0}", "PG107", "1"),
-        ("alarms: {columns: [code, drive_object]}", "PG107", "drive_object"),
-        ("faults: current, alarms: current", "PG218", "faults or alarms"),
-        ("faults: current, buffers: db", "PG223", "2 telegrams"),
-        ("faults: current, verify: readback", "PG247", "writes no values"),
-    ],
-)
-def test_what_cannot_be_meant(text: str, code: str, says: str, tmp_path: Path) -> None:
-    """Each is told at its place."""
-    path = tmp_path / "job.yaml"
-    path.write_text(f"{HEAD}jobs: {{j: {{drive: d, {text}}}}}\n", "utf-8")
-    found = [d for d in api.check(path).diagnostics if d.severity.name == "ERROR"]
-    assert code in [d.code for d in found], found
-    assert any(says in d.message + d.help for d in found), found
-    assert found[0].span.line == 3
-
-
-def test_an_editor_knows_both_forms() -> None:
-    """A word alone, and the mapping."""
-    validator = jsonschema.Draft202012Validator(api.schema())
-    spec = {"plc": {"name": "t", "family": "s7-1500", "toolchain": "tia-v17"}, "drives": {}}
-    for value, right in (("all", True), ({"history": 2}, True), ("some", False), ({"columns": ["text"]}, False)):
-        job = {"drive": "d", "alarms": value}
-        assert validator.is_valid({**spec, "jobs": {"j": job}}) == right, value
 
 
 def test_a_case_is_never_divided(tmp_path: Path) -> None:

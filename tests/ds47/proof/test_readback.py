@@ -5,7 +5,6 @@ from __future__ import annotations
 import struct
 from pathlib import Path
 
-import jsonschema
 import pytest
 
 from plcgen import api
@@ -17,6 +16,7 @@ from plcgen.protocols.ds47.proof.stimulus import UNITS
 from plcgen.protocols.ds47.proof.words import GRANT, WORDS
 from plcgen.protocols.ds47.sim.parameters import Keeps
 
+HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
 SPEC = """
 drives:
   mixer:
@@ -243,39 +243,6 @@ def test_too_soon_writes_nothing(generate, target) -> None:
     plant.step(50)
     assert plant.result(job_of(plant, "keep")) == (True, WORDS["TOO_SOON"])
     assert len(sent(plant)) == before
-
-
-HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "code", "says"),
-    [
-        ("write: {P1120: 1.0}, verify: true", "PG107", "readback"),
-        ("write: {P1120: 1.0}, verify: compare", "PG107", "readback"),
-        ("write: {P1120: 1.0}, verify: readback, buffers: db", "PG223", "2 telegrams"),
-        ("write: {P9500: {value: 1, type: Unsigned16}}, verify: readback, save: drive_object", "PG219", "P9500"),
-        ("write: {P977: {value: 1, type: Unsigned16}}, verify: readback, save: drive_object", "PG219", "P977"),
-        ("write: {P1120: {as: x}, P1121: {as: xBack}}, verify: readback", "PG406", "xBack"),
-    ],
-)
-def test_what_cannot_be_meant(text: str, code: str, says: str, tmp_path: Path) -> None:
-    """Each is told at its place."""
-    path = tmp_path / "job.yaml"
-    path.write_text(f"{HEAD}jobs: {{j: {{drive: d, {text}}}}}\n", "utf-8")
-    found = [d for d in api.check(path).diagnostics if d.severity.name == "ERROR"]
-    assert code in [d.code for d in found], found
-    assert any(says in d.message + d.help for d in found), found
-    assert found[0].span.line == 3
-
-
-def test_an_editor_knows_the_word() -> None:
-    """One spelling."""
-    validator = jsonschema.Draft202012Validator(api.schema())
-    spec = {"plc": {"name": "t", "family": "s7-1500", "toolchain": "tia-v17"}, "drives": {}}
-    for value, right in (("readback", True), ("ReadBack", False), (True, False)):
-        job = {"drive": "d", "write": {"P1120": 1.0}, "verify": value}
-        assert validator.is_valid({**spec, "jobs": {"j": job}}) == right, value
 
 
 @pytest.mark.slow

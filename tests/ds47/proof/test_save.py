@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import jsonschema
 import pytest
 
 from plcgen import api
@@ -13,6 +12,7 @@ from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.words import WORDS
 
+HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
 SPEC = """
 units:
   cu:
@@ -129,38 +129,6 @@ def test_telegrams_of_a_unit(plant: Plant) -> None:
 def test_limit_and_timeout_add_up(plant: Plant) -> None:
     """The channel gives a save 10 s for its telegrams, 30 s or 3 s for the drive and 1 s to the next question."""
     assert {job.key: job.timeout for job in plant.plan.jobs if job.poll} == {"keep": 41_000, "keep_all": 14_000}
-
-
-HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "code", "says"),
-    [
-        ("ram", "PG107", "a value is in the RAM of the drive as soon as it is written"),
-        ("eeprom", "PG107", "is not a value of"),
-        ("{persist: drive_object, limit: 1s, interval: 2s}", "PG107", "the first question comes after the limit"),
-        ("{persist: drive_object, limit: 11min}", "PG107", "600000"),
-        ("{persist: drive_object, distance: 1s}", "PG107", "60000"),
-        ("{distance: 1min}", "PG105", "persist"),
-    ],
-)
-def test_what_cannot_be_meant(text: str, code: str, says: str, tmp_path: Path) -> None:
-    """Each is told at its place, and nothing is planned."""
-    path = tmp_path / "job.yaml"
-    path.write_text(f"{HEAD}jobs: {{j: {{drive: d, save: {text}}}}}\n", "utf-8")
-    found = [d for d in api.check(path).diagnostics if d.severity.name == "ERROR"]
-    assert [d.code for d in found] == [code], found
-    assert says in found[0].message
-    assert found[0].span.line == 3
-
-
-def test_an_editor_knows_both_forms() -> None:
-    """The word alone, and the mapping."""
-    validator = jsonschema.Draft202012Validator(api.schema())
-    for value, right in (("unit", True), ({"persist": "unit", "limit": "2min"}, True), ("ram", False), ({}, False)):
-        spec = {"plc": {"name": "t", "family": "s7-1500", "toolchain": "tia-v17"}, "drives": {}}
-        assert validator.is_valid({**spec, "jobs": {"j": {"drive": "d", "save": value}}}) == right, value
 
 
 def test_the_list_of_writes_has_it(tmp_path: Path) -> None:

@@ -1,0 +1,95 @@
+"""What jobs of the kinds with settings of their own can say, to plcgen and to an editor, and what they cannot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from plcgen import api
+
+HEAD = "plc: {{name: a, family: s7-1500, toolchain: tia-v19}}\ndrives: {{d: {{device: {device}, hardware_id: 270}}}}\n"
+G120, S120 = "sinamics-g120", "sinamics-s120"
+
+
+@pytest.mark.parametrize(
+    ("device", "text", "code", "says"),
+    [
+        (G120, "save: ram", "PG107", "a value is in the RAM of the drive as soon as it is written"),
+        (G120, "save: eeprom", "PG107", "is not a value of"),
+        (
+            G120,
+            "save: {persist: drive_object, limit: 1s, interval: 2s}",
+            "PG107",
+            "the first question comes after the limit",
+        ),
+        (G120, "save: {persist: drive_object, limit: 11min}", "PG107", "600000"),
+        (G120, "save: {persist: drive_object, distance: 1s}", "PG107", "60000"),
+        (G120, "save: {distance: 1min}", "PG105", "persist"),
+        (G120, "write: {P1120: 1.0}, verify: true", "PG107", "readback"),
+        (G120, "write: {P1120: 1.0}, verify: compare", "PG107", "readback"),
+        (G120, "write: {P1120: 1.0}, verify: readback, buffers: db", "PG223", "2 telegrams"),
+        (G120, "write: {P9500: {value: 1, type: Unsigned16}}, verify: readback, save: drive_object", "PG219", "P9500"),
+        (G120, "write: {P977: {value: 1, type: Unsigned16}}, verify: readback, save: drive_object", "PG219", "P977"),
+        (G120, "write: {P1120: {as: x}, P1121: {as: xBack}}, verify: readback", "PG406", "xBack"),
+        (S120, "faults: latest", "PG107", "latest"),
+        (S120, "faults: {columns: [code, text]}", "PG107", "text"),
+        (S120, "faults: {columns: [value]}", "PG107", "without its code"),
+        (S120, "faults: {columns: [code, code]}", "PG107", "named twice"),
+        (S120, "faults: {history: 8}", "PG107", "7"),
+        (S120, "faults: {tries: 0}", "PG107", "1"),
+        (S120, "alarms: {columns: [code, drive_object]}", "PG107", "drive_object"),
+        (S120, "faults: current, alarms: current", "PG218", "faults or alarms"),
+        (S120, "faults: current, buffers: db", "PG223", "2 telegrams"),
+        (S120, "faults: current, verify: readback", "PG247", "writes no values"),
+        (S120, "acknowledge: false", "PG107", "is none"),
+        (S120, "acknowledge: {limit: 1s, interval: 2s}", "PG107", "the first question comes after the limit"),
+        (S120, "acknowledge: true, faults: current", "PG218", "faults or acknowledge"),
+        (S120, "acknowledge: true, save: drive_object", "PG218", "save or acknowledge"),
+        (
+            S120,
+            "write: {P1121: {value: 1.0, type: FloatingPoint}}, verify: readback, acknowledge: true",
+            "PG218",
+            "write or",
+        ),
+        (S120, "acknowledge: true, verify: readback", "PG247", "writes no values"),
+    ],
+)
+def test_what_cannot_be_meant(device: str, text: str, code: str, says: str, tmp_path: Path) -> None:
+    """Each is told at its place, before anything else."""
+    path = tmp_path / "job.yaml"
+    path.write_text(f"{HEAD.format(device=device)}jobs: {{j: {{drive: d, {text}}}}}\n", "utf-8")
+    found = [d for d in api.check(path).diagnostics if d.severity.name == "ERROR"]
+    assert found[0].code == code, found
+    assert says in found[0].message + found[0].help
+    assert found[0].span.line == 3
+
+
+@pytest.mark.parametrize(
+    ("job", "right"),
+    [
+        ({"save": "unit"}, True),
+        ({"save": {"persist": "unit", "limit": "2min"}}, True),
+        ({"save": "ram"}, False),
+        ({"save": {}}, False),
+        ({"write": {"P1120": 1.0}, "verify": "readback"}, True),
+        ({"write": {"P1120": 1.0}, "verify": "ReadBack"}, False),
+        ({"write": {"P1120": 1.0}, "verify": True}, False),
+        ({"alarms": "all"}, True),
+        ({"alarms": {"history": 2}}, True),
+        ({"alarms": "some"}, False),
+        ({"alarms": {"columns": ["text"]}}, False),
+        ({"acknowledge": True}, True),
+        ({"acknowledge": {"limit": "2s"}}, True),
+        ({"acknowledge": False}, False),
+        ({"acknowledge": "all"}, False),
+    ],
+    ids=str,
+)
+def test_what_an_editor_takes(job: dict[str, Any], right: bool) -> None:
+    """The schema knows words and mappings."""
+    plc = {"name": "t", "family": "s7-1500", "toolchain": "tia-v17"}
+    spec = {"plc": plc, "drives": {}, "jobs": {"j": {"drive": "d", **job}}}
+    assert jsonschema.Draft202012Validator(api.schema()).is_valid(spec) == right
