@@ -82,7 +82,10 @@ class _Filling:
             self.report.add(Diagnostic("PG109", message, self.root.span, help="use fewer variables"))
 
     def plain(self, variables: YamlNode) -> None:
-        """Refuse variables in the values of variables."""
+        """Refuse names that are none, and variables in the values of variables."""
+        for name, (key, _) in variables.pairs.items():
+            if not _NAME.fullmatch(name):
+                self.refuse(f'"{name}" is no name of a variable', key.span, "letters, digits, _ and -; a letter first")
         left, seen = [variables], {id(variables)}
         while left:
             one = left.pop()

@@ -192,7 +192,7 @@ Include = Annotated[
     WithJsonSchema({"anyOf": [_FILE, {"type": "array", "items": _FILE}]}),
 ]
 Variables = Annotated[
-    dict[Annotated[str, Field(pattern=f"^{NAME}$")], Any],
+    dict[str, Any],
     WithJsonSchema({"type": "object", "propertyNames": {"pattern": f"^{NAME}$"}}),
 ]
 
