@@ -113,7 +113,7 @@ def test_names_are_no_markdown(plcgen, tmp_path, name, heading):
 def test_the_import_script_has_no_word_of_the_project(plcgen, tmp_path):
     """PowerShell ends strings at ‘ ’ ‚ ‛ too: what is the same text for every project cannot be told what to run."""
     scripts = []
-    for name in ("fan", "‘; calc; ‘", "a’b‚c‛d", "$(calc)", "`n"):
+    for name in ("fan", "‘; calc; ‘", "a’b‚c‛d", "$$(calc)", "`n"):
         text = SPEC.replace("name: a, family: s7-300", f"name: {json.dumps(name)}, family: s7-1500")
         (tmp_path / "job.yaml").write_text(text.replace("address: 256", "hardware_id: 270"), "utf-8")
         assert plcgen("generate", "job.yaml", "--out", f"out{len(scripts)}").code == 0

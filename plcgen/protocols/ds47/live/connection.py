@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, Self
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, PlcgenError, Span
 
 if TYPE_CHECKING:
     from snap7.client import Client
@@ -45,7 +45,7 @@ class Reader(Protocol):
         """``size`` bytes of a data block. Raises RefusedError, or DiagnosticError if the connection is lost."""
 
 
-class RefusedError(Exception):
+class RefusedError(PlcgenError):
     """The other side answered that it has no such bytes, or that they may not be read."""
 
 
