@@ -11,7 +11,8 @@ from pathlib import Path
 from mutation.cases import Case, encoding_of, golden, project_of, run_folder
 from mutation.engine import ENGINE, first_failure
 from plcgen.diagnostics import DiagnosticError
-from plcgen.proof.execution import Result, Work, added, coverage, run_job, run_together
+from plcgen.proof.execution import Work, coverage, run_job, run_together
+from plcgen.proof.results import Result, added
 from plcgen.proof.rig import ProgramBench
 from plcgen.proof.scenario import Failure
 
@@ -87,7 +88,7 @@ def executed(work: Work, key: str) -> Verdict:
         together = run_together(suite, program, most=1)
         if together.failures:
             return _verdict(together)
-        counts = added([result.counts for result in (*results.values(), together)])
+        counts = added(program, (*results.values(), together))
         for block in blocks:
             missing = coverage(program, block, counts, results).missing
             if missing:

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         schema,
         simulate,
         verify,
+        verify_shard,
     )
     from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, PlcgenError, Severity, Span
 
@@ -68,6 +69,7 @@ __all__ = [
     "schema",
     "simulate",
     "verify",
+    "verify_shard",
 ]
 
 _DIAGNOSTICS = frozenset({"Diagnostic", "DiagnosticError", "Note", "PlcgenError", "Severity", "Span"})

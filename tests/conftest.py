@@ -35,6 +35,14 @@ def _one_process() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _nothing_is_kept() -> Iterator[None]:
+    """No verdict comes from a cache, and the user's own is left alone; a test of the cache names a folder."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PLCGEN_CACHE", "off")
+        yield
+
+
 LARGEST = 200_000
 """Characters of a JSON result beyond which nobody looks at its shape: a run of thousands of scans takes minutes."""
 

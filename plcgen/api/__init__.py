@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         review,
         simulate,
         verify,
+        verify_shard,
     )
     from plcgen.api.schemas import schema
     from plcgen.api.sources import (
@@ -73,6 +74,7 @@ __all__ = [
     "schema",
     "simulate",
     "verify",
+    "verify_shard",
 ]
 
 _SOURCES = frozenset(

@@ -11,11 +11,14 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Sp
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from concurrent.futures import Executor
 
     from plcgen.documents.writing import WrittenFolder
     from plcgen.project.nouns import Project
     from plcgen.project.target import Target
+    from plcgen.proof import Asked, Means
     from plcgen.proof.checks import Verification
+    from plcgen.proof.shards import ShardResult
     from plcgen.review.memory.fit import ProgramSize
     from plcgen.signoff.model import Review
     from plcgen.trace.model import Trace
@@ -252,18 +255,77 @@ def verify(
     oracle: Literal["tshark"] | None = None,
     strict: bool = False,
     progress: Progress | None = None,
+    executor: Executor | None = None,
+    scheduler: str | None = None,
+    cache: Path | str | None = None,
+    shards: Sequence[Path | str] = (),
 ) -> Verification:
     """Verify what lies in a folder against its spec, DS47 and a simulated drive (optionally from a drive file).
 
     The generated SCL is executed; ``faults`` is how much of the fault matrix runs. The engine of drive jobs is known by
     its hash; ``engine`` runs its proof all the same. ``oracle`` asks Wireshark about every telegram,
     ``strict`` makes errors of what is not known.
+
+    The parts of the execution run on ``executor``, or on the Dask cluster of a ``scheduler``, else in processes of this
+    machine; ``cache`` is a folder of verdicts of the user's own, ``shards`` are the files of :func:`verify_shard`,
+    all of them.
     """
+    from plcgen.proof import Asked, Means
     from plcgen.proof import verify as run
 
-    own = Path(drive) if drive is not None else None
-    found = run(Path(spec), _folder(spec, folder), own, progress, faults, engine=engine, dissector=oracle == "tshark")
+    asked = Asked(
+        Path(spec),
+        _folder(spec, folder),
+        Path(drive) if drive is not None else None,
+        faults,
+        engine,
+        oracle == "tshark",
+    )
+    kept = Path(cache) if cache is not None else None
+    means = Means(executor, kept, tuple(map(Path, shards)))
+    found = run(asked, progress, means) if scheduler is None else _on_cluster(scheduler, asked, progress, means)
     return replace(found, diagnostics=hardened(found.diagnostics)) if strict else found
+
+
+def _on_cluster(scheduler: str, asked: Asked, progress: Progress | None, means: Means) -> Verification:
+    from plcgen.proof import verify as run
+    from plcgen.proof.checks import Verification
+    from plcgen.proof.cluster import cluster
+
+    lost: list[Diagnostic] = []
+    try:
+        with cluster(scheduler, lost) as executor:
+            found = run(asked, progress, replace(means, executor=executor))
+    except DiagnosticError as problem:
+        return Verification(str(asked.spec), str(asked.folder), "", "", (), tuple(problem.diagnostics))
+    return replace(found, diagnostics=(*found.diagnostics, *lost))
+
+
+def verify_shard(
+    spec: Path | str,
+    shard: str,
+    folder: Path | str | None = None,
+    *,
+    faults: Literal["none", "quick", "full"] = "quick",
+    engine: bool = False,
+    progress: Progress | None = None,
+    executor: Executor | None = None,
+    cache: Path | str | None = None,
+) -> ShardResult:
+    """Execute one of several equal shares of what :func:`verify` executes: ``shard`` is ``3/10`` for the third of ten.
+
+    What it returns goes to a file as ``data()``; :func:`verify` with the files of all ``shards`` does the rest.
+
+    Raises:
+        ValueError: if there is no such shard.
+    """
+    from plcgen.proof import Asked, Means
+    from plcgen.proof import verify_shard as run
+    from plcgen.proof.shards import parse_shard
+
+    asked = Asked(Path(spec), _folder(spec, folder), None, faults, engine)
+    kept = Path(cache) if cache is not None else None
+    return run(asked, parse_shard(shard), progress, Means(executor, kept))
 
 
 def simulate(

@@ -28,6 +28,9 @@ class VerifySection(StrictModel):
     faults: Faults | None = Field(None, description="how many faults the generated SCL runs through")
     engine: bool | None = Field(None, description="run the proof of the drive engine, even of one that is known")
     oracle: Literal["tshark"] | None = Field(None, description="show every telegram to Wireshark's dissector, too")
+    cache: Annotated[str, Field(min_length=1, max_length=500)] | None = Field(
+        None, description="the folder where verdicts are kept, or off"
+    )
 
 
 class DiffSection(StrictModel):
@@ -104,6 +107,8 @@ def _files(config: Config) -> Iterator[tuple[tuple[str, ...], str]]:
         yield from (((section, "policy"), name) for name in policy if "=" not in name)
     if config.lock.file is not None:
         yield ("lock", "file"), config.lock.file
+    if config.verify.cache not in {None, "off"}:
+        yield ("verify", "cache"), str(config.verify.cache)
 
 
 def defaults(config: Config, folder: Path, verb: str) -> dict[str, Any]:
@@ -116,7 +121,9 @@ def defaults(config: Config, folder: Path, verb: str) -> dict[str, Any]:
     if verb in {"verify", "review"}:
         found["faults"] = config.verify.faults
     if verb == "verify":
+        kept = config.verify.cache
         found |= {"engine": config.verify.engine, "oracle": config.verify.oracle}
+        found["cache"] = None if kept is None else Path(kept) if kept == "off" else folder / kept
     if verb in {"diff", "lock"}:
         section = config.diff if verb == "diff" else config.lock
         policy = tuple(each if "=" in each else str(folder / each) for each in section.policy)

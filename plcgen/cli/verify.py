@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     "plcgen verify job.yaml --drive press3.yaml",
     "plcgen verify job.yaml --faults full --engine",
     "plcgen verify job.yaml --format junit --output verify.xml",
+    "plcgen verify job.yaml --shard 3/10 --output shards/3.json",
+    "plcgen verify job.yaml --merge shards",
 )
 @click.argument("paths", nargs=-1, type=PATH, metavar="SPEC|FOLDER...")
 @folder_option("Generated folder")
@@ -35,6 +38,13 @@ if TYPE_CHECKING:
 )
 @click.option("--engine", is_flag=True, help="Run the proof of the drive engine, even of one that is known.")
 @click.option("--oracle", type=click.Choice(["tshark"]), help="Show every telegram to Wireshark's dissector, too.")
+@click.option("--cache", type=PATH, metavar="DIR", help="Where verdicts are kept.  [default: the user's cache folder]")
+@click.option("--no-cache", is_flag=True, help="Run everything, and keep nothing.")
+@click.option("--shard", metavar="N/ALL", help="Execute the Nth of so many shares, and write what it gave.")
+@click.option(
+    "--merge", type=PATH, multiple=True, metavar="FILE|DIR", help="Shards, all of them, instead of executing anything."
+)
+@click.option("--scheduler", metavar="ADDRESS", help="Execute on a Dask cluster, such as tcp://host:8786.")
 @strict_option
 @format_option("verification")
 @output_option
@@ -47,6 +57,11 @@ def command(
     faults: Literal["none", "quick", "full"],
     engine: bool,
     oracle: Literal["tshark"] | None,
+    cache: Path | None,
+    no_cache: bool,
+    shard: str | None,
+    merge: tuple[Path, ...],
+    scheduler: str | None,
     strict: bool,
     format_: OutputFormat,
     output: Path | None,
@@ -63,14 +78,87 @@ def command(
     out = console()
     specs = find_specs(paths)
     one_folder(specs, folder)
+    kept = None if no_cache else _cache(cache)
+    if shard is not None or merge:
+        _one_spec(specs, "--shard" if shard is not None else "--merge")
+    if shard is not None:
+        _only(shard=merge or scheduler or drive or oracle)
+        return _shard(specs[0], folder, shard, faults, kept, output, engine=engine)
+    shards = tuple(_shards(merge))
     found = []
     for spec in specs:
         with out.progress() as progress:
             target = folder or default_folder(spec)
             result = api.verify(
-                spec, target, drive=drive, faults=faults, engine=engine, oracle=oracle, strict=strict, progress=progress
-            )
+                spec, target, drive=drive, faults=faults, engine=engine, oracle=oracle, strict=strict,
+                progress=progress, scheduler=scheduler, cache=kept, shards=shards,
+            )  # fmt: skip
         found.append(result)
     if len(found) == 1:
         return out.verification(format_, found[0], output)
     return out.verifications(format_, found, output)
+
+
+def _cache(given: Path | None) -> Path | None:
+    """Where verdicts are kept: as the command line or plcgen.toml says, else the environment or the system."""
+    from plcgen.proof.cache import OFF, chosen_folder
+
+    if given is None:
+        return chosen_folder()
+    return None if str(given).lower() in OFF else given
+
+
+def _one_spec(specs: list[Path], option: str) -> None:
+    if len(specs) > 1:
+        raise click.UsageError(f"{option} is for one spec, not for {len(specs)}")
+
+
+def _only(*, shard: object) -> None:
+    if shard:
+        raise click.UsageError(
+            "--drive, --oracle, --merge and --scheduler are for the run that merges, not for a shard"
+        )
+
+
+def _shard(
+    spec: Path,
+    folder: Path | None,
+    shard: str,
+    faults: Literal["none", "quick", "full"],
+    cache: Path | None,
+    output: Path | None,
+    *,
+    engine: bool,
+) -> int:
+    """Execute one share; what it gave is JSON."""
+    from plcgen import api
+    from plcgen.display.data import dump
+
+    out = console()
+    with out.progress() as progress:
+        try:
+            found = api.verify_shard(
+                spec,
+                shard,
+                folder or default_folder(spec),
+                faults=faults,
+                engine=engine,
+                progress=progress,
+                cache=cache,
+            )
+        except ValueError as problem:
+            raise click.BadParameter(str(problem), param_hint="--shard") from None
+    out.complain(found.diagnostics)
+    if found.unusable:
+        return 1
+    out.result(dump(found.data()), output)
+    return 0 if found.ok else 1
+
+
+def _shards(named: tuple[Path, ...]) -> Iterator[Path]:
+    """Files of shards, and of each folder those in it."""
+    for path in named:
+        below = sorted(path.glob("*.json")) if path.is_dir() else [path]
+        if not below:
+            raise click.UsageError(f"there is no file of a shard (*.json) in {path}")
+        yield from below

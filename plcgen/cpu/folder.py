@@ -3,18 +3,56 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from plcgen.cpu.program import Program, Source
 from plcgen.cpu.type_rules import IecCheck
-from plcgen.diagnostics import DiagnosticError, Severity
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity
 from plcgen.s7.blocks import BlockKind
 from plcgen.scl.dialect import Dialect
 from plcgen.simaticml.reading.documents import read_simaticml, read_tag_table
 from plcgen.sources.generated import generated_documents, generated_sources
+from plcgen.sources.text import load_text
 
 Tags = dict[str, str | tuple[str, str]]
+_HEAD = 1000
+_CODE, _DATA = re.compile(rb"<SW\.Blocks\.(FB|FC|OB) "), re.compile(rb"<SW\.(Tags|Blocks\.(GlobalDB|InstanceDB))")
+
+
+@dataclass(frozen=True, slots=True)
+class FolderParts:
+    """What a program is made of, read once: sources (file name and text), tags, numbers of data blocks, constants.
+
+    A file that cannot be read stands there as its path.
+    """
+
+    sources: tuple[Source, ...]
+    tags: Tags
+    numbers: dict[str, int]
+    constants: dict[str, int]
+
+    def load(
+        self,
+        dialect: Dialect,
+        *,
+        coverage: bool = False,
+        litter: bool = False,
+        iec_check: IecCheck = IecCheck.AS_STATED,
+    ) -> Program:
+        """Compile them."""
+        return Program.load(
+            self.sources,
+            dialect,
+            tags=self.tags,
+            numbers=self.numbers,
+            constants=self.constants,
+            coverage=coverage,
+            litter=litter,
+            iec_check=iec_check,
+        )
 
 
 def load_folder(
@@ -33,8 +71,19 @@ def load_folder(
     ``constants`` are system constants by their names; ``symbols`` (address and type by name) and ``more`` are tags and
     sources that do not lie in the folder.
     """
-    folder = Path(folder)
-    sources: list[Source] = [*generated_sources(folder), *more]
+    parts = read_parts(Path(folder), dialect, constants=constants, symbols=symbols, more=more)
+    return parts.load(dialect, coverage=coverage, litter=litter, iec_check=iec_check)
+
+
+def read_parts(
+    folder: Path,
+    dialect: Dialect,
+    *,
+    constants: Mapping[str, int] | None = None,
+    symbols: Mapping[str, tuple[str, str]] | None = None,
+    more: Iterable[Source] = (),
+) -> FolderParts:
+    """What :func:`load_folder` compiles."""
     tags: Tags = dict(symbols or {})
     numbers: dict[str, int] = {}
     for table in sorted(folder.glob("*.sdf")):
@@ -43,24 +92,26 @@ def load_folder(
         tags |= read_tags(folder / "tags.csv")
     classic = dialect is not Dialect.TIA_1200_1500
     for document in generated_documents(folder):
-        found, _ = read_tag_table(document)
-        for tag_table in found:
-            tags |= {tag.name: (tag.address, tag.type) for tag in tag_table.tags}
-        if found:
-            continue
-        for block in read_simaticml(document, classic=classic)[0]:
-            if block.kind is BlockKind.DB and block.number is not None:
-                numbers[block.name] = block.number
-    return Program.load(
-        sources,
-        dialect,
-        tags=tags,
-        numbers=numbers,
-        constants=constants,
-        coverage=coverage,
-        litter=litter,
-        iec_check=iec_check,
-    )
+        if not _is_code(document):
+            found, _ = read_tag_table(document)
+            for tag_table in found:
+                tags |= {tag.name: (tag.address, tag.type) for tag in tag_table.tags}
+            for block in () if found else read_simaticml(document, classic=classic)[0]:
+                if block.kind is BlockKind.DB and block.number is not None:
+                    numbers[block.name] = block.number
+    return FolderParts((*map(_text, generated_sources(folder)), *more), tags, numbers, dict(constants or {}))
+
+
+def _text(path: Path) -> Source:
+    loaded = load_text(path)
+    return path if isinstance(loaded, Diagnostic) else (str(path), loaded[0])
+
+
+def _is_code(document: Path) -> bool:
+    """Whether a document has nothing but a code block, by its head: those of callers are large."""
+    with document.open("rb") as file:
+        head = file.read(_HEAD)
+    return _CODE.search(head) is not None and _DATA.search(head) is None
 
 
 def read_tag_file(path: Path | str) -> Tags:

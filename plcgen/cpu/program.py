@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import groupby
 from pathlib import Path
 
 from plcgen.cpu.compiler.block import compile_block
@@ -50,6 +51,7 @@ class Program:
     interruptible: list[Compiled] = field(default_factory=list)
     circles: bool = False
     """Whether types that contain themselves have been reported: the layout finds them again."""
+    _runs: tuple[tuple[str, int, int], ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -60,6 +62,17 @@ class Program:
     def probes(self) -> list[Probe]:
         """What coverage counts, in the order of the counters."""
         return self.link.probes
+
+    def runs(self) -> tuple[tuple[str, int, int], ...]:
+        """File, begin and end of the probes that follow each other in one file: a few pieces for each file."""
+        if not self._runs:
+            found, begin = [], 0
+            for file, group in groupby(self.probes, lambda probe: probe.file):
+                end = begin + sum(1 for _ in group)
+                found.append((file, begin, end))
+                begin = end
+            self._runs = tuple(found)
+        return self._runs
 
     @property
     def systems(self) -> Mapping[str, SystemFb]:

@@ -227,6 +227,17 @@ READING = record(
 )  # fmt: skip
 
 
+def _shard() -> Shape:
+    failure = record(scenario=TEXT, scan=NUMBER, message=TEXT, file=TEXT, line=NUMBER)
+    statistics = record(runs=NUMBER, scans=NUMBER, longest=NUMBER, hangs=NUMBER, transitions=many(many(NUMBER)))
+    part = record(
+        run=TEXT, values=TEXT, matrix=TEXT, failures=many(failure), statistics=statistics,
+        trials=many(record(scenario=TEXT, scans=NUMBER, ok=FLAG)), counts=table(many(NUMBER)), broken=FLAG, made=TEXT,
+    )  # fmt: skip
+    keys = {"inputs": SHA256, "shard": NUMBER, "of": NUMBER, "parts": table(part)}
+    return _headed("shard", keys)
+
+
 def _catalogue() -> Shape:
     fact = record(value=ANYTHING, grade=TEXT)
     parameter = record(
@@ -289,6 +300,7 @@ def _results() -> dict[str, Shape]:
         "ppi write": _headed("ppi write", FOUND, {"values": many(READING)}),
         "requests": _headed("requests", {**FOUND, "telegrams": many(record(job=TEXT, block=TEXT, **row))}),
         "review": _review(),
+        "shard": _shard(),
         "status": _headed(
             "status",
             {

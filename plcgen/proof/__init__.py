@@ -5,49 +5,144 @@ The second way of the data: it knows the files, the spec and the standards, neve
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
 from plcgen.proof.checks import CheckGroup, Verification
 
+if TYPE_CHECKING:
+    from plcgen.project.nouns import Project
+    from plcgen.proof.cache import VerdictCache
+    from plcgen.proof.shards import ShardResult
+    from plcgen.proof.sharing import Shard, Sharing
 
-def verify(
-    spec: Path,
-    folder: Path,
-    drive: Path | None = None,
-    progress: Callable[[str, int, int], None] | None = None,
-    faults: Literal["none", "quick", "full"] = "quick",
-    *,
-    engine: bool = False,
-    dissector: bool = False,
-) -> Verification:
-    """Verify a folder against its spec; ``drive`` is a drive file that replaces the profile's simulated drive.
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Means:
+    """What a verification is done with.
+
+    ``executor`` None are processes of this machine; ``cache`` is a folder of verdicts, None if nothing is kept;
+    ``shards`` are the files of all shards. ``notes`` gets what happened on the way.
+    """
+
+    executor: Executor | None = None
+    cache: Path | None = None
+    shards: Sequence[Path] = ()
+    notes: list[Diagnostic] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What is to be verified, and how much of it; ``drive`` replaces the profile's simulated drive.
 
     ``faults`` is how much of the fault matrix the generated SCL runs through. ``engine`` runs the blocks that are the
     same in every project even if they are known to hold, ``dissector`` sends the telegrams through ``tshark``.
     """
+
+    spec: Path
+    folder: Path
+    drive: Path | None = None
+    faults: Literal["none", "quick", "full"] = "quick"
+    engine: bool = False
+    dissector: bool = False
+
+
+def verify(asked: Asked, progress: Progress | None = None, means: Means | None = None) -> Verification:
+    """Verify a folder against its spec."""
     report = Report()
     try:
-        return _verify(spec, folder, drive, progress, report, faults, engine=engine, dissector=dissector)
+        return _verify(asked, progress, means or Means(), report)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
-    return Verification(str(spec), str(folder), "", "", (), tuple(report))
+    return Verification(str(asked.spec), str(asked.folder), "", "", (), tuple(report))
 
 
-def _verify(
-    spec: Path,
-    folder: Path,
-    partner: Path | None,
-    progress: Callable[[str, int, int], None] | None,
-    report: Report,
-    faults: Literal["none", "quick", "full"],
-    *,
-    engine: bool,
-    dissector: bool,
-) -> Verification:
+def verify_shard(
+    asked: Asked, shard: Shard, progress: Progress | None = None, means: Means | None = None
+) -> ShardResult:
+    """Execute one of several equal shares of the parts; all else is left to whoever merges the shards."""
+    from plcgen.proof.execution import check_execution
+    from plcgen.proof.shards import ShardResult
+    from plcgen.proof.sharing import ElsewhereError
+
+    report, share, inputs = Report(), None, "0" * 64
+    try:
+        project = _opened(asked, report)
+        inputs = _inputs(asked, project)
+        share, _ = _sharing(asked, project, progress, means or Means(), shard)
+        checks = check_execution(project, asked.folder, asked.faults, share, engine=asked.engine)
+        while True:
+            try:
+                found = next(checks, None)
+            except ElsewhereError:
+                break
+            if found is None:
+                break
+            if found.id == "execution.scl" and found.diagnostic is not None:
+                report.add(found.diagnostic)
+    except DiagnosticError as problem:
+        report.extend(problem.diagnostics)
+    parts = dict(share.parts) if share is not None else {}
+    return ShardResult(str(asked.spec), str(asked.folder), shard, inputs, parts, tuple(report))
+
+
+def _opened(asked: Asked, report: Report) -> Project:
     from plcgen.project.opening import open_spec
+
+    opened = open_spec(asked.spec)
+    project = opened.sound()
+    report.extend(opened.diagnostics)
+    if not asked.folder.is_dir():
+        report.add(Diagnostic("PG507", "there is no such folder", Span(str(asked.folder)), help="run plcgen generate"))
+        report.raise_on_errors()
+    return project
+
+
+def _sharing(
+    asked: Asked, project: Project, progress: Progress | None, means: Means, shard: Shard | None = None
+) -> tuple[Sharing, VerdictCache | None]:
+    """How the parts are run."""
+    from plcgen.proof.shards import merge
+    from plcgen.proof.sharing import Sharing
+
+    cache = _cache(asked, means)
+    given = merge(means.shards, _inputs(asked, project), asked.folder) if means.shards else None
+    return Sharing(means.executor, None, cache, shard, given, progress, notes=means.notes), cache
+
+
+def _cache(asked: Asked, means: Means) -> VerdictCache | None:
+    from plcgen.proof.cache import VerdictCache
+    from plcgen.proof.fingerprint import has_plugins
+
+    if means.cache is None or has_plugins():
+        return None
+    cache = VerdictCache(means.cache, asked.folder)
+    try:
+        cache.open()
+    except OSError as problem:
+        message = f"the cache of verdicts is not used: {problem.strerror or problem}"
+        help_ = "make it a folder of your own (chmod 700), name another one with --cache, or say --no-cache"
+        means.notes.append(Diagnostic("PG624", message, Span(str(means.cache)), Severity.WARNING, help=help_))
+        return None
+    return cache
+
+
+def _inputs(asked: Asked, project: Project) -> str:
+    from plcgen.proof.dependence import key_of
+    from plcgen.proof.fingerprint import fingerprint
+    from plcgen.proof.shards import inputs_digest
+
+    things = (fingerprint(), project.loaded.text, key_of(project.plans), asked.faults, asked.engine)
+    return inputs_digest(things, asked.folder)
+
+
+def _verify(asked: Asked, progress: Progress | None, means: Means, report: Report) -> Verification:
     from plcgen.proof.delivery import delivered
     from plcgen.proof.execution import check_execution
     from plcgen.proof.folder import read_folder
@@ -55,29 +150,29 @@ def _verify(
     from plcgen.proof.ledger import LAYOUT
     from plcgen.proof.second_layout import check_second_layout
 
-    opened = open_spec(spec)
-    project = opened.sound()
-    report.extend(opened.diagnostics)
-    if not folder.is_dir():
-        report.add(Diagnostic("PG507", "there is no such folder", Span(str(folder)), help="run plcgen generate first"))
-        report.raise_on_errors()
+    project, folder, partner = _opened(asked, report), asked.folder, asked.drive
+    share, cache = _sharing(asked, project, progress, means)
     files = read_folder(folder, project.target, progress)
     proofs = [plan.protocol.proof(plan) for plan in project.plans]
     layouts = (check_layout(project, files, laid) for proof in proofs for laid in proof.layouts())
     telegrams = (check for proof in proofs for check in proof.telegrams(files))
     exchanges = [proof.exchanges(files, partner, progress) for proof in proofs]
-    asked = (check for proof in proofs for check in proof.oracles(files, dissector=dissector))
-    oracles = (*check_second_layout(files), *asked)
+    asked_others = (check for proof in proofs for check in proof.oracles(files, dissector=asked.dissector))
+    oracles = (*check_second_layout(files), *asked_others)
     said = [assumption for proof in proofs for assumption in proof.ledger()]
     ledger = (*said, LAYOUT) if said else ()
-    executed = check_execution(project, folder, faults, progress, partner=partner, engine=engine)
     groups = [
         CheckGroup("files", "Files", delivered(project, files)),
         CheckGroup("layout", "Layout", tuple(layouts)),
         CheckGroup("telegrams", "Telegrams", tuple(telegrams)),
         *(group for group in exchanges if group is not None),
         CheckGroup("oracles", "Independent oracles", oracles),
-        CheckGroup("execution", "Execution", tuple(executed)),
     ]
+    del files
+    executed = check_execution(project, folder, asked.faults, share, partner=partner, engine=asked.engine)
+    groups.append(CheckGroup("execution", "Execution", tuple(executed)))
+    if cache is not None:
+        cache.close()
+    report.extend(means.notes)
     target = f"{project.target.family} / {project.target.toolchain}"
-    return Verification(str(spec), str(folder), project.name, target, tuple(groups), tuple(report), ledger=ledger)
+    return Verification(str(asked.spec), str(folder), project.name, target, tuple(groups), tuple(report), ledger=ledger)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -15,43 +14,29 @@ from plcgen.project.nouns import PlannedJob, Project
 from plcgen.project.ownership import is_owned
 from plcgen.proof.checks import Check, Outcome, Trial
 from plcgen.proof.coverage import Coverage, cover
+from plcgen.proof.dependence import part_keys
 from plcgen.proof.idle import idle_check
+from plcgen.proof.results import Result, added
 from plcgen.proof.rig import ProgramBench
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, ScenarioError, Statistics, diagnostic
-from plcgen.proof.suite import CodeBlock, Level, Procedure, Progress, Suite
-from plcgen.proof.workers import shared_out
+from plcgen.proof.sharing import Sharing
+from plcgen.proof.suite import CodeBlock, Level, Procedure, Suite
 
 MAX_FAILURES = 3
 
 
-@dataclass(slots=True)
-class Result:
-    """What the runs of one job, or of all together, gave; ``broken`` says that not even the nominal run worked."""
+@dataclass(frozen=True, slots=True)
+class Part:
+    """What one worker does at a time: a job of a suite, or a procedure of its jobs; both by their number."""
 
-    run: str = ""
-    values: str = ""
-    matrix: str = ""
-    failures: list[Failure] = field(default_factory=list)
-    statistics: Statistics = field(default_factory=Statistics)
-    trials: list[Trial] = field(default_factory=list)
-    counts: list[int] = field(default_factory=list)
-    broken: bool = False
-
-    def add(self, failure: Failure | None, counts: list[int]) -> None:
-        """Add what one CPU did."""
-        self.failures += [failure] if failure is not None else []
-        if counts:
-            self.counts = list(map(operator.add, self.counts, counts)) if self.counts else list(counts)
-
-
-def added(counts: list[list[int]]) -> list[int]:
-    """Counters of coverage of several CPUs; an empty list is one that ran nothing."""
-    return [sum(column) for column in zip(*(each for each in counts if each), strict=True)]
+    suite: int
+    job: int | None = None
+    procedure: int = 0
 
 
 class Work:
-    """Every job of every suite, and what they do together, as pieces of work."""
+    """Every job of every suite, and what they do together, as parts of work."""
 
     def __init__(self, bench: ProgramBench, level: Level) -> None:
         self.bench, self.level = bench, level
@@ -66,34 +51,45 @@ class Work:
         return [s for plan in self.bench.project.plans for s in plan.protocol.proof(plan).suites()]
 
     @cached_property
-    def pieces(self) -> list[tuple[Suite[Any], PlannedJob | None]]:
-        """Jobs, and None for the procedures of a suite."""
-        together = () if self.level == "none" else (None,)
-        return [(suite, job) for suite in self.suites for job in (*suite.jobs, *together)]
+    def procedures(self) -> list[list[Procedure]]:
+        """What the jobs of each suite do to each other."""
+        every = self.suites if self.level != "none" else ()
+        return [list(suite.procedures(self.bench.program)) for suite in every]
+
+    @cached_property
+    def parts(self) -> list[Part]:
+        """Jobs, then procedures, suite by suite."""
+        found = []
+        for number, suite in enumerate(self.suites):
+            found += [Part(number, job) for job in range(len(suite.jobs))]
+            if self.level != "none":
+                found += [Part(number, None, each) for each in range(len(self.procedures[number]))]
+        return found
 
     def __call__(self, index: int) -> Result:
-        """One piece."""
-        suite, job = self.pieces[index]
-        if job is None:
-            return run_together(suite, self.bench.program)
-        return run_job(suite, self.bench.program, job, self.level)
+        """One part."""
+        part = self.parts[index]
+        if part.job is None:
+            return run_procedure(self.bench.program, self.procedures[part.suite][part.procedure])
+        suite = self.suites[part.suite]
+        return run_job(suite, self.bench.program, suite.jobs[part.job], self.level)
 
 
 def check_execution(
     project: Project,
     folder: Path,
     level: Level = "quick",
-    progress: Progress | None = None,
-    workers: int | None = None,
+    share: Sharing | None = None,
     partner: Path | None = None,
     *,
     engine: bool = False,
 ) -> Iterator[Check]:
-    """Run every job of the files on disk; ``workers`` None uses every core.
+    """Run every job of the files on disk; ``share`` None uses every core.
 
     ``partner`` is the user's file of a partner: every job runs once against it too. ``engine`` runs what is the same in
     every project even if it is known to hold.
     """
+    share = share or Sharing()
     work = Work(ProgramBench(project, folder), level)
     try:
         program = work.bench.program
@@ -103,12 +99,13 @@ def check_execution(
         return
     if level != "none" or engine:
         for plan in project.plans:
-            yield from plan.protocol.proof(plan).foundation(folder, run=engine, progress=progress)
+            yield from plan.protocol.proof(plan).foundation(folder, run=engine, share=share)
     if level != "none":
         yield idle_check(program)
     every: list[Result] = []
-    found = iter(shared_out(work, len(work.pieces), progress, workers if level != "none" else 1))
-    for suite in work.suites:
+    one = Sharing(workers=1, progress=share.progress) if level == "none" and share.plain else share
+    found = iter(one.results("execution", work, len(work.parts), part_keys(work)))
+    for number, suite in enumerate(work.suites):
         results = {job.key: next(found) for job in suite.jobs}
         for key, result in results.items():
             yield from job_checks(suite, key, result, level)
@@ -116,16 +113,16 @@ def check_execution(
             yield from suite.own(program, partner)
         if level == "none":
             continue
-        together = next(found)
+        together = joined([next(found) for _ in work.procedures[number]])
         yield together_check(suite, together)
         yield from suite.left_out()
         every += [*results.values(), together]
         if not any(result.failures for result in (*results.values(), together)):
-            counts = added([result.counts for result in (*results.values(), together)])
+            counts = added(program, (*results.values(), together))
             for block in suite.blocks():
                 yield coverage_check(block, coverage(program, block, counts, results))
     if every and not any(result.failures for result in every):
-        yield from main_coverage(project, program, added([result.counts for result in every]))
+        yield from main_coverage(project, program, added(program, every))
 
 
 def main_coverage(project: Project, program: Program, counts: list[int]) -> Iterator[Check]:
@@ -152,13 +149,13 @@ def run_job(suite: Suite[Any], program: Program, job: PlannedJob, level: Level, 
     longest, scans = statistics.longest, statistics.scans
     failure = failure or runner.try_run(suite.nominal(runner))
     if failure is not None:
-        result.add(failure, runner.conduct.rig.cpu.coverage)
+        result.add(failure, program, runner.conduct.rig.cpu.coverage)
         result.broken = True
         return result
     result.run, result.values = suite.shown(runner, statistics.scans - scans)
     if level != "none":
         runner = run_matrix(suite, program, job, runner, result, longest, level, most)
-    result.add(None, runner.conduct.rig.cpu.coverage)
+    result.add(None, program, runner.conduct.rig.cpu.coverage)
     return result
 
 
@@ -180,27 +177,45 @@ def run_matrix(
         failure = runner.try_run(scenario)
         result.trials.append(Trial(scenario.name, result.statistics.scans - before, failure is None))
         if failure is not None:
-            result.add(failure, runner.conduct.rig.cpu.coverage)
+            result.add(failure, program, runner.conduct.rig.cpu.coverage)
             runner = suite.runner(program, job, result.statistics)
             if len(result.failures) >= most:
                 break
             runner.try_run(suite.first())
     if not result.failures:
         for failure, other in suite.behind(program, runner):
-            result.add(failure, other.conduct.rig.cpu.coverage if other is not runner else [])
+            result.add(failure, program, other.conduct.rig.cpu.coverage if other is not runner else [])
     result.matrix = f"{suite.faults(job, level, kinds)}: {result.statistics}"
     return runner
 
 
-def run_together(suite: Suite[Any], program: Program, most: int = MAX_FAILURES) -> Result:
-    """What the jobs of a suite do to each other."""
-    result = Result(counts=[0] * len(program.probes))
-    for procedure in suite.procedures(program):
-        result.statistics.runs += 1
-        result.add(*attempt(procedure))
-        if len(result.failures) >= most:
-            break
+def run_procedure(program: Program, procedure: Procedure) -> Result:
+    """Something that the jobs of a suite do to each other."""
+    result = Result(statistics=Statistics(runs=1))
+    failure, counts = attempt(procedure)
+    result.add(failure, program, counts)
     return result
+
+
+def run_together(suite: Suite[Any], program: Program, most: int = MAX_FAILURES) -> Result:
+    """What the jobs of a suite do to each other, until something has failed so often."""
+    results: list[Result] = []
+    for procedure in suite.procedures(program):
+        results.append(run_procedure(program, procedure))
+        if sum(len(result.failures) for result in results) >= most:
+            break
+    return joined(results)
+
+
+def joined(results: Sequence[Result]) -> Result:
+    """The results of all procedures of a suite as one; the first failures stand for all."""
+    whole = Result(made=made(results, "scenarios"))
+    for result in results:
+        whole.failures += result.failures
+        whole.statistics.runs += result.statistics.runs
+        whole.count(result.counts)
+    del whole.failures[MAX_FAILURES:]
+    return whole
 
 
 def attempt(procedure: Procedure) -> tuple[Failure | None, list[int]]:
@@ -229,6 +244,12 @@ def coverage(program: Program, block: CodeBlock, counts: list[int], results: dic
     return cover(program, block.block, counts, block.premises, block.opened, steps)
 
 
+def made(results: Sequence[Result], what: str) -> str:
+    """How many of several results come from the cache, and when the oldest was made."""
+    times = [result.made for result in results if result.made]
+    return f"{len(times)} of {len(results)} {what} from the cache, the oldest of {min(times)}" if times else ""
+
+
 # --- reporting --------------------------------------------------------------------------------------------
 
 
@@ -244,7 +265,8 @@ def job_checks(suite: Suite[Any], key: str, result: Result, level: Level) -> Ite
         found = diagnostic("PG620", key, result.failures, suite.page)
         yield failed(name, subject, "", found, str(result.failures[0]))
         return
-    yield Check(name, subject, result.run, Outcome.OK, f"-> {result.values}")
+    cached = f"; from the cache, made {result.made}" if result.made else ""
+    yield Check(name, subject, f"{result.run}{cached}", Outcome.OK, f"-> {result.values}")
     name, subject = f"faults.{suite.prefix}{key}", f"faults {key}"
     if level == "none":
         yield Check(name, subject, "", Outcome.NOT_RUN, "not asked for")
@@ -252,14 +274,14 @@ def job_checks(suite: Suite[Any], key: str, result: Result, level: Level) -> Ite
         found = diagnostic("PG621", key, result.failures, suite.page)
         yield replace(failed(name, subject, result.matrix, found, str(result.failures[0])), trials=tuple(result.trials))
     else:
-        yield Check(name, subject, result.matrix, Outcome.OK, "ok", trials=tuple(result.trials))
+        yield Check(name, subject, f"{result.matrix}{cached}", Outcome.OK, "ok", trials=tuple(result.trials))
 
 
 def together_check(suite: Suite[Any], result: Result) -> Check:
     """The check of all jobs of a suite."""
     good = suite.together(result.statistics.runs)
     if not result.failures:
-        return good
+        return replace(good, text=f"{good.text}; {result.made}") if result.made else good
     found = diagnostic("PG621", good.subject, result.failures, suite.page)
     return failed(good.id, good.subject, good.text, found, str(result.failures[0]))
 

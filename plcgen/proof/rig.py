@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.folder import load_folder
+from plcgen.cpu.folder import FolderParts, read_parts
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import DiagnosticError
 from plcgen.project.nouns import BlockRef, Project
@@ -19,39 +19,43 @@ from plcgen.s7.layout import Layout, locate
 from plcgen.s7.types import Elementary
 
 
-def load_program(project: Project, folder: Path) -> Program:
-    """Compile the folder's sources, with those of the proofs, with coverage; local data holds garbage, as in a CPU."""
+def read_program(project: Project, folder: Path) -> FolderParts:
+    """The folder's sources, with those of the proofs and stand-ins for what is the user's own."""
     proofs = [plan.protocol.proof(plan) for plan in project.plans]
-    constants = {name: number for proof in proofs for name, number in proof.constants().items()}
     foreign = stand_ins(project)
-    program = load_folder(
+    return read_parts(
         folder,
         project.target.dialect,
-        coverage=True,
-        litter=True,
-        constants=constants,
+        constants={name: number for proof in proofs for name, number in proof.constants().items()},
         symbols=foreign.tags,
         more=[*(source for proof in proofs for source in proof.stimulus()), *foreign.sources.values()],
     )
-    if not program.ok:
-        raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
-    return program
 
 
 class ProgramBench:
-    """A project and the program in its folder. A worker that starts from nothing compiles the program again."""
+    """A project and the program in its folder, which is read once: a worker compiles what its parent has read."""
 
-    def __init__(self, project: Project, folder: Path) -> None:
+    def __init__(self, project: Project, folder: Path, parts: FolderParts | None = None) -> None:
         self.project, self.folder = project, folder
+        if parts is not None:
+            self.parts = parts
+
+    @cached_property
+    def parts(self) -> FolderParts:
+        """What is compiled."""
+        return read_program(self.project, self.folder)
 
     @cached_property
     def program(self) -> Program:
-        """The compiled sources. Raises DiagnosticError."""
-        return load_program(self.project, self.folder)
+        """The compiled sources, with coverage; local data holds garbage, as in a CPU. Raises DiagnosticError."""
+        program = self.parts.load(self.project.target.dialect, coverage=True, litter=True)
+        if not program.ok:
+            raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
+        return program
 
-    def __reduce__(self) -> tuple[type[ProgramBench], tuple[Project, Path]]:
+    def __reduce__(self) -> tuple[type[ProgramBench], tuple[Project, Path, FolderParts]]:
         """A program cannot be pickled."""
-        return ProgramBench, (self.project, self.folder)
+        return ProgramBench, (self.project, self.folder, self.parts)
 
 
 @dataclass(frozen=True, slots=True)

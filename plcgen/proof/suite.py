@@ -18,6 +18,7 @@ from plcgen.proof.folder import Folder
 from plcgen.proof.ledger import Assumption
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Scenario, Statistics
+from plcgen.proof.sharing import Sharing
 
 Level = Literal["none", "quick", "full"]
 """How much of the fault matrix runs: nothing, everything once, or every combination."""
@@ -75,12 +76,24 @@ class Bed(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
+class Reads:
+    """What a part looks at: blocks, with all that these name, and ``plan``, values of the plan."""
+
+    blocks: tuple[str, ...]
+    plan: object
+
+
+@dataclass(frozen=True, slots=True)
 class Procedure:
-    """Something that several jobs do to each other; ``run`` raises ScenarioError."""
+    """Something that several jobs do to each other; ``run`` raises ScenarioError.
+
+    ``reads`` is what it looks at, None for all of the project. What comes out must not depend on what ran before.
+    """
 
     name: str
     bed: Callable[[], Bed]
     run: Callable[[Any], None]
+    reads: Reads | None = None
 
 
 class Suite(Protocol[S]):
@@ -103,6 +116,9 @@ class Suite(Protocol[S]):
 
     def runner(self, program: Program, job: Any, statistics: Statistics | None = None) -> Runner[S]:
         """The job on a CPU of its own. Raises ScenarioError or KeyError if its block cannot be called."""
+
+    def reads(self, job: Any) -> Reads | None:
+        """What the runs of a job look at; None for all of the project."""
 
     def first(self) -> S:
         """The first run of a job."""
@@ -150,7 +166,7 @@ class Proof(Protocol):
     def telegrams(self, folder: Folder) -> Iterator[Check]:
         """Start values against the spec and the standard."""
 
-    def foundation(self, folder: Path, *, run: bool, progress: Progress | None) -> Iterator[Check]:
+    def foundation(self, folder: Path, *, run: bool, share: Sharing) -> Iterator[Check]:
         """What is the same in every project and known by its hash; ``run`` executes it even if it is known."""
 
     def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:

@@ -10,7 +10,7 @@ import struct
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
@@ -127,11 +127,13 @@ class _Tables:
             if isinstance(address, Address)
         }
 
+    @cached_property
     def starters(self) -> set[str]:
         """Addresses of the flags that start a job."""
         found = (job.trigger.execute for job in self.project.jobs)
         return {address.text(percent=False) for address in found if isinstance(address, Address)}
 
+    @cached_property
     def own(self) -> set[str]:
         """Places of the user's own program."""
         places = (place for job in self.project.jobs for _, place in job.trigger.items())
@@ -329,14 +331,14 @@ class _Tables:
         """One row."""
         found = _PLACE.fullmatch(name)
         block = self.folder.text.get(found[1].upper()) if found else None
-        if name in self.own():
+        if name in self.own:
             return  # in the user's own program
         if found is None:
             yield f"{name} is no place"
         elif block is None:
             if address not in flags:
                 yield f"{name} at {address} is neither in a block nor a flag of the spec"
-            elif (modify == "TRUE") != (address in self.starters()) or modify not in {"", "TRUE"}:
+            elif (modify == "TRUE") != (address in self.starters) or modify not in {"", "TRUE"}:
                 yield f"{name} is set to {modify or 'nothing'}"
         else:
             try:

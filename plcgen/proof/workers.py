@@ -1,4 +1,4 @@
-"""Pieces of work shared out over the cores, results in order.
+"""Processes of this machine that work for their parent, as an executor.
 
 A worker is a process with one pipe to it and one from it. It is forked only where that is safe: on Linux, out of a
 process with one thread. Elsewhere a new interpreter starts, which does not import the caller's ``__main__``: a script
@@ -8,6 +8,7 @@ that calls ``plcgen.verify`` needs no guard. A worker ends when its parent does,
 from __future__ import annotations
 
 import contextlib
+import io
 import multiprocessing
 import os
 import pickle
@@ -17,69 +18,108 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
 from queue import SimpleQueue
-from typing import IO, Any, NoReturn, TypeVar
+from typing import IO, Any, NoReturn
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-
-Result = TypeVar("Result")
-Progress = Callable[[str, int, int], None]
-Task = Callable[[int], Result]
-"""What is called with the number of every piece. It must be picklable: a worker may start from nothing."""
+from plcgen.diagnostics import DiagnosticError
 
 START = "import pickle, sys; sys.path = pickle.load(sys.stdin.buffer); from plcgen.proof import workers; workers.main()"
+TASK = "task"
+"""Stands for what every worker knows."""
 
 
-def shared_out(
-    task: Task[Result], total: int, progress: Progress | None = None, workers: int | None = None
-) -> list[Result]:
-    """Results of ``task(0)`` to ``task(total - 1)``; ``workers`` None uses every core.
+def cores() -> int:
+    """How many workers are of use."""
+    return os.cpu_count() or 1
 
-    What a task returns must be picklable. Raises the task's DiagnosticError, and PG623 if the system ends a worker.
+
+def possible() -> bool:
+    """Whether there is an interpreter that can be started."""
+    return bool(sys.executable) and not getattr(sys, "frozen", False)
+
+
+class Workers(Executor):
+    """Some processes that all know one task: wherever a call names it, it is not sent again.
+
+    A process that is ended from outside is replaced; its call raises BrokenProcessPool.
     """
-    count = min(workers if workers is not None else os.cpu_count() or 1, total)
-    if count > 1 and sys.executable and not getattr(sys, "frozen", False):
-        return _in_workers(task, total, progress, count)
-    results = []
-    for index in range(total):
-        if progress is not None:
-            progress("execute", index, total)
-        results.append(task(index))
-    return results
 
-
-def _in_workers(task: Task[Result], total: int, progress: Progress | None, count: int) -> list[Result]:
-    idle: SimpleQueue[_Worker] = SimpleQueue()
-
-    def run(index: int) -> Any:
-        worker = idle.get()
-        try:
-            return worker.run(index)
-        finally:
-            idle.put(worker)
-
-    with contextlib.ExitStack() as processes:
+    def __init__(self, task: object, count: int) -> None:
+        self._task = task
+        self._idle: SimpleQueue[_Worker] = SimpleQueue()
+        self._all: list[_Worker] = []
+        self._lock, self._closed = threading.Lock(), False
         for _ in range(count):  # all of them before the first thread: it would forbid to fork
-            idle.put(processes.enter_context(contextlib.closing(_start(task))))
-        with ThreadPoolExecutor(count) as threads:
-            futures = [threads.submit(run, index) for index in range(total)]
-            try:
-                for done, future in enumerate(as_completed(futures), 1):
-                    future.result()
-                    if progress is not None:
-                        progress("execute", done, total)
-            except BaseException as problem:
-                threads.shutdown(wait=False, cancel_futures=True)
-                if isinstance(problem, _EndedError):
-                    problem.worker.kill()
-                    raise DiagnosticError([_diagnostic(problem.worker.wait())]) from None
-                raise
-            finally:
-                processes.close()  # threads that still listen hear the end of their pipe
-        return [future.result() for future in futures]
+            self._add()
+        self._threads = ThreadPoolExecutor(count)
+
+    def _add(self) -> None:
+        worker = _start(self._task)
+        self._all.append(worker)
+        self._idle.put(worker)
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Call a function in a process; both must be picklable, and what it returns."""
+        return self._threads.submit(self._run, (fn, args, kwargs))
+
+    def _run(self, call: tuple[Any, ...]) -> Any:
+        worker = self._idle.get()
+        try:
+            found = worker.run(_dumped(call, self._task))
+        except _EndedError:
+            worker.kill()
+            with self._lock:
+                if not self._closed:
+                    self._add()
+            raise BrokenProcessPool(_ending(worker.wait())) from None
+        except BaseException:
+            self._idle.put(worker)
+            raise
+        self._idle.put(worker)
+        return found
+
+    def close(self) -> None:
+        """End all processes, whatever they do."""
+        with self._lock:
+            self._closed = True
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        for worker in self._all:
+            worker.close()  # threads that still listen hear the end of their pipe
+        self._threads.shutdown()
+
+
+class _Sending(pickle.Pickler):
+    """Names the task that the worker knows instead of sending it."""
+
+    def __init__(self, buffer: io.BytesIO, task: object) -> None:
+        super().__init__(buffer)
+        self._known = task
+
+    def persistent_id(self, obj: object) -> str | None:
+        """The task's name."""
+        return TASK if obj is self._known else None
+
+
+class _Receiving(pickle.Unpickler):
+    """Puts the task in where it is named."""
+
+    def __init__(self, data: bytes, task: object) -> None:
+        super().__init__(io.BytesIO(data))
+        self._known = task
+
+    def persistent_load(self, _: object) -> object:
+        """The task: nothing else has a name."""
+        return self._known
+
+
+def _dumped(call: object, task: object) -> bytes:
+    buffer = io.BytesIO()
+    _Sending(buffer, task).dump(call)
+    return buffer.getvalue()
 
 
 # --- in the caller's process ----------------------------------------------------------------------------------
@@ -94,14 +134,14 @@ class _Worker:
     kill: Callable[[], None]
     wait: Callable[[], int | None]
 
-    def run(self, index: int) -> Any:
-        """Result of one piece. Raises DiagnosticError, and RuntimeError for whatever else the task raised."""
+    def run(self, call: bytes) -> Any:
+        """Result of one call. Raises DiagnosticError, and RuntimeError for whatever else it raised."""
         try:
-            pickle.dump(index, self.pieces)
+            pickle.dump(call, self.pieces)
             self.pieces.flush()
             kind, answer = pickle.load(self.answers)  # noqa: S301 - our own process
         except (EOFError, OSError, pickle.UnpicklingError):
-            raise _EndedError(self) from None
+            raise _EndedError from None
         if kind == "diagnostics":
             raise DiagnosticError(answer)
         if kind == "bug":
@@ -120,19 +160,13 @@ class _Worker:
 class _EndedError(Exception):
     """A worker ended before its work did."""
 
-    def __init__(self, worker: _Worker) -> None:
-        super().__init__()
-        self.worker = worker
 
-
-def _diagnostic(code: int | None) -> Diagnostic:
+def _ending(code: int | None) -> str:
     names = {-number: f"signal {number.name}" for number in signal.Signals}
-    how = names.get(code or 0, f"exit code {code}")
-    message = f"a worker process was ended from outside ({how}): not everything was executed"
-    return Diagnostic("PG623", message, Span(""), help="if the memory ran out, close other programs and run it again")
+    return names.get(code or 0, f"exit code {code}")
 
 
-def _start(task: Task[Any]) -> _Worker:
+def _start(task: object) -> _Worker:
     """A worker; a new interpreter is sent the search path and the task first."""
     if _fork_is_safe():
         return _forked(task)
@@ -160,7 +194,7 @@ def _fork_is_safe() -> bool:
     return len(threads) == 1 and sys.platform == "linux" and not multiprocessing.current_process().daemon
 
 
-def _forked(task: Task[Any]) -> _Worker:
+def _forked(task: object) -> _Worker:
     """A worker that has everything in memory already."""
     (piece, told), (heard, answer) = os.pipe(), os.pipe()
 
@@ -191,15 +225,16 @@ def main() -> NoReturn:
     _serve(pickle.load(pieces), pieces, answers)  # noqa: S301 - from our parent
 
 
-def _serve(task: Task[Any], pieces: IO[bytes], answers: IO[bytes]) -> NoReturn:
+def _serve(task: object, pieces: IO[bytes], answers: IO[bytes]) -> NoReturn:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent gets it, too, and ends its workers
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    waiting: SimpleQueue[int] = SimpleQueue()
+    waiting: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=_listen, args=(pieces, waiting), daemon=True).start()
     while True:
-        index = waiting.get()
+        call = waiting.get()
         try:
-            answer = pickle.dumps(("result", task(index)))
+            fn, args, kwargs = _Receiving(call, task).load()
+            answer = pickle.dumps(("result", fn(*args, **kwargs)))
         except DiagnosticError as problem:
             answer = pickle.dumps(("diagnostics", problem.diagnostics))
         except Exception:  # noqa: BLE001 - the parent raises it
@@ -208,7 +243,7 @@ def _serve(task: Task[Any], pieces: IO[bytes], answers: IO[bytes]) -> NoReturn:
         answers.flush()
 
 
-def _listen(pieces: IO[bytes], waiting: SimpleQueue[int]) -> None:
+def _listen(pieces: IO[bytes], waiting: SimpleQueue[bytes]) -> None:
     """Pass the pieces on, in a thread of its own: the end of the pipe ends the process in the middle of a piece."""
     with contextlib.suppress(EOFError, OSError):
         while True:

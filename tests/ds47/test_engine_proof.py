@@ -12,6 +12,7 @@ from ds47 import engine_folders
 from plcgen.diagnostics import DiagnosticError
 from plcgen.proof.checks import Outcome
 from plcgen.proof.scenario import ScenarioError
+from plcgen.proof.sharing import Sharing
 from plcgen.protocols.ds47.proof.engine.__main__ import dialect_of
 from plcgen.protocols.ds47.proof.engine.checks import GROUPS, EngineWork, engine_checks, run_faults
 from plcgen.protocols.ds47.proof.engine.errands import MATRIX, READ_ONE, READ_SPLIT, WRITE_ONE, WRITE_SPLIT
@@ -110,7 +111,7 @@ def test_a_known_engine_is_not_run_here(
 @pytest.mark.slow
 def test_an_engine_that_does_not_compile_is_an_error(engines: dict[tuple[str, str], DriveEngine]) -> None:
     (check,) = engine_checks(
-        changed(engines["t15", "S"], "#statState := #STATE_HOLD;", "#statState := #NOWHERE;"), workers=1
+        changed(engines["t15", "S"], "#statState := #STATE_HOLD;", "#statState := #NOWHERE;"), share=Sharing(workers=1)
     )
     assert (check.outcome, check.diagnostic.code if check.diagnostic else "") == (Outcome.ERROR, "PG820")
 

@@ -19,6 +19,7 @@ from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.execution import check_execution
+from plcgen.proof.sharing import Sharing
 
 PROJECTS = {
     **{f"every type {target}": every_type(target) for target in ("v5", "t3", "t15")},
@@ -60,7 +61,7 @@ def wrong(checks: list[Check]) -> list[str]:
 def test_every_project_passes_every_scenario_with_full_coverage(name: str, tmp_path: Path) -> None:
     """Nominal run, fault matrix, several jobs, and 100 % of statements and branches but the explained ones."""
     project, folder = generated(tmp_path, PROJECTS[name])
-    checks = list(check_execution(project, folder, "quick", workers=1))
+    checks = list(check_execution(project, folder, "quick", share=Sharing(workers=1)))
     assert wrong(checks) == []
     shapes = [job.shape for plan in project.plans for job in plan.shapes]
     main = "OB1" if project.target.v5 else "Main"
@@ -89,13 +90,13 @@ def test_any_times_pass(times: str, target: str, tmp_path: Path) -> None:
     text = f"plc: {{name: Times, family: {family}, toolchain: {toolchain}}}\ndrives:\n  dcm: {drive}\n"
     text += f"jobs:\n  a: {{drive: dcm, read: [P50303, P50304], {times}}}\n"
     project, folder = generated(tmp_path, text)
-    assert wrong(list(check_execution(project, folder, "quick", workers=1))) == []
+    assert wrong(list(check_execution(project, folder, "quick", share=Sharing(workers=1)))) == []
 
 
 def test_the_report_has_the_figures(tmp_path: Path) -> None:
     """Scans, busy calls and the value read; error numbers, positions, runs."""
     project, folder = generated(tmp_path, FAQ.read_text(encoding="utf-8"))
-    checks = {c.id: c for c in check_execution(project, folder, "full", workers=1)}
+    checks = {c.id: c for c in check_execution(project, folder, "full", share=Sharing(workers=1))}
     run, faults = checks["run.read_ramp_up"], checks["faults.read_ramp_up"]
     assert re.fullmatch(r"\d+ scans, WRREC busy 3, RDREC B5 x2", run.text)
     assert run.verdict == "-> P50303 = 10.0 s"
@@ -105,7 +106,9 @@ def test_the_report_has_the_figures(tmp_path: Path) -> None:
 def test_two_processes_say_what_one_says(tmp_path: Path) -> None:
     """The order and contents of the checks do not depend on how the work is shared out."""
     project, folder = generated(tmp_path, FAQ.read_text(encoding="utf-8"))
-    assert list(check_execution(project, folder, workers=2)) == list(check_execution(project, folder, workers=1))
+    assert list(check_execution(project, folder, share=Sharing(workers=2))) == list(
+        check_execution(project, folder, share=Sharing(workers=1))
+    )
 
 
 def test_without_faults_only_the_nominal_run_is_made(tmp_path: Path) -> None:
@@ -193,7 +196,9 @@ def test_damage_is_found(name: str, tmp_path: Path) -> None:
     assert old in text[at:]
     changed = text[:at] + text[at:].replace(old, new, 1)
     source.write_text("\ufeff" + changed, encoding="utf-8")
-    found = [c.diagnostic for c in check_execution(project, folder, workers=1) if c.diagnostic is not None]
+    found = [
+        c.diagnostic for c in check_execution(project, folder, share=Sharing(workers=1)) if c.diagnostic is not None
+    ]
     assert found
     assert re.search(said, " | ".join(d.message for d in found)), [d.message for d in found]
 
@@ -206,7 +211,9 @@ def test_dead_code_is_reported(tmp_path: Path) -> None:
     dead = "#busy := #statTicket.busy;"
     changed = text.replace(dead, dead + "\nIF #statTicket.take AND #statTicket.start THEN\n  #tempSlot := 0;\nEND_IF;")
     source.write_text("\ufeff" + changed, encoding="utf-8")
-    found = [c.diagnostic for c in check_execution(project, folder, workers=1) if c.diagnostic is not None]
+    found = [
+        c.diagnostic for c in check_execution(project, folder, share=Sharing(workers=1)) if c.diagnostic is not None
+    ]
     assert [d.code for d in found] == ["PG622"]
     assert found[0].span.line == 1 + changed[: changed.index("IF #statTicket.take AND")].count("\n")
 

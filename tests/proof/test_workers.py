@@ -8,11 +8,12 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 from projects import FAQ, ROOT
@@ -20,7 +21,12 @@ from projects import FAQ, ROOT
 from plcgen import api
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.proof.checks import Outcome
-from plcgen.proof.workers import shared_out
+from plcgen.proof.sharing import Sharing
+
+
+def shared_out(task: Any, total: int, progress: Any = None, workers: int | None = None) -> Sequence[Any]:
+    return Sharing(workers=workers, progress=progress).results("test", task, total)
+
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals")
 
@@ -125,6 +131,25 @@ def test_a_killed_worker_is_no_bug(start: Callable[[], object]) -> None:
     assert "signal SIGKILL" in found.message
 
 
+def killed_once(index: int, place: Path) -> int:
+    if index == 2 and not place.exists():
+        place.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return index
+
+
+@posix
+@starts
+def test_a_lost_worker_is_replaced_and_told(start: Callable[[], object], tmp_path: Path) -> None:
+    """Its part is done again by another one: all results are there, and a warning."""
+    share = Sharing(workers=2)
+    with start():
+        assert share.results("test", partial(killed_once, place=tmp_path / "dead"), 6) == [0, 1, 2, 3, 4, 5]
+    (found,) = share.notes
+    assert (found.code, found.severity.label) == ("PG623", "warning")
+    assert "signal SIGKILL" in found.message
+
+
 @starts
 def test_what_a_task_raises_is_raised(start: Callable[[], object]) -> None:
     """Diagnostics as they are; anything else is a bug, with the traceback of the worker."""
@@ -135,7 +160,8 @@ def test_what_a_task_raises_is_raised(start: Callable[[], object]) -> None:
         shared_out(broken, 6, workers=2)
 
 
-SLEEP = "import time; from plcgen.proof.workers import shared_out as run; run(time.sleep, 999, say, 2)"
+SLEEP = "import time; from plcgen.proof.sharing import Sharing; "
+SLEEP += "Sharing(workers=2, progress=say).results('test', time.sleep, 999)"
 VERIFY = f"from plcgen import api; api.verify({str(FAQ)!r}, {str(ROOT / 'examples' / FAQ.stem / 'expected')!r}, "
 VERIFY += "faults='full', progress=say)"
 SAY = "say = lambda *what: print(*what, flush=True)\n"

@@ -12,7 +12,7 @@ from plcgen import api
 from plcgen.cpu.program import Program
 from plcgen.project.nouns import Project
 from plcgen.project.opening import open_spec
-from plcgen.proof.rig import load_program
+from plcgen.proof.rig import ProgramBench
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 
 TARGETS = {
@@ -39,7 +39,7 @@ class Generated:
     @property
     def program(self) -> Program:
         """The program."""
-        return load_program(self.project, self.folder)
+        return ProgramBench(self.project, self.folder).program
 
     def job(self, key: str) -> DriveJob:
         """An instance by its key."""

@@ -34,7 +34,7 @@ SECOND = 100
 def plant(generate, target) -> Plant:
     """A unit with two drive objects, and OB1 with all jobs."""
     made = generate(SPEC, target)
-    return Plant(made.plan, made.program).fresh()
+    return Plant(made.plan, made.program).fresh("save")
 
 
 def started(plant: Plant, saving: int, *keys: str) -> None:

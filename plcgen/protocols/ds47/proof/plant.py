@@ -28,7 +28,7 @@ TELEGRAM_SCANS = 40
 
 
 class Plant:
-    """All units and the CPU with its OB1. ``fresh`` begins again."""
+    """All units and the CPU with its OB1. ``fresh`` begins again; ``name`` decides about the values."""
 
     def __init__(self, plan: DrivePlan, program: Program) -> None:
         self.plan, self.program = plan, program
@@ -43,6 +43,7 @@ class Plant:
         self.values: dict[str, ValueSet] = {}
         self.forgiven: frozenset[str] = frozenset()
         """Misuses that are not the program's doing."""
+        self.name = ""
         self.round = self.scans = 0
         main = program.main()
         line = main.result.tokens.position(main.unit.start)[0] if main is not None else 1
@@ -62,14 +63,15 @@ class Plant:
                 uses[job.drive.drive_object] += job.uses
         return ScriptedDrive(build_unit(unit.device, uses))
 
-    def fresh(self) -> Plant:
-        """Everything as after a download, all drives there."""
+    def fresh(self, name: str) -> Plant:
+        """Everything as after a download, all drives there; nothing is left of what ran before."""
         cpu, bus = self.cpu, self.cpu.bus
         cpu.records.places = PLACES[cpu.family]
         bus.write_busy = bus.read_busy = 1
         cpu.restart("cold")
         cpu.misuses.clear()
         cpu.coverage[:] = bytes(len(cpu.coverage))
+        self.name, self.round = name, 0
         self.scans, self.forgiven = 0, frozenset()
         bus.drives.clear()
         self.connect()
@@ -141,7 +143,7 @@ class Plant:
         for job in self.plan.jobs:
             unit, number = self.units[job.drive.unit.key], job.drive.drive_object
             kind: Contents = "factory" if delivered else "next"
-            values = self.values[job.key] = value_set(job, unit, number, kind, f"{job.key} {self.round}")
+            values = self.values[job.key] = value_set(job, unit, number, kind, f"{job.key} {self.name} {self.round}")
             values.put(unit, number)
             for member, data in values.inputs(job) if not delivered else ():
                 self.control.put(f"{job.member}.{member}", data)

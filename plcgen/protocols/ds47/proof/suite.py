@@ -18,7 +18,8 @@ from plcgen.proof.ledger import Assumption
 from plcgen.proof.rig import value_text
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
-from plcgen.proof.suite import CodeBlock, LaidOut, Level, Procedure, Progress
+from plcgen.proof.sharing import Sharing
+from plcgen.proof.suite import CodeBlock, LaidOut, Level, Procedure, Progress, Reads
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof import stimulus
 from plcgen.protocols.ds47.proof.commands import check_commands, check_guide
@@ -97,13 +98,13 @@ class DriveProof:
         """What documents say about devices, telegrams and parameters."""
         return ledger(self.plan)
 
-    def foundation(self, folder: Path, *, run: bool, progress: Progress | None) -> Iterator[Check]:
+    def foundation(self, folder: Path, *, run: bool, share: Sharing) -> Iterator[Check]:
         """The engine: channel, ticket and gate."""
         if self.plan.jobs:
             names = {role: getattr(self.plan.engine, ROLES.get(role, role)).name for role in NAMES}
             engine = DriveEngine.of(generated_sources(folder), self.plan.target.dialect, names)
             if proven() or run:
-                yield from engine_checks(engine, run=run, progress=progress)
+                yield from engine_checks(engine, run=run, share=share)
             else:
                 verdict = "not run: this copy of plcgen has no record of proven engines (--engine runs it)"
                 yield Check("engine", f"engine {engine.hash[:SHORT]}", "", Outcome.NOT_RUN, verdict)
@@ -159,6 +160,11 @@ class DriveSuite:
             self._cpu = Cpu(program)
         return Runner(JobConduct(JobRig(self.plan, program, job, self.numbers[job.shape], self._cpu)), statistics)
 
+    def reads(self, job: DriveJob) -> Reads:
+        """Its caller, with all that this calls, and the job; a job that is not there cannot be looked at."""
+        caller = stimulus.shape_fb(self.numbers[job.shape])
+        return Reads((caller, f"{caller}_DB", *stimulus.UNITS, stimulus.GATE_DB), (self.plan.target, job))
+
     def first(self) -> DriveScenario:
         """An ordinary run."""
         return DriveScenario(name="first run", guarded=True)
@@ -204,10 +210,10 @@ class DriveSuite:
         """What the jobs do to each other."""
         made: list[Plant] = []
 
-        def plant() -> Plant:
+        def plant(name: str) -> Plant:
             if not made:
                 made.append(Plant(self.plan, program))
-            return made[0].fresh()
+            return made[0].fresh(name)
 
         return procedures(self.plan, plant)
 

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import permutations, zip_longest
 
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.record import PLACES, RecordPlaces
 from plcgen.proof.rig import Members, file_of, layout_of
 from plcgen.proof.scenario import IDLE, ScenarioError
-from plcgen.proof.suite import Procedure
+from plcgen.proof.suite import Procedure, Reads
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedUnit
 from plcgen.protocols.ds47.proof.instances import Trio
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.stimulus import own_dbs, pair_fb
 from plcgen.protocols.ds47.proof.words import DONE, STEP_MS, WORDS
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
@@ -44,16 +46,18 @@ GONE = frozenset({DONE, *(WORDS[name] for name in ("WRITE_ERROR", "READ_ERROR"))
 """How a job may end whose drive goes away."""
 
 
-def procedures(plan: DrivePlan, plant: Callable[[], Plant]) -> Iterator[Procedure]:
-    """What the jobs do to each other; ``plant`` gives the one plant, everything in it fresh."""
+def procedures(plan: DrivePlan, plant: Callable[[str], Plant]) -> Iterator[Procedure]:
+    """What the jobs do to each other; ``plant`` gives the one plant, everything in it fresh, with values by a name."""
 
-    def procedure(name: str, run: Callable[[Plant], None]) -> Procedure:
-        return Procedure(name, plant, run)
+    def procedure(name: str, run: Callable[[Plant], None], reads: Reads | None = None) -> Procedure:
+        return Procedure(name, partial(plant, name), run, reads)
 
     for number, job in enumerate(plan.shapes, 1):
         for near in OFFSETS if number <= FEW else OFFSETS[:: len(OFFSETS) // FEW]:
             name = f"{job.shape}: other instances on the same and on another unit, {near} scans later"
-            yield procedure(name, _instances(job, number, near))
+            caller = pair_fb(number)
+            reads = Reads((caller, f"{caller}_DB", *own_dbs(number), job.block.name), (plan.target, job))
+            yield procedure(name, _instances(job, number, near), reads)
     yield procedure("what the caller passes", _arguments)
     yield procedure("every job through OB1", _one_by_one)
     yield procedure("every job with the values as delivered", _as_delivered)
@@ -227,7 +231,7 @@ def _two_masters(plant: Plant) -> None:
     other = Plant(plant.plan, plant.program)
     for key, unit in plant.units.items():
         other.units[key] = ScriptedDrive(Drive(unit.own, unit.objects.values()))
-    other.fresh()
+    other.fresh(plant.name)
     both = (plant, other)
     for one in both:
         one.begin()
@@ -344,7 +348,7 @@ def _crowded(plant: Plant) -> None:
     longest = max(job.timeout for job in plant.plan.jobs) // 10
     plant.until(lambda _, status: status == DONE or status in late, plant.patience * 8 + (0 if few else 8 * longest))
     plant.fall()
-    plant.fresh().all_done()
+    plant.fresh(f"{plant.name}, behind it").all_done()
 
 
 def _then_all_is_well(plant: Plant) -> None:

@@ -15,7 +15,8 @@ from plcgen.proof.ledger import Assumption
 from plcgen.proof.rig import value_text
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
-from plcgen.proof.suite import CodeBlock, LaidOut, Level, Procedure, Progress
+from plcgen.proof.sharing import Sharing
+from plcgen.proof.suite import CodeBlock, LaidOut, Level, Procedure, Progress, Reads
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.protocols.ppi.proof.conduct import MasterConduct
 from plcgen.protocols.ppi.proof.ledger import ledger
@@ -70,7 +71,7 @@ class PpiProof:
         """Start values of the tables."""
         return check_telegrams(self.plan, folder)
 
-    def foundation(self, folder: Path, *, run: bool, progress: Progress | None) -> Iterator[Check]:
+    def foundation(self, folder: Path, *, run: bool, share: Sharing) -> Iterator[Check]:
         """Nothing: a block is made for its master."""
         return iter(())
 
@@ -152,6 +153,9 @@ class PpiSuite:
         rig = MasterRig(self.plan, program, self.master)
         rig.job = job
         return Runner(MasterConduct(rig), statistics)
+
+    def reads(self, job: PpiJob) -> Reads | None:
+        """All jobs of a master are one block."""
 
     def first(self) -> PpiScenario:
         """Behind power-up a telegram more may be needed."""

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from plcgen._version import __version__
 from plcgen.proof.checks import Check
+from plcgen.proof.sharing import Sharing
 from plcgen.protocols.ds47.proof.engine.checks import Effort, prove
 from plcgen.protocols.ds47.proof.engine.known import Proven, write
 from plcgen.protocols.ds47.proof.engine.sources import SHORT, DriveEngine
@@ -55,7 +56,7 @@ def main(arguments: list[str] | None = None) -> int:
             effort = "sizes"
         else:
             whole.append(engine)
-        proof = prove(engine, effort, workers=options.workers)
+        proof = prove(engine, effort, Sharing(workers=options.workers))
         sizes = engine.sizes
         print(f"{folder}: {dialect.label}, {sizes.last + 1} bytes, {sizes.slots} slots, engine {engine.hash[:SHORT]}")  # noqa: T201
         for check in proof.checks:

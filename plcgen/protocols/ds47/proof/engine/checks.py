@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from pathlib import Path
 from typing import Literal
 
 from plcgen.cpu.program import Program
@@ -12,11 +13,13 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.conditions import STATE
 from plcgen.proof.coverage import NO_OTHER, Coverage, Step, cover
-from plcgen.proof.execution import MAX_FAILURES, Result, added, attempt, coverage_check, failed
+from plcgen.proof.dependence import key_of
+from plcgen.proof.execution import MAX_FAILURES, attempt, coverage_check, failed, made
+from plcgen.proof.results import Result, added
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Statistics, diagnostic
-from plcgen.proof.suite import CodeBlock, Procedure, Progress
-from plcgen.proof.workers import shared_out
+from plcgen.proof.sharing import Sharing
+from plcgen.proof.suite import CodeBlock, Procedure
 from plcgen.protocols.ds47.proof.engine.answer_faults import answer_faults, error_matrix
 from plcgen.protocols.ds47.proof.engine.conduct import EngineConduct
 from plcgen.protocols.ds47.proof.engine.copies import copies
@@ -111,7 +114,8 @@ class EngineWork:
             return made[-1]
 
         assert piece.run is not None  # noqa: S101 - it has an errand or this
-        result.add(*attempt(Procedure(piece.name, bed, piece.run)))
+        failure, counts = attempt(Procedure(piece.name, bed, piece.run))
+        result.add(failure, self.engine.program, counts)
         result.statistics.scans = made[-1].scans
         return result
 
@@ -127,19 +131,19 @@ def run_faults(engine: DriveEngine, errand: Errand, most: int = MAX_FAILURES) ->
     now = runner()
     failure = now.try_run(EngineScenario(name="first run"))
     if failure is not None:
-        result.add(failure, now.conduct.rig.cpu.coverage)
+        result.add(failure, engine.program, now.conduct.rig.cpu.coverage)
         return result
     kinds = 0
     for scenario in scenarios(engine, errand, statistics.longest):
         kinds += 1
         failure = now.try_run(scenario)
         if failure is not None:
-            result.add(failure, now.conduct.rig.cpu.coverage)
+            result.add(failure, engine.program, now.conduct.rig.cpu.coverage)
             if len(result.failures) >= most:
                 return result
             now = runner()
     result.matrix = str(kinds)
-    result.add(None, now.conduct.rig.cpu.coverage)
+    result.add(None, engine.program, now.conduct.rig.cpu.coverage)
     return result
 
 
@@ -166,13 +170,16 @@ class EngineProof:
         return not any(check.outcome is Outcome.ERROR for check in self.checks)
 
 
-def prove(
-    engine: DriveEngine, effort: Effort = "ordinary", progress: Progress | None = None, workers: int | None = None
-) -> EngineProof:
-    """Run everything; ``workers`` None uses every core. Raises DiagnosticError if the engine cannot be compiled."""
+def prove(engine: DriveEngine, effort: Effort = "ordinary", share: Sharing | None = None) -> EngineProof:
+    """Run everything; ``share`` None uses every core. Raises DiagnosticError if the engine cannot be compiled."""
     work = EngineWork(engine, effort)
     program = engine.program
-    results = shared_out(work, len(work.pieces), progress, workers)
+
+    def key(index: int) -> str:
+        texts = [(Path(file).name, text) for file, text in engine.sources]
+        return key_of("engine", engine.dialect, texts, engine.names, engine.mixed, effort, work.pieces[index])
+
+    results = (share or Sharing()).results(f"engine {engine.hash}", work, len(work.pieces), key)
     checks: list[Check] = []
     kinds = 0
     for group in GROUPS:
@@ -183,7 +190,7 @@ def prove(
         kinds += count
         checks.append(_group(group, [result for _, result in pairs], count))
     if effort != "sizes" and not any(result.failures for result in results):
-        counts = added([result.counts for result in results])
+        counts = added(program, results)
         seen = frozenset(step for result in results for step in result.statistics.transitions)
         for role in BLOCKS:
             name = engine.names[role]
@@ -236,15 +243,14 @@ def _group(group: str, results: list[Result], count: int) -> Check:
     if failures:
         found = diagnostic("PG621", "engine", failures, PAGE)
         return failed(name, subject, text, found, str(failures[0]))
-    return Check(name, subject, text, Outcome.OK, "ok")
+    cached = made(results, "parts")
+    return Check(name, subject, f"{text}; {cached}" if cached else text, Outcome.OK, "ok")
 
 
-def engine_checks(
-    engine: DriveEngine, *, run: bool = False, progress: Progress | None = None, workers: int | None = None
-) -> Iterator[Check]:
+def engine_checks(engine: DriveEngine, *, run: bool = False, share: Sharing | None = None) -> Iterator[Check]:
     """The checks of an engine as it lies in a folder: one that is known is run only if ``run`` says so.
 
-    ``workers`` None uses every core. An engine that does not compile is one failed check.
+    ``share`` None uses every core. An engine that does not compile is one failed check.
     """
     known = proven().get(engine.hash)
     short = engine.hash[:SHORT]
@@ -254,7 +260,7 @@ def engine_checks(
         yield Check("engine", f"engine {short}", text, Outcome.NOT_RUN, verdict)
         return
     try:
-        proof = prove(engine, progress=progress, workers=workers)
+        proof = prove(engine, share=share)
     except DiagnosticError as problem:
         first: Diagnostic = problem.diagnostics[0]
         yield Check("engine", f"engine {short}", "", Outcome.ERROR, first.message, first)

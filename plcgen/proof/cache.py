@@ -1,0 +1,166 @@
+"""Verdicts of earlier runs in a folder of the user's own, by the hash of everything that they depend on.
+
+Whoever can write there can make a wrong project look right, so the folder must be the user's alone. An entry that is
+damaged is none. Only what went well is kept: what fails is run again, and says where. Several processes may use one
+folder: an entry is written beside its place and moved there.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import re
+import stat
+import sys
+import tempfile
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
+
+from plcgen.input.files import read_bounded
+from plcgen.proof.results import Result
+from plcgen.proof.stored import RESULT, placed, portable
+
+FORMAT = 1
+VARIABLE = "PLCGEN_CACHE"
+"""Names the folder, or is one of ``OFF``."""
+OFF = frozenset({"", "0", "off", "no", "none", "false"})
+MAX_ENTRY = 4 * 1024 * 1024
+MAX_BYTES = 128 * 1024 * 1024
+"""Bytes of all entries; what was used least recently goes first."""
+_KEY = re.compile(r"[0-9a-f]{64}")
+_SUFFIX = ".json"
+_TIME = r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$"
+
+
+class Entry(BaseModel):
+    """One file of the cache; ``result`` is checked as it is read, too."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    format: int
+    key: str
+    made: Annotated[str, StringConstraints(pattern=_TIME)]
+    result: str
+
+
+def user_folder() -> Path:
+    """Where the system wants caches of a user's programs."""
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+        return base / "plcgen" / "Cache" / "verdicts"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "plcgen" / "verdicts"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "plcgen" / "verdicts"
+
+
+def chosen_folder() -> Path | None:
+    """The folder of the environment, else the user's; None if there is to be none."""
+    given = os.environ.get(VARIABLE)
+    if given is None:
+        return user_folder()
+    return None if given.strip().lower() in OFF else Path(given)
+
+
+@dataclass
+class VerdictCache:
+    """A folder of verdicts, for the files of ``base``.
+
+    ``hits`` counts what was found.
+    """
+
+    folder: Path
+    base: Path
+    limit: int = MAX_BYTES
+    hits: int = 0
+    _written: bool = field(default=False, repr=False)
+
+    def open(self) -> None:
+        """Make the folder.
+
+        Raises:
+            OSError: if that is not possible, or others may write there.
+        """
+        self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        found = self.folder.stat()
+        if not stat.S_ISDIR(found.st_mode):
+            raise NotADirectoryError(errno.ENOTDIR, "not a folder", str(self.folder))
+        if sys.platform != "win32" and (found.st_uid != os.getuid() or found.st_mode & 0o077):
+            why = "it belongs to somebody else" if found.st_uid != os.getuid() else "others may read or write it"
+            raise PermissionError(errno.EACCES, why, str(self.folder))
+
+    def find(self, key: str) -> Result | None:
+        """What is known by a key; None if nothing is, or nothing that can be believed."""
+        path = self._place(key)
+        try:
+            if path.is_symlink() or not self._is_own(path):
+                return None
+            data = read_bounded(path, MAX_ENTRY)
+            if len(data) > MAX_ENTRY:
+                return None
+            entry = Entry.model_validate_json(data)
+            result = RESULT.validate_json(entry.result)
+        except (OSError, ValidationError):
+            return None
+        if entry.format != FORMAT or entry.key != key or result.failures or result.broken:
+            return None
+        with contextlib.suppress(OSError):
+            os.utime(path)
+        self.hits += 1
+        return replace(placed(result, self.base), made=entry.made)
+
+    def keep(self, key: str, result: Result) -> None:
+        """Keep what went well; a cache that cannot be written is none."""
+        if result.failures or result.broken:
+            return
+        made = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+        text = RESULT.dump_json(portable(result, self.base)).decode()
+        data = Entry(format=FORMAT, key=key, made=made, result=text).model_dump_json().encode()
+        if len(data) > MAX_ENTRY:
+            return
+        with contextlib.suppress(OSError):
+            self._write(self._place(key), data)
+            self._written = True
+
+    def close(self) -> None:
+        """Delete what is too much, the longest unused first."""
+        if not self._written:
+            return
+        found = []
+        for path in self.folder.glob(f"*/*{_SUFFIX}"):
+            with contextlib.suppress(OSError):
+                seen = path.stat()
+                found.append((seen.st_mtime, seen.st_size, path))
+        total = sum(size for _, size, _ in found)
+        for _, size, path in sorted(found) if total > self.limit else ():
+            with contextlib.suppress(OSError):
+                path.unlink()
+                total -= size
+            if total <= self.limit * 4 // 5:
+                break
+
+    def _place(self, key: str) -> Path:
+        if not _KEY.fullmatch(key):
+            raise ValueError(f"{key!r} is no key")
+        return self.folder / key[:2] / f"{key}{_SUFFIX}"
+
+    @staticmethod
+    def _is_own(path: Path) -> bool:
+        found = path.stat()
+        return stat.S_ISREG(found.st_mode) and (sys.platform == "win32" or found.st_uid == os.getuid())
+
+    @staticmethod
+    def _write(path: Path, data: bytes) -> None:
+        path.parent.mkdir(mode=0o700, exist_ok=True)
+        handle, draft = tempfile.mkstemp(dir=path.parent, prefix=".draft-")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(data)
+            Path(draft).replace(path)
+        except BaseException:
+            Path(draft).unlink(missing_ok=True)
+            raise
