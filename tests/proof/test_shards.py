@@ -7,6 +7,7 @@ import os
 import signal
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 
 from plcgen import api
-from plcgen.cli.main import cli
+from plcgen.cli.main import run as run_main
 from plcgen.output.shapes import output_schema
 from plcgen.proof.checks import Verification
 from plcgen.proof.sharing import Sharing
@@ -40,8 +41,19 @@ def plant(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Verification]
         return spec, api.verify(spec, executor=executor)
 
 
-def run(*arguments: object) -> Any:
-    return CliRunner().invoke(cli, [str(each) for each in arguments])
+@dataclass(frozen=True)
+class Done:
+    """How a call of the command line ended, and what it said."""
+
+    exit_code: int
+    output: str
+    errors: str
+
+
+def run(*arguments: object) -> Done:
+    with CliRunner().isolation() as streams:
+        code = run_main([str(each) for each in arguments])
+        return Done(code, *(stream.getvalue().decode() for stream in streams[:2]))
 
 
 @pytest.fixture(scope="module")
@@ -121,7 +133,7 @@ def test_a_shard_that_cannot_be_is_wrong_use(text: str, tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text(SPEC)
     done = run("verify", tmp_path / "a.yaml", "--shard", text)
     assert done.exit_code == 2
-    assert "shard" in done.output
+    assert "shard" in done.errors
 
 
 def test_an_executor_of_the_caller(plant: tuple[Path, Verification]) -> None:
