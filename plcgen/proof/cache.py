@@ -37,7 +37,7 @@ _SUFFIX = ".json"
 _TIME = r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$"
 
 
-class Entry(BaseModel):
+class CacheEntry(BaseModel):
     """One file of the cache; ``result`` is checked as it is read, too."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
@@ -102,7 +102,7 @@ class VerdictCache:
             data = read_bounded(path, MAX_ENTRY)
             if len(data) > MAX_ENTRY:
                 return None
-            entry = Entry.model_validate_json(data)
+            entry = CacheEntry.model_validate_json(data)
             result = RESULT.validate_json(entry.result)
         except (OSError, ValidationError):
             return None
@@ -119,7 +119,7 @@ class VerdictCache:
             return
         made = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
         text = RESULT.dump_json(portable(result, self.base)).decode()
-        data = Entry(format=FORMAT, key=key, made=made, result=text).model_dump_json().encode()
+        data = CacheEntry(format=FORMAT, key=key, made=made, result=text).model_dump_json().encode()
         if len(data) > MAX_ENTRY:
             return
         with contextlib.suppress(OSError):

@@ -15,21 +15,43 @@ from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePath
 from types import FunctionType
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from pydantic import BaseModel
 
 from plcgen.cpu.program import Program
 from plcgen.proof.fingerprint import fingerprint
+from plcgen.proof.rig import ProgramBench
+from plcgen.proof.suite import Level, Procedure, Reads, Suite, WorkPart
 from plcgen.s7.blocks import BlockKind
 from plcgen.scl.lexer import ADDRESS, LOCAL, STRING
 
-if TYPE_CHECKING:
-    from plcgen.proof.execution import Part, Work
-    from plcgen.proof.suite import Reads
-
 _LEFT_OUT = frozenset({"loaded", "protocol", "comment", "path"})
 """Fields that no run looks at: the text of the spec and places in it, the code of the tool, texts for people."""
+
+
+class ExecutionParts(Protocol):
+    """The parts of an execution."""
+
+    @property
+    def bench(self) -> ProgramBench:
+        """The project and its program."""
+
+    @property
+    def level(self) -> Level:
+        """How many faults."""
+
+    @property
+    def suites(self) -> Sequence[Suite[Any]]:
+        """Whose jobs they are."""
+
+    @property
+    def procedures(self) -> Sequence[Sequence[Procedure]]:
+        """What the jobs of each suite do together."""
+
+    @property
+    def parts(self) -> Sequence[WorkPart]:
+        """All of them."""
 
 
 class UnknownError(Exception):
@@ -44,7 +66,7 @@ def key_of(*things: object) -> str:
         return ""
 
 
-def part_keys(work: Work) -> Callable[[int], str]:
+def part_keys(work: ExecutionParts) -> Callable[[int], str]:
     """What each part of an execution depends on."""
     made: list[_Keys] = []
 
@@ -59,12 +81,12 @@ def part_keys(work: Work) -> Callable[[int], str]:
 class _Keys:
     """Keys of the parts of one execution."""
 
-    def __init__(self, work: Work) -> None:
+    def __init__(self, work: ExecutionParts) -> None:
         self.work, self.digest = work, _Digest()
         self.sources = _Sources(work.bench.program, work.bench.folder)
         self._whole = ""
 
-    def of(self, part: Part) -> str:
+    def of(self, part: WorkPart) -> str:
         """Key of a part."""
         suite = self.work.suites[part.suite]
         if part.job is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,18 +21,9 @@ from plcgen.proof.rig import ProgramBench
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, ScenarioError, Statistics, diagnostic
 from plcgen.proof.sharing import Sharing
-from plcgen.proof.suite import CodeBlock, Level, Procedure, Suite
+from plcgen.proof.suite import CodeBlock, Level, Procedure, Suite, WorkPart
 
 MAX_FAILURES = 3
-
-
-@dataclass(frozen=True, slots=True)
-class Part:
-    """What one worker does at a time: a job of a suite, or a procedure of its jobs; both by their number."""
-
-    suite: int
-    job: int | None = None
-    procedure: int = 0
 
 
 class Work:
@@ -57,13 +48,13 @@ class Work:
         return [list(suite.procedures(self.bench.program)) for suite in every]
 
     @cached_property
-    def parts(self) -> list[Part]:
+    def parts(self) -> list[WorkPart]:
         """Jobs, then procedures, suite by suite."""
         found = []
         for number, suite in enumerate(self.suites):
-            found += [Part(number, job) for job in range(len(suite.jobs))]
+            found += [WorkPart(number, job) for job in range(len(suite.jobs))]
             if self.level != "none":
-                found += [Part(number, None, each) for each in range(len(self.procedures[number]))]
+                found += [WorkPart(number, None, each) for each in range(len(self.procedures[number]))]
         return found
 
     def __call__(self, index: int) -> Result:

@@ -96,6 +96,15 @@ class Procedure:
     reads: Reads | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class WorkPart:
+    """What one worker does at a time: a job of a suite, or a procedure of its jobs; all by their numbers."""
+
+    suite: int
+    job: int | None = None
+    procedure: int = 0
+
+
 class Suite(Protocol[S]):
     """Jobs that share blocks or partners: they are run one by one, then all together."""
 

@@ -21,7 +21,7 @@ from plcgen.simaticml.datatypes import innermost
 from plcgen.simaticml.escape import attribute
 from plcgen.simaticml.writing.documents import Setting, document
 from plcgen.simaticml.writing.scope import BlockScope
-from plcgen.simaticml.writing.structured_text import elements, is_plain, numbered
+from plcgen.simaticml.writing.structured_text import elements, is_plain, numbered_pieces
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -47,6 +47,12 @@ _PLACES = re.compile("[" + "".join(_NAMES.values()) + "]")
 _NAME_MATTERS = ('"(', '" (', '."', '":')
 """Where it matters what a quoted name is: a call, a member, peripheral access."""
 
+_HERE = "\ua66f"
+"""Stands for the code in its document."""
+_LONG = 20_000
+"""Characters of a paragraph that nobody writes twice: it is taken line by line at once."""
+_LARGE = 3000
+"""Characters of a line's elements that are kept only if the line comes again: calls of a thousand instances do not."""
 _NOT_BY_LINE = ("(*", "(/", "'", "GOTO", "\0", *_NAMES.values())
 """A code with one of these is not taken line by line: comments and texts may have brackets inside, labels are far."""
 
@@ -74,8 +80,18 @@ def read_block(text: str) -> Block:
 
 def code_document(block: Block, setting: Setting, known: tuple[Block, ...] = ()) -> str:
     """Document of an FB, FC or OB; ``known`` are the blocks it may call."""
-    code = numbered("".join(_pieces(block.code or "", _Meanings(BlockScope.of(block, known), setting))))
-    return document(block, setting, code)[0]
+    return "".join(code_pieces(block, setting, known))
+
+
+def code_pieces(block: Block, setting: Setting, known: tuple[Block, ...] = ()) -> Iterator[str]:
+    """The same, piece by piece: that of a caller of ten thousand jobs has 80 MB."""
+    if not block.code:
+        yield document(block, setting)[0]
+        return
+    head, _, tail = document(block, setting, _HERE)[0].partition(_HERE)
+    yield head
+    yield from numbered_pieces(_pieces(block.code, _Meanings(BlockScope.of(block, known), setting)))
+    yield tail
 
 
 def instance_document(instance: Block, of: Block, setting: Setting) -> str:
@@ -202,7 +218,10 @@ def _pieces(code: str, meanings: _Meanings) -> Iterator[str]:
     if not all(map(_is_closed, paragraphs)):
         paragraphs = [code]
     for paragraph in paragraphs:
-        yield _piece(paragraph, meanings, _PARAGRAPHS, _by_line)
+        if len(paragraph) > _LONG:
+            yield from (_piece(chunk, meanings, _LINES, _written) for chunk in _chunks(paragraph))
+        else:
+            yield _piece(paragraph, meanings, _PARAGRAPHS, _by_line)
 
 
 def _by_line(paragraph: str, meanings: _Meanings) -> str:
@@ -221,7 +240,7 @@ def _piece(text: str, meanings: _Meanings, kept: _Kept, write: Callable[[str, _M
     piece = kept.pieces.get(key)
     if piece is None:
         piece = write(template, meanings)
-        kept.keep(key, piece, at_once=kept is _LINES)
+        kept.keep(key, piece, at_once=kept is _LINES and len(piece) < _LARGE)
     if not names:
         return piece
     parts = _PLACES.split(piece)
