@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from bench import codec, generation, layout_speed, plants, ppi, scl_speed, simaticml_reading, startup, work_memory
+from bench import (
+    codec,
+    generation,
+    layout_speed,
+    plants,
+    ppi,
+    scale,
+    scl_speed,
+    simaticml_reading,
+    startup,
+    work_memory,
+)
 from plcgen.__main__ import collect_rarely
 
 
@@ -35,6 +46,7 @@ def main() -> None:
     layout_speed.main()
     work_memory.main()
     plants.main()
+    scale.main()
 
 
 if __name__ == "__main__":

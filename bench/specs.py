@@ -73,6 +73,22 @@ def shapes(count: int, drives: int, plc: str = "S7-1500") -> str:
     return "".join(lines)
 
 
+PLACES_OF_A_UNIT = 50
+"""Jobs of a drive in the plants of many jobs; a unit has 64 places."""
+
+
+def grid(count: int, drives: int, plc: str = "S7-1500") -> str:
+    """A spec of ``count`` different jobs, each on so many drives: groups of 50 jobs have drives of their own."""
+    names = fans(drives * -(-count // PLACES_OF_A_UNIT))
+    lines = list(_head(len(names), plc))
+    for i in range(count):
+        first = i // PLACES_OF_A_UNIT * drives
+        indexes = ", ".join(f'"r945[{index}]"' for index in range(i % 20 + 1))
+        what = f"read: [P1120, {indexes}]" if i % 2 else f"write: {{P1120: null, P1121: {i + 1}.0}}"
+        lines.append(f"  job_{i}: {{drive: [{', '.join(names[first : first + drives])}], {what}}}\n")
+    return "".join(lines)
+
+
 def fans(drives: int) -> list[str]:
     """Names of drives."""
     return [f"fan{i:02}" for i in range(1, drives + 1)]

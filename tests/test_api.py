@@ -43,6 +43,7 @@ PUBLIC = [
     "schema",
     "simulate",
     "verify",
+    "verify_shard",
 ]
 
 

@@ -20,6 +20,7 @@ from typing import Any, Protocol
 from pydantic import BaseModel
 
 from plcgen.cpu.program import Program
+from plcgen.diagnostics import PlcgenError
 from plcgen.proof.fingerprint import fingerprint
 from plcgen.proof.rig import ProgramBench
 from plcgen.proof.suite import Level, Procedure, Reads, Suite, WorkPart
@@ -54,7 +55,7 @@ class ExecutionParts(Protocol):
         """All of them."""
 
 
-class UnknownError(Exception):
+class UnknownError(PlcgenError):
     """Nobody can say what this holds."""
 
 

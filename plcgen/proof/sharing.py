@@ -15,7 +15,7 @@ from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, PlcgenError, Severity, Span
 from plcgen.proof.fingerprint import fingerprint
 from plcgen.proof.results import Result
 from plcgen.proof.workers import Workers, cores, possible
@@ -36,7 +36,7 @@ class Verdicts(Protocol):
         """Something new."""
 
 
-class ElsewhereError(Exception):
+class ElsewhereError(PlcgenError):
     """The other parts are run elsewhere: nothing can be said here."""
 
 

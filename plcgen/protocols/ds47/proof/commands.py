@@ -35,12 +35,13 @@ def check_commands(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
         return  # what is missing is told elsewhere
     try:
         layout, start = layout_block(block, folder.text), bytes(image(block, folder.text))
-        problems = [problem for job in plan.jobs for problem in _job(job, layout, start)]
-        expected = tuple(f"{job.member}.{use.member}" for job in plan.jobs for use in job.inputs)
+        members = _members(layout)
+        problems = [p for job in plan.jobs for p in _job(job, layout, start, members.get(job.member, set()))]
+        expected = {f"{job.member}.{use.member}" for job in plan.jobs for use in job.inputs}
         problems += [
             f"{entry.path} has the start value {entry.member.start}"
             for entry in layout.entries
-            if entry.member.start is not None and not entry.path.replace('"', "").startswith(expected)
+            if entry.member.start is not None and entry.path.replace('"', "").partition("[")[0] not in expected
         ]
     except (DiagnosticError, LiteralError) as problem:
         problems = [str(problem)]
@@ -92,15 +93,23 @@ def _said(use: Use, text: str) -> bool:
     return math.isclose(float(number[0]), value, rel_tol=1e-6)
 
 
-def _job(job: DriveJob, layout: Layout, start: bytes) -> Iterator[str]:
+def _members(layout: Layout) -> dict[str, set[str]]:
+    """Members of every structure."""
+    found: dict[str, set[str]] = {}
+    for entry in layout.entries:
+        if entry.depth == 1:
+            above, _, name = entry.path.replace('"', "").partition(".")
+            found.setdefault(above, set()).add(name)
+    return found
+
+
+def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterator[str]:
     """What is wrong with the structure of a job."""
     flags = {name for name, _ in job.trigger.items()}
     values = {use.member for use in (*job.inputs, *job.outputs)}
     values |= {path.partition("[")[0] for path in listed.paths(job)}
     wanted = {name for name in SIGNALS if name not in flags} | values
     prefix = f"{job.member}."
-    paths = (entry.path.replace('"', "") for entry in layout.entries if entry.depth == 1)
-    found = {path.removeprefix(prefix) for path in paths if path.startswith(prefix)}
     for name in sorted(wanted ^ found):
         yield f"{prefix}{name} {'is missing' if name in wanted else 'is no member of the job'}"
     for name in sorted(wanted & found & set(SIGNALS) - values):

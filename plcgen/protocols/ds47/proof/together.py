@@ -348,7 +348,7 @@ def _crowded(plant: Plant) -> None:
     longest = max(job.timeout for job in plant.plan.jobs) // 10
     plant.until(lambda _, status: status == DONE or status in late, plant.patience * 8 + (0 if few else 8 * longest))
     plant.fall()
-    plant.fresh(f"{plant.name}, behind it").all_done()
+    plant.fresh(f"{plant.name}, once more").all_done()
 
 
 def _then_all_is_well(plant: Plant) -> None:
