@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import gc
 import re
-from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -19,7 +17,7 @@ from plcgen.simaticml.reading.xml import child, children, load, local, parse_xml
 from plcgen.simaticml.writing.documents import HEADER
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
     from pathlib import Path
 
     from lxml.etree import _Element as Element
@@ -81,20 +79,7 @@ def read_simaticml(
     root, name, diagnostics = _open(source, file)
     if root is None:
         return [], diagnostics
-    with _no_collection():
-        return _blocks(root, name, diagnostics, constants or {}, classic=classic), diagnostics
-
-
-@contextmanager
-def _no_collection() -> Iterator[None]:
-    """Let the collector of cycles rest: a document makes very many objects, and none of them is in a cycle."""
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_on:
-            gc.enable()
+    return _blocks(root, name, diagnostics, constants or {}, classic=classic), diagnostics
 
 
 def _blocks(
