@@ -173,7 +173,7 @@ def test_import_is_lazy():
         (0x8243, "peripheral outputs"),
         (0x80C7, "restart of the DP master"),
         (0x80E1, "user specific"),
-        (0x8094, "its meaning was not read"),
+        (0x8094, "not in the table of RDREC and WRREC"),
     ],
 )
 def test_codes_of_the_manual_besides_those_of_the_channel(word: int, means: str) -> None:

@@ -15,7 +15,6 @@ from typing import Any, Literal, TypeAlias
 Direction: TypeAlias = Literal["read", "write"]
 
 FUNCTION_READ, FUNCTION_WRITE = 0xDE, 0xDF
-_RECALLED = " (recalled, not read in a manual)"
 
 
 class Retry(enum.Enum):
@@ -58,7 +57,6 @@ def _tables() -> dict[str, Any]:
     tables = tomllib.loads(path.read_text(encoding="utf-8"))
     for name in ("function", "call_state", "local", "parameter"):
         tables[name] = {int(key, 16): text for key, text in tables[name].items()}
-    tables["recalled"] = {int(key, 16) for key in tables["recalled_parameters"]}
     tables["code"] = {
         code: row for row in tables["code"] for code in range(row["code"], row.get("last", row["code"]) + 1)
     }
@@ -80,7 +78,6 @@ def _explain_code(code1: int, direction: Direction | None) -> tuple[str, Retry]:
         return f"unknown error code {code1:02X}h", Retry.PERMANENT
     text = row.get(f"text_{direction}", row["text"])
     retry = row.get(f"retry_{direction}", row["retry"])
-    text += _RECALLED if row.get("recalled") else ""
     label = row["name"] if row["name"] in {text, "reserved"} else f"{row['name']}: {text}"
     return (text if row["name"] == "reserved" else label), Retry(retry)
 
@@ -95,7 +92,6 @@ def _meaning(decode: int, code1: int, direction: Direction | None) -> tuple[str,
         return _explain_code(code1, direction)
     if decode <= 0x8F:
         text = _tables()["parameter"].get(code1, f"error {code1:02X}h")
-        text += _RECALLED if code1 in _tables()["recalled"] else ""
         return f"call parameter {decode - 0x80}: {text}", Retry.PERMANENT
     profile = "profile-specific error" if decode >= 0xFE else f"unknown error class {decode:02X}h"
     return f"{profile} {code1:02X}h", Retry.PERMANENT
