@@ -42,7 +42,7 @@ drives:
     hardware_id: 270
     drive_object: 3
     parameters:
-      P2900: {{type: Boolean, name: release}}
+      P2890: {{type: Boolean, name: release}}
       P2901: {{type: Integer8, array: 9}}
       P2902: {{type: Unsigned8, array: 9}}
       P2903: {{type: Float64}}
@@ -65,11 +65,11 @@ drives:
 jobs:
   read_all:
     drive: axis
-    read: [P2900, "P2901[1..3]", "P2902[0..2]", P2903, "P2904[0..2]", P2905, P2906, P2907, P2908, "P2909[0..1]",
+    read: [P2890, "P2901[1..3]", "P2902[0..2]", P2903, "P2904[0..2]", P2905, P2906, P2907, P2908, "P2909[0..1]",
            P2910, P2911, P2912, P2913, P2914, "P3001[0..1]", P3002, P3003, "P3004[0..2]"]
   write_all:
     drive: axis
-    write: {{P2900: null, "P2901[1..3]": null, "P2902[0..2]": [1, 2, 255], P2903: 1.5, "P2904[0..2]": null, P2905: 7,
+    write: {{P2890: null, "P2901[1..3]": null, "P2902[0..2]": [1, 2, 255], P2903: 1.5, "P2904[0..2]": null, P2905: 7,
             P2906: hello, P2907: "010203", P2908: null, "P2909[0..1]": null, P2910: 1000, P2911: -1, P2912: null,
             P2913: 16#8001, P2914: null, "P3001[0..1]": [-1, 1], P3002: r0722.3, P3003: null, "P3004[0..2]": null}}
   read_table: {{drive: axis, read: ["P3000[0..199]", P3003], timeout: 60s}}

@@ -1,4 +1,4 @@
-"""STATUS as Siemens' help for the TIA Portal lists it (extended instructions, parameter STATUS; general error codes)."""
+"""STATUS as Siemens' help for the TIA Portal lists it: extended instructions, parameter STATUS; general error codes."""
 
 from __future__ import annotations
 
