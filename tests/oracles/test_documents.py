@@ -107,11 +107,15 @@ def test_what_is_no_request(record: int, request_: str, why: str) -> None:
         DocumentedDrive({}).answer(record, bytes.fromhex(request_))
 
 
+UNDOCUMENTED = {"profidrive", "sinamics-g110m", "sinamics-g115d", "sinamics-g120c", "sinamics-s210"}
+"""No device, or none with a document about its channel that was found."""
+
+
 @pytest.mark.parametrize("profile", sorted((ROOT / "specs/devices").glob("*.yaml")), ids=lambda path: path.stem)
 def test_every_shipped_device_was_looked_up(profile: Path) -> None:
     """Its drive object is among those that the document names, and the second drive has every type that is stated."""
     said = device(profile.stem)
-    if profile.stem in {"profidrive", "sinamics-s210"}:  # no device, and no document about its channel was found
+    if profile.stem in UNDOCUMENTED:
         assert said is None
         return
     assert said is not None
