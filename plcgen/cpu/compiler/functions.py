@@ -253,12 +253,16 @@ class Functions:
         more = (
             tuple(f"IN{n}" for n in range(3, _MAX_TEXTS + 1)) if name == "CONCAT" and not self.context.classic else ()
         )
-        bound = self.bind(node, _TEXT_FUNCTIONS[name], more)
+        names = _TEXT_FUNCTIONS[name]
+        given = [(argument.name or "").upper() for argument in node.arguments]
+        if name == "LEN" and given == ["S"] and not self.context.rules.dialect.is_tia:
+            names = ("S",)  # of FC21 ("System Software for S7-300/400, System and Standard Functions", LEN)
+        bound = self.bind(node, names, more)
         codes, wide, pure = [], False, True
         for parameter, expression in bound.items():
             value = self.expressions.value(expression)
             pure = pure and value.pure
-            if parameter.startswith("IN"):
+            if parameter.startswith(("IN", "S")):
                 wide = wide or value.type == "WSTRING"
                 if value.type not in TEXTS and value.type not in {TEXT_CONST, "CHAR", "WCHAR", UNKNOWN}:
                     return self.refuse(node, name, value)

@@ -134,6 +134,16 @@ def test_start_values_of_array_elements():
     assert image(one(global_db(member)), {}).hex() == "0000" + "0005" + "0006" + "0000"
 
 
+def test_equal_values_in_a_row_are_one_repetition():
+    """``[8(25.0)]``: the TIA Portal writes sources like this, its documents have an element for each."""
+    elements = "".join(
+        f'<Subelement Path="{n}"><StartValue>{value}</StartValue></Subelement>' for n, value in enumerate("11300")
+    )
+    block = one(global_db(f'<Member Name="a" Datatype="Array[0..5] of Int">{elements}</Member>'))
+    assert block.sections[0].members[0].start == "[2(1), 3, 2(0)]"
+    assert image(block, {}).hex() == "0001" * 2 + "0003" + "0000" * 3
+
+
 @pytest.mark.parametrize("place", ["1,0", "1;0"])
 def test_start_values_inside_user_types_and_structures_in_arrays(place):
     """Path ``1,0`` is element 1 of the outer and element 0 of the inner array; older documents of ours have ``1;0``."""
