@@ -85,7 +85,8 @@ def _wanted(word: Argument, device: Device | None) -> tuple[Parameter, Sequence[
             raise word.problem("PG205", str(wrong), wrong.help) from None
         base = parameter or Parameter(reference.pnu or 0, type_, access="r" if text[:1] in "rR" else "rw")
         limits = {} if type_.lower() == base.type.lower() else {"minimum": None, "maximum": None, "bico": False}
-        parameter = replace(base, type=type_, **limits)  # type: ignore[arg-type]
+        grades = {**base.grades, "type": "read"}
+        parameter = replace(base, type=type_, grades=grades, **limits)  # type: ignore[arg-type]
     assert parameter is not None  # noqa: S101 - _known raises unless there is a type
     return parameter, range(first, last + 1)
 
@@ -126,6 +127,12 @@ def _common(known: Sequence[Parameter]) -> Parameter:
     )
 
 
+def _type(parameter: Parameter) -> str:
+    """The type, and how it is known if nobody has read it."""
+    grade = parameter.grades.get("type", "read")
+    return parameter.type + ("" if grade == "read" else f" ({grade})")
+
+
 def _answer(where: str, object_: int, found: Sequence[Reading]) -> Answer:
     from plcgen.diagnostics import Diagnostic, Span
     from plcgen.display.data import diagnostics_data
@@ -135,7 +142,7 @@ def _answer(where: str, object_: int, found: Sequence[Reading]) -> Answer:
 
     rows = [
         (f"{label(one.parameter)}[{one.index}]", one.text or "?", one.parameter.unit, one.data.hex(" ").upper(),
-         one.parameter.type, one.parameter.title)
+         _type(one.parameter), one.parameter.title)
         for one in found
     ]  # fmt: skip
     problems = [

@@ -51,6 +51,8 @@ def test_read():
     assert lines[2][:4] == ["P1120[0]", "10", "s", "41"]
     assert lines[3][:4] == ["r947[0]", "7901", "1E", "DD"]
     assert lines[5][:2] == ["r52[0]", "1000"]
+    assert "FloatingPoint (inferred)" in out.splitlines()[2]  # nobody has read the type of P1120 in a G120
+    assert "Unsigned16" in lines[5]
 
 
 def test_the_drive_object_is_part_of_the_address():
