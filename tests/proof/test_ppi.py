@@ -16,7 +16,7 @@ from plcgen.project.loading import load_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
 from plcgen.proof.checks import Verification
-from plcgen.proof.execution import Work
+from plcgen.proof.execution import Work, attempt
 from plcgen.proof.rig import ProgramBench
 from plcgen.protocols.ppi.proof.scenario import spread
 
@@ -176,6 +176,22 @@ def test_damage_of_the_block_is_noticed(what: str, small: tuple[Project, Path], 
     shutil.copytree(folder, tmp_path / "out")
     damage(tmp_path / "out", *DAMAGE[what])
     assert executed(Work(ProgramBench(project, tmp_path / "out"), "quick"), "m").text
+
+
+def test_data_blocks_run_with_their_start_values(small: tuple[Project, Path], tmp_path: Path) -> None:
+    """A command that is TRUE as it is delivered starts its job."""
+    project, folder = small
+    shutil.copytree(folder, tmp_path / "out")
+    (control,) = (tmp_path / "out/db").glob("*Jobs.db")
+    text = control.read_text("utf-8-sig")
+    said = []
+    for held in (text, text.replace("execute : Bool;", "execute : Bool := TRUE;", 1)):
+        control.write_text(held, encoding="utf-8-sig")
+        work = Work(ProgramBench(project, tmp_path / "out"), "quick")
+        (procedure,) = (each for each in work.procedures[0] if each.name == "every job with the values as delivered")
+        failure, _ = attempt(procedure)
+        said.append("" if failure is None else failure.message)
+    assert said == ["", "all starts on its own"]
 
 
 @pytest.mark.parametrize("what", CLASSIC)

@@ -37,6 +37,7 @@ def procedures(plan: PpiPlan, program: Program, master: PlannedMaster) -> Iterat
     def bed() -> MasterRig:
         return MasterRig(plan, program, master)
 
+    yield Procedure("every job with the values as delivered", bed, as_delivered)
     yield Procedure("all jobs at once", bed, together)
     yield Procedure("jobs behind each other", bed, behind)
     if any(job.cycle for job in master.jobs):
@@ -51,6 +52,32 @@ def procedures(plan: PpiPlan, program: Program, master: PlannedMaster) -> Iterat
 def step(rig: MasterRig) -> int:
     """Milliseconds of a scan."""
     return min(10, rig.master.ob1_cycle)
+
+
+# --- as delivered ---------------------------------------------------------------------------------------------
+
+
+def as_delivered(rig: MasterRig) -> None:
+    """Data blocks as after a download: jobs with a cycle start on their own, no other; each ends well as it is."""
+    jobs, cpu = rig.master.jobs, rig.cpu
+    cpu.scan(step(rig), ROUNDS)
+    for job in jobs:
+        if (cpu[_control(rig, job, "status")] != WORDS["IDLE"]) != bool(job.cycle):
+            raise ScenarioError(f"{job.key} {'does not start' if job.cycle else 'starts'} on its own")
+    if rig.port.sent and not any(job.cycle for job in jobs):
+        raise ScenarioError("something is sent although no job was started")
+    for job in jobs:
+        cpu[_control(rig, job, "execute")] = True
+    waiting = list(jobs)
+    for _ in range(sum(job.timeout for job in jobs) // step(rig) + 100):
+        cpu.scan(step(rig))
+        failed = next((job for job in waiting if cpu[_control(rig, job, "error")]), None)
+        if cpu.misuses or failed is not None:
+            raise ScenarioError("misuse" if failed is None else f"{failed.key} ends with an error")
+        waiting = [job for job in waiting if not cpu[_control(rig, job, "done")]]
+        if not waiting:
+            return
+    raise ScenarioError(f"{waiting[0].key} never ended")
 
 
 # --- all jobs at once, through OB1 ----------------------------------------------------------------------------
