@@ -8,6 +8,7 @@ from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.folder import load_folder
 from plcgen.cpu.system.bus import Periphery
 from plcgen.proof.runner import Runner
+from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.proof.conduct import JobConduct
 from plcgen.protocols.ds47.proof.contents import held
 from plcgen.protocols.ds47.proof.instances import Trio
@@ -177,3 +178,19 @@ def test_a_missing_parameter_costs_its_own_value_only(generate, target) -> None:
         )
     ) is None  # fmt: skip
     assert rig.words("errors") == [0x8104, 0x0000]
+
+
+def test_two_jobs_that_read_the_same_are_right_when_another_writes_it_between_them(generate, target) -> None:
+    """The first reads the old value, the second the new one; their telegrams are the same, reference aside."""
+    jobs = "{one: {drive: mm, read: [P1120]}, set: {drive: mm, write: {P1120: null}}, two: {drive: mm, read: [P1120]}}"
+    made = generate(f"drives: {{mm: {{device: micromaster-4, ID: 256, drive_object: 0}}}}\njobs: {jobs}\n", target)
+    plant = Plant(made.plan, made.program).fresh()
+    plant.begin()
+    plant.start()
+    plant.until(lambda _, status: status == DONE, plant.patience)
+    shown = [plant.control.bytes(f"{made.job(key).member}.rampUpTime", 4) for key in ("one", "two")]
+    assert shown[0] != shown[1]
+    plant.check()
+    plant.control.put(f"{made.job('two').member}.rampUpTime", bytes(4))
+    with pytest.raises(ScenarioError, match="00 00 00 00"):
+        plant.check()

@@ -11,7 +11,7 @@ from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.record import PLACES
 from plcgen.proof.rig import Members
 from plcgen.proof.scenario import IDLE, RUNNING, STARTED, ScenarioError
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedUnit, Use
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
 from plcgen.protocols.ds47.proof import listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, piece, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
@@ -63,8 +63,11 @@ class Plant:
                 uses[job.drive.drive_object] += job.uses
         return ScriptedDrive(build_unit(unit.device, uses))
 
-    def fresh(self, name: str) -> Plant:
-        """Everything as after a download, all drives there; nothing is left of what ran before."""
+    def fresh(self, name: str = "") -> Plant:
+        """Everything as after a download, all drives there; nothing is left of what ran before.
+
+        ``name`` decides which values are drawn.
+        """
         cpu, bus = self.cpu, self.cpu.bus
         cpu.records.places = PLACES[cpu.family]
         bus.write_busy = bus.read_busy = 1
@@ -237,18 +240,35 @@ class Plant:
                 return  # somebody else has written in between
             if not answers:
                 raise ScenarioError(f"{job.key} does not send {request.hex(' ').upper()} (reference aside)")
-            answer = answers[0 if telegram.parts[0].use not in job.saving else -1]
-            at = 4
-            for part in telegram.parts if not telegram.writes and job.messages is None else ():
-                name = f"{job.member}.{part.use.member}"
-                found = piece(part, self.control.bytes(name, part.use.count * part.use.format.size))
-                came = answer[at + 2 : at + 2 + part.size]
-                if found != came:
-                    where = f"{self.plan.control_db.name}.{name}"
-                    raise ScenarioError(f"{where} is {found.hex(' ')}, {came.hex(' ')} came")
-                at += 2 + padded(part.size)
+            if telegram.parts[0].use in job.saving:
+                answers = answers[-1:]  # asked again and again: the last one counts
+            elif job.verified:
+                answers = answers[:1]
+            if not telegram.writes and job.messages is None:
+                self.check_outputs(job, telegram, answers)
         if job.messages is not None:
             last = {sent[1:]: answer for sent, answer in exchanges}
             came = listed.answered(job, [last[request[1:]] for request in requests])
             if listed.shown(job, self.control, f"{job.member}.") != came:
                 raise ScenarioError(f"the list of {job.key} is not what came")
+
+    def check_outputs(self, job: DriveJob, telegram: DriveTelegram, answers: list[bytes]) -> None:
+        """The outputs of a telegram show one of the answers: where jobs send the same, nobody knows whose is which."""
+        uses = [(part, f"{job.member}.{part.use.member}") for part in telegram.parts]
+        shown = [piece(part, self.control.bytes(name, part.use.count * part.use.format.size)) for part, name in uses]
+        came = [_values(telegram, answer) for answer in answers]
+        if shown in came:
+            return
+        for (_, name), found, value in zip(uses, shown, came[0], strict=True):
+            if found != value:
+                where = f"{self.plan.control_db.name}.{name}"
+                raise ScenarioError(f"{where} is {found.hex(' ')}, {value.hex(' ')} came")
+
+
+def _values(telegram: DriveTelegram, answer: bytes) -> list[bytes]:
+    """Bytes of the values of an answer: 4 bytes of header, then for each part format, count, values, a pad."""
+    found, at = [], 4
+    for part in telegram.parts:
+        found.append(answer[at + 2 : at + 2 + part.size])
+        at += 2 + padded(part.size)
+    return found
