@@ -70,7 +70,7 @@ def printed(page: Path, room: Path) -> str:
         pytest.skip("nothing reads the printed page: pdftotext is not installed")
     target = room / "print.pdf"
     _run(room, "--no-pdf-header-footer", f"--print-to-pdf={target}", page.as_uri())
-    text = subprocess.run(["pdftotext", "-layout", str(target), "-"], capture_output=True, check=True).stdout
+    text = subprocess.run(["pdftotext", "-raw", str(target), "-"], capture_output=True, check=True).stdout
     return text.decode()
 
 

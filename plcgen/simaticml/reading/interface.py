@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import groupby, islice
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
@@ -300,19 +300,16 @@ class InterfaceReader:
             self._subelements(found, path)
             return None
         default = default_literal(type_.element)
-        runs = groupby(values.get(n, default) for n in range(max(values) + 1))
-        return "[" + ", ".join(_repeated(value, len(list(run))) for value, run in runs) + "]"
+        listed = [values.get(n, default) for n in range(max(values) + 1)]
+        if len(listed) > 1 and len(set(listed)) == 1:
+            return f"[{len(listed)}({listed[0]})]"
+        return f"[{', '.join(listed)}]"
 
     def report(self, message: str, element: Element) -> None:
         """Add one PG812, up to a bound."""
         if len(self.diagnostics) >= MAX_PROBLEMS:
             return
         self.diagnostics.append(Diagnostic("PG812", message, span(element, self.file)))
-
-
-def _repeated(value: str, times: int) -> str:
-    """A value so often in a row, as sources of the TIA Portal have it."""
-    return value if times == 1 else f"{times}({value})"
 
 
 def _first_text(comment: Element) -> str:

@@ -134,14 +134,15 @@ def test_start_values_of_array_elements():
     assert image(one(global_db(member)), {}).hex() == "0000" + "0005" + "0006" + "0000"
 
 
-def test_equal_values_in_a_row_are_one_repetition():
-    """``[8(25.0)]``: the TIA Portal writes sources like this, its documents have an element for each."""
+@pytest.mark.parametrize(("values", "shown"), [("11111", "[5(1)]"), ("11300", "[1, 1, 3, 0, 0]"), ("1", "[1]")])
+def test_equal_values_of_a_whole_array_are_one_repetition(values, shown):
+    """``[8(25.0)]``: sources of the TIA Portal have it; its documents have an element for each."""
     elements = "".join(
-        f'<Subelement Path="{n}"><StartValue>{value}</StartValue></Subelement>' for n, value in enumerate("11300")
+        f'<Subelement Path="{n}"><StartValue>{value}</StartValue></Subelement>' for n, value in enumerate(values)
     )
     block = one(global_db(f'<Member Name="a" Datatype="Array[0..5] of Int">{elements}</Member>'))
-    assert block.sections[0].members[0].start == "[2(1), 3, 2(0)]"
-    assert image(block, {}).hex() == "0001" * 2 + "0003" + "0000" * 3
+    assert block.sections[0].members[0].start == shown
+    assert image(block, {}).hex() == "".join(f"000{value}" for value in values.ljust(6, "0"))
 
 
 @pytest.mark.parametrize("place", ["1,0", "1;0"])
