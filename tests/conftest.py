@@ -18,12 +18,14 @@ settings.load_profile("plcgen")
 
 Install = Callable[[str, str, str, str | Path], None]
 PROOF = Path(__file__).parent / "proof"
+QUICK = {"test_idle.py", "test_independence.py", "test_reach.py", "test_twins.py"}
+"""Of the tests there, those that run no matrix."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Whatever runs fault matrices is slow."""
     for item in items:
-        if PROOF in item.path.parents:
+        if PROOF in item.path.parents and item.path.name not in QUICK:
             item.add_marker(pytest.mark.slow)
 
 
