@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plcgen.cli.options import PATH, console, format_option, verb
+from plcgen.cli.options import PATH, console, format_option, tia_option, verb
 from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
     from plcgen.api import ConvertResult
     from plcgen.output.registry import OutputFormat
-
-VERSIONS = ("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21")
 
 
 @verb(
@@ -26,15 +24,7 @@ VERSIONS = ("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21")
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="FILE|FOLDER...")
 @click.option("--to", type=click.Choice(["scl", "xml"]), required=True, help="Text sources, or SimaticML.")
 @click.option("--out", "folder", type=PATH, required=True, metavar="DIR", help="Output folder.")
-@click.option(
-    "--tia",
-    "version",
-    type=click.Choice(VERSIONS, case_sensitive=False),
-    default="V16",
-    show_default=True,
-    metavar="VERSION",
-    help="Oldest TIA Portal that shall import the documents: V14 SP1, V15 .. V21.",
-)
+@tia_option("Oldest TIA Portal that shall import the documents")
 @click.option("--classic", is_flag=True, help="The blocks are for S7-300/400.")
 @click.option("--culture", default="en-US", show_default=True, metavar="TAG", help="Language of comments in documents.")
 @click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")

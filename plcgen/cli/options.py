@@ -198,6 +198,20 @@ class _FormatOption(click.Option):
         return super().get_help_record(ctx)
 
 
+def tia_option(what: str) -> Callable[[Callback], Callback]:
+    """Add ``--tia``, the version of the TIA Portal that documents are for; the parameter is called ``version``."""
+    versions = ("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21")
+    return click.option(
+        "--tia",
+        "version",
+        type=click.Choice(versions, case_sensitive=False),
+        default="V16",
+        show_default=True,
+        metavar="VERSION",
+        help=f"{what}: {versions[0]}, {versions[1]} .. {versions[-1]}.",
+    )
+
+
 def format_option(kind: str, default: str = "text") -> Callable[[Callback], Callback]:
     """Add ``--format`` for a kind of result, and ``--json`` as its short form; the parameter is called ``format_``."""
     type_ = _FormatName(kind)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.convert import VERSIONS, is_culture
-from plcgen.cli.options import PATH, console, verb
+from plcgen.cli.convert import is_culture
+from plcgen.cli.options import PATH, console, tia_option, verb
 from plcgen.cli.output import OK
 
 if TYPE_CHECKING:
@@ -28,15 +28,7 @@ DEFAULT = ("en-US", "de-DE", "zh-CN")
     "--language", "languages", multiple=True, metavar="TAG", help="A language.  [default: en-US, de-DE, zh-CN]"
 )
 @click.option("--format", "formats", multiple=True, type=click.Choice(FORMATS), help="What to write.  [default: xlsx]")
-@click.option(
-    "--tia",
-    "version",
-    type=click.Choice(VERSIONS, case_sensitive=False),
-    default="V16",
-    show_default=True,
-    metavar="VERSION",
-    help="TIA Portal version that xml names: V14 SP1, V15 .. V21.",
-)
+@tia_option("TIA Portal version that xml names")
 @click.option(
     "--errors",
     type=click.Choice(("sinamics", "profidrive")),

@@ -56,7 +56,13 @@ def _number(name: str) -> int:
     return int(match[1] or 0) if match else 0
 
 
-def _parse(book: zipfile.ZipFile, name: str, start: Callable, end: Callable, text: Callable) -> None:  # type: ignore[type-arg]
+def _parse(
+    book: zipfile.ZipFile,
+    name: str,
+    start: Callable[[str, dict[str, str]], None],
+    end: Callable[[str], None],
+    text: Callable[[str], None],
+) -> None:
     parser = expat.ParserCreate(namespace_separator=" ")
     parser.buffer_text = True
 
