@@ -42,7 +42,7 @@ class ReadItem(StrictModel):
 
 
 class WriteItem(StrictModel):
-    """One parameter to write; without a value it becomes an input of the block."""
+    """One parameter to write or to compare; without a value it becomes an input of the block."""
 
     parameter: str = Field(description="P50304, p2155[1..2] or a catalogue name")
     value: Value | tuple[Value, ...] | None = Field(None, description="constant; absent: block input")
@@ -209,7 +209,8 @@ class JobKind:
     are the accesses that the value stands for, in the order of their telegrams, ``writes`` whether any of them changes
     parameters. ``short`` makes the JSON schema of the value, short forms included, from the definitions of the spec's
     schema (None: as ``shape`` says it). ``poll`` says that the last access is a read that is repeated,
-    ``messages`` that the accesses are those of a buffer of messages.
+    ``messages`` that the accesses are those of a buffer of messages, ``compares`` that the values of ``WriteItem`` are
+    not written, but held against those that are read.
     """
 
     key: str
@@ -221,6 +222,7 @@ class JobKind:
     short: Callable[[dict[str, Any]], dict[str, Any]] | None = None
     poll: Callable[[Any], Poll] | None = None
     messages: Callable[[Any], Messages] | None = None
+    compares: bool = False
 
 
 SAVES = {"drive_object": 971, "unit": 977}
@@ -298,6 +300,15 @@ SHIPPED = (
         description="parameter: value, parameter: {value, as, type, start}, or a list of such",
         example="write: {P50303: 10.0}",
         short=lambda definitions: short_items_schema(definitions, "WriteItem", "parameter", lists=True),
+    ),
+    JobKind(
+        key="compare",
+        writes=False,
+        shape=Annotated[tuple[WriteItem, ...], short_items("parameter")],
+        description="parameter: value that the drive should have, as under write",
+        example="compare: {P50303: 10.0}",
+        short=lambda definitions: short_items_schema(definitions, "WriteItem", "parameter", lists=True),
+        compares=True,
     ),
     JobKind(
         key="save",

@@ -243,14 +243,15 @@ def complete(schema: dict[str, Any]) -> None:
     names = named_parameters()
     for name in ("ReadItem", "WriteItem"):
         _offer(definitions[name], "parameter", names)
-    read, write = job["read"]["anyOf"], job["write"]["anyOf"]
+    read, write, compare = (job[key]["anyOf"] for key in ("read", "write", "compare"))
     read[0] = read[1]["items"]["anyOf"][0] = offered(names)
     definitions["WriteValue"] = write[0]["additionalProperties"]
-    write[0]["additionalProperties"] = {"$ref": "#/$defs/WriteValue"}
-    write[0]["properties"] = {
-        name: {"$ref": "#/$defs/WriteValue", "description": parameter.title}
-        for name, parameter in names.items()
-        if "w" in parameter.access
-    }
+    for shape, access in ((write, "w"), (compare, "r")):
+        shape[0]["additionalProperties"] = {"$ref": "#/$defs/WriteValue"}
+        shape[0]["properties"] = {
+            name: {"$ref": "#/$defs/WriteValue", "description": parameter.title}
+            for name, parameter in names.items()
+            if access in parameter.access
+        }
     job["drive"] = {"anyOf": [{"type": "string"}, job["drive"]], "description": job["drive"]["description"]}
     job["trigger"] = {**TRIGGER_SCHEMA, "description": job["trigger"]["description"]}

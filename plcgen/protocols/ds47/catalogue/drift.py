@@ -95,8 +95,8 @@ def _row(job: DriveJob, use: Use, one: ListedParameter | None) -> DriftRow:
 
 
 def _constant(use: Use) -> float | None:
-    """The first value that a job writes, if it is a number and not an input."""
-    if not (use.writes and use.constant) or use.format.kind not in _NUMERIC or use.sources:
+    """The first value that a job writes or wants, if it is a number and not an input."""
+    if not ((use.writes or use.compared) and use.constant) or use.format.kind not in _NUMERIC or use.sources:
         return None
     value = unpack_values(use.format, 1, use.data[: use.format.size])[0]
     return value if isinstance(value, int | float) else None

@@ -28,7 +28,7 @@ class LiveRow:
 
 
 def compare_drives(plan: DrivePlan, readers: Mapping[str, Reader]) -> Iterator[LiveRow]:
-    """Every value that a job writes, against the drive; only drives with a reader are asked.
+    """Every value that a job writes or compares, against the drive; only drives with a reader are asked.
 
     A constant has to be in the drive. The value of an input is told, without a verdict; what starts something or is
     set back by the drive is left alone.
@@ -38,7 +38,7 @@ def compare_drives(plan: DrivePlan, readers: Mapping[str, Reader]) -> Iterator[L
         if reader is None:
             continue
         for use in job.uses:
-            if use.writes and use.parameter.pnu not in guards.SET_BACK and not use.format.is_string:
+            if (use.writes or use.compared) and use.parameter.pnu not in guards.SET_BACK and not use.format.is_string:
                 yield from _use(job, use, reader)
 
 

@@ -26,7 +26,16 @@ from plcgen.protocols.ds47.kinds import (
 )
 from plcgen.protocols.ds47.plan import pack
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, MessageList, Part, PlannedDrive, PlannedUnit, Use
+from plcgen.protocols.ds47.plan.nouns import (
+    DeviationList,
+    DriveJob,
+    DriveTelegram,
+    MessageList,
+    Part,
+    PlannedDrive,
+    PlannedUnit,
+    Use,
+)
 from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.schema import BufferSettings as BufferSpec
@@ -63,7 +72,7 @@ def plan_jobs(
     reference = job.reference if job.reference is not None else 1
     name = pascal_case(key)
     faq = (job.names or loaded.spec.plc.names) == "faq"
-    own = _own_blocks(job, len(packed), len(drives), loaded, path, report)
+    own = _own_blocks(job, kind, len(packed), len(drives), loaded, path, report)
     context = _Context(key, first, reference, numbering, faq=faq, many=len(packed) > 1, own=own)
     telegrams = tuple(_telegram(index, parts, job, name, context) for index, parts in enumerate(packed, 1))
     given = job.block.name
@@ -71,7 +80,7 @@ def plan_jobs(
     if job.trigger is not None and len(drives) > 1:
         _report_shared_flags(key, len(drives), loaded, path, report)
     timeout = _timeout(job, uses)
-    messages = _message_list(job, kind, name, numbering, path)
+    listed = _listed(job, kind, uses, name, numbering, path)
     return tuple(
         DriveJob(
             key=key if len(drives) == 1 else f"{key}.{drive.key}",
@@ -90,7 +99,7 @@ def plan_jobs(
             retry_pause=job.retry_pause,
             retries=_retries(job, timeout),
             faq_names=faq,
-            messages=messages,
+            listed=listed,
             comment=job.comment or {},
             path=path,
         )
@@ -98,11 +107,19 @@ def plan_jobs(
     )
 
 
-def _message_list(job: JobEntry, kind: JobKind, name: str, numbering: Numbering, path: SpecPath) -> MessageList | None:
-    """The list that the block delivers, if its kind reads a buffer of messages."""
-    if kind.messages is None:
+_PLACES = 32
+"""Deviations that are listed at most; all of them are counted."""
+
+
+def _listed(
+    job: JobEntry, kind: JobKind, uses: tuple[Use, ...], name: str, numbering: Numbering, path: SpecPath
+) -> MessageList | DeviationList | None:
+    """The list that the block delivers: of messages, or of deviations with a place for each value, up to a limit."""
+    if kind.messages is None and not kind.compares:
         return None
     type_ = numbering.block("UDT", f"type{name}Entry", path)
+    if kind.messages is None:
+        return DeviationList(type_, min(sum(use.count for use in uses), _PLACES))
     return MessageList(kind.key, f"{kind.key.removesuffix('s')}Count", type_, kind.messages(getattr(job, kind.key)))
 
 
@@ -139,11 +156,8 @@ def _same_telegrams(
     quiet = Report()
     uses = _uses(job, kind, path, loaded, resolver.reporting(quiet), quiet)
     own = _packed(uses, other, loaded, quiet) if uses else None
-    wanted = [_request_bytes(parts, 1, 0) for parts in packed]
-    if own is not None and [_request_bytes(parts, 1, 0) for parts in own] == wanted:
-        formats = [part.use.format.code for parts in packed for part in parts]
-        if formats == [part.use.format.code for parts in own for part in parts]:
-            return
+    if own is not None and _meanings(packed) == _meanings(own):
+        return
     why = (
         f"{first.key} is a {first.device.key}, {other.key} a {other.device.key}"
         if first.device is not other.device
@@ -153,17 +167,31 @@ def _same_telegrams(
     report.add(Diagnostic("PG222", message, loaded.span((*path, "drive")), help="make a job for each kind of drive"))
 
 
-def _own_blocks(job: JobEntry, telegrams: int, drives: int, loaded: LoadedSpec, path: SpecPath, report: Report) -> bool:
+def _meanings(packed: list[tuple[Part, ...]]) -> list[tuple[bytes, list[tuple[int, bytes]]]]:
+    """Every telegram with the types of what it accesses, and what that should be where it is compared."""
+    return [
+        (
+            _request_bytes(parts, 1, 0),
+            [(part.use.format.code, part.data if part.use.compared else b"") for part in parts],
+        )
+        for parts in packed
+    ]
+
+
+def _own_blocks(
+    job: JobEntry, kind: JobKind, telegrams: int, drives: int, loaded: LoadedSpec, path: SpecPath, report: Report
+) -> bool:
     """Whether the telegrams have data blocks of their own; PG223 where that cannot be."""
     buffers = {"request": job.request, "response": job.response}
     keys = [which for which, given in buffers.items() if given.db is not None or given.name is not None]
     keys += ["buffers"] if job.buffers == "db" else []
     sized = any(given.size is not None for given in buffers.values())
-    if telegrams == 1 and drives == 1:
+    if telegrams == 1 and drives == 1 and not kind.compares:
         return bool(keys) or sized
     if keys:
-        why = f"{telegrams} telegrams" if telegrams > 1 else f"{drives} drives"
-        message = f'"{path[-1]}" has {why}: data blocks of its own are for one telegram of one drive'
+        why = f"has {telegrams} telegrams" if telegrams > 1 else f"has {drives} drives"
+        why = "compares" if kind.compares else why
+        message = f'"{path[-1]}" {why}: data blocks of its own are for one telegram of one drive that reads or writes'
         help_ = "leave the data blocks out, or make several jobs of it"
         report.add(Diagnostic("PG223", message, loaded.key_span((*path, keys[0])), help=help_))
     return False
@@ -296,9 +324,24 @@ def _own_uses(
         uses = (*uses, *_read_back(uses, items, resolver))
     if kind.poll is not None and len(uses) == len(items):
         uses = (uses[0], replace(uses[1], poll=kind.poll(getattr(job, kind.key))), *uses[2:])
+    if kind.compares:
+        uses = tuple(replace(use, compared=True) for use in uses if _comparable(use, loaded, report))
     if kind.messages is not None:
         uses = tuple(_columns(uses, kind.messages(getattr(job, kind.key)))) if len(uses) == len(items) else ()
     return uses
+
+
+_LARGEST = 4
+"""Bytes of a value that a list of deviations has room for."""
+
+
+def _comparable(use: Use, loaded: LoadedSpec, report: Report) -> bool:
+    """Whether a value fits the list of deviations; PG249 if not."""
+    if not use.format.is_string and use.format.size <= _LARGEST:
+        return True
+    message = f"{use.label} is {use.format.name}: the list of deviations has numbers of 1, 2 or 4 bytes"
+    report.add(Diagnostic("PG249", message, loaded.span((*use.path, "parameter")), help="read it in another job"))
+    return False
 
 
 def _columns(uses: tuple[Use, ...], settings: Messages) -> Iterator[Use]:

@@ -71,7 +71,7 @@ class Use:
     ``sources`` whether the values are BICO values with a drive object, ``writes`` whether it is changed; ``poll`` says
     that it is read until it is 0, ``verifies`` which use it reads back. ``column`` and ``group`` are set where the
     values belong to messages of a buffer, ``again`` where the counter of the buffer is read once more: it says which
-    use was the first.
+    use was the first. ``compared`` says that ``data`` is what the drive should have.
     """
 
     position: int
@@ -92,6 +92,7 @@ class Use:
     column: str = ""
     group: int = 0
     again: Use | None = None
+    compared: bool = False
 
     @property
     def subindex(self) -> int:
@@ -193,6 +194,20 @@ class MessageList:
         return PLACES * len(self.settings.latest_last)
 
 
+@dataclass(frozen=True, slots=True)
+class DeviationList:
+    """What a job that compares delivers: the deviations, how many there are, and whether there is none.
+
+    ``places`` of ``type`` are the elements of the array.
+    """
+
+    type: BlockRef
+    places: int
+    member: str = "deviations"
+    count: str = "deviationCount"
+    equal: str = "equal"
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class DriveJob(PlannedJob):
     """A parameter job on one drive: an instance of a function block that it shares with the same job on other drives.
@@ -212,7 +227,7 @@ class DriveJob(PlannedJob):
     retry_pause: int
     retries: int
     faq_names: bool
-    messages: MessageList | None = None
+    listed: MessageList | DeviationList | None = None
 
     @property
     def drive(self) -> PlannedDrive:
@@ -227,12 +242,22 @@ class DriveJob(PlannedJob):
     @property
     def inputs(self) -> tuple[Use, ...]:
         """The values the caller supplies."""
-        return tuple(use for use in self.uses if use.writes and not use.constant)
+        return tuple(use for use in self.uses if (use.writes or use.compared) and not use.constant)
 
     @property
     def outputs(self) -> tuple[Use, ...]:
-        """The values the block returns one by one: all that it reads, unless they are those of a buffer of messages."""
-        return tuple(use for use in self.uses if not use.writes) if self.messages is None else ()
+        """The values the block returns one by one: all that it reads, unless it makes a list of them."""
+        return () if self.listed is not None else tuple(use for use in self.uses if not use.writes)
+
+    @property
+    def messages(self) -> MessageList | None:
+        """The list that it delivers, if it reads a buffer of messages."""
+        return self.listed if isinstance(self.listed, MessageList) else None
+
+    @property
+    def deviations(self) -> DeviationList | None:
+        """The list that it delivers, if it compares."""
+        return self.listed if isinstance(self.listed, DeviationList) else None
 
     @property
     def writes(self) -> bool:

@@ -83,7 +83,7 @@ class UseResolver:
         if isinstance(item, WriteItem) and not constant:
             start = item.start if item.start is not None else _safe_default(parameter, fmt, count)
         data = b"\0" * (count * fmt.size)
-        if write:
+        if isinstance(item, WriteItem):
             data = self._pack(start, parameter, fmt, count, (*path, "value" if constant else "start")) or data
         return Use(
             position=position,

@@ -72,6 +72,8 @@ class JobConduct:
         self.fence.begin(alone=not scenario.occupied and not {"cold", "warm"} & happens)
         if scenario.messages is not None:
             fill(rig.job, rig.drive, rig.drive_object, scenario.messages)
+        if scenario.matches:
+            rig.match(scenario.keeps)
         self.before, self.wanted = rig.delivered(), self.due(scenario)
         self.requests = rig.requests() * scenario.rounds
         for (telegram, place), data in scenario.delivers.items():
@@ -155,7 +157,7 @@ class JobConduct:
     def end(self, run: Run[DriveScenario], status: int) -> None:
         """Values, errors, wire."""
         wanted = self.wanted
-        if self.rig.job.messages is not None:  # the buffer may have changed; what is not whole is not listed
+        if self.rig.job.listed is not None:  # the buffer may have changed; what is not whole is not listed
             wanted = self.due(run.scenario) if status == DONE else self.before
         check_end(self.rig, run.scenario, self.requests, self.before, wanted, status, self.polled)
         if self.rig.job.poll is not None:

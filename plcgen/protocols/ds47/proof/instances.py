@@ -116,7 +116,7 @@ class Trio:
             status = one.db.get("status")
             if not one.db.flag("done") or status != DONE:
                 raise ScenarioError(f"instance {one.key} ends with 16#{status:04X}")
-            if listed.shown(self.job, one.db) != listed.wanted(self.job, one.drive, one.drive_object):
+            if listed.shown(self.job, one.db) != listed.wanted(self.job, one.drive, one.drive_object, one.values.given):
                 raise ScenarioError(f"the list of instance {one.key} is not that of its drive")
             for use in (*self.job.outputs, *(use for use in self.job.uses if use.writes)):
                 if use.writes and use in self.job.saving:

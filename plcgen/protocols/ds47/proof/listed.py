@@ -11,6 +11,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from plcgen.proof.rig import Members
 from plcgen.protocols.ds47.plan.nouns import DriveJob
+from plcgen.protocols.ds47.proof import compared
+from plcgen.protocols.ds47.proof.contents import held
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.wire.formats import Format, Value, pack_values, padded, unpack_values
 
@@ -47,6 +49,8 @@ def groups(job: DriveJob) -> int:
 
 def paths(job: DriveJob) -> Iterator[str]:
     """Members of the block that have the list."""
+    if job.deviations is not None:
+        yield from compared.paths(job)
     if job.messages is None:
         return
     for place in range(1, GROUP * groups(job) + 1):
@@ -60,14 +64,21 @@ def shown(job: DriveJob, db: Members, prefix: str = "") -> bytes:
     return b"".join(db.bytes(prefix + path) for path in paths(job))
 
 
-def wanted(job: DriveJob, drive: Drive, drive_object: int) -> bytes:
-    """The list that the buffer of a drive makes; nothing for another kind of job. Raises KeyError."""
+def wanted(job: DriveJob, drive: Drive, drive_object: int, given: Mapping[int, bytes]) -> bytes:
+    """The list that a drive makes; nothing for another kind of job.
+
+    ``given`` are the wire bytes that the drive should have, by position of the use. Raises KeyError.
+    """
+    if job.deviations is not None:
+        return compared.content(job, given, {use.position: held(drive, drive_object, use) for use in job.uses})
     parameters = drive.objects[drive_object].parameters
     return _entries(job, {pnu: (parameters[pnu].format, parameters[pnu].values) for _, pnu in columns(job)})
 
 
-def answered(job: DriveJob, answers: Sequence[bytes]) -> bytes:
+def answered(job: DriveJob, answers: Sequence[bytes], given: Mapping[int, bytes]) -> bytes:
     """The list that good answers make, one to each telegram."""
+    if job.deviations is not None:
+        return compared.content(job, given, _came(job, answers))
     found: dict[int, tuple[Format, list[Value]]] = {}
     for telegram, answer in zip(job.telegrams, answers, strict=True):
         at = 4
@@ -78,6 +89,17 @@ def answered(job: DriveJob, answers: Sequence[bytes]) -> bytes:
                 values += unpack_values(format_, part.count, answer[at : at + part.size])
             at += padded(part.size)
     return _entries(job, found)
+
+
+def _came(job: DriveJob, answers: Sequence[bytes]) -> dict[int, bytes]:
+    """Wire bytes of every use in good answers, by its position."""
+    found: dict[int, bytes] = {}
+    for telegram, answer in zip(job.telegrams, answers, strict=True):
+        at = 4
+        for part in telegram.parts:
+            found[part.use.position] = found.get(part.use.position, b"") + answer[at + 2 : at + 2 + part.size]
+            at += 2 + padded(part.size)
+    return found
 
 
 def _entries(job: DriveJob, held: Mapping[int, tuple[Format, Sequence[Value]]]) -> bytes:

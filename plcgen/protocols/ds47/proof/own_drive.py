@@ -54,10 +54,10 @@ def _run(rig: JobRig, drive: Drive) -> int:
         meaning = MEANINGS.get(status, ("", ""))[1]
         raise ScenarioError(f"with your drive it ends with 16#{status:04X}, {meaning}{_refused(rig)}")
     number = drive.behaviour.aliases.get(job.drive.drive_object, job.drive.drive_object)
-    if listed.shown(job, rig.db) != listed.wanted(job, drive, number):
+    if listed.shown(job, rig.db) != listed.wanted(job, drive, number, {use.position: use.data for use in job.uses}):
         raise ScenarioError("the list is not that of your drive")
     for use in job.uses:
-        if (use.writes and use in job.saving) or job.messages is not None:
+        if (use.writes and use in job.saving) or job.listed is not None:
             continue  # it has returned to 0
         expected = held(drive, number, use)
         found = use.data if use.writes else rig.db.bytes(use.member, len(expected))

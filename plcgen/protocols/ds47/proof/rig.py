@@ -17,6 +17,7 @@ from plcgen.protocols.ds47.proof.stimulus import SLOTS, UNITS, shape_fb
 from plcgen.protocols.ds47.proof.words import BUILD, COUNTERS, STEP_MS
 from plcgen.protocols.ds47.sim.bench import build_unit
 from plcgen.protocols.ds47.sim.parameters import Keeps
+from plcgen.protocols.ds47.wire.formats import unpack_values
 
 SIGNALS = ("execute", "busy", "done", "error", "status", "errors", "errorInfos", "driveObject", "slot")
 ORDER = ("length", "retries", "timeout", "pause", "once", "pinned", "requestDb", "responseDb", "responseSize")
@@ -112,6 +113,13 @@ class JobRig:
         self.values.put(self.drive, self.drive_object)
         self.put_inputs()
 
+    def match(self, keeps: Mapping[int, Keeps]) -> None:
+        """The drive has what the job wants, but for what it makes of some parameters."""
+        for use in self.job.uses:
+            values = unpack_values(use.format, use.count, kept(use, self.values.given[use.position], (keeps,)))
+            there = self.drive.objects[self.drive_object].parameters[use.parameter.pnu].values
+            there[use.subindex : use.subindex + use.count] = values
+
     def address(self, *, other_bit: bool) -> None:
         """Put the drive at its address, or at the one that differs from it in bit 15."""
         self.id_value = self.job.drive.id_value ^ (OUTPUT_BIT if other_bit else 0)
@@ -140,8 +148,8 @@ class JobRig:
 
     def wanted(self, *keeps: Mapping[int, Keeps]) -> list[list[bytes]]:
         """Wire bytes that the parts of each telegram must deliver; ``keeps``: what the drive makes of written ones."""
-        if self.job.messages is not None:
-            return self._listed(listed.wanted(self.job, self.drive, self.drive_object))
+        if self.job.listed is not None:
+            return self._listed(listed.wanted(self.job, self.drive, self.drive_object, self.values.given))
         known = {use.position: held(self.drive, self.drive_object, use) for use in self.job.outputs}
         for use in self.job.outputs:
             if use.verifies is not None:
@@ -150,13 +158,14 @@ class JobRig:
 
     def delivered(self) -> list[list[bytes]]:
         """Wire bytes of the outputs, by telegrams and parts; a change has none."""
-        if self.job.messages is not None:
+        if self.job.listed is not None:
             return self._listed(listed.shown(self.job, self.db))
         return [[self.output(part) for part in t.parts if not t.writes] for t in self.job.telegrams]
 
     def _listed(self, content: bytes) -> list[list[bytes]]:
-        """A list of messages is delivered as a whole, with the last parameter."""
-        return [[b"" if part.use.again is None else content for part in t.parts] for t in self.job.telegrams]
+        """A list is delivered as a whole, with the last parameter."""
+        last = self.job.telegrams[-1].parts[-1]
+        return [[content if part is last else b"" for part in t.parts] for t in self.job.telegrams]
 
     def output(self, part: Part) -> bytes:
         """Wire bytes of a part of an output."""

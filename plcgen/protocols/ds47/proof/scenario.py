@@ -36,7 +36,8 @@ class DriveScenario(Scenario):
     was handed over; None: long behind it.
 
     ``keeps`` is what the drive makes of written values, by number of the parameter: it rounds, or clips without a word;
-    ``meanwhile`` what somebody else makes of them before they are read back.
+    ``meanwhile`` what somebody else makes of them before they are read back. ``matches``: the drive has what a job
+    that compares wants, but for ``keeps``.
 
     ``messages`` is how many are in each group of a buffer; None: as the values are. ``events`` happen in front of the
     n-th WRREC, ``rounds`` is how often all telegrams are sent; what a round has not answered has the result of the one
@@ -65,6 +66,7 @@ class DriveScenario(Scenario):
     since: int | None = None
     keeps: Mapping[int, Keeps] = field(default_factory=dict)
     meanwhile: Mapping[int, Keeps] = field(default_factory=dict)
+    matches: bool = False
     messages: int | None = None
     events: Mapping[int, Event] = field(default_factory=dict)
     rounds: int = 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
+from plcgen.protocols.ds47.proof.comparing import comparing
 from plcgen.protocols.ds47.proof.listing import listing
 from plcgen.protocols.ds47.proof.points import FEW, ends, fault, positions
 from plcgen.protocols.ds47.proof.rig import VALUE_SETS
@@ -40,7 +41,7 @@ def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
     """All of it; ``scans`` is how long a good run takes, ``longest`` how many bytes a record may have."""
     yield from _values()
     yield from _refusals(job)
-    if not job.writes and job.messages is None:
+    if not job.writes and job.listed is None:
         yield from _not_numbers(job)
     yield from _blocks(job, longest)
     yield from _record_calls(job)
@@ -51,6 +52,8 @@ def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
         yield from saving(job, job.poll)
     if job.messages is not None:
         yield from listing(job)
+    if job.deviations is not None:
+        yield from comparing(job)
 
 
 def _values() -> Iterator[DriveScenario]:

@@ -186,6 +186,8 @@ class DriveSuite:
                 value_text(rig.cpu[f"{name}.job.{path}"]) for path in (f"{member}[1].code", job.messages.count)
             )
             shown = [f"{present} {member}, the latest {latest}"]
+        if job.deviations is not None:
+            shown = [f"{value_text(rig.cpu[f'{name}.job.{job.deviations.count}'])} deviations"]
         shown = shown or [f"{use.label} written" for use in job.uses]
         more = f", .. ({len(shown)})" if len(shown) > SHOWN_VALUES else ""
         tail = f", RDREC B5 x{count}" if count else ""

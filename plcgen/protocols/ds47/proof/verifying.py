@@ -7,15 +7,14 @@ from dataclasses import replace
 from itertools import product
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part, Use
+from plcgen.protocols.ds47.proof.keeping import anything, moved, only, other
 from plcgen.protocols.ds47.proof.points import fault, positions
 from plcgen.protocols.ds47.proof.rig import VALUE_SETS
 from plcgen.protocols.ds47.proof.scenario import Contents, DriveScenario
 from plcgen.protocols.ds47.proof.words import DEVIATES, WORDS
 from plcgen.protocols.ds47.sim.parameters import Keeps
-from plcgen.protocols.ds47.wire.formats import FormatKind, Value, pack_values, unpack_values
+from plcgen.protocols.ds47.wire.formats import FormatKind
 
-INFINITE = {4: bytes.fromhex("7F800000"), 8: bytes.fromhex("7FF0000000000000")}
-"""What comes behind the largest number of each size (IEEE 754)."""
 NOT_ALLOWED = 0x11
 """Error number of a drive that does not take a request in its state."""
 
@@ -41,7 +40,7 @@ def _each(job: DriveJob, telegram: DriveTelegram, place: int, part: Part) -> Ite
     ends = {start - 1 for start in starts if start} | {part.count - 1}
     for at in sorted({*starts, *ends}):
         name = f"the drive keeps another value {at} of parameter {place} of telegram {telegram.number}"
-        keeps = {part.use.parameter.pnu: _other(part, at, 0)}
+        keeps = {part.use.parameter.pnu: other(part, at, 0)}
         yield replace(_deviates(name, telegram, {place: at}, keeps=keeps), follow=False)
 
 
@@ -60,7 +59,7 @@ def _near_zero(job: DriveJob, telegram: DriveTelegram) -> Iterator[DriveScenario
         keeps: dict[int, Keeps] = {}
         for pnu in {part.use.parameter.pnu for _, part, _ in found}:
             own = [(part, at) for _, part, at in found if part.use.parameter.pnu == pnu]
-            keeps[pnu] = _only({_index(part, at) for part, at in own}, _moved(own[0][0].use, 2))
+            keeps[pnu] = only({_index(part, at) for part, at in own}, moved(own[0][0].use, 2))
         places = {place: at for place, _, at in found}
         for turn in range(1, VALUE_SETS + 1):
             name = f"piece {number + 1} of telegram {telegram.number} is near to what was sent, set {turn}"
@@ -69,14 +68,9 @@ def _near_zero(job: DriveJob, telegram: DriveTelegram) -> Iterator[DriveScenario
             far: dict[int, Keeps] = {}
             for pnu in keeps:
                 own = [(part, at) for _, part, at in found if part.use.parameter.pnu == pnu]
-                far[pnu] = _only({_index(part, at) for part, at in own}, _anything(own[0][0].use))
+                far[pnu] = only({_index(part, at) for part, at in own}, anything(own[0][0].use))
             name = f"numbers of telegram {telegram.number} are far from what was sent, values as delivered"
             yield replace(_deviates(name, telegram, places, keeps=far, values="factory"), follow=False)
-
-
-def _only(indexes: set[int], keeps: Keeps) -> Keeps:
-    """Values of some indexes alone."""
-    return lambda index, value: keeps(index, value) if index in indexes else value
 
 
 def _one_octet(telegram: DriveTelegram, place: int) -> Iterator[DriveScenario]:
@@ -84,10 +78,10 @@ def _one_octet(telegram: DriveTelegram, place: int) -> Iterator[DriveScenario]:
     part = telegram.parts[place - 1]
     for at in dict.fromkeys((0, part.count - 1)):
         for octet in dict.fromkeys((0, part.use.format.size - 1)):
-            keeps = {part.use.parameter.pnu: _other(part, at, octet)}
+            keeps = {part.use.parameter.pnu: other(part, at, octet)}
             where = f"octet {octet} of value {at} of parameter {place} of telegram {telegram.number}"
             yield _deviates(f"the drive keeps another {where}", telegram, {place: at}, keeps=keeps)
-    keeps = {part.use.parameter.pnu: _other(part, 0, 0)}
+    keeps = {part.use.parameter.pnu: other(part, 0, 0)}
     name = f"somebody else changes parameter {place} of telegram {telegram.number}"
     yield _deviates(name, telegram, {place: 0}, meanwhile=keeps)
     name = f"parameter {place} of telegram {telegram.number} is another one, in a format 41h to 43h"
@@ -98,13 +92,13 @@ def another(telegram: DriveTelegram, place: int) -> DriveScenario:
     """The drive keeps another first value of a parameter."""
     part = telegram.parts[place - 1]
     name = f"the drive keeps another first value of parameter {place} of telegram {telegram.number}"
-    return _deviates(name, telegram, {place: 0}, keeps={part.use.parameter.pnu: _other(part, 0, 0)})
+    return _deviates(name, telegram, {place: 0}, keeps={part.use.parameter.pnu: other(part, 0, 0)})
 
 
 def _several(job: DriveJob, telegram: DriveTelegram) -> Iterator[DriveScenario]:
     """Every parameter is another one; the first cannot be read, the last is another one."""
     number, last = telegram.number, len(telegram.parts)
-    found = {part.use.parameter.pnu: _anything(part.use) for part in telegram.parts}
+    found = {part.use.parameter.pnu: anything(part.use) for part in telegram.parts}
     places = dict.fromkeys(range(1, last + 1), 0)
     yield _deviates(f"the drive keeps other values of telegram {number}", telegram, places, keeps=found)
     part = telegram.parts[-1]
@@ -113,7 +107,7 @@ def _several(job: DriveJob, telegram: DriveTelegram) -> Iterator[DriveScenario]:
     yield DriveScenario(
         name=f"the first parameter of telegram {number} cannot be read, the last one is another one",
         faults=(fault(job, number, 1, NOT_ALLOWED, 1),),
-        keeps={part.use.parameter.pnu: _other(part, 0, 0)},
+        keeps={part.use.parameter.pnu: other(part, 0, 0)},
         status=(WORDS["PARAMETER_ERROR"],),
         telegram=number,
         errors={(number, 1): (0x8000 | NOT_ALLOWED, 0), (number, last): (DEVIATES, _index(part, 0))},
@@ -149,34 +143,6 @@ def _index(part: Part, at: int) -> int:
     return part.subindex + at
 
 
-def _other(part: Part, at: int, octet: int) -> Keeps:
-    """One octet of one value is another one; at the end of a number in floating point two units of the last place."""
-    use = part.use
-    fmt = use.format
-    bit = 0x02 if octet and fmt.kind is FormatKind.FLOAT else 0x01
-
-    def keeps(index: int, value: Value) -> Value:
-        if not fmt.is_string and index != part.subindex + at:
-            return value
-        data = bytearray(pack_values(fmt, [value]))
-        data[at if fmt.is_string else octet] ^= bit
-        return unpack_values(fmt, len(data) if fmt.is_string else 1, bytes(data))[0]
-
-    return keeps
-
-
-def _anything(use: Use) -> Keeps:
-    """Every value of a parameter is another one."""
-    fmt = use.format
-
-    def keeps(_: int, value: Value) -> Value:
-        data = bytearray(pack_values(fmt, [value]))
-        data[0] ^= 0x01
-        return unpack_values(fmt, len(data) if fmt.is_string else 1, bytes(data))[0]
-
-    return keeps
-
-
 def _rounded(uses: list[Use], telegram: DriveTelegram) -> Iterator[DriveScenario]:
     """One unit in the last place, up or down, is what rounding may do; two are not. Both zeros are one number."""
     floats = [use for use in uses if use.format.kind is FormatKind.FLOAT]
@@ -185,31 +151,11 @@ def _rounded(uses: list[Use], telegram: DriveTelegram) -> Iterator[DriveScenario
     odd: list[Contents] = ["odd"] * VALUE_SETS
     for values in ("factory", "next", "low", "high", *odd):
         for step in (1, -1):
-            keeps = {use.parameter.pnu: _moved(use, step) for use in floats}
+            keeps = {use.parameter.pnu: moved(use, step) for use in floats}
             name = f"the drive rounds by {step} unit in the last place, values {values}"
             yield DriveScenario(name=name, keeps=keeps, values=values, follow=False)
     places = [n for n, part in enumerate(telegram.parts, 1) if part.use.format.kind is FormatKind.FLOAT]
     for values, step in product(("factory", *odd), (2, -2) if places else ()):
-        keeps = {use.parameter.pnu: _moved(use, step) for use in floats}
+        keeps = {use.parameter.pnu: moved(use, step) for use in floats}
         name = f"the drive rounds by {step} units in the last place, values {values}"
         yield _deviates(name, telegram, dict.fromkeys(places, 0), keeps=keeps, values=values)
-
-
-def _moved(use: Use, step: int) -> Keeps:
-    """The number that is so many steps away from zero or nearer to it; of a zero and one step the other zero.
-
-    What has no such number stays as it is.
-    """
-    fmt = use.format
-    magnitude = (1 << (8 * fmt.size - 1)) - 1
-    infinite = int.from_bytes(INFINITE[fmt.size])
-
-    def keeps(_: int, value: Value) -> Value:
-        bits = int.from_bytes(pack_values(fmt, [value]))
-        if bits & magnitude:
-            bits += step if (bits + step) & magnitude < infinite else 0
-        else:
-            bits ^= magnitude + 1 if abs(step) == 1 else abs(step)
-        return unpack_values(fmt, 1, bits.to_bytes(fmt.size))[0]
-
-    return keeps

@@ -26,6 +26,10 @@ _TICKETS = 100_000
 _MEMBERS = ("busy", "done", "error", "status", "errors", "errorInfos")
 _OF_UNIT = {"retries": "retries", "reference": "telegram[0]", "recordStatus": "recordStatus"}
 """What a job shows of its unit while it holds it."""
+_LISTED = 4
+"""Deviations that are shown."""
+_ENTRY = ("parameter", "index", "wanted", "found")
+"""Of each of them."""
 _OWN = frozenset({"execute", "state", "telegram", *_MEMBERS, *_OF_UNIT})
 """Names of signals that a value may have too: not all of them are names at the interface of the block."""
 
@@ -98,6 +102,11 @@ def job_signals(cpu: Cpu, plan: DrivePlan, job: DriveJob, units: UnitWatch) -> I
         yield signal(cpu, job.key, name, f"{own}.{name}", names=names)
     if job.messages is not None:
         yield signal(cpu, job.key, job.messages.count, f"{own}.{job.messages.count}", listed=True)
+    if job.deviations is not None:
+        found = job.deviations
+        entries = (f"{found.member}[{n}].{name}" for n in range(1, min(found.places, _LISTED) + 1) for name in _ENTRY)
+        for name in (found.count, found.equal, *entries):
+            yield signal(cpu, job.key, name, f"{own}.{name}", listed=True)
     for use in (*job.inputs, *job.outputs):
         name = f"{use.member}_value" if use.member in _OWN else use.member
         path = f"{own}.{use.member}"
@@ -160,10 +169,10 @@ class DriveJobWatch:
         word, info = _element(errors, use.position), _element(infos, use.position)
         number = word & 0xFF if word & 0xFF00 == 0x8000 else None
         value: Value | None = None
-        if use.writes and use.constant:
+        if (use.writes or use.compared) and use.constant:
             values = [_octets(item) for item in unpack_values(use.format, use.count, use.data)]
             value = plain(values[0] if len(values) == 1 else values)
-        elif use.again is None and (use.writes or (finished and word in {0, ERROR_DEVIATES})):
+        elif use.again is None and (use.writes or use.compared or (finished and word in {0, ERROR_DEVIATES})):
             value = plain(self._cpu[f"{self._path}.{value_path(self._planned, use)}"])
         parameter = use.parameter
         text = error_text(number).explain(info) if number is not None else ""

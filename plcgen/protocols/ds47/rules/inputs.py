@@ -1,4 +1,4 @@
-"""Rules about inputs: what a job writes if nobody connects them."""
+"""Rules about inputs: what a job writes or compares with if nobody connects them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def unconnected(plan: DrivePlan) -> Iterator[Diagnostic]:
         instances = [job for job in plan.jobs if job.shape == shape.shape]
         for use in shape.inputs:
             found = next((job for job in instances if use.parameter.pnu in job.drive.device.bases), None)
-            if found is not None and not given_start(plan, shape, use):
+            if found is not None and use.writes and not given_start(plan, shape, use):
                 device = found.drive.device.key
                 message = f"{use.label} is a limit or reference of {device}, and its input has no start value"
                 help_ = f"write {use.label}: {{start: ..}}, or a constant"
@@ -30,16 +30,17 @@ def unconnected(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 
 def left_open(plan: DrivePlan) -> Iterator[Diagnostic]:
-    """PG227, a note for each job with inputs: what it writes to which drives if nothing is connected to them."""
+    """PG227, a note for each job with inputs: which values go to which drives if nothing is connected to them."""
     for shape in plan.shapes:
         if not shape.inputs:
             continue
         written = [_written(plan, use) for use in shape.inputs]
         open_ = [use.label for use in shape.inputs if not given_start(plan, shape, use)]
         help_ = f"connect its inputs, or choose: {open_[0]}: {{start: ..}}" if open_ else ""
+        does, to = ("writes", "to") if shape.writes else ("wants", "of")
         yield Diagnostic(
             "PG227",
-            f'if nothing is connected, "{shape.shape}" writes {_list(written)} to {_drives(plan, shape)}',
+            f'if nothing is connected, "{shape.shape}" {does} {_list(written)} {to} {_drives(plan, shape)}',
             plan.loaded.key_span(shape.path),
             Severity.NOTE,
             help=help_,

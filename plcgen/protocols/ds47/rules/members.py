@@ -25,6 +25,9 @@ _OWN = frozenset(
 )  # fmt: skip
 """Members and constants of job blocks, in lower case."""
 
+_LISTED = frozenset({"deviations", "deviationcount", "equal"})
+"""Members of job blocks that compare."""
+
 _PREFIXED = re.compile(r"(?:[Ss]tat|[Tt]emp|[Ii]nst)[A-Z0-9]|(?i:state_|status_)")
 _SHOWN = 8
 
@@ -50,7 +53,8 @@ def interface_members(plan: DrivePlan) -> Iterator[Diagnostic]:
         first: dict[str, Use] = {}
         for use in job.uses:
             span = member_span(plan, use)
-            if use.member.lower() in _OWN or _PREFIXED.match(use.member):
+            own = _OWN if job.deviations is None else _OWN | _LISTED
+            if use.member.lower() in own or _PREFIXED.match(use.member):
                 yield Diagnostic(
                     "PG406",
                     f'{use.label}: the block itself has a member or constant called "{use.member}"',

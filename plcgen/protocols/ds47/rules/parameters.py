@@ -35,7 +35,7 @@ def access(plan: DrivePlan) -> Iterator[Diagnostic]:
                 help_ = f"write P{use.parameter.pnu} if the drive accepts values for it"
             elif not use.writes and use.parameter.access == "w" and use.verifies is None:
                 message = f"{name} can only be written"
-                help_ = "remove it from read"
+                help_ = f"remove it from {job.kind}"
             else:
                 continue
             yield Diagnostic("PG207", message, span(plan, use), help=help_)
@@ -47,15 +47,18 @@ def own_numbers(plan: DrivePlan, job: DriveJob) -> set[int | None]:
 
 
 def repeated(plan: DrivePlan) -> Iterator[Diagnostic]:
-    """PG213: a job writes the same value of a parameter twice; the last one would win."""
+    """PG213: a job writes or compares the same value of a parameter twice; the last one would win."""
     for job in plan.shapes:
         bynumber_of: dict[int, list[Use]] = {}
         for use in job.uses:
-            if not use.writes:
+            if not (use.writes or use.compared):
                 continue
             bynumber_of.setdefault(use.parameter.pnu, []).append(use)
         for uses in bynumber_of.values():
             yield from _overlaps(plan, uses)
+
+
+_LAST_WINS = "a drive takes the values in order, so the last one wins: remove one of them"
 
 
 def _overlaps(plan: DrivePlan, uses: list[Use]) -> Iterator[Diagnostic]:
@@ -63,12 +66,13 @@ def _overlaps(plan: DrivePlan, uses: list[Use]) -> Iterator[Diagnostic]:
     for use in sorted(uses, key=lambda item: (item.subindex, item.position)):
         if furthest is not None and use.subindex <= _last(furthest):
             first, second = sorted((furthest, use), key=lambda item: item.position)
+            does = "written" if use.writes else "compared"
             yield Diagnostic(
                 "PG213",
-                f"{second.label} is written twice in this job",
+                f"{second.label} is {does} twice in this job",
                 parameter_span(plan, second),
-                help="a drive takes the values in order, so the last one wins: remove one of them",
-                notes=(Note(f"first written as {first.label}", parameter_span(plan, first)),),
+                help=_LAST_WINS if use.writes else "remove one of them",
+                notes=(Note(f"first {does} as {first.label}", parameter_span(plan, first)),),
             )
         if furthest is None or _last(use) > _last(furthest):
             furthest = use

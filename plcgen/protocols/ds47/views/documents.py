@@ -12,6 +12,7 @@ from plcgen.protocols.ds47 import guards, hardware
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
 from plcgen.protocols.ds47.plan.values import value_text
 from plcgen.protocols.ds47.views.calls import caller
+from plcgen.protocols.ds47.views.deviations import deviation_types
 from plcgen.protocols.ds47.views.engine import programs as engine_programs
 from plcgen.protocols.ds47.views.engine import types
 from plcgen.protocols.ds47.views.messages import entry_types
@@ -25,7 +26,7 @@ def contribution(plan: DrivePlan) -> Contribution:
     return Contribution(
         family="DS47",
         jobs="drive jobs",
-        types=[*types(plan), *entry_types(plan)],
+        types=[*types(plan), *entry_types(plan), *deviation_types(plan)],
         data=[
             *(_unit(plan, unit) for unit in plan.units),
             DataBlock(engine.gate_db, "Places for record jobs", (gate,)),

@@ -21,6 +21,7 @@ from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
 from plcgen.protocols.ds47.plan.pack import BLOCK_HEADER
 from plcgen.protocols.ds47.plan.types import element_type
+from plcgen.protocols.ds47.views.deviations import deviation_values, deviations_view, right_answer
 from plcgen.protocols.ds47.views.engine import names, versions
 from plcgen.protocols.ds47.views.messages import list_values, messages_view
 from plcgen.protocols.ds47.views.rows import buffer_blocks
@@ -59,8 +60,13 @@ def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
         flags=dict(job.trigger.items()),
         signals=signals(plan),
         inputs=[_value(plan, use, start=True) for use in job.inputs],
-        outputs=[*(_value(plan, use, start=False) for use in job.outputs), *list_values(plan, job)],
+        outputs=[*(_value(plan, use, start=False) for use in job.outputs), *_lists(plan, job)],
     )
+
+
+def _lists(plan: DrivePlan, job: DriveJob) -> list[CallerValue]:
+    """What the block delivers instead of single values."""
+    return [*list_values(plan, job), *deviation_values(plan, job)]
 
 
 def _value(plan: DrivePlan, use: Use, *, start: bool) -> CallerValue:
@@ -105,6 +111,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "poll": None if job.poll is None else _poll(plan, job),
         "verify": None if not job.verified else _verify(job),
         "messages": None if job.messages is None else messages_view(plan, job, job.messages),
+        "deviations": None if job.deviations is None else deviations_view(job, job.deviations),
         "pinned": job.pinned,
         "many": len(job.telegrams) > 1,
         "title": label,
@@ -116,12 +123,12 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "inputs": [_interface(plan, use, start=True) for use in job.inputs],
         "outputs": [
             *(_interface(plan, use, start=False) for use in job.outputs),
-            *(value.member for value in list_values(plan, job)),
+            *(value.member for value in _lists(plan, job)),
         ],
         "telegrams": [_telegram(plan, job, telegram, aligned=_aligned(job)) for telegram in job.telegrams],
         "input_copies": [] if job.pinned else _copies(plan, job, response=False),
         "own_writes": _own_writes(plan, job) if job.pinned else [],
-        "output_copies": _copies(plan, job, response=True) if job.messages is None else [],
+        "output_copies": _copies(plan, job, response=True) if job.listed is None else [],
     }
 
 
@@ -242,7 +249,7 @@ def _order(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
 
 def _label(use: Use) -> str:
     """Line of the header: which index of ``errors`` belongs to which parameter."""
-    does = "writes" if use.writes else "reads" if use.verifies is None else "reads back"
+    does = "writes" if use.writes else "compares" if use.compared else "reads" if use.verifies is None else "reads back"
     does += " again" if use.again is not None else ""
     text = f"{use.position}: {does} {use.label} {use.parameter.title}"
     return one_line(text)
@@ -283,7 +290,9 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "saves": telegram.writes and telegram.parts[0].use in job.saving,
         "asks": telegram.parts[0].use.poll is not None,
         "closes": closes,
-        "keeps": not telegram.writes and not closes,
+        "keeps": not telegram.writes and not closes and job.deviations is None,
+        "wanted": _bytes(right_answer(telegram), v5=plan.target.v5) if job.deviations is not None else "",
+        "asks_for_inputs": any(part.use.compared and not part.use.constant for part in telegram.parts),
         "suffix": _suffix(job, telegram),
         "request_type": telegram.request.type.name,
         "response_type": telegram.response.type.name,
@@ -323,11 +332,12 @@ def _copies(plan: DrivePlan, job: DriveJob, *, response: bool) -> list[dict[str,
     """Moves between the block's interface and the value members of its buffers."""
     copies = []
     for telegram in job.telegrams:
-        view = f"stat{'Response' if response else 'Request'}View{_suffix(job, telegram)}"
+        wanted = job.deviations is not None
+        view = f"stat{'Wanted' if wanted else 'Response' if response else 'Request'}View{_suffix(job, telegram)}"
         blocks = {id(part): number for number, part in enumerate(telegram.parts, 1)}
-        if telegram.writes == response:
+        if telegram.writes == response and not wanted:
             continue
-        for field in telegram.response.fields if response else telegram.request.fields:
+        for field in telegram.response.fields if response or wanted else telegram.request.fields:
             if field.role != "value" or field.part is None or (not response and field.part.use.constant):
                 continue
             copy = _copy(plan, field, field.part, f"{view}.{field.name}", response=response)

@@ -1,0 +1,92 @@
+"""View of a job that compares: its list of deviations, and the answer that would be right."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from plcgen.documents.members import fixed, plain
+from plcgen.documents.nouns import CallerValue, TypeBlock
+from plcgen.documents.spelling import type_words
+from plcgen.protocols.ds47.plan.nouns import DeviationList, DriveJob, DrivePlan, DriveTelegram
+from plcgen.protocols.ds47.wire.formats import Format, FormatKind, padded
+from plcgen.protocols.ds47.wire.model import HEADER_SIZE
+
+_ENTRY = (
+    ("parameter", "DINT", "number of the parameter"),
+    ("index", "DINT", "index, 0 without one"),
+    ("wanted", "REAL", "what the drive should have"),
+    ("found", "REAL", "what it has"),
+    ("wantedBits", "DWORD", "what the drive should have, as it is on the wire"),
+    ("foundBits", "DWORD", "what it has, as it is on the wire"),
+)
+_WATCHED = 8
+"""Entries in the watch table."""
+
+
+def deviation_values(plan: DrivePlan, job: DriveJob) -> Iterator[CallerValue]:
+    """The list of deviations, how many there are, and whether there is none, at the block and in the control DB."""
+    found = job.deviations
+    if found is None:
+        return
+    words = type_words(tia=not plan.target.v5)
+    type_ = f'{words["ARRAY"]}[1..{found.places}] {words["OF"]} "{found.type.name}"'
+    shown = (("parameter", "DEC"), ("found", "FloatingPoint"))
+    places = range(1, min(found.places, _WATCHED) + 1)
+    watched = tuple((f"[{place}].{name}", format_) for place in places for name, format_ in shown)
+    text = "values that are other ones, empty places behind them"
+    yield CallerValue(plain(plan, found.member, type_, text), watched)
+    text = "how many values are other ones, those without a place too"
+    yield CallerValue(plain(plan, found.count, words["INT"], text), (("", "DEC"),))
+    yield CallerValue(plain(plan, found.equal, words["BOOL"], "no value is another one"), (("", "Bool"),))
+
+
+def deviation_types(plan: DrivePlan) -> Iterator[TypeBlock]:
+    """The types of the entries: the same members in each."""
+    for job in plan.shapes:
+        if job.deviations is not None:
+            yield TypeBlock(job.deviations.type, fixed(plan, _ENTRY), job.comment)
+
+
+def deviations_view(job: DriveJob, found: DeviationList) -> dict[str, Any]:
+    """What a block needs that compares.
+
+    ``sizes``: sizes of values in bytes with the codes of the formats that have it, the largest last; ``kinds``: how
+    values become numbers, with codes; ``more``: there may be more deviations than places.
+    """
+    formats = sorted({use.format.code: use.format for use in job.uses}.items())
+    sizes: dict[int, list[int]] = {}
+    kinds: dict[str, list[int]] = {}
+    for code, format_ in formats:
+        sizes.setdefault(format_.size, []).append(code)
+        kinds.setdefault(_kind(format_), []).append(code)
+    many = len(job.telegrams) > 1
+    return {
+        "type": found.type.name,
+        "member": found.member,
+        "count": found.count,
+        "equal": found.equal,
+        "places": found.places,
+        "more": sum(use.count for use in job.uses) > found.places,
+        "entry": [(name, {"DINT": "L#0", "REAL": "0.0", "DWORD": "DW#16#0"}[type_]) for name, type_, _ in _ENTRY],
+        "list": "statDeviations" if many else found.member,
+        "counted": "statCount" if many else "tempCount",
+        "sizes": sorted(sizes.items()),
+        "kinds": list(kinds.items()),
+        "odd": any(use.format.size % 2 for use in job.uses),
+    }
+
+
+def _kind(format_: Format) -> str:
+    if format_.kind is FormatKind.FLOAT:
+        return "float"
+    signed = format_.kind is FormatKind.SIGNED
+    return f"signed{format_.size}" if signed else "unsigned4" if format_.size == 4 else "unsigned"
+
+
+def right_answer(telegram: DriveTelegram) -> bytes:
+    """The answer of a drive that has what it should have, without its header, as long as the longest answer."""
+    found = bytes(HEADER_SIZE)
+    for part in telegram.parts:
+        found += bytes((part.use.format.code, part.count)) + part.data.ljust(padded(part.size), b"\0")
+    return found.ljust(telegram.response.size, b"\0")
