@@ -59,6 +59,11 @@ EQUIVALENT = {
     ),
     r"^\w+: 0 -> 1: IF statLast > 0 AND NOT statChanged THEN": "a buffer is read in two telegrams at least",
     r"^ReadHistory: dropped: statOrder\.length := 10 \(2\)$": "the telegram before it is as long",
+    r"^CheckRecipe: dropped: statOrder\.length := 16 \(2\)$": "the telegram before it is as long",
+    r"^CheckRecipe: 6 -> 7: statDeviations.*index := .*\(3\)$": "the last parameter has no index: its bytes are all 0",
+    r"^CheckRecipe: exchanged: FOR tempIndex := 300": "two pieces of one input, whichever is copied first",
+    r"^CheckDrive: \d+ -> \d+: FOR tempPart := 0 TO": "behind the wanted answer are zeros: no value",
+    r"^CheckDrive: DW#16#0000FFFF -> \S+: .*\.wanted :=": "a source has more digits than a REAL: the last bit is lost",
     r"^\w+: 0 -> 1: tempCount := 0;": "fewer than three bytes are no frame of PPI, whether none or one",
 }
 """Reasons by block, description of a mutant without the # of the TIA Portal, and its turn among those alike."""

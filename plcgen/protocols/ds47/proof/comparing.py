@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import struct
+from collections.abc import Iterator, Mapping
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob, Use
-from plcgen.protocols.ds47.proof.compared import swapped
+from plcgen.protocols.ds47.proof.compared import SIGN, swapped
 from plcgen.protocols.ds47.proof.keeping import anything, moved, other
 from plcgen.protocols.ds47.proof.points import ends, positions
 from plcgen.protocols.ds47.proof.rig import VALUE_SETS
@@ -27,6 +28,10 @@ def comparing(job: DriveJob) -> Iterator[DriveScenario]:
             if floats:
                 name = f"numbers are {step} units of the last place away, values {values}, set {number}"
                 yield _run(name, floats, values)
+        near = {use.parameter.pnu: _below_zero for use in job.uses if _is_float(use)}
+        if near:
+            yield _run(f"zeros are the smallest number of the other sign, values {values}, set {number}", near, values)
+    yield _run("all values are 1", dict.fromkeys((use.parameter.pnu for use in job.uses), _one), "next")
     for telegram in ends(job):
         for place in positions(telegram):
             part = telegram.parts[place - 1]
@@ -37,7 +42,7 @@ def comparing(job: DriveJob) -> Iterator[DriveScenario]:
                     yield _run(f"the drive has another {where}", keeps, "next")
 
 
-def _run(name: str, keeps: dict[int, Keeps], values: Contents) -> DriveScenario:
+def _run(name: str, keeps: Mapping[int, Keeps], values: Contents) -> DriveScenario:
     return DriveScenario(name=name, matches=True, keeps=keeps, values=values, follow=False)
 
 
@@ -47,6 +52,16 @@ def _all(job: DriveJob, make: object) -> dict[int, Keeps]:
 
 def _is_float(use: Use) -> bool:
     return use.format.kind is FormatKind.FLOAT
+
+
+def _one(_: int, value: Value) -> Value:
+    return type(value)(1)
+
+
+def _below_zero(_: int, value: Value) -> Value:
+    """80000001h instead of 0.0, 00000001h instead of -0.0; other numbers stay."""
+    bits = int.from_bytes(struct.pack(">f", value))
+    return float(struct.unpack(">f", (bits ^ SIGN | 1).to_bytes(4))[0]) if not bits & ~SIGN else value
 
 
 def _other_sign(use: Use) -> Keeps:

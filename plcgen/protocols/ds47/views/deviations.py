@@ -34,11 +34,11 @@ def deviation_values(plan: DrivePlan, job: DriveJob) -> Iterator[CallerValue]:
     shown = (("parameter", "DEC"), ("found", "FloatingPoint"))
     places = range(1, min(found.places, _WATCHED) + 1)
     watched = tuple((f"[{place}].{name}", format_) for place in places for name, format_ in shown)
-    text = "values that are other ones, empty places behind them"
+    text = "values that deviate, empty places behind them"
     yield CallerValue(plain(plan, found.member, type_, text), watched)
-    text = "how many values are other ones, those without a place too"
+    text = "how many values deviate, those without a place too"
     yield CallerValue(plain(plan, found.count, words["INT"], text), (("", "DEC"),))
-    yield CallerValue(plain(plan, found.equal, words["BOOL"], "no value is another one"), (("", "Bool"),))
+    yield CallerValue(plain(plan, found.equal, words["BOOL"], "no value deviates"), (("", "Bool"),))
 
 
 def deviation_types(plan: DrivePlan) -> Iterator[TypeBlock]:
@@ -70,7 +70,7 @@ def deviations_view(job: DriveJob, found: DeviationList) -> dict[str, Any]:
         "more": sum(use.count for use in job.uses) > found.places,
         "entry": [(name, {"DINT": "L#0", "REAL": "0.0", "DWORD": "DW#16#0"}[type_]) for name, type_, _ in _ENTRY],
         "list": "statDeviations" if many else found.member,
-        "counted": "statCount" if many else "tempCount",
+        "counted": "statOthers" if many else "tempOthers",
         "sizes": sorted(sizes.items()),
         "kinds": list(kinds.items()),
         "odd": any(use.format.size % 2 for use in job.uses),
