@@ -25,7 +25,7 @@ _KEYWORDS: dict[str, tuple[frozenset[Dialect], str, str]] = {
     "LABEL": (_TIA, "LABEL sections", "delete the section, a label needs no declaration"),
     "CONST": (_TIA, "CONST sections", "use VAR CONSTANT with a type"),
     "DIV": (_TIA, "the operator DIV", "use /, which divides integers as integers"),
-    "REGION": (_CLASSIC, "REGION", "use a comment"),
+    "REGION": (frozenset({_V5}), "REGION", "use a comment"),
     "=>": (frozenset({_V5}), "=>", "read the output from the instance DB after the call"),
 }
 _COMBINED = frozenset({"+=", "-=", "*=", "/=", "&=", "**=", "?="})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from plcgen.cpu.compiler.access import Access
@@ -29,6 +30,9 @@ from plcgen.scl.instructions import INSTRUCTIONS
 _METHODS = frozenset({"TON", "TOF", "TP"})
 _TIMER_TYPES = frozenset({"IEC_TIMER", *(f"{name}_TIME" for name in _METHODS)})
 """Types of one layout that are called as ``timer.TON(..)`` on an S7-1200/1500."""
+_LIKEWISE = re.compile(r"IEC_L?TIMER|(?:TP|TON|TOF|TONR)_L?TIME|IEC_U?[SDL]?COUNTER|CT(?:U|D|UD)_U?[SDL]?INT")
+_FORMS = _METHODS | {"TONR", "CTU", "CTD", "CTUD"}
+"""Of these, the soft CPU executes those above; all of them compile (help of the TIA Portal, timers and counters)."""
 _IN, _OUT, _INOUT = SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT
 
 
@@ -121,6 +125,10 @@ class Calls:
             if place is not None:
                 self.call_instance(node, place, target.name.upper())
             return
+        if isinstance(target, ast.Member) and target.name.upper() in _FORMS and self.has_forms(target.base):
+            self.context.error("PG827", f"the soft CPU does not execute {target.name} of this type", node)
+            self.arguments.look_at(node)
+            return
         place = self.places.place(target)
         if place is None or self.context.link.is_opaque(place.shape):
             self.arguments.look_at(node)
@@ -133,13 +141,21 @@ class Calls:
 
     def is_timer(self, node: ast.Expression) -> bool:
         """Whether ``x`` of ``x.TON(..)`` is an IEC_TIMER of its own or in a data block."""
+        return self.called_type(node) in _TIMER_TYPES
+
+    def has_forms(self, node: ast.Expression) -> bool:
+        """Whether ``x`` of ``x.CTU(..)`` is another IEC timer, or a counter."""
+        return not self.context.classic and _LIKEWISE.fullmatch(self.called_type(node)) is not None
+
+    def called_type(self, node: ast.Expression) -> str:
+        """Upper-case name of the type before the dot, also of a data block that is such an instance; empty if none."""
         if isinstance(node, ast.Name) and self.places.symbol(node) is None:
             found = self.context.link.find(node.name)
             if found is not None and found.block.kind is BlockKind.DB and found.block.instance_of:
-                return found.block.instance_of.upper() in _TIMER_TYPES
+                return found.block.instance_of.upper()
         place = self.places.place(node)
         type_ = place.shape.type if place is not None else None
-        return isinstance(type_, NamedType) and type_.name.upper() in _TIMER_TYPES
+        return type_.name.upper() if isinstance(type_, NamedType) else ""
 
     def plain_call(self, node: ast.Call, target: ast.Name) -> None:
         """Compile a function of the language whose value nobody wants, or report a missing block."""

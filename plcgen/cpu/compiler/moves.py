@@ -94,6 +94,9 @@ class Moves:
         """``MOVE_BLK(IN := a[0], COUNT := n, OUT => b[0])`` and FILL_BLK."""
         bound = self.functions.bind(node, ("IN", "COUNT", "OUT"))
         count = self.expressions.value(bound["COUNT"]).wrapped
+        if name.endswith("FILL_BLK") and isinstance(bound["OUT"], ast.Member) and self.places.place(bound["OUT"]):
+            self.context.error("PG827", f"the soft CPU executes {name} with elements of an array only", node)
+            return unknown()  # help of the TIA Portal, FILL_BLK, "Examples with a structure"
         target = self.tail(bound["OUT"])
         if name.endswith("FILL_BLK"):
             place = self.places.place(bound["OUT"])

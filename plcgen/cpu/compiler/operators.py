@@ -315,8 +315,10 @@ class Operators:
         if operator in {"+", "-"}:
             if kinds[0] in DURATIONS and (kinds[0] == kinds[1] or (number and not self.context.classic)):
                 return Val(f"{codes[0]}{operator}({codes[1]})", kinds[0], raw=True, pure=pure)
-            if kinds == ("LTIME", "TIME"):
-                return Val(f"{codes[0]}{operator}({codes[1]})*1000000", "LTIME", raw=True, pure=pure)
+            if kinds in {("LTIME", "TIME"), ("LTIME_OF_DAY", "TIME")}:
+                return Val(f"{codes[0]}{operator}({codes[1]})*1000000", kinds[0], raw=True, pure=pure)
+            if kinds[0] == "LTIME_OF_DAY" and number and not self.context.rules.checked:
+                return Val(f"{codes[0]}{operator}({codes[1]})", kinds[0], raw=True, pure=pure)
             if kinds[0] == "TIME_OF_DAY" and (kinds[1] == "TIME" or (number and not self.context.rules.checked)):
                 return Val(f"(({codes[0]}{operator}{codes[1]})%86400000)", "TIME_OF_DAY", pure=pure)
             if kinds == ("TIME_OF_DAY", "TIME_OF_DAY") and operator == "-":
