@@ -78,7 +78,8 @@ class Figures:
     refused: list[tuple[str, str, str]] = field(default_factory=list)
     names: Counter[str] = field(default_factory=Counter)
     types: Counter[str] = field(default_factory=Counter)
-    strict: int = 0
+    strict: Counter[str] = field(default_factory=Counter)
+    """What the IEC check of the target adds, by verdict; ``check`` compiles where it is off."""
     compiled: Counter[str] = field(default_factory=Counter)
     unjudged: list[tuple[str, str, Diagnostic]] = field(default_factory=list)
     seeded: Counter[str] = field(default_factory=Counter)
@@ -184,7 +185,12 @@ def _programs(place: Path, paths: list[Path], target: Dialect, judged: Judged, f
         program, rest = _without_twins(rest)
         strict = _problems(check_program(program, target, iec_check=IecCheck.AS_STATED, documents=documents))
         free = _problems(check_program(program, target, iec_check=IecCheck.OFF, documents=documents))
-        figures.strict += len([d for d in strict if d.code in TYPES]) - len([d for d in free if d.code in TYPES])
+        said = {(d.span, d.code, d.message) for d in free}
+        for problem in strict:
+            if problem.code in TYPES and (problem.span, problem.code, problem.message) not in said:
+                short = Path(problem.span.file).relative_to(place).as_posix()
+                verdict = judged.verdicts.get((name, short, problem.span.line, problem.code), ("", ""))[0]
+                figures.strict[verdict or OPEN] += 1
         for problem in free:
             short = Path(problem.span.file).relative_to(place).as_posix()
             verdict = judged.verdicts.get((name, short, problem.span.line, problem.code), ("", ""))[0]
@@ -252,7 +258,10 @@ def _lines(figures: Figures) -> Iterator[str]:
     for verdict, count in figures.names.most_common():
         yield f"    {verdict}: {count}"
     types = sum(figures.types.values())
-    yield f"  types: {types} without IEC check, {figures.strict} more with the IEC check of the target"
+    more = sum(figures.strict.values())
+    yield f"  types: {types} without IEC check, {more} more with the IEC check of the target"
+    for verdict, count in figures.strict.most_common():
+        yield f"    more, {verdict}: {count}"
     for verdict, count in figures.types.most_common():
         yield f"    {verdict}: {count}"
     yield f"  of these in sources that are known to compile: {sum(figures.compiled.values())}"
