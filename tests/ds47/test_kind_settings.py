@@ -59,6 +59,21 @@ G120, S120 = "sinamics-g120", "sinamics-s120"
             "write or",
         ),
         (S120, "acknowledge: true, verify: readback", "PG247", "writes no values"),
+        (G120, "sequence: []", "PG107", ""),
+        (G120, "sequence: [{}]", "PG107", "this one nothing"),
+        (G120, "sequence: [{read: r21, write: {P1120: 1.0}}]", "PG107", "this one read and write"),
+        (G120, "sequence: [{until: {timeout: 5s}}]", "PG107", "it is not said for what the step waits"),
+        (G120, "sequence: [{until: {r722.0: null}}]", "PG107", "it is not said what r722.0 must be"),
+        (G120, 'sequence: [{until: {r21: "> "}}]', "PG107", "compares r21 with nothing"),
+        (
+            G120,
+            "sequence: [{until: {r21: 1.0, timeout: 1s, interval: 2s}}]",
+            "PG107",
+            "the second question comes after",
+        ),
+        (G120, "sequence: [{write: {P971: 1}}]", "PG219", "P971"),
+        (G120, "sequence: [{write: {P1120: 1.0, p1120: 2.0}}]", "PG213", "twice in this step"),
+        (G120, "sequence: [{read: r21}], read: [r21]", "PG218", "read or sequence"),
     ],
 )
 def test_what_cannot_be_meant(device: str, text: str, code: str, says: str, tmp_path: Path) -> None:

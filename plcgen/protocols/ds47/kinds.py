@@ -6,14 +6,16 @@ A kind is a ``JobKind`` in ``SHIPPED``, or one that another distribution brings 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, model_validator
 
 from plcgen.input.validation import StrictModel, problem
+from plcgen.input.yaml import resolve_plain
 from plcgen.plugins import plugins
 from plcgen.project.schema import (
     COMMENT,
@@ -168,6 +170,163 @@ class AlarmSettings(MessageSettings):
     )
 
 
+_COMPARISON = re.compile(r"\s*(<>|<=|>=|<|>|=)\s*(.*?)\s*\Z", re.DOTALL)
+_BIT = re.compile(r"\s*([A-Za-z_0-9]+(?:\s*\[\s*[0-9]{1,6}\s*\])?)\s*\.\s*([0-9]{1,2})\s*\Z")
+
+
+class WaitCondition(StrictModel):
+    """What a value of the drive must be: ``r722.0: 1``, ``r21: "> 100.0"``; ``place`` counts the keys."""
+
+    parameter: str
+    place: int
+    bit: int | None
+    operator: str
+    value: Value
+
+
+class WaitSettings(StrictModel):
+    """A step that waits: conditions that must all be true in one answer, how long, and how often it is asked."""
+
+    conditions: tuple[WaitCondition, ...]
+    timeout: Annotated[Duration, Field(ge=100)] = Field(10_000, description="longest time that is waited, from 100 ms")
+    interval: Annotated[Duration, Field(ge=100, le=60_000)] = Field(
+        500, description="from one question to the next, 100 ms to 1 min"
+    )
+
+    @model_validator(mode="after")
+    def _in_time(self) -> WaitSettings:
+        if self.interval > self.timeout:
+            raise problem(
+                "the second question comes after the timeout", help_="make interval shorter or timeout longer"
+            )
+        return self
+
+
+def _condition(place: int, key: str, value: Any) -> dict[str, Any]:
+    if not isinstance(value, bool | int | float | str) or value == "":
+        help_ = f'for example {{{key}: 1}} or {{{key}: "> 100.0"}}'
+        raise problem(f"it is not said what {key} must be", help_=help_)
+    operator = "="
+    wanted: bool | int | float | str | None = value
+    compared = _COMPARISON.match(value) if isinstance(value, str) else None
+    if compared is not None:
+        operator, wanted = compared[1], resolve_plain(compared[2])
+    if wanted is None or wanted == "":
+        raise problem(f'"{value}" compares {key} with nothing', help_=f'for example "{operator} 100.0"')
+    found = _BIT.match(key)
+    return {
+        "parameter": key if found is None else found[1],
+        "place": place,
+        "bit": None if found is None else int(found[2]),
+        "operator": operator,
+        "value": wanted,
+    }
+
+
+WAIT_TIMES = ("timeout", "interval")
+"""Keys of a step that waits, beside those that name parameters."""
+
+
+def _conditions(value: object) -> object:
+    """``{r722.0: 1, timeout: 5s}`` with its conditions as a list; they stand where their keys do."""
+    if not isinstance(value, dict):
+        return value
+    conditions = tuple(
+        _condition(place, str(key), wanted)
+        for place, (key, wanted) in enumerate(value.items())
+        if key not in WAIT_TIMES
+    )
+    if not conditions:
+        raise problem("it is not said for what the step waits", help_="for example {r722.0: 1, timeout: 5s}")
+    return {"conditions": conditions, **{key: value[key] for key in WAIT_TIMES if key in value}}
+
+
+class SequenceStep(StrictModel):
+    """One step of a sequence: it reads, it writes, or it waits for values."""
+
+    read: Annotated[tuple[Annotated[ReadItem, short_item("parameter")], ...] | None, ONE_OR_MORE] = Field(
+        None, description="parameters to read, as in a job"
+    )
+    write: Annotated[tuple[WriteItem, ...] | None, short_items("parameter")] = Field(
+        None, description="parameter: value, as in a job"
+    )
+    until: Annotated[WaitSettings | None, BeforeValidator(_conditions)] = Field(
+        None, description="parameter: value, or a bit (r722.0: 1), or a comparison in quotes; timeout, interval"
+    )
+
+    @model_validator(mode="after")
+    def _one_thing(self) -> SequenceStep:
+        given = [key for key in SequenceStep.model_fields if getattr(self, key)]
+        if len(given) != 1:
+            what = " and ".join(given) if given else "nothing"
+            help_ = "a step is one of read, write, until: make a step of each"
+            raise problem(f"a step does one thing, this one {what}", help_=help_)
+        return self
+
+
+@dataclass(frozen=True, slots=True)
+class Awaited:
+    """What a value that is read must be: as ``operator`` says, compared with the value that its use has.
+
+    ``bit`` is the only one that counts, if it is not None; ``limit`` is how long it is waited for, ``interval`` the
+    time from one question to the next, both in ms.
+    """
+
+    operator: str
+    bit: int | None
+    limit: int
+    interval: int
+
+
+@dataclass(frozen=True, slots=True)
+class StepItem:
+    """An access of a step: its number from 1, where it stands below the sequence, and what it waits for.
+
+    ``wanted`` is the value with which it is compared.
+    """
+
+    step: int
+    place: tuple[str | int, ...]
+    item: ReadItem | WriteItem
+    awaited: Awaited | None = None
+    wanted: Value = 0
+
+
+def step_items(steps: tuple[SequenceStep, ...]) -> Iterator[StepItem]:
+    """Every access of a sequence, in order."""
+    for number, step in enumerate(steps, 1):
+        for place, item in enumerate(step.read or ()):
+            yield StepItem(number, (number - 1, "read", place), item)
+        for place, written in enumerate(step.write or ()):
+            yield StepItem(number, (number - 1, "write", place), written)
+        if step.until is None:
+            continue
+        for one in step.until.conditions:
+            awaited = Awaited(one.operator, one.bit, step.until.timeout, step.until.interval)
+            asked = ReadItem(parameter=one.parameter)
+            yield StepItem(number, (number - 1, "until", one.place), asked, awaited, one.value)
+
+
+def _step_accesses(steps: tuple[SequenceStep, ...]) -> tuple[ReadItem | WriteItem, ...]:
+    return tuple(one.item for one in step_items(steps))
+
+
+def _steps_schema(definitions: dict[str, Any]) -> dict[str, Any]:
+    """A list of steps, whose keys have the short forms of jobs."""
+    value = {"type": ["boolean", "integer", "number", "string"]}
+    times = {key: definitions["WaitSettings"]["properties"][key] for key in WAIT_TIMES}
+    step = definitions["SequenceStep"]["properties"]
+    for key, shape in (
+        ("read", short_item_schema("ReadItem")),
+        ("write", short_items_schema(definitions, "WriteItem", "parameter", lists=True)),
+        ("until", {"type": "object", "properties": times, "additionalProperties": value, "minProperties": 1}),
+    ):
+        step[key] = {**shape, "description": step[key]["description"]}
+    for name in ("WaitSettings", "WaitCondition"):
+        del definitions[name]
+    return {"anyOf": [{"type": "array", "minItems": 1, "items": {"$ref": "#/$defs/SequenceStep"}}, {"type": "null"}]}
+
+
 @dataclass(frozen=True, slots=True)
 class Messages:
     """A buffer of messages: its accesses are the counter, for each group of eight every column, the counter again.
@@ -210,7 +369,8 @@ class JobKind:
     parameters. ``short`` makes the JSON schema of the value, short forms included, from the definitions of the spec's
     schema (None: as ``shape`` says it). ``poll`` says that the last access is a read that is repeated,
     ``messages`` that the accesses are those of a buffer of messages, ``compares`` that the values of ``WriteItem`` are
-    not written, but held against those that are read.
+    not written, but held against those that are read; ``steps`` says which accesses
+    belong to which step of a sequence.
     """
 
     key: str
@@ -223,6 +383,7 @@ class JobKind:
     poll: Callable[[Any], Poll] | None = None
     messages: Callable[[Any], Messages] | None = None
     compares: bool = False
+    steps: Callable[[Any], Iterator[StepItem]] | None = None
 
 
 SAVES = {"drive_object": 971, "unit": 977}
@@ -331,6 +492,16 @@ SHIPPED = (
         items=_acknowledge_items,
         short=lambda _: {"anyOf": [{"const": True}, {"$ref": "#/$defs/AcknowledgeSettings"}, {"type": "null"}]},
         poll=lambda settings: Poll(settings.interval, settings.limit, 0),
+    ),
+    JobKind(
+        key="sequence",
+        writes=True,
+        shape=Annotated[tuple[SequenceStep, ...], Field(min_length=1, max_length=100)],
+        description="steps that read, write, or wait for a value, one after the other",
+        example="sequence: [{write: {P1120: 10.0}}, {until: {r722.0: 1}}]",
+        items=_step_accesses,
+        short=_steps_schema,
+        steps=step_items,
     ),
 )
 

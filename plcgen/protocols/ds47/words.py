@@ -52,6 +52,7 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_CHANGED", 0x8504, "the buffer of the drive changed while it was read, in every try"),
     ("STATUS_NOT_ACKNOWLEDGED", 0x8505, "the drive has not finished acknowledging within the limit of the job"),
     ("STATUS_FAULTS_REMAIN", 0x8506, "acknowledged, but the drive has faults all the same, see faultCodes"),
+    ("STATUS_NOT_REACHED", 0x8510, "the drive has not what a step waits for within its timeout, see failedStep"),
 )
 
 _TICKET = {"DONE", "IDLE", "STARTED", "RUNNING", "OCCUPIED", "LOST", "NOT_CALLED", "NO_SLOT", "SLOT_TAKEN"}
@@ -65,6 +66,8 @@ VERIFY_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8503)
 """What only a job that reads back reports."""
 MESSAGE_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8504)
 """What only a job that reads a buffer of messages reports."""
+SEQUENCE_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8510)
+"""What only a sequence reports."""
 ERROR_DEVIATES = 0x8200
 """In ``errors``: another value was read back than was written."""
 CHANNEL_WORDS = tuple(

@@ -37,6 +37,7 @@ from plcgen.protocols.ds47.plan.nouns import (
     Use,
 )
 from plcgen.protocols.ds47.plan.references import number_of
+from plcgen.protocols.ds47.plan.steps import divided, resolved_steps
 from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.schema import BufferSettings as BufferSpec
 from plcgen.protocols.ds47.schema import DriveSections, JobEntry
@@ -223,9 +224,9 @@ def _member(key: str, job: JobEntry, numbering: Numbering) -> str:
 def _directions(uses: tuple[Use, ...]) -> list[tuple[Use, ...]]:
     """The uses of a job, divided where writing and reading change: a telegram does one of them.
 
-    What asks again is behind everything else, in a telegram of its own.
+    What asks again is behind everything else, in a telegram of its own; so is every step of a sequence.
     """
-    return [tuple(group) for _, group in groupby(uses, key=lambda use: (use.writes, use.again is not None))]
+    return [tuple(group) for _, group in groupby(uses, key=lambda use: (use.writes, use.again is not None, use.step))]
 
 
 def _packed(
@@ -240,7 +241,7 @@ def _packed(
         found = [pack.pack(group, *limits, write=group[0].writes) for group in _directions(uses)]
         packed = None if None in found else [parts for telegrams in found for parts in telegrams or ()]
     if packed and len(packed) <= pack.MAX_TELEGRAMS:
-        return packed
+        return None if divided(packed, loaded, report) else packed
     if packed is not None:
         message = f"the job needs more than {pack.MAX_TELEGRAMS} telegrams"
         report.add(Diagnostic("PG307", message, loaded.key_span(uses[0].path[:2]), help="make several jobs of it"))
@@ -309,6 +310,8 @@ def _own_uses(
         items, place, loaded, resolver, report
     ):
         return ()
+    if kind.steps is not None:
+        return resolved_steps(tuple(kind.steps(getattr(job, kind.key))), place, loaded, resolver)
     whole = kind.poll is not None or kind.messages is not None
     found = [
         resolver.resolve(

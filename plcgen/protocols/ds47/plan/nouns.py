@@ -12,7 +12,7 @@ from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, Plan
 from plcgen.project.spec import SpecPath
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
-from plcgen.protocols.ds47.kinds import PLACES, Messages, Poll
+from plcgen.protocols.ds47.kinds import PLACES, Awaited, Messages, Poll
 from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.schema import DriveSections, DriveSettings, JobEntry
 from plcgen.protocols.ds47.wire.formats import Format
@@ -72,6 +72,7 @@ class Use:
     that it is read until it is 0, ``verifies`` which use it reads back. ``column`` and ``group`` are set where the
     values belong to messages of a buffer, ``again`` where the counter of the buffer is read once more: it says which
     use was the first. ``compared`` says that ``data`` is what the drive should have.
+    ``step`` is that of a sequence, from 1; ``awaited`` says how the value is compared with ``data``.
     """
 
     position: int
@@ -93,6 +94,8 @@ class Use:
     group: int = 0
     again: Use | None = None
     compared: bool = False
+    step: int = 0
+    awaited: Awaited | None = None
 
     @property
     def subindex(self) -> int:
@@ -174,6 +177,21 @@ class DriveTelegram(Telegram):
     def writes(self) -> bool:
         """Whether it is a change; all of its parameters are written then, else all are read."""
         return self.parts[0].use.writes
+
+    @property
+    def once(self) -> bool:
+        """Whether it starts something, so that it is not sent again without knowing what became of it."""
+        return any(part.use.writes and part.use.parameter.pnu in guards.TRIGGERS for part in self.parts)
+
+    @property
+    def step(self) -> int:
+        """The step of a sequence to which it belongs, from 1; 0 in other jobs."""
+        return self.parts[0].use.step
+
+    @property
+    def awaited(self) -> Awaited | None:
+        """What it waits for: that of its first value, with the times of all of them; None if it does not wait."""
+        return self.parts[0].use.awaited
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,6 +281,16 @@ class DriveJob(PlannedJob):
     def writes(self) -> bool:
         """Whether it changes parameters."""
         return any(use.writes for use in self.uses)
+
+    @property
+    def in_steps(self) -> bool:
+        """Whether it is a sequence."""
+        return self.uses[0].step > 0
+
+    @property
+    def waits(self) -> bool:
+        """Whether a step of it waits for a value."""
+        return any(use.awaited is not None for use in self.uses)
 
     @property
     def verified(self) -> bool:

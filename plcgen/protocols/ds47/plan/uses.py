@@ -84,7 +84,7 @@ class UseResolver:
             start = item.start if item.start is not None else _safe_default(parameter, fmt, count)
         data = b"\0" * (count * fmt.size)
         if isinstance(item, WriteItem):
-            data = self._pack(start, parameter, fmt, count, (*path, "value" if constant else "start")) or data
+            data = self.pack(start, parameter, fmt, count, (*path, "value" if constant else "start")) or data
         return Use(
             position=position,
             parameter=parameter,
@@ -175,7 +175,7 @@ class UseResolver:
             return True
         return False
 
-    def _pack(self, given: Any, parameter: Parameter, fmt: Format, count: int, path: SpecPath) -> bytes | None:
+    def pack(self, given: Any, parameter: Parameter, fmt: Format, count: int, path: SpecPath) -> bytes | None:
         """Wire bytes of a constant or start value; None after a diagnostic."""
         values: Sequence[Any] = given if isinstance(given, tuple) else (given,)
         if fmt.is_string:

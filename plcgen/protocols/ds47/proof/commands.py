@@ -16,6 +16,7 @@ from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder, table_rows
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.proof import listed
+from plcgen.protocols.ds47.proof.stepped import FAILED
 from plcgen.protocols.ds47.wire import formats
 from plcgen.s7.image import image
 from plcgen.s7.layout import Layout, layout_block, locate
@@ -107,6 +108,7 @@ def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterat
     """What is wrong with the structure of a job."""
     flags = {name for name, _ in job.trigger.items()}
     values = {use.member for use in (*job.inputs, *job.outputs)}
+    values |= set(FAILED) if job.in_steps else set()
     values |= {path.partition("[")[0] for path in listed.paths(job)}
     wanted = {name for name in SIGNALS if name not in flags} | values
     prefix = f"{job.member}."

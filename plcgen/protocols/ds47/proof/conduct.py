@@ -10,8 +10,11 @@ from plcgen.protocols.ds47.proof.listed import fill
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.saved import check_saved
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.stepped import Course, longest_waits, route
 from plcgen.protocols.ds47.proof.words import DONE, DRAIN_MS, NO_ANSWER, state_name
 
+MANY_MS = 10_000_000
+"""Longer than any run."""
 WAITING_MS = 50
 """Length of a scan in ms while a job waits for a drive that has forgotten its telegram: some seconds."""
 
@@ -24,6 +27,7 @@ class JobConduct:
         self.before: list[list[bytes]] = []
         self.wanted: list[list[bytes]] = []
         self.requests: list[bytes] = []
+        self.course = Course(rig, (), exact=False)
         self.fence = Fence(rig)
         self.polled = 0
         """How often this run has repeated the last telegram."""
@@ -31,6 +35,8 @@ class JobConduct:
         """Saves that the job has counted in front of this run."""
         self.saved_at = 0
         """When the last save was handed over."""
+        self.taken = 0
+        """Until when another job has the unit."""
         self.length = 0
         """Length of the next scan in ms."""
 
@@ -69,17 +75,30 @@ class JobConduct:
         if scenario.occupied:
             rig.occupy()
         happens = set(scenario.happens.values())
-        self.fence.begin(alone=not scenario.occupied and not {"cold", "warm"} & happens)
+        self.fence.begin(alone=not scenario.occupied and not scenario.taken and not {"cold", "warm"} & happens)
         if scenario.messages is not None:
             fill(rig.job, rig.drive, rig.drive_object, scenario.messages)
         if scenario.matches:
             rig.match(scenario.keeps)
         self.before, self.wanted = rig.delivered(), self.due(scenario)
-        self.requests = rig.requests() * scenario.rounds
+        self.set_off(scenario)
+        self.taken = 0
         for (telegram, place), data in scenario.delivers.items():
             self.wanted[telegram - 1][place - 1] = data
         self.length = scenario.scan
-        return rig.job.timeout + DRAIN_MS + 12 * max(scenario.scan, WAITING_MS if "off" in happens else 0)
+        return (
+            rig.job.timeout
+            + DRAIN_MS
+            + longest_waits(rig.job)
+            + 12 * max(scenario.scan, WAITING_MS if "off" in happens else 0)
+        )
+
+    def set_off(self, scenario: DriveScenario) -> None:
+        """What must be handed over in this run."""
+        telegrams, requests = route(self.rig.job, scenario), self.rig.requests()
+        self.requests = [requests[one.number - 1] for one in telegrams]
+        exact = scenario.again is not None and not {"cold", "warm"} & set(scenario.happens.values())
+        self.course = Course(self.rig, telegrams, exact=exact)
 
     def due(self, scenario: DriveScenario) -> list[list[bytes]]:
         """What the outputs must be: what the drive makes of it."""
@@ -102,6 +121,14 @@ class JobConduct:
             self.rig.alive()
             if run.scans == run.scenario.occupied // run.scenario.scan:
                 self.rig.leave()
+        if run.scenario.taken and self.course.free:
+            if not self.taken:
+                self.taken = run.passed + run.scenario.taken
+                self.rig.take()
+            self.rig.alive()
+            if self.taken and run.passed >= self.taken:
+                self.rig.leave()
+                self.taken = run.scenario.taken + MANY_MS
         if run.scenario.meddle and run.scans > 1:
             self.rig.meddle()
         return self.length
@@ -117,6 +144,9 @@ class JobConduct:
             self.fence.check()
         if rig.building:
             self.handed_over(telegram)
+        if rig.job.in_steps:
+            self.course.observe(busy=run.seen[0])
+            telegram = self.course.unanswered()
         if run.seen[0]:
             if rig.job.messages is not None and telegram:
                 telegram = (telegram - 1) % len(rig.job.telegrams) + 1
@@ -127,6 +157,9 @@ class JobConduct:
     def handed_over(self, telegram: int) -> None:
         """Bytes of the request, what goes with it, what is expected."""
         rig, job = self.rig, self.rig.job
+        if job.in_steps:
+            longest = max(len(request) for request in self.requests)
+            telegram = self.course.number(rig.unit.bytes("telegram", longest), self.requests)
         number = min(telegram, len(self.requests))
         if telegram > number and job.poll is None:
             raise ScenarioError(f"a telegram {telegram} is handed over, the job has {number}")
@@ -137,13 +170,13 @@ class JobConduct:
         found = rig.handed_over(len(request))
         if found[1:] != request[1:]:
             raise ScenarioError(f"telegram {telegram} is {found.hex(' ').upper()}, not {request.hex(' ').upper()}")
-        order, wanted = rig.order(), rig.wanted_order(telegram, self.requests)
+        asked = self.course.telegrams[number - 1]
+        order, wanted = rig.order(), rig.wanted_order(asked, len(request))
         wrong = [
             f"{name} is {order[name]} instead of {value}" for name, value in wanted.items() if order[name] != value
         ]
         if wrong:
             raise ScenarioError(f"in the order of telegram {telegram} {', '.join(wrong)}")
-        asked = job.telegrams[(number - 1) % len(job.telegrams)]
         if asked.writes:
             return
         at = rig.unit.spots["expected"].byte
@@ -159,7 +192,11 @@ class JobConduct:
         wanted = self.wanted
         if self.rig.job.listed is not None:  # the buffer may have changed; what is not whole is not listed
             wanted = self.due(run.scenario) if status == DONE else self.before
-        check_end(self.rig, run.scenario, self.requests, self.before, wanted, status, self.polled)
+        before = self.before
+        if self.rig.job.in_steps:
+            before = wanted = self.course.came(self.requests, self.before)
+            self.course.check(run.scenario, status)
+        check_end(self.rig, run.scenario, self.requests, before, wanted, status, self.polled)
         if self.rig.job.poll is not None:
             check_saved(self.rig, status, self.saves if run.scenario.checked else None)
         self.before = self.rig.delivered()
@@ -169,18 +206,21 @@ class JobConduct:
         if not run.scenario.at_once:
             return
         self.rig.forget()
+        self.set_off(self.plain("once more"))
         run.execute = run.fresh = True
-        limit = run.passed + self.rig.job.timeout + DRAIN_MS
+        limit = run.passed + self.rig.job.timeout + DRAIN_MS + longest_waits(self.rig.job)
         while run.fresh or run.seen[0]:
             run.step()
             if run.passed > limit:
                 raise ScenarioError(f"still {self.where()} when it is done once more")
         if run.seen != (False, True, False, DONE):
             raise ScenarioError(f"done once more, it ends with 16#{run.seen[-1]:04X}")
+        if self.rig.job.in_steps:
+            self.before = self.rig.delivered()  # what a step waits for may have come differently
 
     def rest(self, run: Run[DriveScenario]) -> None:
         """An idle job does nothing: values stay behind the end."""
-        if run.scenario.occupied:
+        if run.scenario.occupied or run.scenario.taken:
             self.rig.leave()
         run.fall()
         if self.rig.delivered() != self.before:

@@ -12,7 +12,15 @@ from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part, Use
 from plcgen.protocols.ds47.proof.scenario import Contents
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.parameters import Keeps
-from plcgen.protocols.ds47.wire.formats import Format, FormatKind, Value, integer_range, pack_values, unpack_values
+from plcgen.protocols.ds47.wire.formats import (
+    Format,
+    FormatKind,
+    Value,
+    integer_range,
+    pack_values,
+    padded,
+    unpack_values,
+)
 
 _NUMERIC = {FormatKind.SIGNED, FormatKind.UNSIGNED}
 
@@ -79,6 +87,15 @@ def piece(part: Part, data: bytes) -> bytes:
     """The wire bytes of a part of a use."""
     size = part.use.format.size
     return data[part.start * size : (part.start + part.count) * size]
+
+
+def values_of(telegram: DriveTelegram, answer: bytes) -> list[bytes]:
+    """Bytes of the values of an answer: 4 bytes of header, then for each part format, count, values, a pad."""
+    found, at = [], 4
+    for part in telegram.parts:
+        found.append(answer[at + 2 : at + 2 + part.size])
+        at += 2 + padded(part.size)
+    return found
 
 
 def held(drive: Drive, drive_object: int, use: Use) -> bytes:

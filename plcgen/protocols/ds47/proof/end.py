@@ -9,6 +9,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveJob
 from plcgen.protocols.ds47.proof.contents import held, kept
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.stepped import overwritten
 from plcgen.protocols.ds47.proof.words import DEVIATES, DONE, NO_ANSWER, WORDS
 
 Result = tuple[int, int]
@@ -33,7 +34,7 @@ def check_end(
     check_values(rig, results, before, wanted, asked_again=polled > 0)
     if status == DONE:
         for use in rig.job.uses:
-            if not use.writes or use in rig.job.saving:
+            if not use.writes or use in rig.job.saving or overwritten(rig.job, use):
                 continue  # what saves has returned to 0
             found = held(rig.drive, rig.drive_object, use)
             given = kept(use, rig.values.given[use.position], (scenario.keeps, scenario.meanwhile))

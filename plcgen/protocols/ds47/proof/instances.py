@@ -12,10 +12,11 @@ from plcgen.proof.rig import Members
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof import listed
-from plcgen.protocols.ds47.proof.contents import ValueSet, held, value_set
+from plcgen.protocols.ds47.proof.contents import ValueSet, held, piece, value_set, values_of
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.rig import record_index
 from plcgen.protocols.ds47.proof.saved import saving_scans
+from plcgen.protocols.ds47.proof.stepped import overwritten
 from plcgen.protocols.ds47.proof.stimulus import own_dbs, pair_fb
 from plcgen.protocols.ds47.proof.words import DONE
 from plcgen.protocols.ds47.sim.behaviour import LOCAL_INDEX
@@ -118,9 +119,11 @@ class Trio:
                 raise ScenarioError(f"instance {one.key} ends with 16#{status:04X}")
             if listed.shown(self.job, one.db) != listed.wanted(self.job, one.drive, one.drive_object, one.values.given):
                 raise ScenarioError(f"the list of instance {one.key} is not that of its drive")
-            for use in (*self.job.outputs, *(use for use in self.job.uses if use.writes)):
-                if use.writes and use in self.job.saving:
-                    continue  # it has returned to 0
+            self._read(one)
+            outputs = () if self.job.in_steps else self.job.outputs
+            for use in (*outputs, *(use for use in self.job.uses if use.writes)):
+                if use.writes and (use in self.job.saving or overwritten(self.job, use)):
+                    continue  # it has returned to 0, or has another value in a later step
                 there = held(one.drive, one.drive_object, use)
                 if use.verifies is not None:
                     there = one.values.given[use.verifies.position]
@@ -138,6 +141,19 @@ class Trio:
             order = [exchange.direction for exchange in one.drive.journal if not exchange.status]
             if any(before == after for before, after in pairwise(order)):
                 raise ScenarioError("two requests at once on one unit")
+
+    def _read(self, one: Instance) -> None:
+        """What a sequence has read is what its drive has answered, which may be another value now."""
+        if not self.job.in_steps:
+            return
+        exchanges = [exchange for exchange in one.drive.journal if not exchange.status]
+        for telegram, request in zip(self.job.telegrams, one.values.requests(self.job, one.drive_object), strict=True):
+            if telegram.writes:
+                continue
+            came = [b.data for a, b in pairwise(exchanges) if a.direction == "write" and a.data[1:] == request[1:]]
+            shown = [piece(part, one.db.bytes(part.use.member)) for part in telegram.parts]
+            if shown not in [values_of(telegram, answer) for answer in came]:
+                raise ScenarioError(f"what instance {one.key} has read in step {telegram.step} did not come")
 
     def _shared(self, one: Instance) -> bool:
         """Whether another instance writes into the same drive object."""

@@ -14,13 +14,13 @@ from plcgen.proof.rig import Members
 from plcgen.proof.scenario import IDLE, RUNNING, STARTED, ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
 from plcgen.protocols.ds47.proof import listed
-from plcgen.protocols.ds47.proof.contents import ValueSet, piece, value_set
+from plcgen.protocols.ds47.proof.contents import ValueSet, piece, value_set, values_of
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.saved import check_held_back, saving_scans
 from plcgen.protocols.ds47.proof.scenario import Contents, DriveScenario
-from plcgen.protocols.ds47.proof.words import DONE, WORDS
+from plcgen.protocols.ds47.proof.stepped import FAILED, expect
+from plcgen.protocols.ds47.proof.words import DONE, GRANT, WORDS
 from plcgen.protocols.ds47.sim.bench import build_unit
-from plcgen.protocols.ds47.wire.formats import padded
 
 SIGNALS = ("execute", "busy", "done", "error", "status")
 SCAN = 10
@@ -43,6 +43,7 @@ class Plant:
         self.calls = plan.engine.calls_db.name
         guards = [f"{job.member}.statRest" for job in plan.jobs if job.guarded]
         self.guards = Members(self.cpu, program, self.calls, guards)
+        self.waiting = [job for job in plan.jobs if job.waits]
         self.values: dict[str, ValueSet] = {}
         self.forgiven: frozenset[str] = frozenset()
         """Misuses that are not the program's doing."""
@@ -56,6 +57,7 @@ class Plant:
     def _signals(job: DriveJob) -> Iterable[str]:
         """Members of the job's structure: what has no flag, and values."""
         yield from (name for name in SIGNALS if getattr(job.trigger, name) is None)
+        yield from FAILED if job.in_steps else ()
         yield from (use.member for use in (*job.inputs, *job.outputs))
         yield from listed.paths(job)
 
@@ -96,11 +98,21 @@ class Plant:
         """Scans of OB1."""
         for _ in range(count):
             self.scans += 1
+            self.oblige()
             self.cpu.scan(milliseconds)
             if self.forgiven:
                 self.cpu.misuses[:] = [misuse for misuse in self.cpu.misuses if misuse.code not in self.forgiven]
             if self.cpu.misuses or self.cpu.faulted:
                 raise ScenarioError("misuse")
+
+    def oblige(self) -> None:
+        """What a sequence waits for comes while it holds its unit, whatever others have waited for before."""
+        for job in self.waiting:
+            if self.cpu[f'"{job.drive.unit.db.name}".unit.turn.grant'] // GRANT == job.slot:  # type: ignore[operator]
+                step = self.cpu[f'"{self.calls}".{job.member}.statStep']
+                for telegram in job.telegrams:
+                    if telegram.step == step:
+                        expect(self.units[job.drive.unit.key], job.drive.drive_object, telegram)
 
     def path(self, job: DriveJob, signal: str) -> str:
         """Where OB1 takes or leaves a signal of a job."""
@@ -229,6 +241,17 @@ class Plant:
             check_held_back(jobs, exchanges)
             for job in jobs:
                 self.check_job(job, exchanges)
+                self.check_failed(job)
+
+    def check_failed(self, job: DriveJob) -> None:
+        """A sequence that is done has no step that failed; of one whose first parameter is refused it is told."""
+        if not job.in_steps:
+            return
+        refused = self.result(job)[1] == WORDS["PARAMETER_ERROR"]
+        wanted = [1, job.uses[0].parameter.pnu] if refused else [0, 0]
+        found = [self.control.get(f"{job.member}.{name}") for name in FAILED]
+        if found != wanted:
+            raise ScenarioError(f"{', '.join(FAILED)} of {job.key} are {found} instead of {wanted}")
 
     def check_job(self, job: DriveJob, exchanges: list[tuple[bytes, bytes]]) -> None:
         """Telegrams, and values of the outputs from the answers."""
@@ -264,19 +287,10 @@ class Plant:
         """The outputs of a telegram show one of the answers: where jobs send the same, nobody knows whose is which."""
         uses = [(part, f"{job.member}.{part.use.member}") for part in telegram.parts]
         shown = [piece(part, self.control.bytes(name, part.use.count * part.use.format.size)) for part, name in uses]
-        came = [_values(telegram, answer) for answer in answers]
+        came = [values_of(telegram, answer) for answer in answers]
         if shown in came:
             return
         for (_, name), found, value in zip(uses, shown, came[0], strict=True):
             if found != value:
                 where = f"{self.plan.control_db.name}.{name}"
                 raise ScenarioError(f"{where} is {found.hex(' ')}, {value.hex(' ')} came")
-
-
-def _values(telegram: DriveTelegram, answer: bytes) -> list[bytes]:
-    """Bytes of the values of an answer: 4 bytes of header, then for each part format, count, values, a pad."""
-    found, at = [], 4
-    for part in telegram.parts:
-        found.append(answer[at + 2 : at + 2 + part.size])
-        at += 2 + padded(part.size)
-    return found

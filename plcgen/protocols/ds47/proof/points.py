@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram
+from plcgen.protocols.ds47.proof.scenario import Edit
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
+from plcgen.protocols.ds47.wire.formats import padded
 
 FEW = 4
 """So many parameters of a telegram are tried one by one; of more the first, the middle and the last."""
@@ -28,3 +30,20 @@ def fault(job: DriveJob, telegram: int, place: int, error: int, words: int) -> F
     return Fault(
         FaultKind.ERROR, after=before, number=error, position=place, words=2 if words == 2 else 1, info=0x100 + place
     )
+
+
+def put(telegram: DriveTelegram, values: dict[int, bytes]) -> Edit:
+    """Other values at some places of a good answer, as long as those."""
+
+    def edit(answer: bytes) -> bytes:
+        for place, data in values.items():
+            at = value_at(telegram, place)
+            answer = answer[:at] + data + answer[at + len(data) :]
+        return answer
+
+    return edit
+
+
+def value_at(telegram: DriveTelegram, place: int) -> int:
+    """Where the values of a parameter begin in a good answer."""
+    return 4 + sum(2 + padded(part.size) for part in telegram.parts[: place - 1]) + 2

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery
 from plcgen.proof.rig import Members, Source
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Part
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, Part
 from plcgen.protocols.ds47.proof import listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, held, kept, piece, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.scenario import Contents
+from plcgen.protocols.ds47.proof.stepped import FAILED, triggers
 from plcgen.protocols.ds47.proof.stimulus import SLOTS, UNITS, shape_fb
 from plcgen.protocols.ds47.proof.words import BUILD, COUNTERS, STEP_MS
 from plcgen.protocols.ds47.sim.bench import build_unit
@@ -62,6 +63,7 @@ class JobRig:
         values = [use.member for use in (*job.inputs, *job.outputs)]
         paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values, *listed.paths(job))]
         paths += [f"job.{name}" for name in GUARD] if job.guarded else []
+        paths += [f"job.{name}" for name in FAILED] if job.in_steps else []
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
         self.unit = self.unit_of(UNITS[0])
         self.source = Source(program, job.block)
@@ -73,6 +75,7 @@ class JobRig:
         self.order_id = "order.hardwareId" if self.plan.target.t15 else "order.address"
         names = ["state", "telegram", "expected", self.order_id, *(f"order.{name}" for name in ORDER)]
         names += [f"asks[{slot}].telegram" for slot in range(1, SLOTS + 1)]
+        names += [f"asks[{SLOT}].want"]
         names += [f"asks[{OTHER}].want", f"asks[{OTHER}].mark"]
         return Members(self.cpu, self.program, name, [f"unit.{name}" for name in names], "unit.")
 
@@ -191,9 +194,13 @@ class JobRig:
 
     def occupy(self) -> None:
         """The job of another slot gets the unit, and others wait for ``WAIT_MS`` at most."""
+        self.take()
+        self.cpu.call(self.db.block, 10)
+
+    def take(self) -> None:
+        """The job of another slot asks for the unit, which is free; others wait for ``WAIT_MS`` at most."""
         self.channel.set("waitLimit", WAIT_MS)
         self.unit.set(f"asks[{OTHER}].want", -self.unit.get(f"asks[{OTHER}].want", signed=True) % COUNTERS + 1)
-        self.cpu.call(self.db.block, 10)
 
     def alive(self) -> None:
         """The other job gives a sign of life."""
@@ -218,13 +225,12 @@ class JobRig:
         found = {name: int.from_bytes(self.unit.bytes(f"order.{name}")) for name in ORDER}
         return found | {"id": self.unit.get(self.order_id)}
 
-    def wanted_order(self, telegram: int, requests: Sequence[bytes]) -> dict[str, int]:
-        """What the spec wants to go with the request."""
+    def wanted_order(self, sent: DriveTelegram, length: int) -> dict[str, int]:
+        """What the spec wants to go with the request of a telegram, which has so many bytes."""
         job = self.job
-        number = min(telegram, len(requests))
-        sent = job.telegrams[(number - 1) % len(job.telegrams)]
         once = job.once and sent.writes and (not job.verified or sent.parts[0].use in job.saving)
-        found = {"length": len(requests[number - 1]), "retries": job.retries, "timeout": job.timeout}
+        once = any(triggers(part.use) for part in sent.parts) if job.in_steps else once
+        found = {"length": length, "retries": job.retries, "timeout": job.timeout}
         found |= {"pause": job.retry_pause, "once": int(once), "pinned": int(job.pinned), "id": self.id_value}
         found |= {"requestDb": 0, "responseDb": 0, "responseSize": 0}
         own = job.telegrams[0]

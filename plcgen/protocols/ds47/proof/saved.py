@@ -17,8 +17,10 @@ READ, CHANGED = 1, 2
 
 
 def saving_scans(job: DriveJob) -> int:
-    """Scans that a good save takes at most besides its telegrams: the drive has finished at the second question."""
-    return 2 * (job.poll.interval + SAVING_MS) // SCAN if job.poll is not None else 0
+    """Scans that a good job takes at most besides its telegrams: the drive has finished at the second question."""
+    waited = sum(telegram.awaited.interval for telegram in job.telegrams if telegram.awaited is not None)
+    polled = job.poll.interval + SAVING_MS if job.poll is not None else 0
+    return 2 * (polled + waited) // SCAN
 
 
 def check_saved(rig: JobRig, status: int, before: int | None) -> None:

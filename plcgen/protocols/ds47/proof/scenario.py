@@ -43,6 +43,10 @@ class DriveScenario(Scenario):
     n-th WRREC, ``rounds`` is how often all telegrams are sent; what a round has not answered has the result of the one
     before.
 
+    ``questions`` is how often a telegram of a sequence is asked that waits, by its number; once if it is not there.
+    ``missed`` is the parameter for which a sequence has waited in vain; ``taken`` is for how many ms another job has
+    the unit from the first time on that it is free while the sequence waits.
+
     ``telegram`` is the one that ends the job, 0 the last; ``answered`` says that it had an answer. ``errors`` are those
     stated by hand: (error, info) by number of the telegram and place in it, all others of an answered telegram are 0.
     ``delivers`` are wire bytes that ``reads`` puts in the place of the drive's values, likewise.
@@ -70,6 +74,9 @@ class DriveScenario(Scenario):
     messages: int | None = None
     events: Mapping[int, Event] = field(default_factory=dict)
     rounds: int = 1
+    questions: Mapping[int, int] = field(default_factory=dict)
+    missed: int = 0
+    taken: int = 0
     telegram: int = 0
     answered: bool = True
     errors: Mapping[tuple[int, int], tuple[int, int]] = field(default_factory=dict)

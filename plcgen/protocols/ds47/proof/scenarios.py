@@ -7,10 +7,12 @@ from collections.abc import Iterator
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
 from plcgen.protocols.ds47.proof.comparing import comparing
 from plcgen.protocols.ds47.proof.listing import listing
-from plcgen.protocols.ds47.proof.points import FEW, ends, fault, positions
+from plcgen.protocols.ds47.proof.points import FEW, ends, fault, positions, put, value_at
 from plcgen.protocols.ds47.proof.rig import VALUE_SETS
 from plcgen.protocols.ds47.proof.saving import saving
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
+from plcgen.protocols.ds47.proof.stepped import triggers
+from plcgen.protocols.ds47.proof.stepping import stepping
 from plcgen.protocols.ds47.proof.verifying import verifying
 from plcgen.protocols.ds47.proof.words import WORDS
 from plcgen.protocols.ds47.wire import formats
@@ -41,7 +43,7 @@ def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
     """All of it; ``scans`` is how long a good run takes, ``longest`` how many bytes a record may have."""
     yield from _values()
     yield from _refusals(job)
-    if not job.writes and job.listed is None:
+    if not job.writes and job.listed is None and not job.waits:
         yield from _not_numbers(job)
     yield from _blocks(job, longest)
     yield from _record_calls(job)
@@ -54,6 +56,8 @@ def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
         yield from listing(job)
     if job.deviations is not None:
         yield from comparing(job)
+    if job.waits:
+        yield from stepping(job, scans)
 
 
 def _values() -> Iterator[DriveScenario]:
@@ -77,26 +81,9 @@ def _not_numbers(job: DriveJob) -> Iterator[DriveScenario]:
         for place in places:
             part = telegram.parts[place - 1]
             found[telegram.number, place] = NAN[part.use.format.size] * part.count
-        edits[telegram.number] = _put(telegram, {place: found[telegram.number, place] for place in places})
+        edits[telegram.number] = put(telegram, {place: found[telegram.number, place] for place in places})
     if found:
         yield DriveScenario(name="NaN comes", reads=edits, delivers=found, generic=False, follow=False)
-
-
-def _put(telegram: DriveTelegram, values: dict[int, bytes]) -> Edit:
-    """Other values at some places of a good answer, as long as those."""
-
-    def edit(answer: bytes) -> bytes:
-        for place, data in values.items():
-            at = _value_at(telegram, place)
-            answer = answer[:at] + data + answer[at + len(data) :]
-        return answer
-
-    return edit
-
-
-def _value_at(telegram: DriveTelegram, place: int) -> int:
-    """Where the values of a parameter begin in a good answer."""
-    return 4 + sum(2 + padded(part.size) for part in telegram.parts[: place - 1]) + 2
 
 
 def _refusals(job: DriveJob) -> Iterator[DriveScenario]:
@@ -225,7 +212,7 @@ def _generic(own: Format) -> list[int]:
 
 def _exchanged(telegram: DriveTelegram, place: int, code: int, count: int, size: int | None) -> Edit:
     """Another block at a place of a good answer; ``size`` None keeps the values."""
-    at = _value_at(telegram, place) - 2
+    at = value_at(telegram, place) - 2
     old = padded(telegram.parts[place - 1].size)
 
     def edit(answer: bytes) -> bytes:
@@ -263,7 +250,8 @@ def _record_calls(job: DriveJob) -> Iterator[DriveScenario]:
 def silence(job: DriveJob) -> tuple[int, ...]:
     """How a job may end whose drive never has an answer: what its times allow; where calls decide, either."""
     short, long = job.retries * job.retry_pause, job.retries * (job.retry_pause + CALLS_MS)
-    if job.once and not job.verified:
+    once = any(triggers(part.use) for part in job.telegrams[0].parts) if job.in_steps else job.once
+    if once and not job.verified:
         found = ["RETRIES"] if short <= job.timeout / 3 + job.retry_pause else []
         found += ["UNKNOWN"] if long + CALLS_MS >= job.timeout / 3 else []
         found += ["TIMEOUT", "NO_PLACE"] if (job.retry_pause + CALLS_MS) * 2 >= job.timeout / 3 else []

@@ -252,7 +252,9 @@ def _two_masters(plant: Plant) -> None:
 def _ended_with_another(plant: Plant, job: DriveJob) -> bool:
     """Whether a job has ended beside another master, whose values it may read back. Raises ScenarioError."""
     over, status = plant.result(job)
-    return (over and job.verified and status == WORDS["DEVIATES"]) or plant.ended_well(job)
+    disturbed = job.verified and status == WORDS["DEVIATES"]
+    disturbed |= job.waits and status == WORDS["NOT_REACHED"]
+    return (over and disturbed) or plant.ended_well(job)
 
 
 # --- all jobs ---------------------------------------------------------------------------------------------
@@ -280,6 +282,8 @@ def _one_by_one(plant: Plant) -> None:
     plant.begin(DriveScenario(name="OB1", faults=(fault,)))
     plant.start()
     plant.until(lambda _, status: status == WORDS["PARAMETER_ERROR"], plant.patience)
+    for job in plant.plan.jobs:
+        plant.check_failed(job)
     plant.fall()
 
 
@@ -304,7 +308,7 @@ def _again_and_again(plant: Plant) -> None:
         raise ScenarioError(f"{last} has ended {ended[last]} times only")
     for unit in plant.plan.units:
         plant.exchanges(unit)
-        _fair(unit, [ended[job.key] for job in jobs if job.drive.unit is unit])
+        _fair(unit, [ended[job.key] for job in jobs if job.drive.unit is unit and not job.waits])
 
 
 def _fair(unit: PlannedUnit, counts: list[int]) -> None:

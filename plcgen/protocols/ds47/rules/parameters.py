@@ -47,13 +47,13 @@ def own_numbers(plan: DrivePlan, job: DriveJob) -> set[int | None]:
 
 
 def repeated(plan: DrivePlan) -> Iterator[Diagnostic]:
-    """PG213: a job writes or compares the same value of a parameter twice; the last one would win."""
+    """PG213: a job, or a step of it, writes or compares the same value of a parameter twice; the last one would win."""
     for job in plan.shapes:
-        bynumber_of: dict[int, list[Use]] = {}
+        bynumber_of: dict[tuple[int, int], list[Use]] = {}
         for use in job.uses:
             if not (use.writes or use.compared):
                 continue
-            bynumber_of.setdefault(use.parameter.pnu, []).append(use)
+            bynumber_of.setdefault((use.parameter.pnu, use.step), []).append(use)
         for uses in bynumber_of.values():
             yield from _overlaps(plan, uses)
 
@@ -69,7 +69,7 @@ def _overlaps(plan: DrivePlan, uses: list[Use]) -> Iterator[Diagnostic]:
             does = "written" if use.writes else "compared"
             yield Diagnostic(
                 "PG213",
-                f"{second.label} is {does} twice in this job",
+                f"{second.label} is {does} twice in this {'step' if second.step else 'job'}",
                 parameter_span(plan, second),
                 help=_LAST_WINS if use.writes else "remove one of them",
                 notes=(Note(f"first {does} as {first.label}", parameter_span(plan, first)),),

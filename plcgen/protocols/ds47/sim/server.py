@@ -172,6 +172,7 @@ class Server:
         refusal = parameter.refusal(state, change=False)
         if refusal is not None:
             raise _RefusedError(refusal)
+        parameter.come()
         block = ValueBlock.of(parameter.format, parameter.values[start : start + count])
         if self.behaviour.answer_format != "size" or parameter.format.is_string:
             return block

@@ -25,6 +25,7 @@ from plcgen.protocols.ds47.views.deviations import deviation_values, deviations_
 from plcgen.protocols.ds47.views.engine import names, versions
 from plcgen.protocols.ds47.views.messages import list_values, messages_view
 from plcgen.protocols.ds47.views.rows import buffer_blocks
+from plcgen.protocols.ds47.views.steps import condition_text, sequence_view, step_values
 from plcgen.protocols.ds47.wire.formats import FormatKind, unpack_values
 from plcgen.protocols.ds47.wire.model import HEADER_SIZE
 from plcgen.protocols.ds47.words import ACKNOWLEDGE_WORDS, ERROR_DEVIATES, SAVE_WORDS, STATUS_WORDS, VERIFY_WORDS
@@ -60,7 +61,11 @@ def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
         flags=dict(job.trigger.items()),
         signals=signals(plan),
         inputs=[_value(plan, use, start=True) for use in job.inputs],
-        outputs=[*(_value(plan, use, start=False) for use in job.outputs), *_lists(plan, job)],
+        outputs=[
+            *step_values(plan, job),
+            *(_value(plan, use, start=False) for use in job.outputs),
+            *_lists(plan, job),
+        ],
     )
 
 
@@ -95,6 +100,9 @@ def title(plan: DrivePlan, job: DriveJob) -> str:
     if job.poll is not None and not job.guarded:
         text = "Acknowledge the faults of the drive object"
         return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
+    if job.in_steps:
+        text = f"Sequence of {job.uses[-1].step} steps"
+        return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
     uses = [use for use in job.uses if use.poll is None and use.verifies is None]
     then = ""
     if job.verified and job.poll is not None:
@@ -112,16 +120,18 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "verify": None if not job.verified else _verify(job),
         "messages": None if job.messages is None else messages_view(plan, job, job.messages),
         "deviations": None if job.deviations is None else deviations_view(job, job.deviations),
+        "sequence": None if not job.in_steps else sequence_view(plan, job),
         "pinned": job.pinned,
         "many": len(job.telegrams) > 1,
         "title": label,
         "comment_lines": [one_line(text) for text in comments[1:] if encodable(text, where)],
-        "labels": [_label(use) for use in job.uses],
+        "labels": [_label(plan, use) for use in job.uses],
         "order": _order(plan, job),
         "use_count": len(job.uses),
         "in_a_row": len(job.uses) > _UNROLLED,
         "inputs": [_interface(plan, use, start=True) for use in job.inputs],
         "outputs": [
+            *(value.member for value in step_values(plan, job)),
             *(_interface(plan, use, start=False) for use in job.outputs),
             *(value.member for value in _lists(plan, job)),
         ],
@@ -237,7 +247,7 @@ def _order(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
         ("retries", job.retries, 40, ""),
     )
     found += [(name, f"{prefix}{value}") for name, value, default, prefix in standard if value != default]
-    if job.once and job.poll is None:
+    if job.once and job.poll is None and not job.in_steps:
         found.append(("once", "TRUE"))
     if job.pinned:
         found.append(("pinned", "TRUE"))
@@ -247,10 +257,14 @@ def _order(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
     return found
 
 
-def _label(use: Use) -> str:
+def _label(plan: DrivePlan, use: Use) -> str:
     """Line of the header: which index of ``errors`` belongs to which parameter."""
+    if use.awaited is not None:
+        title = f", {use.parameter.title}" if use.parameter.title else ""
+        return one_line(f"{use.position}: step {use.step} waits for {condition_text(plan, use)}{title}")
     does = "writes" if use.writes else "compares" if use.compared else "reads" if use.verifies is None else "reads back"
     does += " again" if use.again is not None else ""
+    does = f"step {use.step} {does}" if use.step else does
     text = f"{use.position}: {does} {use.label} {use.parameter.title}"
     return one_line(text)
 
@@ -262,6 +276,8 @@ def _interface(plan: DrivePlan, use: Use, *, start: bool) -> MemberRow:
     initial = initializer(type_, use.data, v5=where.v5) if start and any(use.data) else ""
     unit = f" [{use.parameter.unit}]" if use.parameter.unit else ""
     own = comment_text(use.comment, plan.languages, where, use.parameter.title)
+    if use.awaited is not None:
+        own = f"{own or 'value'}, as last read in step {use.step}"
     return plain(
         plan, use.member, type_text(type_, tia=not where.v5), one_line(f"{use.label} {own}{unit}"), start=initial
     )
@@ -289,6 +305,9 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "writes": telegram.writes,
         "saves": telegram.writes and telegram.parts[0].use in job.saving,
         "asks": telegram.parts[0].use.poll is not None,
+        "step": telegram.step,
+        "once": telegram.once,
+        "awaited": telegram.awaited,
         "closes": closes,
         "keeps": not telegram.writes and not closes and job.deviations is None,
         "wanted": _bytes(right_answer(telegram), v5=plan.target.v5) if job.deviations is not None else "",

@@ -1,0 +1,94 @@
+"""View of a sequence: the numbers of its parameters, and for each step that waits how an answer is compared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from plcgen.documents.members import plain
+from plcgen.documents.nouns import CallerValue
+from plcgen.documents.spelling import literal, type_words
+from plcgen.protocols.ds47.plan.fields import interface_type
+from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Use
+from plcgen.protocols.ds47.plan.values import value_text
+from plcgen.protocols.ds47.views.engine import versions
+from plcgen.protocols.ds47.wire.formats import FormatKind
+from plcgen.protocols.ds47.words import SEQUENCE_WORDS
+from plcgen.s7.types import Elementary
+
+_OTHERWISE = {"=": "<>", "<>": "=", "<": ">=", ">": "<=", "<=": ">", ">=": "<"}
+"""When a comparison is false."""
+
+
+def step_values(plan: DrivePlan, job: DriveJob) -> Iterator[CallerValue]:
+    """Which step has failed, and which parameter of it, at the block and in the control DB."""
+    if not job.in_steps:
+        return
+    words = type_words(tia=not plan.target.v5)
+    step = plain(plan, "failedStep", words["INT"], "step of the sequence that failed, 0: none")
+    parameter = plain(plan, "failedParameter", words["DINT"], "number of its parameter that failed, 0: none")
+    yield CallerValue(step, (("", "DEC"),))
+    yield CallerValue(parameter, (("", "DEC"),))
+
+
+def sequence_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
+    """What a block needs that goes through steps: numbers of parameters, and how it waits."""
+    numbers = ", ".join(f"L#{use.parameter.pnu}" for use in job.uses)
+    waits = [_wait(plan, job, telegram) for telegram in job.telegrams if telegram.awaited is not None]
+    return {
+        "numbers": numbers if plan.target.v5 else f"[{numbers}]",
+        "total": len(job.telegrams),
+        "triggers": any(telegram.once for telegram in job.telegrams),
+        "waits": waits,
+        "bytes": any(not condition["float"] for wait in waits for condition in wait["conditions"]),
+        "always": len(waits) == len(job.telegrams),
+        "statuses": [(name, f"W#16#{value:04X}", text) for name, value, text in SEQUENCE_WORDS],
+        "clock": versions(plan)["TON_TIME"],
+    }
+
+
+def condition_text(plan: DrivePlan, use: Use) -> str:
+    """``r722.0 = 1`` or ``r21 > 100.0``."""
+    awaited = use.awaited
+    assert awaited is not None  # noqa: S101 - only uses that wait come here
+    if awaited.bit is None:
+        return f"{use.label} {awaited.operator} {value_text(use, plan.target)}"
+    return f"{use.label}.{awaited.bit} {awaited.operator} {int(any(use.data))}"
+
+
+def _wait(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> dict[str, Any]:
+    """How the answer to a question is compared; a copy of it is needed first where numbers in floating point are."""
+    suffix = str(telegram.number) if len(job.telegrams) > 1 else ""
+    fields = [field for field in telegram.response.fields if field.role == "value" and field.part is not None]
+    floats = any(field.part is not None and field.part.use.format.kind is FormatKind.FLOAT for field in fields)
+    return {
+        "number": telegram.number,
+        "copied": f"statResponse{suffix}" if floats else "",
+        "last": telegram.positive_length - 1,
+        "conditions": [_comparison(plan, field, f"statResponseView{suffix}.{field.name}") for field in fields],
+    }
+
+
+def _comparison(plan: DrivePlan, field: DriveField, member: str) -> dict[str, Any]:
+    """One comparison: of a number in floating point as such, of others byte by byte, the first one with its sign."""
+    assert field.part is not None  # noqa: S101 - fields of values only
+    use = field.part.use
+    awaited = use.awaited
+    assert awaited is not None  # noqa: S101 - all parts of such a telegram wait
+    shown = {"label": condition_text(plan, use), "number": use.parameter.pnu, "operator": awaited.operator}
+    if use.format.kind is FormatKind.FLOAT:
+        type_ = interface_type(use.format, 1, 0, plan.target)
+        assert isinstance(type_, Elementary)  # noqa: S101 - what has no type is refused
+        value = literal(type_, use.data, v5=plan.target.v5)
+        return {**shown, "float": f"{member} {awaited.operator} {value}"}
+    masks = [0xFF] * use.format.size
+    if awaited.bit is not None:
+        masks = list((1 << awaited.bit).to_bytes(use.format.size))
+    signed = use.format.kind is FormatKind.SIGNED and awaited.operator not in {"=", "<>"}
+    flips = [0x80 if signed and index == 0 else 0 for index in range(use.format.size)]
+    found = [
+        {"at": field.offset + index, "mask": mask, "flip": flip, "wanted": byte & mask ^ flip}
+        for index, (byte, mask, flip) in enumerate(zip(use.data, masks, flips, strict=True))
+        if mask
+    ]
+    return {**shown, "float": "", "bytes": found, "otherwise": _OTHERWISE[awaited.operator]}

@@ -1,0 +1,119 @@
+"""Sequences: which telegrams go out and when, what is said of a step that fails, who has the unit; by hand."""
+
+from __future__ import annotations
+
+import pytest
+
+from plcgen.protocols.ds47.plan.nouns import DriveJob
+from plcgen.protocols.ds47.proof.plant import Plant
+from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
+
+SPEC = """
+drives:
+  axis:
+    device: sinamics-s120
+    ID: 281
+    drive_object: 3
+    parameters: {P10: {type: Integer16}, r722: {type: Unsigned32}, P2900: {type: FloatingPoint}}
+jobs:
+  steps:
+    drive: axis
+    sequence:
+      - write: {P10: 1}
+      - until: {P10: ">= -1", r722.9: 1, timeout: 2s, interval: 1s}
+      - write: {P2900: {as: level, start: 2.0}}
+    allow: {P10: tried out}
+  look: {drive: axis, read: [r722]}
+"""
+WRITE = "02 03 01 10 01 00 0a 00 00 03 01 00 01"
+ASK = "01 03 02 10 01 00 0a 00 00 10 01 02 d2 00 00"
+LAST = "02 03 01 10 01 0b 54 00 00 08 01 40 00 00 00"
+LOOK = "01 03 01 10 01 02 d2 00 00"
+"""p0010 = 000Ah as Integer16 in drive object 3; asked for with r0722 = 02D2h; p2900 = 0B54h as 2.0 = 40000000h."""
+SECOND = 100
+"""Scans of 10 ms."""
+NOT_REACHED = 0x8510
+
+
+@pytest.fixture
+def plant(generate, target) -> Plant:
+    """A drive object that does nothing on its own, and OB1 with the jobs."""
+    made = generate(SPEC, target)
+    plant = Plant(made.plan, made.program).fresh()
+    plant.waiting = []
+    for parameter in plant.units["axis"].objects[3].parameters.values():
+        parameter.comes = ()
+    return plant
+
+
+def job_of(plant: Plant, key: str) -> DriveJob:
+    """A job by its key."""
+    return next(job for job in plant.plan.jobs if job.key == key)
+
+
+def run(plant: Plant, inputs: dict[int, int], faults: tuple[Fault, ...] = (), look: int = 0) -> tuple[int, int]:
+    """The inputs r0722 by the scan in which they change; another job is started in ``look``; scans and status."""
+    plant.begin(DriveScenario(name="OB1", faults=faults), delivered=True)
+    values = plant.units["axis"].objects[3].parameters[722].values
+    values[:] = [0]
+    plant.execute(job_of(plant, "steps"))
+    for scan in range(1, 6 * SECOND):
+        values[:] = [inputs.get(scan, values[0])]
+        if scan == look:
+            plant.execute(job_of(plant, "look"))
+        plant.step()
+        over, status = plant.result(job_of(plant, "steps"))
+        if over:
+            failed.append(tuple(plant.cpu[f'"DriveJobs".steps.{name}'] for name in ("failedStep", "failedParameter")))
+            plant.execute(job_of(plant, "steps"), value=False)
+            plant.step()
+            return scan, status
+    raise AssertionError("it has not ended")
+
+
+failed: list[tuple[object, ...]] = []
+"""failedStep and failedParameter of each run."""
+
+
+def sent(plant: Plant) -> list[str]:
+    """Requests without their references."""
+    return [one.data[1:].hex(" ") for one in plant.units["axis"].journal if one.direction == "write" and not one.status]
+
+
+def test_it_asks_until_all_is_there(plant: Plant) -> None:
+    """Bit 9 (512) comes after 0.5 s: the question at 0 s is answered no, the one after 1 s yes."""
+    scans, status = run(plant, {50: 512})
+    assert (status, failed[-1]) == (0, (0, 0))
+    assert sent(plant) == [WRITE, ASK, ASK, LAST]
+    assert SECOND <= scans <= SECOND + 60
+    assert plant.cpu['"DriveJobs".steps.p722Bit9Step2'] == 512
+
+
+def test_it_waits_in_vain(plant: Plant) -> None:
+    """Questions at 0 s, 1 s and, at the timeout, 2 s. All other bits are no substitute. Nothing is put back."""
+    scans, status = run(plant, {1: 0xFFFFFFFF - 512})
+    assert (status, failed[-1]) == (NOT_REACHED, (2, 722))
+    assert sent(plant) == [WRITE, ASK, ASK, ASK]
+    assert 2 * SECOND <= scans <= 2 * SECOND + 60
+    assert plant.units["axis"].objects[3].parameters[10].values == [1]
+    assert run(plant, {1: 512})[1] == 0  # and the next start works
+    assert failed[-1] == (0, 0)
+
+
+def test_others_have_the_unit_meanwhile(plant: Plant) -> None:
+    """A job that is started 0.7 s behind the start reads before the second question."""
+    assert run(plant, {90: 512}, look=70)[1] == 0
+    assert sent(plant) == [WRITE, ASK, LOOK, ASK, LAST]
+
+
+@pytest.mark.parametrize(
+    ("after", "position", "says"),
+    [(0, 1, (1, 10)), (1, 1, (2, 10)), (1, 2, (2, 722)), (2, 2, (2, 722)), (3, 1, (3, 2900))],
+)
+def test_a_refusal_names_step_and_parameter(plant: Plant, after: int, position: int, says: tuple[int, int]) -> None:
+    """The request behind so many that have so many parameters; the second question is refused, too."""
+    count = {0: 0, 1: 1 if position == 1 else 0, 2: 1, 3: 3}[after]
+    fault = Fault(FaultKind.ERROR, after=count, number=0x11, position=position, words=1)
+    assert run(plant, {50: 512}, (fault,))[1] == 0x8401
+    assert failed[-1] == says
