@@ -11,6 +11,7 @@ from types import FrameType, TracebackType
 from typing import Any, Literal
 
 from plcgen.cpu import arithmetic
+from plcgen.cpu.decisions import Table
 from plcgen.cpu.linkage import Compiled, Probe, ProgramBlock
 from plcgen.cpu.memory import Memory, codec_functions
 from plcgen.cpu.preemption import Passage, Plan, Preemption
@@ -82,6 +83,7 @@ class Cpu:
         self.records = RecordJobs(self.bus, self._clock, self._eno, places, idle_needs_place=self.family == "s7-1500")
         self._passes = [0, loop_limit]
         self.coverage = [0] * len(program.probes)
+        self._decisions: list[Table] = []
         self._compiled: dict[str, Compiled] = {}
         self.areas = {area: Memory(AREA_SIZE, area) for area in "IQMP"}
         self.blocks: dict[int, Memory] = {}
@@ -130,6 +132,7 @@ class Cpu:
             "E": self._eno,
             "G": [False],
             "H": self.coverage,
+            "D": self._decisions,
         }
         names |= {"Z": self.preemption.point, "dis_airt": self.preemption.delay, "en_airt": self.preemption.enable}
         names |= {"ix": _bad_index, "ck": _address, "late": self._late, "div": self._div, "mod": self._mod}
@@ -139,7 +142,9 @@ class Cpu:
         return names
 
     def _load(self, blocks: Iterable[Compiled]) -> None:
-        """Make the functions of compiled blocks."""
+        """Make the functions of compiled blocks, with the tables of their conditions."""
+        decisions = self.program.link.decisions[len(self._decisions) :]
+        self._decisions += (Table(decision, self.coverage) for decision in decisions)
         for compiled in blocks:
             if compiled.code is not None:
                 exec(compiled.code, self._names)  # noqa: S102 - code of our own compiler
@@ -325,8 +330,14 @@ class Cpu:
         transfers = sum(len(block.jobs) for block in self._records if isinstance(block, PortBlock))
         return transfers + len(self.records.jobs)
 
+    def forget_coverage(self) -> None:
+        """Count from 0 again."""
+        self.coverage[:] = bytes(len(self.coverage))
+        for table in self._decisions:
+            table.clear()
+
     def uncovered(self) -> list[Probe]:
-        """Statements and branches that never ran; empty without coverage."""
+        """Statements and branches that never ran, operands that never decided; empty without coverage."""
         return [probe for probe, count in zip(self.program.probes, self.coverage, strict=True) if not count]
 
     # --- misuse ---------------------------------------------------------------------------------------

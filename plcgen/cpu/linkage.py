@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import CodeType
 
+from plcgen.cpu.decisions import Decision
 from plcgen.cpu.type_rules import IecCheck, TypeRules
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.s7.address import Address, AddressError, parse_address
@@ -47,7 +48,7 @@ class ProgramBlock:
 
 @dataclass(frozen=True, slots=True)
 class Probe:
-    """One thing coverage counts: a statement or the outcome of a branch."""
+    """One thing coverage counts: a statement, the outcome of a branch, or an operand that decides."""
 
     file: str
     line: int
@@ -77,9 +78,9 @@ class Linkage:
     ``constants`` are system constants of the project, hardware identifiers by name; ``literals`` has those and the
     ``user_constants`` as they are written, ``numbers`` the whole numbers among them.
     ``mixed``: blocks with standard and with optimised access meet. ``eno``: some block speaks of ENO or OK. ``litter``:
-    local data holds garbage at the start of a call, of two kinds in turn. ``probes`` grows while blocks are
-    compiled for coverage, ``points`` while they are compiled for preemption; the preemptive form counts with the
-    ``counters`` of the plain one.
+    local data holds garbage at the start of a call, of two kinds in turn. ``probes`` and ``decisions`` grow while
+    blocks are compiled for coverage, ``points`` while they are compiled for preemption; the preemptive form counts with
+    the ``counters`` of the plain one.
 
     ``stated`` says of single blocks whether their IEC check is on, ``iec_check`` of all others.
     ``opaque`` are the types that nobody declares: they are reported once, and nothing is said about what they hold.
@@ -99,6 +100,7 @@ class Linkage:
     coverage: bool = False
     litter: bool = False
     probes: list[Probe] = field(default_factory=list)
+    decisions: list[Decision] = field(default_factory=list)
     points: list[Probe] = field(default_factory=list)
     counters: dict[tuple[Probe, bool], int] = field(default_factory=dict)
     iec_check: IecCheck = IecCheck.AS_STATED

@@ -99,9 +99,9 @@ class Program:
 
         ``tags`` maps names to addresses (``M50.0``, or with a type ``("MW22", "INT")``), or block symbols to
         numbers (``DB 471``); ``numbers`` maps names of data blocks to their numbers, ``constants`` names of system
-        constants to theirs. ``coverage`` counts statements and branches; with ``litter`` local data holds
-        garbage at the start of a call, of two kinds in turn. ``iec_check`` says which implicit conversions are right,
-        ``stated`` the same of single blocks; ``encoding`` names the code page of ANSI files. What
+        constants to theirs. ``coverage`` counts statements, branches and deciding operands; with ``litter`` local data
+        holds garbage at the start of a call, of two kinds in turn. ``iec_check`` says which implicit conversions are
+        right, ``stated`` the same of single blocks; ``encoding`` names the code page of ANSI files. What
         ``beside`` knows counts where nothing else says it.
         """
         program = cls(Linkage(dialect, coverage=coverage, litter=litter, iec_check=iec_check))

@@ -1,15 +1,16 @@
-"""Which statements and branches of a block ran, and which cannot."""
+"""Which statements and branches of a block ran, which operands of its conditions decided, and which cannot."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from plcgen.cpu.linkage import Probe
 from plcgen.cpu.program import Program
 from plcgen.proof.conditions import Premise
 from plcgen.proof.reach import reachable
 from plcgen.scl import ast
+from plcgen.scl.logic import DECIDES
 
 Step = tuple[int, int]
 NO_OTHER = "the selector has no other value"
@@ -17,24 +18,41 @@ NO_OTHER = "the selector has no other value"
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """Counts of one block: ``missing`` never ran although they should, ``explained`` cannot.
+    """Counts of one block: ``missing`` never ran or decided although they should, ``explained`` cannot.
 
-    ``steps`` are the ways from state to state that were never gone, None if nobody looked.
+    ``steps`` are the ways from state to state that were never gone, None if nobody looked. ``undecided`` counts the
+    operands of which it is no error that they have not decided with both values.
     """
 
     statements: int
     branches: int
+    operands: int
     missing: tuple[Probe, ...]
     explained: tuple[tuple[Probe, str], ...]
     steps: frozenset[Step] | None = None
+    undecided: int = 0
 
     @property
     def text(self) -> str:
-        """``245 statements, 130 branches, every state transition``."""
+        """``245 statements, 130 branches, 61 operands, every state transition``."""
+        found = f"{self.statements} statements, {self.branches} branches, {self.deciding} operands"
         if self.steps is None:
-            return f"{self.statements} statements, {self.branches} branches"
+            return found
         end = "every state transition" if not self.steps else f"all but {len(self.steps)} state transitions"
-        return f"{self.statements} statements, {self.branches} branches, {end}"
+        return f"{found}, {end}"
+
+    @property
+    def deciding(self) -> str:
+        """``61``, or ``60 of 61`` where it is no error that one has not decided."""
+        return f"{self.operands - self.undecided} of {self.operands}" if self.undecided else str(self.operands)
+
+    @property
+    def counted(self) -> Coverage:
+        """The same where an operand need not have decided: it is counted."""
+        sides = [probe for probe in self.missing if probe.kind in DECIDES.values()]
+        places = {(probe.file, probe.line, probe.column) for probe in sides}
+        missing = tuple(probe for probe in self.missing if probe not in sides)
+        return replace(self, missing=missing, undecided=len(places))
 
     @property
     def verdict(self) -> str:
@@ -63,7 +81,7 @@ def cover(
     """
     entry = program.link.find(block)
     if entry is None:
-        return Coverage(0, 0, (), (), steps)
+        return Coverage(0, 0, 0, (), (), steps)
     totals: dict[Probe, int] = {}
     for probe, count in zip(program.probes, counts, strict=True):
         if probe.file == entry.result.tokens.file:
@@ -88,7 +106,9 @@ def cover(
     ]
     missing = [probe for probe in missing if probe not in reasons]
     statements = sum(probe.kind == "statement" for probe in totals)
-    return Coverage(statements, len(totals) - statements, tuple(missing), tuple(explained), steps)
+    decided = sum(probe.kind in DECIDES.values() for probe in totals)
+    branches = len(totals) - statements - decided
+    return Coverage(statements, branches, decided // 2, tuple(missing), tuple(explained), steps)
 
 
 def _attributed(

@@ -22,6 +22,7 @@ from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, ScenarioError, Statistics, diagnostic
 from plcgen.proof.sharing import Sharing
 from plcgen.proof.suite import CodeBlock, Level, Procedure, Suite, WorkPart
+from plcgen.scl.logic import DECIDES
 
 MAX_FAILURES = 3
 
@@ -232,7 +233,8 @@ def coverage(program: Program, block: CodeBlock, counts: list[int], results: dic
     steps = block.steps
     if steps is not None:
         steps = steps.difference(*(results[job.key].statistics.transitions for job in block.jobs))
-    return cover(program, block.block, counts, block.premises, block.opened, steps)
+    found = cover(program, block.block, counts, block.premises, block.opened, steps)
+    return found if block.decides else found.counted
 
 
 def made(results: Sequence[Result], what: str) -> str:
@@ -286,7 +288,12 @@ def coverage_check(block: CodeBlock, found: Coverage) -> Check:
         return failed(name, subject, found.text, Diagnostic("PG622", message, block.span()))
     if not found.missing:
         return Check(name, subject, found.text, Outcome.OK, found.verdict)
-    first = found.missing[0]
-    message = f"{block.name}: {len(found.missing)} statements or branches were never executed"
-    problem = Diagnostic("PG622", message, Span(first.file, first.line, first.column))
-    return failed(name, subject, found.text, problem, f"line {first.line} never ran")
+    sides = tuple(probe for probe in found.missing if probe.kind in DECIDES.values())
+    ran = len(found.missing) - len(sides)
+    first = next((probe for probe in found.missing if probe not in sides), found.missing[0])
+    said = [f"{ran} statements or branches were never executed"] if ran else []
+    if sides:
+        said.append(f"an operand never {sides[0].kind} ({len(sides)} such in all)")
+    problem = Diagnostic("PG622", f"{block.name}: {', '.join(said)}", Span(first.file, first.line, first.column))
+    verdict = f"line {first.line} never ran" if ran else f"line {first.line} has an operand that never {first.kind}"
+    return failed(name, subject, found.text, problem, verdict)

@@ -1,4 +1,6 @@
-"""Which statements and branches of a block can run at all: its tree is executed with sets of values.
+"""Which statements and branches of a block can run at all, and which operands can decide.
+
+Its tree is executed with sets of values.
 
 A static variable begins with its start value and with whatever a call of the block may leave in it; inputs, arrays,
 other blocks and what calls return may be anything. What is not reached then cannot run, whatever happens around the
@@ -28,8 +30,9 @@ from plcgen.proof.values import (
 )  # fmt: skip
 from plcgen.scl import ast
 from plcgen.scl.constants import evaluate
+from plcgen.scl.logic import DECIDES, decisions
 
-KINDS = ("statement", "branch", "else", "loop", "pass")
+KINDS = ("statement", "branch", "else", "loop", "pass", *DECIDES.values())
 Place: TypeAlias = tuple[int, str]
 """Offset of a node, and what about it: one of ``KINDS``."""
 Loop: TypeAlias = ast.For | ast.While | ast.Repeat
@@ -59,6 +62,7 @@ class _Execution:
         self.named: dict[int, frozenset[str]] = {}
         self.known: dict[tuple[int, frozenset[tuple[str, Values]]], list[Env]] = {}
         self.written: dict[int, frozenset[str]] = {}
+        self.decisions: dict[int, tuple[ast.Expression, ...]] = {}
         self.limits: dict[str, list[float]] = {}
         """Where a variable that is calculated may stop counting."""
         compared = scope.compared()
@@ -144,8 +148,10 @@ class _Execution:
             return self.body(node.body, [env])
         self.reached.add((node.start, "statement"))
         if isinstance(node, ast.Assign):
+            self.decide(node, env)
             return [self.assign(node, env)]
         if isinstance(node, ast.CallStatement):
+            self.decide(node, env)
             return [self.without(node, env)]
         if node.start not in self.named:
             inside = (inner.name.upper() for inner in ast.walk(node) if isinstance(inner, ast.Name))
@@ -157,6 +163,14 @@ class _Execution:
             self.known[key] = self.compound(node, inner)
         outer = {name: values for name, values in env.items() if name not in names}
         return [{**outer, **after} for after in self.known[key]]
+
+    def decide(self, node: ast.Node, env: Env) -> None:
+        """Keep which operands of the conditions in an expression may decide."""
+        if id(node) not in self.decisions:
+            self.decisions[id(node)] = tuple(decisions(node))
+        for condition in self.decisions[id(node)]:
+            found = self.scope.deciding(condition, env)
+            self.reached.update((operand.start, DECIDES[value]) for operand, value in found)
 
     def compound(self, node: ast.Statement, env: Env) -> list[Env]:
         """Run a statement with statements in it; ``env`` has only what it names."""
@@ -189,6 +203,8 @@ class _Execution:
         """Every branch whose condition may hold, and the rest."""
         rest: Env | None = env
         for branch in node.branches:
+            if rest is not None:
+                self.decide(branch.condition, rest)
             true, rest = self.scope.split(branch.condition, rest) if rest is not None else (None, None)
             yield from self.branch(branch, "branch", branch.body, true)
         yield from self.branch(node, "else", node.otherwise or (), rest)
@@ -265,6 +281,7 @@ class _Execution:
     def head(self, node: Loop, last: Values, env: Env) -> tuple[Env | None, Env | None]:
         """What may hold in front of a pass, and if there is none."""
         if isinstance(node, ast.While):
+            self.decide(node.condition, env)
             return self.scope.split(node.condition, env)
         if isinstance(node, ast.Repeat):
             return env, None
@@ -284,6 +301,8 @@ class _Execution:
             ]
         if isinstance(node, ast.While):
             return [], envs
+        for env in envs:
+            self.decide(node.condition, env)
         ends = [self.scope.split(node.condition, env) for env in envs]
         return [true for true, _ in ends if true is not None], [false for _, false in ends if false is not None]
 

@@ -75,7 +75,7 @@ BROKEN = {
         '#place.beat := #tempBeat; "ProofGateData".gate.channels[3].beat := 7;', "first run",
     ),
     "a job is not called when it has ended": ("Get", "Get", " OR #status <> W#16#7000 THEN", " THEN", "first run"),
-    "a job is not called when its command comes": ("Get", "Get", "IF #execute OR #busy", "IF #busy", "first run"),
+    "a job is not called when its command comes": ("Get", "Get", "IF #execute OR #status", "IF #status", "first run"),
 }  # fmt: skip
 """Job, file, what stands there, what stands there instead, the scenario that notices."""
 
@@ -204,6 +204,24 @@ def test_the_cyclic_ob_counts_for_coverage(tmp_path: Path) -> None:
     assert (check.diagnostic.code, check.diagnostic.span.line) == ("PG622", line)
     owned = generated(tmp_path / "owned", PLANT.replace("tia-v19", "tia-v19, user_owned: [Main]"))[0]
     assert list(main_coverage(owned, program, cpu.coverage)) == []
+
+
+def test_an_operand_that_decides_nothing_is_an_error(tmp_path: Path) -> None:
+    """``a OR b`` with a TRUE in every scan: a has never decided with FALSE, b not at all."""
+    project, folder = generated(tmp_path, PLANT)
+    call = '"DriveCalls_DB"();'
+    broken(folder, "Main", call, f"IF 1 = 1 OR 1 = 2 THEN\n{call}\nELSE\n{call}\nEND_IF;")
+    program = ProgramBench(project, folder).program
+    cpu = Cpu(program)
+    cpu.scan()
+    counts = [
+        count or int(not probe.kind.startswith("decides"))
+        for probe, count in zip(program.probes, cpu.coverage, strict=True)
+    ]
+    (check,) = main_coverage(project, program, counts)
+    assert check.diagnostic is not None
+    assert check.diagnostic.code == "PG622"
+    assert "an operand never decides FALSE (3 such in all)" in check.diagnostic.message
 
 
 MIDDLE = """

@@ -124,3 +124,14 @@ def test_what_is_opened_counts_as_possible() -> None:
     code = "IF statCount < NONE THEN x := 1; statCount := statCount + 1; END_IF; IF statCount > 0 THEN x := 2; END_IF;"
     assert dead(code, opened=("NONE",)) == set()
     assert dead(code, Premise("none", follow=("NONE",)), opened=("NONE",)) == {"1", "2"}
+
+
+def test_which_operands_may_decide() -> None:
+    """The second of two that hang together never settles the outcome; behind a premise the first one is settled."""
+    text = HEAD + "IF go THEN statCount := 2; END_IF;\nIF statCount > 0 OR statCount > 1 THEN x := 1; END_IF;\n"
+    (unit,) = parse(text + "END_FUNCTION_BLOCK\n", "test").units
+    found = {(text[start : start + 13], kind) for start, kind in reachable(unit) if kind.startswith("decides")}
+    assert found == {
+        ("statCount > 0", "decides FALSE"),  # statCount is 0 or 2: both are FALSE, or both TRUE
+        ("statCount > 1", "decides FALSE"),
+    }

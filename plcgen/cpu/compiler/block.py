@@ -10,6 +10,7 @@ from plcgen.cpu.compiler.assignments import Assignments
 from plcgen.cpu.compiler.branches import Branches
 from plcgen.cpu.compiler.calls import Calls
 from plcgen.cpu.compiler.context import Context, Listing
+from plcgen.cpu.compiler.decisions import Decisions
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.functions import Functions
 from plcgen.cpu.compiler.loops import Labels, Loops, Watchdog, has_labels
@@ -84,6 +85,9 @@ def _frame(context: Context, expressions: Expressions, statements: Statements) -
         ast.Omitted: operands.omitted, ast.Aggregate: operands.listed, ast.Repetition: operands.listed,
         ast.Binary: operators.binary, ast.Unary: operators.unary, ast.Call: calls.call_value,
     }  # fmt: skip
+    if context.link.coverage:
+        decisions = Decisions(context, out, expressions, dict(expressions.parts))
+        expressions.parts |= {ast.Binary: decisions.value, ast.Unary: decisions.value}
     paths = (ast.Member, ast.Index, ast.Address, ast.Peripheral, ast.Dereference)
     expressions.parts |= dict.fromkeys(paths, operands.variable)
     labels = Labels(context, out, access, watchdog, statements)

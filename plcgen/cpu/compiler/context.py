@@ -21,6 +21,7 @@ class Listing:
     """Lines of Python; ``map`` has the line of SCL of each, ``line`` is that of the next one.
 
     ``folds`` are the lines that put a value into a cached local, with its name: often nobody reads it again.
+    ``checks`` are true where no index is outside its array and no divisor 0, in the order of the expressions.
     """
 
     lines: list[str] = field(default_factory=list)
@@ -28,6 +29,7 @@ class Listing:
     indent: str = " "
     line: int = 0
     folds: list[tuple[int, str]] = field(default_factory=list)
+    checks: list[str] = field(default_factory=list)
     temporaries: int = 0
 
     def emit(self, code: str) -> None:
@@ -135,8 +137,11 @@ class Context:
 
     def probe(self, node: ast.Node, kind: str) -> None:
         """Count this place, if coverage is wanted."""
-        if not self.link.coverage:
-            return
+        if self.link.coverage:
+            self.out.emit(f"H[{self.counter(node, kind)}]+=1")
+
+    def counter(self, node: ast.Node, kind: str) -> int:
+        """Number of a counter of this place."""
         span = self.span(node)
         probe = Probe(span.file, span.line, span.column, kind)
         number = self.link.counters.get((probe, self.dynamic)) if self.preemptive else None
@@ -144,7 +149,7 @@ class Context:
             number = len(self.link.probes)
             self.link.probes.append(probe)
             self.link.counters[probe, self.dynamic] = number
-        self.out.emit(f"H[{number}]+=1")
+        return number
 
     @property
     def keeps_ok(self) -> bool:

@@ -14,11 +14,18 @@ from plcgen.scl import ast
 class Expressions:
     """Values and their types; a problem is reported once and gives the type UNKNOWN.
 
-    ``parts`` maps a class of nodes to what compiles it.
+    ``parts`` maps a class of nodes to what compiles it; ``watch`` is shown every value.
     """
 
     parts: dict[type[ast.Expression], Callable[[Any], Val]] = field(default_factory=dict)
+    watch: Callable[[ast.Expression, Val], None] | None = None
 
     def value(self, node: ast.Expression) -> Val:
         """Compile an expression."""
-        return self.parts[type(node)](node)
+        return self.shown(node, self.parts[type(node)](node))
+
+    def shown(self, node: ast.Expression, value: Val) -> Val:
+        """The value of a node, shown to who watches."""
+        if self.watch is not None:
+            self.watch(node, value)
+        return value

@@ -118,7 +118,7 @@ class Operators:
             self.access.conditional += conditional
             right = self.expressions.value(link.right)
             self.access.conditional -= conditional
-            value = self.operate(link, value, right)
+            value = self.expressions.shown(link, self.operate(link, value, right))
         return value
 
     def operate(self, node: ast.Binary, left: Val, right: Val) -> Val:
@@ -251,6 +251,7 @@ class Operators:
         name = "mod" if operator == "MOD" else "div"
         if right.const == 0:
             self.context.error("PG824", "division by the constant 0", node)
+        self.context.out.checks += [codes[1]] if right.const is None else []
         return Val(f"{name}({codes[0]},{codes[1]})", common, raw=name == "div", pure=pure)
 
     def counted(self, value: Val, other: str, node: ast.Expression) -> Val:
@@ -275,6 +276,7 @@ class Operators:
         if node.operator in {"MOD", "DIV"}:
             self.context.error("PG821", f"{node.operator} does not take {common}", node)
             return unknown()
+        self.context.out.checks += [codes[1]] if node.operator == "/" and right.const is None else []
         code = f"fdiv({codes[0]},{codes[1]})" if node.operator == "/" else f"{codes[0]}{node.operator}{codes[1]}"
         return Val(f"f32({code})" if common == "REAL" else f"({code})", common, pure=pure)
 
@@ -328,6 +330,7 @@ class Operators:
         elif operator in {"*", "/", "DIV"} and kinds[0] in DURATIONS and number:
             if operator == "*":
                 return Val(f"({codes[0]})*({codes[1]})", kinds[0], raw=True, pure=pure)
+            self.context.out.checks += [codes[1]] if right.const is None else []
             return Val(f"div({codes[0]},{codes[1]})", kinds[0], raw=True, pure=pure)
         return self.as_numbers(node, left, right) or self.mismatch(node, left, right)
 

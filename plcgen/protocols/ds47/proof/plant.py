@@ -78,7 +78,7 @@ class Plant:
         bus.write_busy = bus.read_busy = 1
         cpu.restart("cold")
         cpu.misuses.clear()
-        cpu.coverage[:] = bytes(len(cpu.coverage))
+        cpu.forget_coverage()
         self.name, self.round = name, 0
         self.scans, self.forgiven = 0, frozenset()
         bus.drives.clear()

@@ -57,7 +57,7 @@ class JobRig:
         self.address(other_bit=False)
         self.cpu.restart("cold")
         self.cpu.misuses.clear()
-        self.cpu.coverage[:] = bytes(len(self.cpu.coverage))
+        self.cpu.forget_coverage()
         self.id_name = "hardwareId" if plan.target.t15 else "driveAddress"
         self.channel = Members(self.cpu, program, f"{shape_fb(number)}_DB", CHANNEL, "channel0.")
         values = [use.member for use in (*job.inputs, *job.outputs)]

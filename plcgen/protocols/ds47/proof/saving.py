@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from plcgen.protocols.ds47.kinds import Poll
 from plcgen.protocols.ds47.plan.nouns import DriveJob
-from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
 from plcgen.protocols.ds47.proof.verifying import another
 from plcgen.protocols.ds47.proof.words import WORDS
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
@@ -40,6 +40,12 @@ def saving(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
 def _durations(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     """The drive is fast, slow, slower than allowed."""
     wide = max(10, min(poll.limit // 10_000, (job.timeout - poll.limit - poll.interval) // 30))
+    size = job.telegrams[-1].parts[0].size
+    for byte in range(size):
+        value = bytes(int(byte == at) for at in range(size))
+        yield DriveScenario(
+            name=f"the drive says {value.hex()} once", saving=0, reads={_before(job) + 2: _says(value)}, follow=False
+        )
     slack = SLACK_SCANS + TELEGRAM_SCANS * _before(job)
     between = poll.interval + slack * wide
     yield DriveScenario(name="the drive saves at once", saving=0, scan=wide, took=(poll.interval, between))
@@ -75,6 +81,13 @@ def _remaining(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
                 took=(poll.limit, poll.limit + poll.interval + SLACK_SCANS * wide),
             )
     yield DriveScenario(name="the drive has no faults", values="low")
+    yield DriveScenario(
+        name="the drive has no faults, but never finishes acknowledging",
+        values="low",
+        saving=100 * poll.limit,
+        status=(WORDS["NOT_ACKNOWLEDGED"],),
+        scan=wide,
+    )
 
 
 def _several(poll: Poll) -> int:
@@ -145,6 +158,11 @@ def _deviation(job: DriveJob) -> Iterator[DriveScenario]:
 def _before(job: DriveJob) -> int:
     """Telegrams in front of the one that saves."""
     return len(job.telegrams) - 2
+
+
+def _says(value: bytes) -> Edit:
+    """The answer has another first value."""
+    return lambda answer: answer[:6] + value + answer[6 + len(value) :]
 
 
 def _unknown(answer: bytes) -> bytes:

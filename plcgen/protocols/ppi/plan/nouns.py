@@ -125,6 +125,12 @@ class PpiTelegram(Telegram):
     station: PlannedStation
     items: tuple[WireItem, ...]
 
+    @property
+    def reordered(self) -> bool:
+        """Whether an item carries a value that the spec names in front of all those of the item before it."""
+        first = [min(placed.value.position for placed in item.values) for item in self.items if item.values]
+        return first != sorted(first)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PpiJob(PlannedJob):

@@ -92,9 +92,11 @@ class MasterConduct:
         rig.cpu.call(name, 0)
 
     def happen(self, run: Run[PpiScenario], happening: str) -> None:
-        """A restart: the frame count begins again. Or a scan that lasts as long as the timeout."""
+        """A restart: the frame count begins again. Or a scan that lasts as long as the timeout, or as the
+        module is waited for if that is longer.
+        """
         if happening == "jump":
-            self.rig.cpu.clock += self.rig.job.timeout
+            self.rig.cpu.clock += max(self.rig.job.timeout, DRAIN_MS)
             return
         self.codes.clear()
         self.configured = False

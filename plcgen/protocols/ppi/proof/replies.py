@@ -23,6 +23,7 @@ def edits(job: PpiJob) -> Iterator[tuple[str, Edit]]:
         yield "a parameter too many", lambda pdu: pdu[:7] + b"\x02" + pdu[8:] + b"\0"
         yield "data", lambda pdu: pdu[:9] + b"\x01" + pdu[10:] + b"\xff"
         return
+    yield "a parameter too many", lambda pdu: pdu[:7] + b"\x03" + pdu[8:14] + b"\0" + pdu[14:]
     yield "a byte too many", lambda pdu: with_data(pdu, pdu[14:] + b"\xff")
     yield "a byte too few", lambda pdu: with_data(pdu, pdu[14:-1])
     yield "an item too many", lambda pdu: pdu[:13] + bytes((pdu[13] + 1,)) + pdu[14:]

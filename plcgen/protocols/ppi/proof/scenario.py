@@ -172,6 +172,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
             )
     yield from _line_refusals(master)
     yield from _late(master)
+    yield from _in_the_pause(master)
     yield from _refusals(job, every=every)
     yield from _short(master, job)
     yield from _first_read(job)
@@ -192,6 +193,9 @@ def _in_front(most: int, polls: int) -> Iterator[PpiScenario]:
         bend=lambda reply: OTHERS + b"\xff" + reply,
         ignored=1,
         damaged=1,
+    )
+    yield PpiScenario(
+        name="a frame of others behind the reply", bend=lambda reply: reply + OTHERS, ignored=0, damaged=0
     )
     yield PpiScenario(
         name="a frame of others and a reply that breaks off",
@@ -328,6 +332,16 @@ def _late(master: PlannedMaster) -> Iterator[PpiScenario]:
         )
 
 
+def _in_the_pause(master: PlannedMaster) -> Iterator[PpiScenario]:
+    """A reply that comes in the pause behind its time: one of these lengths meets it."""
+    step = max(1, master.retry_pause // 2)
+    for late in range(max(step, master.reply_timeout - FRAME_MS), master.reply_timeout + master.retry_pause, step):
+        yield PpiScenario(
+            name=f"reply {late} ms late", faults=(fault("late", "poll", milliseconds=late),), retries=None, polls=None,
+            status=(DONE, WORDS["NOT_READY"], WORDS["NO_ANSWER"]),
+        )  # fmt: skip
+
+
 def _short(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     """Short answers that are none of the usual ones, and a frame without a PDU of an answer."""
 
@@ -432,12 +446,15 @@ def _refusals(job: PpiJob, *, every: bool) -> Iterator[PpiScenario]:
                     retries=None,
                     polls=None,
                 )
-        if len(telegram.items) > 1 and telegram.response is not None:
-            wrong = (telegram.items[0], telegram.items[-1])
+        count = len(telegram.items) if telegram.response is not None else 0
+        for name, numbers in (("first and last item", (1, count)), ("last two items", (count - 1, count))):
+            if count < len(numbers) or (numbers[0] == 1 and name != "first and last item"):
+                continue
+            wrong = [telegram.items[number - 1] for number in numbers]
             places = sorted({placed.value.position for wire in wrong for placed in wire.values})
             yield PpiScenario(
-                name=f"first and last item of telegram {telegram.number} refused",
-                faults=tuple(fault("item", item=n, code=5, after=after) for n in (1, len(telegram.items))),
+                name=f"{name} of telegram {telegram.number} refused",
+                faults=tuple(fault("item", item=n, code=5, after=after) for n in numbers),
                 status=(WORDS["ITEM_ERROR"],),
                 errors=dict.fromkeys(places, 0x8005),
                 retries=None,
@@ -573,6 +590,11 @@ def cpu_scenarios(scans: int, clock_end: int, ob1: int, *, retentive: bool, ever
         name="a scan as long as the timeout", happens={scans // 4: "jump"}, status=(WORDS["TIMEOUT"],),
         retries=None, polls=None,
     )  # fmt: skip
+    for scan in spread(2, scans // 3, scans // 6):
+        yield PpiScenario(
+            name=f"scans {scan} and {scan + 1} are as long as the timeout", happens={scan: "jump", scan + 1: "jump"},
+            status=(WORDS["TIMEOUT"], WORDS["DRAIN_TIMEOUT"]), retries=None, polls=None,
+        )  # fmt: skip
     yield PpiScenario(
         name="the second scan is as long as the timeout", happens={2: "jump"}, status=(WORDS["TIMEOUT"],), polls=0
     )

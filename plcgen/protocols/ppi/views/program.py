@@ -180,6 +180,7 @@ class _Views:
             "reads": any(job.kind == "read" for job in master.jobs),
             "writes": any(job.kind == "write" for job in master.jobs),
             "pads": any(wire.item.octets % 2 for t in master.telegrams if t.kind == "read" for wire in t.items[:-1]),
+            "reordered": any(telegram.reordered for telegram in master.telegrams),
             "services": any(job.kind in {"run", "stop"} for job in master.jobs),
             "syncs": bool(master.syncs),
             "telegrams": telegrams,

@@ -216,8 +216,11 @@ def left_out(work: EngineWork) -> list[str]:
 
 
 def covered(program: Program, name: str, counts: list[int], steps: frozenset[Step] | None) -> Coverage:
-    """Coverage of a block. Its state is one of STATES behind every call of every run, so that CASE has no other."""
-    found = cover(program, name, counts, steps=steps)
+    """Coverage of a block. Its state is one of STATES behind every call of every run, so that CASE has no other.
+
+    That an operand of a condition has not decided is counted and is no error.
+    """
+    found = cover(program, name, counts, steps=steps).counted
     entry = program.link.find(name)
     nodes = ast.walk(entry.unit) if entry is not None else ()
     cases = [node for node in nodes if isinstance(node, ast.Case) and isinstance(node.selector, ast.Name)]
@@ -227,7 +230,11 @@ def covered(program: Program, name: str, counts: list[int], steps: frozenset[Ste
     }
     other = tuple(p for p in found.missing if p.kind == "else" and (p.line, p.column) in places)
     missing = tuple(probe for probe in found.missing if probe not in other)
-    return replace(found, missing=missing, explained=(*found.explained, *((probe, NO_OTHER) for probe in other)))
+    return replace(
+        found,
+        missing=missing,
+        explained=(*found.explained, *((probe, NO_OTHER) for probe in other)),
+    )
 
 
 def _group(group: str, results: list[Result], count: int) -> Check:
