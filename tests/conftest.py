@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,6 +16,8 @@ from hypothesis import HealthCheck, settings
 
 settings.register_profile("plcgen", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("plcgen")
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # a shell starts jobs in the background so; their children inherit it
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 Install = Callable[[str, str, str, str | Path], None]
 PROOF = Path(__file__).parent / "proof"

@@ -127,4 +127,7 @@ def test_ctrl_c_without_a_terminal(folder: Path) -> None:
         while "Ctrl-C ends" not in process.stderr.readline():
             assert process.poll() is None
         process.send_signal(signal.SIGINT)
-        assert process.wait(60) == 0
+        try:
+            assert process.wait(60) == 0
+        finally:
+            process.kill()
