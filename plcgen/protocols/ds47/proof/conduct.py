@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from plcgen.proof.runner import Run
 from plcgen.proof.scenario import ScenarioError
+from plcgen.protocols.ds47.proof.course import Course
 from plcgen.protocols.ds47.proof.end import check_end, check_errors
 from plcgen.protocols.ds47.proof.fence import Fence
 from plcgen.protocols.ds47.proof.listed import fill
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.saved import check_saved
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.stepped import Course, longest_waits, route
+from plcgen.protocols.ds47.proof.stepped import longest_waits, route
 from plcgen.protocols.ds47.proof.words import DONE, DRAIN_MS, NO_ANSWER, state_name
 
 MANY_MS = 10_000_000

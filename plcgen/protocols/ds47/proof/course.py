@@ -1,0 +1,131 @@
+"""How far a run of a sequence has come: what it hands over, when its unit is free, what it says has failed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from plcgen.proof.scenario import ScenarioError
+from plcgen.protocols.ds47.plan.nouns import DriveTelegram
+from plcgen.protocols.ds47.proof.rig import JobRig
+from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.stepped import expect
+from plcgen.protocols.ds47.proof.words import DONE, IDLE, NO_ANSWER, WORDS
+from plcgen.protocols.ds47.wire.formats import find, padded
+
+ERROR = 0x44
+
+
+class Course:
+    """How far a run of a sequence has come: ``handed`` telegrams of its route have been handed over."""
+
+    def __init__(self, rig: JobRig, telegrams: Sequence[DriveTelegram], *, exact: bool) -> None:
+        self.rig, self.telegrams, self.exact = rig, telegrams, exact
+        self.handed = 0
+        self.free: set[int] = set()
+        """Behind which of them the unit was free while the job went on."""
+        self._last = (0, 0)
+
+    def number(self, found: bytes, requests: Sequence[bytes]) -> int:
+        """Which one is handed over, from 1; where a restart may have come in between, what it looks like says so.
+
+        Raises ScenarioError.
+        """
+        if not self.exact:
+            same = [n for n, one in enumerate(requests, 1) if one[1:] == found[1 : len(one)]]
+            number = next((n for n in same if n >= self.handed), same[0] if same else 1)
+            self.handed = number
+            expect(self.rig.drive, self.rig.drive_object, self.telegrams[number - 1])
+            return number
+        now = self._now()
+        if now != self._last:
+            self._last = now
+            self.handed += 1
+        if self.handed > len(self.telegrams):
+            raise ScenarioError(f"a telegram {self.handed} is handed over, the run has {len(self.telegrams)}")
+        expect(self.rig.drive, self.rig.drive_object, self.telegrams[self.handed - 1])
+        return self.handed
+
+    def _now(self) -> tuple[int, int]:
+        """The number under which the job asks, and the telegram that it has handed over in this turn."""
+        return self.rig.unit.get("asks[1].want"), self.rig.telegram
+
+    def observe(self, *, busy: bool) -> None:
+        """Behind a call."""
+        if busy and self.exact and self.handed and self.rig.unit.get("state") == IDLE:
+            self.free.add(self.handed)
+
+    def unanswered(self) -> int:
+        """The first telegram that has not been answered yet, while the present one is on its way."""
+        if not self.exact:
+            return len(self.rig.job.telegrams) + 1
+        if not self.handed:
+            return 0
+        asked = self.telegrams[self.handed - 1]
+        repeated = self.handed > 1 and self.telegrams[self.handed - 2] is asked
+        return asked.number + (repeated or self._now() != self._last)
+
+    def check(self, scenario: DriveScenario, status: int) -> None:
+        """The unit is given back between two questions, and only then; the job says what has failed.
+
+        Raises ScenarioError.
+        """
+        if not self.exact or not scenario.checked:
+            return
+        pairs = zip(self.telegrams[: self.handed], self.telegrams[1 : self.handed], strict=False)
+        again = {n for n, (one, other) in enumerate(pairs, 1) if one is other}
+        again |= {self.handed} if status == WORDS["OCCUPIED"] and self.handed else set()
+        if self.free != again:
+            raise ScenarioError(f"the unit was free behind telegrams {sorted(self.free)} instead of {sorted(again)}")
+        if status == WORDS["NOT_REACHED"]:
+            self._questions(scenario)
+        found = self.rig.db.get("failedStep"), self.rig.db.get("failedParameter")
+        step = self.telegrams[self.handed - 1].step if status != DONE and self.handed else 0
+        wanted = step, scenario.missed or self._refused(scenario)
+        if found != wanted:
+            raise ScenarioError(f"failedStep, failedParameter are {found} instead of {wanted}")
+
+    def _questions(self, scenario: DriveScenario) -> None:
+        """The last question is the first one behind the limit."""
+        asked = self.telegrams[self.handed - 1]
+        if asked.number != scenario.telegram:
+            raise ScenarioError(f"the job ends with telegram {asked.number} instead of {scenario.telegram}")
+
+    def _refused(self, scenario: DriveScenario) -> int:
+        """The first parameter with an error."""
+        errors = sorted((place, error) for place, (error, _) in scenario.errors.items() if error not in {0, NO_ANSWER})
+        if not errors:
+            return 0
+        (telegram, place), _ = errors[0]
+        return self.rig.job.telegrams[telegram - 1].parts[place - 1].use.parameter.pnu
+
+    def came(self, requests: Sequence[bytes], before: list[list[bytes]]) -> list[list[bytes]]:
+        """The last good value of every part that is read, as the drive has answered; as before if there is none."""
+        found = [list(parts) for parts in before]
+        at = -1
+        for exchange in self.rig.drive.journal:
+            if exchange.direction == "write":
+                data = exchange.data[1:]
+                if at + 1 < len(requests) and data == requests[at + 1][1:] and not exchange.status:
+                    at += 1
+            elif not exchange.status and at >= 0 and not self.telegrams[at].writes:
+                for place, value in _values(self.telegrams[at], exchange.data):
+                    found[self.telegrams[at].number - 1][place] = value
+        return found
+
+
+def _values(telegram: DriveTelegram, answer: bytes) -> list[tuple[int, bytes]]:
+    """Values by place, from 0, of an answer to a read; an error block ends nothing, what is no block does."""
+    found: list[tuple[int, bytes]] = []
+    if len(answer) < 4 or answer[1] not in {1, 0x81} or answer[3] != len(telegram.parts):
+        return found
+    at = 4
+    for place, part in enumerate(telegram.parts):
+        if at + 2 > len(answer):
+            return []
+        fmt, count = find(answer[at]), answer[at + 1]
+        size = 2 * count if answer[at] == ERROR else fmt.size * count if fmt is not None else 0
+        fits = fmt is not None and count == part.count and size == part.size
+        if fits and answer[at] in {part.use.format.code, {1: 0x41, 2: 0x42, 4: 0x43}.get(part.use.format.size)}:
+            found.append((place, answer[at + 2 : at + 2 + size]))
+        at += 2 + padded(size)
+    return found if at == len(answer) else []
