@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from plcgen.documents.members import plain
 from plcgen.documents.nouns import Call, Command, FunctionBlock, MemberRow, TagRow, WatchRow
 from plcgen.documents.spelling import type_words
-from plcgen.project.nouns import BlockRef, Frame, OwnSymbol
+from plcgen.project.nouns import Frame, OwnSymbol
 from plcgen.s7.address import Address
 
 _SIGNALS = {
@@ -28,12 +28,12 @@ def signals(frame: Frame, texts: dict[str, str] | None = None, *, starts: bool =
     ]
 
 
-def place(control: BlockRef, command: Command, name: str) -> str:
+def place(command: Command, name: str) -> str:
     """Operand of a signal or value: its flag or symbol, else its member of the control DB."""
     flag = command.flags.get(name)
     if flag is not None:
         return flag.text() if isinstance(flag, OwnSymbol) else f'"{flag_name(command.stem, name)}"'
-    return f'"{control.name}".{command.member}.{name}'
+    return f'"{command.control.name}".{command.member}.{name}'
 
 
 def flag_name(stem: str, signal: str) -> str:
@@ -62,22 +62,22 @@ def tags(command: Command) -> list[TagRow]:
     ]
 
 
-def watch_rows(control: BlockRef, command: Command) -> Iterator[WatchRow]:
+def watch_rows(command: Command) -> Iterator[WatchRow]:
     """Signals and values of a job."""
     for signal in command.signals:
         address = command.flags.get(signal.name)
         yield WatchRow(
-            place(control, command, signal.name),
+            place(command, signal.name),
             address.text(percent=False) if isinstance(address, Address) else "",
             "Hex" if signal.name == "status" else "Bool",
             "TRUE" if signal.name == "execute" else "",
         )
     for value in (*command.inputs, *command.outputs):
         for suffix, shown in value.shown:
-            yield WatchRow(place(control, command, value.member.name) + suffix, "", shown, "")
+            yield WatchRow(place(command, value.member.name) + suffix, "", shown, "")
 
 
-def call(control: BlockRef, program: FunctionBlock) -> Call | None:
+def call(program: FunctionBlock) -> Call | None:
     """The call of a function block with every command of its jobs; none if its instances lie in another block."""
     if program.instance is None:
         return None
@@ -86,7 +86,7 @@ def call(control: BlockRef, program: FunctionBlock) -> Call | None:
     for command in program.commands:
         execute, *results = [signal.name for signal in command.signals]
         names = [execute, *(value.member.name for value in command.inputs)]
-        inputs += [f"{command.pin(name)} := {place(control, command, name)}" for name in names]
+        inputs += [f"{command.pin(name)} := {place(command, name)}" for name in names]
         names = [*results, *(value.member.name for value in command.outputs)]
-        outputs += [(command.pin(name), place(control, command, name)) for name in names]
+        outputs += [(command.pin(name), place(command, name)) for name in names]
     return Call(program.title, program.block.name, program.instance.name, program.open_call, inputs, outputs)

@@ -13,7 +13,7 @@ from plcgen.documents.overview import Overview
 from plcgen.documents.simaticml import SimaticMl
 from plcgen.documents.sources import SourceWriter
 from plcgen.documents.tables import table_documents, watch_document
-from plcgen.project.nouns import BlockRef, Project
+from plcgen.project.nouns import Project
 
 
 def emit(project: Project) -> Iterator[Document]:
@@ -53,10 +53,11 @@ class _Emitter:
         for data in contribution.data:
             yield from self.data(data)
         for program in contribution.programs:
-            yield from self.program(program, contribution.control)
+            yield from self.program(program)
             commands += program.commands
-        members = [control.structure(self.project, command) for command in commands]
-        yield from self.data(DataBlock(contribution.control, contribution.control_title, members))
+        for block, title in contribution.controls.items():
+            members = [control.structure(self.project, command) for command in commands if command.control == block]
+            yield from self.data(DataBlock(block, title, members))
         if tags := [tag for command in commands for tag in control.tags(command)]:
             self.seen.tags[contribution.tag_table] = tags
 
@@ -74,7 +75,7 @@ class _Emitter:
         if self.xml is not None:
             yield from self.xml.data(made)
 
-    def program(self, made: FunctionBlock, control_db: BlockRef) -> Iterator[Document]:
+    def program(self, made: FunctionBlock) -> Iterator[Document]:
         """A function block with buffers, instance and watch table."""
         for type_, data in made.buffers:
             yield from self.type(type_)
@@ -82,12 +83,12 @@ class _Emitter:
                 yield from self.data(data)
         for block in made.data:
             yield from self.data(block)
-        self.seen.program(made, control.call(control_db, made))
+        self.seen.program(made, control.call(made))
         source = self.sources.program(made)
         yield source if self.xml is None else replace(source, twins=self.xml.program(made))
         if made.instance is not None:
             yield self.sources.instance(made.instance, f'"{made.block.name}"', self.contribution.family)
-        rows = [row for command in made.commands for row in control.watch_rows(control_db, command)]
+        rows = [row for command in made.commands for row in control.watch_rows(command)]
         rows += [row for type_, _ in made.buffers for member in type_.members for row in member.watch]
         if rows:
             self.seen.watched.append(made.block.name)

@@ -97,11 +97,12 @@ def _same(name: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A job as its caller sees it: a structure ``member`` of the control DB, or where else the spec places signals.
+    """A job as its caller sees it: a structure ``member`` of the DB ``control``, or where else the spec places signals.
 
     ``stem`` begins the names of the flags; ``pin`` gives the name of a signal or value at the block.
     """
 
+    control: BlockRef
     member: str
     stem: str
     title: str
@@ -164,9 +165,10 @@ class Contribution:
     """All that a plan contributes to the documents, in import order.
 
     ``family`` is the block family, ``jobs`` what its jobs are called. ``types`` and ``data`` come before the programs,
-    which are made one at a time; the control DB behind them holds their commands. ``symbols`` are names that a symbol
-    table must have besides (symbol, address, data type, comment), ``system_blocks`` those that must be in the block
-    folder; ``guide`` gives the parts of the import guide before and behind the order, ``manifest`` its entries.
+    which are made one at a time; the DBs ``controls`` behind them, each with its title, hold their commands.
+    ``symbols`` are names that a symbol table must have besides (symbol, address, data type, comment),
+    ``system_blocks`` those that must be in the block folder; ``guide`` gives the parts of the import guide before and
+    behind the order, ``manifest`` its entries.
     """
 
     family: str
@@ -174,8 +176,7 @@ class Contribution:
     types: Sequence[TypeBlock]
     data: Sequence[DataBlock | LibraryInstance]
     programs: Iterable[FunctionBlock]
-    control: BlockRef
-    control_title: str
+    controls: Mapping[BlockRef, str]
     tag_table: str
     guide: Callable[[], tuple[Sequence[GuidePart], Sequence[GuidePart]]]
     manifest: Callable[[], Mapping[str, Any]]

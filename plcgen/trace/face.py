@@ -114,8 +114,8 @@ class Recording(Protocol):
         """System constants by name."""
 
     @property
-    def control(self) -> str:
-        """The DB with the commands."""
+    def controls(self) -> Sequence[str]:
+        """The DBs with the commands."""
 
     @property
     def words(self) -> tuple[str, str]:

@@ -209,7 +209,7 @@ class _Run:
     @property
     def controls(self) -> list[str]:
         """The DBs with commands."""
-        return [recording.control for recording in self.recordings]
+        return [name for recording in self.recordings for name in recording.controls]
 
     def longest(self) -> int:
         """Scans after which every job must have ended: the longest time-out, draining, a few scans to start."""

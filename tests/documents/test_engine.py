@@ -61,8 +61,9 @@ class Toy:
             for field, text in ((word, "what it is"), (array, ""))
         ]
         speed = plain(plan, "speed", "REAL" if plan.target.v5 else "Real", "set point", start="1.5")
+        controls = ref("DB", "Toys", 9)
         command = Command(
-            "move", "move", "Move it", {"execute": parse_address("M50.0")}, signals(plan),
+            controls, "move", "move", "Move it", {"execute": parse_address("M50.0")}, signals(plan),
             [CallerValue(speed, (("", "FloatingPoint"),))], [],
         )  # fmt: skip
         program = FunctionBlock(
@@ -72,7 +73,7 @@ class Toy:
             [command], ["frame 12 34"],
         )  # fmt: skip
         return Contribution(
-            "TOY", "toy jobs", (), (), iter([program]), ref("DB", "Toys", 9), "All toys", "ToyTags",
+            "TOY", "toy jobs", (), (), iter([program]), {controls: "All toys"}, "ToyTags",
             lambda: ([], []), lambda: {"toys": 1}, symbols=[("LIB", "FB 1", "FB 1", "library")],
         )  # fmt: skip
 

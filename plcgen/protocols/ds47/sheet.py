@@ -35,26 +35,26 @@ def review_sheet(plan: DrivePlan) -> ReviewSheet:
     """Everything of a plan."""
     writes = [_write(plan, shape, use) for shape in plan.shapes for use in shape.uses if use.writes]
     exchanges = [_exchange(shape, telegram) for shape in plan.shapes for telegram in shape.telegrams]
-    return ReviewSheet(tuple(writes), tuple(exchanges), tuple(_instance(plan, job) for job in plan.jobs))
+    return ReviewSheet(tuple(writes), tuple(exchanges), tuple(_instance(job) for job in plan.jobs))
 
 
-def _trigger(plan: DrivePlan, job: DriveJob) -> str:
+def _trigger(job: DriveJob) -> str:
     flag = job.trigger.execute
-    return flag.text() if flag is not None else f'"{plan.control_db.name}".{job.member}.execute'
+    return flag.text() if flag is not None else f'"{job.caller.control.name}".{job.member}.execute'
 
 
-def _instance(plan: DrivePlan, job: DriveJob) -> JobInstance:
+def _instance(job: DriveJob) -> JobInstance:
     drive = job.drive
     number = f"{drive.id_value} (16#{drive.id_value:04X})"
     address = f"{drive.id_name or number}, object {drive.drive_object}, unit {drive.unit.key}, slot {job.slot}"
-    return JobInstance(job.shape, job.key, drive.key, address, _trigger(plan, job))
+    return JobInstance(job.shape, job.key, drive.key, address, _trigger(job))
 
 
 def _write(plan: DrivePlan, shape: DriveJob, use: Use) -> WriteEntry:
     jobs = [job for job in plan.jobs if job.shape == shape.shape]
     parameter = use.parameter
     danger = shape.drive.device.danger(parameter.pnu)
-    triggers = [_trigger(plan, job) for job in jobs]
+    triggers = [_trigger(job) for job in jobs]
     return WriteEntry(
         job=shape.shape,
         block=shape.block.name,

@@ -68,7 +68,7 @@ def run(plant: Plant, key: str, held: dict[int, list[float]], faults: tuple[Faul
 def listed(plant: Plant, key: str) -> list[tuple[float, ...]]:
     """The entries, without the empty places behind them, which are looked at here."""
     job = job_of(plant, key)
-    path = f'"{plant.plan.control_db.name}".{job.member}'
+    path = f'"DriveJobs".{job.member}'
     count, places = plant.cpu[f"{path}.deviationCount"], job.deviations.places
     names = ("parameter", "index", "wanted", "found", "wantedBits", "foundBits")
     rows = [tuple(plant.cpu[f"{path}.deviations[{n}].{name}"] for name in names) for n in range(1, places + 1)]
@@ -95,7 +95,7 @@ def test_it_only_asks(plant: Plant) -> None:
 
 def test_an_input_is_wanted(plant: Plant) -> None:
     """With 7.0 = 40E00000h at the input, 5.0 = 40A00000h in the drive is another value."""
-    plant.control.put("ramps.down", struct.pack(">f", 7.0))
+    plant.control(job_of(plant, "ramps")).put("ramps.down", struct.pack(">f", 7.0))
     assert run(plant, "ramps", {1120: [10.0], 1121: [5.0]}) == 0
     assert listed(plant, "ramps") == [(1121, 0, 7.0, 5.0, 0x40E00000, 0x40A00000)]
     assert run(plant, "ramps", {1120: [10.0], 1121: [7.0]}) == 0
@@ -162,7 +162,7 @@ def test_more_than_there_is_room_for(plant: Plant) -> None:
     assert len(sent(plant)) == 2
     assert listed(plant, "long") == []
     assert run(plant, "long", {3000: [1.5] * 50 + [2.0] * 50}) == 0
-    path = f'"{plant.plan.control_db.name}".{job_of(plant, "long").member}'
+    path = f'"DriveJobs".{job_of(plant, "long").member}'
     assert plant.cpu[f"{path}.deviationCount"] == 50
     assert [(row[0], row[1]) for row in listed(plant, "long")] == [(3000, index) for index in range(50, 82)]
     assert run(plant, "long", {3000: [1.5] * 99 + [2.0]}) == 0  # a value of the second telegram

@@ -188,9 +188,9 @@ def test_two_jobs_that_read_the_same_are_right_when_another_writes_it_between_th
     plant.begin()
     plant.start()
     plant.until(lambda _, status: status == DONE, plant.patience)
-    shown = [plant.control.bytes(f"{made.job(key).member}.rampUpTime", 4) for key in ("one", "two")]
+    shown = [plant.control(made.job(key)).bytes(f"{made.job(key).member}.rampUpTime", 4) for key in ("one", "two")]
     assert shown[0] != shown[1]
     plant.check()
-    plant.control.put(f"{made.job('two').member}.rampUpTime", bytes(4))
+    plant.control(made.job("two")).put(f"{made.job('two').member}.rampUpTime", bytes(4))
     with pytest.raises(ScenarioError, match="00 00 00 00"):
         plant.check()

@@ -61,7 +61,7 @@ def run(plant: Plant, key: str, events: dict[int, Callable[[Drive], None]] | Non
 
 def entries(plant: Plant, path: str, *columns: str) -> list[tuple[object, ...]]:
     """The 16 places of a list."""
-    name = f'"{plant.plan.control_db.name}".{path}'
+    name = f'"DriveJobs".{path}'
     return [tuple(plant.cpu[f"{name}[{place}].{column}"] for column in columns) for place in range(1, 17)]
 
 

@@ -65,7 +65,7 @@ def run(
 
 def told(plant: Plant, key: str) -> list[tuple[int, int]]:
     """What the job says of each parameter: written, then read back."""
-    path = f'"{plant.plan.engine.calls_db.name}".{job_of(plant, key).member}'
+    path = f'"DriveCalls_DB".{job_of(plant, key).member}'
     count = len(job_of(plant, key).uses)
     return [(plant.cpu[f"{path}.errors[{n}]"], plant.cpu[f"{path}.errorInfos[{n}]"]) for n in range(1, count + 1)]
 
@@ -88,7 +88,7 @@ def test_it_writes_and_asks(plant: Plant) -> None:
 def back(plant: Plant) -> str:
     """Where the value of P1120 lies that was read back."""
     job = job_of(plant, "ramp")
-    return f'"{plant.plan.control_db.name}".{job.member}.{job.outputs[0].member}'
+    return f'"DriveJobs".{job.member}.{job.outputs[0].member}'
 
 
 def bits(pattern: str) -> Keeps:
@@ -215,14 +215,14 @@ def test_what_is_right_is_saved(generate, target) -> None:
     assert run(plant, "keep") == 0
     assert sent(plant) == [WRITE, ASK, SAVE, SAVING]
     assert told(plant, "keep") == [(0, 0)] * 4
-    assert plant.cpu[f'"{plant.plan.engine.calls_db.name}".keep.saves'] == 1
+    assert plant.cpu['"DriveCalls_DB".keep.saves'] == 1
 
 
 def test_what_is_not_right_is_not_saved(generate, target) -> None:
     """A deviation ends the job in front of the save; it costs no distance: the next start saves at once."""
     made = generate(SAVED, target)
     plant = Plant(made.plan, made.program).fresh()
-    saves, rest = (f'"{plant.plan.engine.calls_db.name}".keep.{name}' for name in ("saves", "statRest"))
+    saves, rest = (f'"DriveCalls_DB".keep.{name}' for name in ("saves", "statRest"))
     assert run(plant, "keep", keeps={1120: bits("41300000")}) == 0x8503
     assert sent(plant) == [WRITE, ASK]
     assert told(plant, "keep") == [(0, 0), (DEVIATES, 0), (0xFFFF, 0), (0xFFFF, 0)]
@@ -237,9 +237,9 @@ def test_too_soon_writes_nothing(generate, target) -> None:
     plant = Plant(made.plan, made.program).fresh()
     assert run(plant, "keep") == 0
     before = len(sent(plant))
-    plant.control.set("keep.execute", 0)
+    plant.control(job_of(plant, "keep")).set("keep.execute", 0)
     plant.step()
-    plant.control.set("keep.execute", 1)
+    plant.control(job_of(plant, "keep")).set("keep.execute", 1)
     plant.step(50)
     assert plant.result(job_of(plant, "keep")) == (True, WORDS["TOO_SOON"])
     assert len(sent(plant)) == before

@@ -106,13 +106,13 @@ def test_too_soon(plant: Plant) -> None:
     job = next(job for job in plant.plan.jobs if job.key == "keep")
     before = len(sent(plant))
     for wait, wanted in ((0, WORDS["TOO_SOON"]), (590, WORDS["TOO_SOON"]), (11, 0)):
-        plant.control.set("keep.execute", 0)
+        plant.control(job).set("keep.execute", 0)
         plant.step()
         plant.step(wait, 1000)
-        plant.control.set("keep.execute", 1)
+        plant.control(job).set("keep.execute", 1)
         assert ended(plant, "keep", 3 * SECOND)[1] == wanted
         assert (len(sent(plant)) == before) == (wanted != 0)
-    name = f'"{plant.plan.engine.calls_db.name}".{job.member}.saves'
+    name = f'"{job.caller.instance.name}".{job.member}.saves'
     assert plant.cpu[name] == 2
 
 

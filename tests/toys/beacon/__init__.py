@@ -168,7 +168,7 @@ class Beacon:
         """A program a lamp."""
         programs = (self._program(plan, job) for job in plan.jobs)
         return Contribution(
-            "BEACON", "lamps", (), (), programs, plan.control, "All lamps", "BeaconTags", lambda: ([], []), dict
+            "BEACON", "lamps", (), (), programs, {plan.control: "All lamps"}, "BeaconTags", lambda: ([], []), dict
         )
 
     def _program(self, plan: BeaconPlan, job: PlannedJob) -> FunctionBlock:
@@ -176,7 +176,7 @@ class Beacon:
         buffer = job.telegrams[0].request
         members = [buffer_member(plan, buffer.db, field, {}, field.name, starts=True) for field in buffer.fields]
         frame = TypeBlock(buffer.type, members), DataBlock(buffer.db, "Frame", members, assignments(members))
-        command = Command(job.member, job.member, f"Switch {job.key}", {}, signals(plan), [], [])
+        command = Command(plan.control, job.member, job.member, f"Switch {job.key}", {}, signals(plan), [], [])
         title, template = f"Switch {job.key}", "beacon:templates/lamp.scl.j2"
         view = {"name": block.name}
         return FunctionBlock(

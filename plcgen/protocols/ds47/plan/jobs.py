@@ -25,6 +25,7 @@ from plcgen.protocols.ds47.kinds import (
     kinds,
 )
 from plcgen.protocols.ds47.plan import pack
+from plcgen.protocols.ds47.plan.callers import Callers, footprint
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
 from plcgen.protocols.ds47.plan.nouns import (
     DeviationList,
@@ -52,6 +53,7 @@ def plan_jobs(
     drives: tuple[PlannedDrive, ...],
     slots: Slots,
     resolvers: Mapping[str, UseResolver],
+    callers: Callers,
     numbering: Numbering,
     report: Report,
 ) -> tuple[DriveJob, ...]:
@@ -82,6 +84,7 @@ def plan_jobs(
         _report_shared_flags(key, len(drives), loaded, path, report)
     timeout = _timeout(job, uses)
     listed = _listed(job, kind, uses, name, numbering, path)
+    size = footprint(uses, telegrams, listed)
     return tuple(
         DriveJob(
             key=key if len(drives) == 1 else f"{key}.{drive.key}",
@@ -91,6 +94,7 @@ def plan_jobs(
             shape=key,
             slot=slots.next(drive.unit),
             link=drive,
+            caller=callers.caller(drive.unit, size),
             uses=uses,
             telegrams=telegrams,
             block=block,

@@ -226,15 +226,33 @@ class DeviationList:
     equal: str = "equal"
 
 
+@dataclass(frozen=True, slots=True)
+class DriveCaller:
+    """A function block that calls a part of the jobs, its instance DB, and the DB with their commands and results.
+
+    ``number`` counts from 1; the first one calls the gate, too.
+    """
+
+    number: int
+    block: BlockRef
+    instance: BlockRef
+    control: BlockRef
+
+    def blocks(self) -> tuple[BlockRef, ...]:
+        """All of them."""
+        return self.block, self.instance, self.control
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class DriveJob(PlannedJob):
     """A parameter job on one drive: an instance of a function block that it shares with the same job on other drives.
 
-    ``shape`` is the job's key in the spec, ``slot`` its place in the unit, from 1; ``once`` says that a change is never
-    sent again without knowing what became of it.
+    ``shape`` is the job's key in the spec, ``slot`` its place in the unit, from 1; ``caller`` calls it; ``once`` says
+    that a change is never sent again without knowing what became of it.
     """
 
     link: PlannedDrive
+    caller: DriveCaller
     telegrams: tuple[DriveTelegram, ...]
     once: bool
     shape: str
@@ -316,7 +334,7 @@ class DriveJob(PlannedJob):
 
 @dataclass(frozen=True, slots=True)
 class Engine:
-    """The blocks that are the same in every project of a target, and the caller."""
+    """The blocks that are the same in every project of a target."""
 
     order: BlockRef
     turn: BlockRef
@@ -328,8 +346,6 @@ class Engine:
     ticket: BlockRef
     gate: BlockRef
     gate_db: BlockRef
-    calls: BlockRef
-    calls_db: BlockRef
 
     def blocks(self) -> tuple[BlockRef, ...]:
         """All of them."""
@@ -338,13 +354,13 @@ class Engine:
 
 @dataclass(frozen=True, eq=False)
 class DrivePlan(Plan):
-    """All units and drives of a spec and their jobs, the engine that they share, the DB of commands and results."""
+    """All units and drives of a spec and their jobs, the engine that they share, the blocks that call them."""
 
     jobs: tuple[DriveJob, ...]
     drives: tuple[PlannedDrive, ...]
     units: tuple[PlannedUnit, ...]
     engine: Engine
-    control_db: BlockRef
+    callers: tuple[DriveCaller, ...]
 
     @cached_property
     def shapes(self) -> tuple[DriveJob, ...]:
@@ -366,6 +382,17 @@ class DrivePlan(Plan):
         )
         fitting = (one for one in VARIANTS if all(need <= room for need, room in zip(needed, one[1:], strict=True)))
         return next(fitting, VARIANTS[-1])
+
+    def channels(self, caller: DriveCaller) -> tuple[PlannedUnit, ...]:
+        """The units whose channels a caller calls: those of which it calls the first job."""
+        return tuple(unit for unit in self.units if self._first_callers.get(unit.key) is caller)
+
+    @cached_property
+    def _first_callers(self) -> dict[str, DriveCaller]:
+        found: dict[str, DriveCaller] = {}
+        for job in self.jobs:
+            found.setdefault(job.drive.unit.key, job.caller)
+        return found
 
     def slots(self, unit: PlannedUnit) -> int:
         """Places of a unit that are in use."""

@@ -11,6 +11,7 @@ from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Parameter, ParameterDef, parameter_from
+from plcgen.protocols.ds47.plan.callers import Callers
 from plcgen.protocols.ds47.plan.jobs import Slots, plan_jobs
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
 from plcgen.protocols.ds47.plan.redefinition import merged, widened
@@ -32,12 +33,13 @@ def plan_drives(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, re
     # without jobs these blocks are not made: they take no numbers then
     common = numbering if spec.jobs else numbering.apart()
     engine = plan_engine(common)
-    control_db = common.block("DB", "DriveJobs", ("plc",), given=True)
+    callers = Callers(common)
     units, drives = plan_units(loaded, common, report)
     resolvers = _resolvers(loaded, drives, report)
-    jobs = _jobs(loaded, drives, resolvers, numbering, report)
+    jobs = _jobs(loaded, drives, resolvers, callers, numbering, report)
     used = {job.drive.unit.key for job in jobs}
-    blocks = [*engine.blocks(), *(unit.db for unit in units if unit.key in used)]
+    first, *others = callers.found
+    blocks = [*engine.blocks(), first.block, first.instance, *(unit.db for unit in units if unit.key in used)]
     seen: set[str] = set()
     for one in jobs:
         if one.shape not in seen:
@@ -52,11 +54,11 @@ def plan_drives(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, re
         target=numbering.where,
         languages=loaded.spec.plc.languages,
         jobs=jobs,
-        blocks=(*blocks, control_db) if spec.jobs else (),
+        blocks=(*blocks, first.control, *(ref for one in others for ref in one.blocks())) if spec.jobs else (),
         drives=drives,
         units=tuple(unit for unit in units if unit.key in used or not jobs),
         engine=engine,
-        control_db=control_db,
+        callers=tuple(callers.found),
     )
 
 
@@ -80,6 +82,7 @@ def _jobs(
     loaded: LoadedSpec,
     drives: tuple[PlannedDrive, ...],
     resolvers: dict[str, UseResolver],
+    callers: Callers,
     numbering: Numbering,
     report: Report,
 ) -> tuple[DriveJob, ...]:
@@ -101,7 +104,7 @@ def _jobs(
         chosen = tuple(by_key[name] for name in dict.fromkeys(job.drive) if name in by_key)
         if not chosen:
             continue
-        found = plan_jobs(key, loaded, chosen, slots, resolvers, numbering, report)
+        found = plan_jobs(key, loaded, chosen, slots, resolvers, callers, numbering, report)
         jobs += found
         room -= sum(len(one.telegrams) for one in found)
         if room < 0:

@@ -19,7 +19,7 @@ FIRST_NAMED = 60_000
 
 
 def plan_engine(numbering: Numbering) -> Engine:
-    """The types and blocks of the engine and the caller, in the order in which a compiler wants them."""
+    """The types and blocks of the engine, in the order in which a compiler wants them."""
     names = {
         "order": ("UDT", "typeDriveOrder"),
         "turn": ("UDT", "typeDriveTurn"),
@@ -31,8 +31,6 @@ def plan_engine(numbering: Numbering) -> Engine:
         "ticket": ("FB", "DriveTicket"),
         "gate": ("FB", "DriveGate"),
         "gate_db": ("DB", "DriveGateData"),
-        "calls": ("FB", "DriveCalls"),
-        "calls_db": ("DB", "DriveCalls_DB"),
     }
     made = {key: numbering.block(kind, name, ("plc",), given=True) for key, (kind, name) in names.items()}
     return Engine(**made)

@@ -29,16 +29,20 @@ SIGNALS = {"execute": "BOOL", "busy": "BOOL", "done": "BOOL", "error": "BOOL", "
 
 
 def check_commands(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
-    """One check of the control DB, in the text source; its document is held against it elsewhere."""
-    name = plan.control_db.name
+    """One check of each control DB, in the text source; its document is held against it elsewhere."""
+    for caller in plan.callers if plan.jobs else ():
+        yield from _check_control(caller.control.name, [job for job in plan.jobs if job.caller is caller], folder)
+
+
+def _check_control(name: str, jobs: list[DriveJob], folder: Folder) -> Iterator[Check]:
     block = folder.text.get(name.upper())
-    if not plan.jobs or block is None:
+    if block is None:
         return  # what is missing is told elsewhere
     try:
         layout, start = layout_block(block, folder.text), bytes(image(block, folder.text))
         members = _members(layout)
-        problems = [p for job in plan.jobs for p in _job(job, layout, start, members.get(job.member, set()))]
-        expected = {f"{job.member}.{use.member}" for job in plan.jobs for use in job.inputs}
+        problems = [p for job in jobs for p in _job(job, layout, start, members.get(job.member, set()))]
+        expected = {f"{job.member}.{use.member}" for job in jobs for use in job.inputs}
         problems += [
             f"{entry.path} has the start value {entry.member.start}"
             for entry in layout.entries
@@ -51,7 +55,7 @@ def check_commands(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
         yield Check("commands", f'"{name}"', "", Outcome.ERROR, problems[0], found)
     else:
         good = "inputs as in the spec, no job started"
-        yield Check("commands", f'"{name}"', f"{len(plan.jobs)} jobs", Outcome.OK, good)
+        yield Check("commands", f'"{name}"', f"{len(jobs)} jobs", Outcome.OK, good)
 
 
 def check_guide(plan: DrivePlan, folder: Folder) -> Iterator[Check]:

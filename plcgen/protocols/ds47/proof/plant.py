@@ -12,7 +12,7 @@ from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.record import PLACES
 from plcgen.proof.rig import Members
 from plcgen.proof.scenario import IDLE, RUNNING, STARTED, ScenarioError
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
+from plcgen.protocols.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
 from plcgen.protocols.ds47.proof import listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, piece, value_set, values_of
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
@@ -38,11 +38,8 @@ class Plant:
         family: Any = plan.target.family
         self.cpu = Cpu(program, Periphery(), family=family)
         self.units = {unit.key: self._build(unit) for unit in plan.units}
-        members = [f"{job.member}.{name}" for job in plan.jobs for name in self._signals(job)]
-        self.control = Members(self.cpu, program, plan.control_db.name, members)
-        self.calls = plan.engine.calls_db.name
-        guards = [f"{job.member}.statRest" for job in plan.jobs if job.guarded]
-        self.guards = Members(self.cpu, program, self.calls, guards)
+        self._controls = {caller: self._control(caller) for caller in plan.callers}
+        self._guards = {caller: self._guard(caller) for caller in plan.callers}
         self.waiting = [job for job in plan.jobs if job.waits]
         self.values: dict[str, ValueSet] = {}
         self.forgiven: frozenset[str] = frozenset()
@@ -52,6 +49,21 @@ class Plant:
         main = program.main()
         line = main.result.tokens.position(main.unit.start)[0] if main is not None else 1
         self.place = (main.result.tokens.file if main is not None else "", line)
+
+    def _control(self, caller: DriveCaller) -> Members:
+        members = [f"{job.member}.{name}" for job in self._jobs(caller) for name in self._signals(job)]
+        return Members(self.cpu, self.program, caller.control.name, members)
+
+    def _guard(self, caller: DriveCaller) -> Members:
+        members = [f"{job.member}.statRest" for job in self._jobs(caller) if job.guarded]
+        return Members(self.cpu, self.program, caller.instance.name, members)
+
+    def _jobs(self, caller: DriveCaller) -> list[DriveJob]:
+        return [job for job in self.plan.jobs if job.caller is caller]
+
+    def control(self, job: DriveJob) -> Members:
+        """Commands and results of a job and of others."""
+        return self._controls[job.caller]
 
     @staticmethod
     def _signals(job: DriveJob) -> Iterable[str]:
@@ -109,7 +121,7 @@ class Plant:
         """What a sequence waits for comes while it holds its unit, whatever others have waited for before."""
         for job in self.waiting:
             if self.cpu[f'"{job.drive.unit.db.name}".unit.turn.grant'] // GRANT == job.slot:  # type: ignore[operator]
-                step = self.cpu[f'"{self.calls}".{job.member}.statStep']
+                step = self.cpu[f'"{job.caller.instance.name}".{job.member}.statStep']
                 for telegram in job.telegrams:
                     if telegram.step == step:
                         expect(self.units[job.drive.unit.key], job.drive.drive_object, telegram)
@@ -117,7 +129,7 @@ class Plant:
     def path(self, job: DriveJob, signal: str) -> str:
         """Where OB1 takes or leaves a signal of a job."""
         address = getattr(job.trigger, signal, None)
-        return f'"{self.plan.control_db.name}".{job.member}.{signal}' if address is None else str(address)
+        return f'"{job.caller.control.name}".{job.member}.{signal}' if address is None else str(address)
 
     def get(self, job: DriveJob, signal: str) -> int:
         """Value of a signal."""
@@ -125,16 +137,16 @@ class Plant:
             value = self.cpu[self.path(job, signal)]
             return value if isinstance(value, int) else -1
         name = f"{job.member}.{signal}"
-        return self.control.flag(name) if signal != "status" else self.control.get(name)
+        return self.control(job).flag(name) if signal != "status" else self.control(job).get(name)
 
     def execute(self, job: DriveJob, *, value: bool = True) -> None:
         """Set the command of a job; the last save is long ago."""
         if job.guarded:
-            self.guards.set(f"{job.member}.statRest", 0)
+            self._guards[job.caller].set(f"{job.member}.statRest", 0)
         if job.trigger.execute is not None:
             self.cpu[str(job.trigger.execute)] = value
         else:
-            self.control.set(f"{job.member}.execute", value)
+            self.control(job).set(f"{job.member}.execute", value)
 
     def result(self, job: DriveJob) -> tuple[bool, int]:
         """Whether a job has ended, and its status word."""
@@ -164,7 +176,7 @@ class Plant:
             values = self.values[job.key] = value_set(job, unit, number, kind, f"{job.key} {self.name} {self.round}")
             values.put(unit, number)
             for member, data in values.inputs(job) if not delivered else ():
-                self.control.put(f"{job.member}.{member}", data)
+                self.control(job).put(f"{job.member}.{member}", data)
 
     @property
     def patience(self) -> int:
@@ -249,7 +261,7 @@ class Plant:
             return
         refused = self.result(job)[1] == WORDS["PARAMETER_ERROR"]
         wanted = [1, job.uses[0].parameter.pnu] if refused else [0, 0]
-        found = [self.control.get(f"{job.member}.{name}") for name in FAILED]
+        found = [self.control(job).get(f"{job.member}.{name}") for name in FAILED]
         if found != wanted:
             raise ScenarioError(f"{', '.join(FAILED)} of {job.key} are {found} instead of {wanted}")
 
@@ -278,7 +290,7 @@ class Plant:
     def check_list(self, job: DriveJob, answers: list[list[bytes]]) -> None:
         """A list is that of the last answers; where jobs send the same, and something is written, of earlier ones."""
         given = self.values[job.key].given
-        shown = listed.shown(job, self.control, f"{job.member}.")
+        shown = listed.shown(job, self.control(job), f"{job.member}.")
         tried = islice(product(*(dict.fromkeys(reversed(found)) for found in answers)), MANY)
         if not any(listed.answered(job, chosen, given) == shown for chosen in tried):
             raise ScenarioError(f"the list of {job.key} is not what came")
@@ -286,11 +298,12 @@ class Plant:
     def check_outputs(self, job: DriveJob, telegram: DriveTelegram, answers: list[bytes]) -> None:
         """The outputs of a telegram show one of the answers: where jobs send the same, nobody knows whose is which."""
         uses = [(part, f"{job.member}.{part.use.member}") for part in telegram.parts]
-        shown = [piece(part, self.control.bytes(name, part.use.count * part.use.format.size)) for part, name in uses]
+        control = self.control(job)
+        shown = [piece(part, control.bytes(name, part.use.count * part.use.format.size)) for part, name in uses]
         came = [values_of(telegram, answer) for answer in answers]
         if shown in came:
             return
         for (_, name), found, value in zip(uses, shown, came[0], strict=True):
             if found != value:
-                where = f"{self.plan.control_db.name}.{name}"
+                where = f"{job.caller.control.name}.{name}"
                 raise ScenarioError(f"{where} is {found.hex(' ')}, {value.hex(' ')} came")

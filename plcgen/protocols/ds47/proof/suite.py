@@ -139,10 +139,13 @@ class DriveSuite:
         self._cpu: Cpu | None = None
 
     def blocks(self) -> list[CodeBlock]:
-        """One block per kind of job, and the caller."""
-        calls = self.plan.engine.calls.name
+        """One block per kind of job, and the callers."""
+        callers = [caller.block.name for caller in self.plan.callers]
         span = self.plan.loaded.key_span(("plc",))
-        return [*(self.block(job) for job in self.jobs), CodeBlock(calls, calls, calls, (), lambda: span)]
+        return [
+            *(self.block(job) for job in self.jobs),
+            *(CodeBlock(name, name, name, (), lambda: span) for name in callers),
+        ]
 
     def block(self, job: DriveJob) -> CodeBlock:
         """The block of a job. Its telegrams count from 1."""

@@ -11,7 +11,7 @@ from plcgen.cpu.system.record import PLACES, RecordPlaces
 from plcgen.proof.rig import Members, file_of, layout_of
 from plcgen.proof.scenario import IDLE, ScenarioError
 from plcgen.proof.suite import Procedure, Reads
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedUnit
+from plcgen.protocols.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, PlannedUnit
 from plcgen.protocols.ds47.proof.instances import Trio
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.plant import Plant
@@ -74,9 +74,10 @@ def procedures(plan: DrivePlan, plant: Callable[[str], Plant]) -> Iterator[Proce
         yield procedure(f"all drives go away {scans} scans behind the start and come back", _away(scans))
         yield procedure(f"all drives are switched off and on {scans} scans behind the start", _off(scans))
         yield procedure(f"OB1 is not called for 10 s, {scans} scans behind the start", _not_called(scans))
-        calls, gate = plan.engine.calls_db.name, plan.engine.gate_db.name
+        calls, gate = [caller.instance.name for caller in plan.callers], plan.engine.gate_db.name
         units = [unit.db.name for unit in plan.units]
-        for what, names in ((calls, [calls]), ("units", units), (gate, [gate]), ("everything", [calls, gate, *units])):
+        several = [(name, [name]) for name in dict.fromkeys((calls[0], calls[-1]))]
+        for what, names in (*several, ("units", units), (gate, [gate]), ("everything", [*calls, gate, *units])):
             name = f"{what} loaded again {scans} scans behind the start of all jobs"
             yield procedure(name, _loaded(names, scans))
 
@@ -116,13 +117,13 @@ def _arguments(plant: Plant) -> None:
     plant.step()
     _access(plan, plant.program)
     slots: dict[str, set[int]] = {}
-    for unit in plan.units:
+    for caller, unit in ((one, unit) for one in plan.callers for unit in plan.channels(one)):
         index = unit.record_index
         wanted = {"slots": plan.slots(unit), "waitLimit": unit.wait, "recordIndex": index}
         if plan.target.classic:
             wanted["recordIndex"] = (index & 0x7FFF) - (index & 0x8000)
             wanted["unitDb"] = plant.cpu.db(unit.db.name).number
-        _passed(plant, unit.member, wanted, unit.key)
+        _passed(plant, caller, unit.member, wanted, unit.key)
         slots[unit.key] = set()
     numbers = [unit.number for unit in plan.units]
     if sorted(numbers) != list(range(1, len(numbers) + 1)):
@@ -130,20 +131,20 @@ def _arguments(plant: Plant) -> None:
     for job in plan.jobs:
         drive = job.drive
         own = {"hardwareId" if plan.target.t15 else "driveAddress": drive.id_value}
-        _passed(plant, job.member, {**own, "driveObject": drive.drive_object, "slot": job.slot}, job.key)
+        _passed(plant, job.caller, job.member, {**own, "driveObject": drive.drive_object, "slot": job.slot}, job.key)
         if job.slot in slots[drive.unit.key] or not 1 <= job.slot <= plan.slots(drive.unit):
             raise ScenarioError(f"slot {job.slot} of {drive.unit.key} is not for {job.key} alone")
         slots[drive.unit.key].add(job.slot)
         for name, buffer in (("requestDb", job.telegrams[0].request), ("responseDb", job.telegrams[0].response)):
             if buffer.db is not None:
-                _passed(plant, job.member, {name: plant.cpu.db(buffer.db.name).number}, job.key)
+                _passed(plant, job.caller, job.member, {name: plant.cpu.db(buffer.db.name).number}, job.key)
     _gate(plant)
 
 
-def _passed(plant: Plant, member: str, wanted: dict[str, int], key: str) -> None:
-    """Inputs of an instance in the caller."""
+def _passed(plant: Plant, caller: DriveCaller, member: str, wanted: dict[str, int], key: str) -> None:
+    """Inputs of an instance in its caller."""
     try:
-        found = Members(plant.cpu, plant.program, plant.calls, [f"{member}.{name}" for name in wanted])
+        found = Members(plant.cpu, plant.program, caller.instance.name, [f"{member}.{name}" for name in wanted])
     except KeyError as problem:
         raise ScenarioError(f"{key}: {problem.args[0]}") from None
     for name, right in wanted.items():
@@ -155,11 +156,13 @@ def _passed(plant: Plant, member: str, wanted: dict[str, int], key: str) -> None
 
 def _gate(plant: Plant) -> None:
     """The gate has a place for every channel, and gives no more places than the CPU has record jobs."""
-    layout = layout_of(plant.program, plant.calls)
-    channel = locate(layout, plant.plan.units[0].member)
-    gate = next(e for e in layout.entries if e.depth == 0 and e.path != plant.plan.units[0].member)
+    first = plant.plan.callers[0]
+    calls, name = first.instance.name, plant.plan.channels(first)[0].member
+    layout = layout_of(plant.program, calls)
+    channel = locate(layout, name)
+    gate = next(e for e in layout.entries if e.depth == 0 and e.path != name)
     assert channel.byte > gate.byte  # noqa: S101 - the gate is called first
-    found = Members(plant.cpu, plant.program, plant.calls, [f"{gate.path}.places", f"{gate.path}.channels"])
+    found = Members(plant.cpu, plant.program, calls, [f"{gate.path}.places", f"{gate.path}.channels"])
     places, channels = found.get(f"{gate.path}.places"), found.get(f"{gate.path}.channels")
     limit = PLACES[plant.cpu.family]
     most = limit.total or limit.each or 0

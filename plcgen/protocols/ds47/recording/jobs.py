@@ -34,15 +34,15 @@ _OWN = frozenset({"execute", "state", "telegram", *_MEMBERS, *_OF_UNIT})
 """Names of signals that a value may have too: not all of them are names at the interface of the block."""
 
 
-def execute_path(plan: DrivePlan, job: DriveJob) -> str:
+def execute_path(job: DriveJob) -> str:
     """Where a job is started: its flag, or the member of the control DB."""
     flag = job.trigger.execute
-    return str(flag) if flag is not None else f'"{plan.control_db.name}".{job.member}.execute'
+    return str(flag) if flag is not None else f'"{job.caller.control.name}".{job.member}.execute'
 
 
-def instance_path(plan: DrivePlan, job: DriveJob) -> str:
+def instance_path(job: DriveJob) -> str:
     """Where the instance of a job lies."""
-    return f'"{plan.engine.calls_db.name}".{job.member}'
+    return f'"{job.caller.instance.name}".{job.member}'
 
 
 class UnitWatch:
@@ -51,7 +51,11 @@ class UnitWatch:
     def __init__(self, cpu: Cpu, plan: DrivePlan) -> None:
         self._cpu, self._plan = cpu, plan
         self._grants = {unit.key: watch(cpu, f'"{unit.db.name}".unit.turn.grant')[0] for unit in plan.units}
-        self._channels = {f"{plan.engine.calls_db.name}.{unit.member}".upper(): unit.key for unit in plan.units}
+        self._channels = {
+            f"{caller.instance.name}.{unit.member}".upper(): unit.key
+            for caller in plan.callers
+            for unit in plan.channels(caller)
+        }
         self._jobs = {(job.drive.unit.key, job.slot): job.key for job in plan.jobs}
 
     def slot(self, unit: str) -> int:
@@ -70,7 +74,7 @@ class UnitWatch:
 
     def state(self, job: DriveJob) -> int:
         """State of a job, see STATE_NAMES."""
-        if not self._cpu[f"{instance_path(self._plan, job)}.busy"]:
+        if not self._cpu[f"{instance_path(job)}.busy"]:
             return 0
         found = self._cpu[f'"{job.drive.unit.db.name}".unit.state'] if self.holds(job) else _WAITING
         return found if isinstance(found, int) else 0
@@ -86,10 +90,10 @@ class UnitWatch:
             )
 
 
-def job_signals(cpu: Cpu, plan: DrivePlan, job: DriveJob, units: UnitWatch) -> Iterator[Observed]:
+def job_signals(cpu: Cpu, job: DriveJob, units: UnitWatch) -> Iterator[Observed]:
     """Signals of a job: start, state, outputs; its values are listed by the text report."""
-    own, unit = instance_path(plan, job), f'"{job.drive.unit.db.name}".unit'
-    yield signal(cpu, job.key, "execute", execute_path(plan, job))
+    own, unit = instance_path(job), f'"{job.drive.unit.db.name}".unit'
+    yield signal(cpu, job.key, "execute", execute_path(job))
     state = Signal(job.key, "state", "integer", 16, path=f"{unit}.state", names=STATE_NAMES)
     yield state, Derived(partial(units.state, job))
     yield signal(cpu, job.key, "telegram", f"{own}.statTicket.ask.telegram")
@@ -129,13 +133,13 @@ class DriveJobWatch:
     """One job of a run."""
 
     def __init__(self, cpu: Cpu, plan: DrivePlan, planned: DriveJob, units: UnitWatch) -> None:
-        own = instance_path(plan, planned)
+        own = instance_path(planned)
         self._cpu, self._plan, self._planned, self._units, self._path = cpu, plan, planned, units, own
         self.facts = JobFacts(
             planned.key,
             planned.drive.key,
             planned.timeout,
-            execute_path(plan, planned),
+            execute_path(planned),
             {name: f"{own}.{name}" for name in ("busy", "done", "error", "status")},
             STATUS_TEXTS,
         )
@@ -145,7 +149,7 @@ class DriveJobWatch:
 
     def signals(self) -> Iterator[Observed]:
         """Start, state, outputs and values."""
-        yield from job_signals(self._cpu, self._plan, self._planned, self._units)
+        yield from job_signals(self._cpu, self._planned, self._units)
 
     def after(self) -> bool:
         """Whether a pause began, which every retry does with."""

@@ -38,7 +38,7 @@ class DriveRecording:
         self.jobs = tuple(job.key for job in plan.jobs)
         self.partners = tuple(drive.key for drive in plan.drives)
         self.constants = {drive.id_name: drive.id_value for drive in plan.drives if drive.id_name}
-        self.control = plan.control_db.name
+        self.controls = [caller.control.name for caller in plan.callers]
         self._keys: dict[int, str] = {}
 
     def connect(self, bus: Periphery, options: PartnerOptions) -> None:

@@ -1,4 +1,4 @@
-"""The caller: one function block that calls the gate, every channel and every job, so that the OB needs one line."""
+"""The callers: function blocks that call the gate, every channel and every job, a line of the OB for each."""
 
 from __future__ import annotations
 
@@ -8,29 +8,40 @@ from typing import Any
 from plcgen.documents import control
 from plcgen.documents.nouns import Command, FunctionBlock
 from plcgen.documents.simaticml import RECORD_NOTE
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedUnit
+from plcgen.protocols.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, PlannedUnit
 from plcgen.protocols.ds47.views.engine import names
 from plcgen.protocols.ds47.words import RECORD_JOBS
 
 GATE_MEMBER = "driveGate"
 
 
-def caller(plan: DrivePlan, commands: Sequence[tuple[DriveJob, Command]]) -> FunctionBlock:
-    """The caller with its instance DB."""
+TITLES = ("Calls of all drive jobs", "Calls of drive jobs, part {number}")
+CONTROL_TITLES = ("Commands and results of all drive jobs", "Commands and results of drive jobs, part {number}")
+"""Titles of what is alone, and of what is one of several."""
+
+
+def part(plan: DrivePlan, caller: DriveCaller, titles: tuple[str, str]) -> str:
+    """The title of something of a caller."""
+    return titles[len(plan.callers) > 1].format(number=caller.number)
+
+
+def calls(plan: DrivePlan, caller: DriveCaller, commands: Sequence[tuple[DriveJob, Command]]) -> FunctionBlock:
+    """A caller with its instance DB."""
+    title = part(plan, caller, TITLES)
     view = {
         "names": names(plan),
         "v5": plan.target.v5,
-        "title": "Calls of all drive jobs",
-        "block": plan.engine.calls,
+        "title": title,
+        "block": caller.block,
+        "first": caller.number == 1,
+        "channels": len(plan.units),
         "places": RECORD_JOBS[plan.target.family],
         "gate": f'"{plan.engine.gate_db.name}".gate',
         "gate_member": GATE_MEMBER,
-        "units": [_unit(plan, unit) for unit in plan.units],
+        "units": [_unit(plan, unit) for unit in plan.channels(caller)],
         "jobs": [_job(plan, job, command) for job, command in commands],
     }
-    engine = plan.engine
-    title = "Calls of all drive jobs"
-    return FunctionBlock(engine.calls, engine.calls_db, title, "ds47/calls.scl.j2", view, RECORD_NOTE, (), (), ())
+    return FunctionBlock(caller.block, caller.instance, title, "ds47/calls.scl.j2", view, RECORD_NOTE, (), (), ())
 
 
 def _unit(plan: DrivePlan, unit: PlannedUnit) -> dict[str, Any]:
@@ -62,17 +73,15 @@ def _job(plan: DrivePlan, job: DriveJob, command: Command) -> dict[str, Any]:
             ("responseDb", f'"{telegram.response.home.name}"'),
         ]
     execute, *results = [signal.name for signal in command.signals]
-    inputs = [(name, control.place(plan.control_db, command, name)) for name in (v.member.name for v in command.inputs)]
-    outputs = [
-        (name, control.place(plan.control_db, command, name)) for name in (v.member.name for v in command.outputs)
-    ]
+    inputs = [(name, control.place(command, name)) for name in (v.member.name for v in command.inputs)]
+    outputs = [(name, control.place(command, name)) for name in (v.member.name for v in command.outputs)]
     return {
         "member": job.member,
         "block": job.block.name,
         "key": job.key,
         "drive": drive.key,
-        "first": [("execute", control.place(plan.control_db, command, execute)), *own],
+        "first": [("execute", control.place(command, execute)), *own],
         "inputs": inputs,
-        "results": [(name, control.place(plan.control_db, command, name)) for name in results],
+        "results": [(name, control.place(command, name)) for name in results],
         "outputs": outputs,
     }

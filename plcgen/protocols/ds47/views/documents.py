@@ -11,7 +11,7 @@ from plcgen.documents.nouns import Contribution, DataBlock, FunctionBlock, Guide
 from plcgen.protocols.ds47 import guards, hardware
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
 from plcgen.protocols.ds47.plan.values import value_text
-from plcgen.protocols.ds47.views.calls import caller
+from plcgen.protocols.ds47.views.calls import CONTROL_TITLES, calls, part
 from plcgen.protocols.ds47.views.deviations import deviation_types
 from plcgen.protocols.ds47.views.engine import programs as engine_programs
 from plcgen.protocols.ds47.views.engine import types
@@ -32,8 +32,7 @@ def contribution(plan: DrivePlan) -> Contribution:
             DataBlock(engine.gate_db, "Places for record jobs", (gate,)),
         ],
         programs=_programs(plan),
-        control=plan.control_db,
-        control_title="Commands and results of all drive jobs",
+        controls={caller.control: part(plan, caller, CONTROL_TITLES) for caller in plan.callers},
         tag_table="DriveJobTags",
         guide=partial(_guide, plan),
         manifest=partial(_manifest, plan),
@@ -49,7 +48,7 @@ def _unit(plan: DrivePlan, unit: PlannedUnit) -> DataBlock:
 
 
 def _programs(plan: DrivePlan) -> Iterator[FunctionBlock]:
-    """The engine, a block for each job of the spec, and the caller of their instances."""
+    """The engine, a block for each job of the spec, and the callers of their instances."""
     yield from engine_programs(plan)
     commands = []
     for shape in plan.shapes:
@@ -57,7 +56,8 @@ def _programs(plan: DrivePlan) -> Iterator[FunctionBlock]:
         made = program(plan, shape, instances)
         commands += list(zip(instances, made.commands, strict=True))
         yield made
-    yield caller(plan, commands)
+    for caller in plan.callers:
+        yield calls(plan, caller, [(job, command) for job, command in commands if job.caller is caller])
 
 
 def _guide(plan: DrivePlan) -> tuple[list[GuidePart], list[GuidePart]]:

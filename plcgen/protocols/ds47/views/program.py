@@ -55,6 +55,7 @@ def program(plan: DrivePlan, job: DriveJob, instances: Sequence[DriveJob]) -> Fu
 def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
     """An instance as its caller sees it."""
     return Command(
+        control=job.caller.control,
         member=job.member,
         stem=job.member,
         title=label if job.key == job.shape else f"{label} ({job.drive.key})",

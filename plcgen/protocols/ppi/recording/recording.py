@@ -42,7 +42,7 @@ class PpiRecording:
         self.jobs = tuple(plan.key(master, job) for master in plan.masters for job in master.jobs)
         self.partners = tuple(master.key for master in plan.masters)
         self.constants: dict[str, int] = {}
-        self.control = plan.control_db.name
+        self.controls = [plan.control_db.name]
         self.calls: tuple[CallShape, ...] = (
             CallShape("SEND_P2P", "DONE", 16),
             CallShape("RECEIVE_P2P", "NDR", 16, answers=True),

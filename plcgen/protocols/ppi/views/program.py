@@ -83,6 +83,7 @@ def command(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Command:
         errors = plain(plan, "errors", kind, "per address: 0 = good, 16#80nn = return code nn")
         outputs.append(CallerValue(errors, tuple((f"[{number}]", "Hex") for number in range(1, len(job.values) + 1))))
     return Command(
+        control=plan.control_db,
         member=plan.member(master, job),
         stem=job.member,
         title=job_title(plan, job),
