@@ -181,7 +181,8 @@ class UseResolver:
         if fmt.is_string:
             return self._pack_octets(values, fmt, count, path)
         if len(values) == 1 and count > 1 and not isinstance(given, tuple):
-            values = tuple(values) * count
+            one = self._pack_one(given, parameter, fmt, path)
+            return None if one is None else one * count
         if len(values) != count:
             help_ = f"give {count} values, or one for all of them"
             self.problem("PG210", f"P{parameter.pnu}: {len(values)} values for {count} elements", path, help_)

@@ -114,6 +114,7 @@ def title(plan: DrivePlan, job: DriveJob) -> str:
 
 def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     where = plan.target
+    aligned = _aligned(job)
     comments = [job.comment[lang] for lang in plan.languages if job.comment.get(lang)]
     return {
         "block": job.block,
@@ -136,10 +137,14 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
             *(_interface(plan, use, start=False) for use in job.outputs),
             *(value.member for value in _lists(plan, job)),
         ],
-        "telegrams": [_telegram(plan, job, telegram, aligned=_aligned(job)) for telegram in job.telegrams],
-        "input_copies": [] if job.pinned else _copies(plan, job, response=False),
+        "telegrams": [_telegram(plan, job, telegram, aligned=aligned) for telegram in job.telegrams],
+        "input_copies": [
+            copy
+            for telegram in job.telegrams
+            if not job.pinned
+            for copy in _copies(plan, job, telegram, aligned=aligned, response=False)
+        ],
         "own_writes": _own_writes(plan, job) if job.pinned else [],
-        "output_copies": _copies(plan, job, response=True) if job.listed is None else [],
     }
 
 
@@ -325,6 +330,7 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "use_shift": f" + {first - 1}" if first > 1 else "",
         "blocks": blocks,
         # a question that follows the one in which it was the first expects what is expected already
+        "copies": _copies(plan, job, telegram, aligned=aligned, response=True) if job.listed is None else [],
         "expects": [] if closes and telegram.number == 2 else blocks,
     }
 
@@ -348,24 +354,25 @@ def _block(index: int, part: Part) -> dict[str, Any]:
     }
 
 
-def _copies(plan: DrivePlan, job: DriveJob, *, response: bool) -> list[dict[str, Any]]:
-    """Moves between the block's interface and the value members of its buffers."""
-    copies = []
-    for telegram in job.telegrams:
-        wanted = job.deviations is not None
-        view = f"stat{'Wanted' if wanted else 'Response' if response else 'Request'}View{_suffix(job, telegram)}"
-        blocks = {id(part): number for number, part in enumerate(telegram.parts, 1)}
-        if telegram.writes == response and not wanted:
+def _copies(
+    plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligned: bool, response: bool
+) -> list[dict[str, Any]]:
+    """Moves between the block's interface and the value members of the buffers of a telegram."""
+    copies: list[dict[str, Any]] = []
+    wanted = job.deviations is not None
+    if telegram.writes == response and not wanted:
+        return copies
+    view = f"stat{'Wanted' if wanted else 'Response' if response else 'Request'}View{_suffix(job, telegram)}"
+    blocks = {id(part): number for number, part in enumerate(telegram.parts, 1)}
+    for field in telegram.response.fields if response or wanted else telegram.request.fields:
+        if field.role != "value" or field.part is None or (not response and field.part.use.constant):
             continue
-        for field in telegram.response.fields if response or wanted else telegram.request.fields:
-            if field.role != "value" or field.part is None or (not response and field.part.use.constant):
-                continue
-            copy = _copy(plan, field, field.part, f"{view}.{field.name}", response=response)
-            result = f"errors[{field.part.use.position}]"
-            if not _aligned(job):
-                result = f"unit.errors[{blocks[id(field.part)]}]"
-            verifies = field.part.use.verifies is not None
-            copies.append({**copy, "telegram": telegram.number, "result": result, "verifies": verifies})
+        copy = _copy(plan, field, field.part, f"{view}.{field.name}", response=response)
+        result = f"errors[{field.part.use.position}]"
+        if not aligned:
+            result = f"unit.errors[{blocks[id(field.part)]}]"
+        verifies = field.part.use.verifies is not None
+        copies.append({**copy, "result": result, "verifies": verifies})
     return copies
 
 
