@@ -134,12 +134,12 @@ def test_a_lock_names_no_path_of_this_machine(plcgen, tmp_path):
 
 def test_a_small_spec_is_refused_before_it_becomes_large(plcgen, tmp_path, monkeypatch):
     """Telegrams per job and per project are bounded before buffers are made of them."""
-    from plcgen.protocols.ds47.plan import resolve
+    from plcgen.protocols.ds47.plan import room
 
     jobs = "".join(f' j{n}: {{drive: d, read: [{{parameter: "r9[0..9999]", type: Unsigned32}}]}}\n' for n in range(9))
     text = "plc: {name: a, family: s7-300, toolchain: tia-v16}\ndrives: {d: {device: sinamics-g120, address: 256}}\n"
     (tmp_path / "job.yaml").write_text(f"{text}jobs:\n{jobs}")
-    monkeypatch.setattr(resolve, "MAX_TELEGRAMS", 500)
+    monkeypatch.setattr(room, "MAX_TELEGRAMS", 500)
     result = plcgen("check", "job.yaml")
     assert result.code == 1
     assert result.err.count("PG307") + result.out.count("PG307") == 1

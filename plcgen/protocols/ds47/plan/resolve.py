@@ -16,15 +16,13 @@ from plcgen.protocols.ds47.plan.jobs import Slots, plan_jobs
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
 from plcgen.protocols.ds47.plan.redefinition import merged, widened
 from plcgen.protocols.ds47.plan.references import parse_reference
+from plcgen.protocols.ds47.plan.room import Room
 from plcgen.protocols.ds47.plan.units import plan_engine, plan_units
 from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.schema import DriveSections
 
 if TYPE_CHECKING:
     from plcgen.protocols.base import Protocol
-
-MAX_TELEGRAMS = 20_000
-"""Telegrams of one project."""
 
 
 def plan_drives(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, report: Report) -> DrivePlan:
@@ -92,7 +90,7 @@ def _jobs(
     by_key = {drive.key: drive for drive in drives}
     jobs: list[DriveJob] = []
     slots = Slots()
-    room = MAX_TELEGRAMS
+    room = Room(loaded)
     for key, job in spec.jobs.items():
         for index, name in enumerate(job.drive):
             place = loaded.span(("jobs", key, "drive") if len(job.drive) == 1 else ("jobs", key, "drive", index))
@@ -106,10 +104,8 @@ def _jobs(
             continue
         found = plan_jobs(key, loaded, chosen, slots, resolvers, callers, numbering, report)
         jobs += found
-        room -= sum(len(one.telegrams) for one in found)
-        if room < 0:
-            message = f"the drive jobs up to here have more than {MAX_TELEGRAMS} telegrams"
-            help_ = "divide the project: no CPU has room for so many"
+        if problem := room.problem(found):
+            message, help_ = problem
             report.add(Diagnostic("PG307", message, loaded.key_span(("jobs", key)), help=help_))
             break
     return tuple(jobs)
