@@ -16,9 +16,8 @@ from hypothesis import HealthCheck, settings
 
 settings.register_profile("plcgen", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("plcgen")
-if (
-    signal.getsignal(signal.SIGINT) == signal.SIG_IGN
-):  # a shell starts jobs in the background so; their children inherit it
+# A shell starts jobs in the background with SIGINT ignored, and their children inherit it.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 Install = Callable[[str, str, str, str | Path], None]
