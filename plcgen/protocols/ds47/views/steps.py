@@ -33,7 +33,9 @@ def step_values(plan: DrivePlan, job: DriveJob) -> Iterator[CallerValue]:
 
 def sequence_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
     """What a block needs that goes through steps: numbers of parameters, and how it waits."""
-    numbers = ", ".join(f"L#{use.parameter.pnu}" for use in job.uses)
+    sign = "L#" if plan.target.v5 else ""
+    each = [f"{sign}{use.parameter.pnu}" for use in job.uses]
+    numbers = f"{len(each)}({each[0]})" if len(each) > 1 and len(set(each)) == 1 else ", ".join(each)
     waits = [_wait(plan, job, telegram) for telegram in job.telegrams if telegram.awaited is not None]
     return {
         "numbers": numbers if plan.target.v5 else f"[{numbers}]",
