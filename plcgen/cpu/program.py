@@ -146,7 +146,7 @@ class Program:
         self.diagnostics += result.diagnostics
         declared, problems = declared_blocks(result, self.link.dialect, self.link.numbers)
         self.diagnostics += problems
-        link = self.link
+        link, kept = self.link, replace(result, tokens=result.tokens.text_alone())
         link.guessed_bounds = link.guessed_bounds or any(
             problem.code == "PG806" and problem.severity is Severity.WARNING for problem in problems
         )
@@ -158,7 +158,7 @@ class Program:
                 self.report("PG805", f"{block.name} is declared twice", block.span, "delete one of the two")
                 continue
             number = block.number
-            self.link.blocks[key] = ProgramBlock(len(self.link.blocks), unit, block, result, number=number)
+            self.link.blocks[key] = ProgramBlock(len(self.link.blocks), unit, block, kept, number=number)
 
     def read_interface(self, file: str, text: str) -> None:
         """Keep the declarations of blocks that no source has; nothing is said about them."""

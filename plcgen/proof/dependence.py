@@ -11,7 +11,6 @@ from __future__ import annotations
 import dataclasses
 import enum
 import hashlib
-from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePath
 from types import FunctionType
@@ -25,7 +24,7 @@ from plcgen.proof.fingerprint import fingerprint
 from plcgen.proof.rig import ProgramBench
 from plcgen.proof.suite import Level, Procedure, Reads, Suite, WorkPart
 from plcgen.s7.blocks import BlockKind
-from plcgen.scl.lexer import ADDRESS, LOCAL, STRING
+from plcgen.scl.lexer import ADDRESS, LOCAL, STRING, tokenize
 
 _LEFT_OUT = frozenset({"loaded", "protocol", "comment", "path"})
 """Fields that no run looks at: the text of the spec and places in it, the code of the tool, texts for people."""
@@ -174,17 +173,14 @@ class _Sources:
 
     def names(self, name: str) -> frozenset[str]:
         """Names in the text of a block that mean something in the program; those behind a dot are members."""
-        entry, link = self.program.link.blocks[name], self.program.link
-        tokens = entry.result.tokens
-        inside = self.is_inside(tokens.file)
-        key = tokens.file if inside else f"{tokens.file} {name}"
+        link = self.program.link
+        key, text = self.text(name)
         if key not in self._names:
-            first = 0 if inside else bisect_left(tokens.starts, entry.unit.start)
-            last = len(tokens.starts) if inside else bisect_left(tokens.starts, entry.unit.end)
+            tokens = tokenize(text, key)
             words = {
-                tokens.texts[i].strip('%"').partition("." if tokens.kinds[i] == ADDRESS else "\n")[0].upper()
-                for i in range(first, last)
-                if tokens.kinds[i] not in {LOCAL, STRING} and (i == 0 or tokens.kinds[i - 1] != ".")
+                word.strip('%"').partition("." if kind == ADDRESS else "\n")[0].upper()
+                for kind, word, before in zip(tokens.kinds, tokens.texts, ["", *tokens.kinds], strict=False)
+                if kind not in {LOCAL, STRING} and before != "."
             }
             known = (link.blocks, link.tags, link.aliases, link.literals)
             self._names[key] = frozenset(word for word in words if any(word in names for names in known))

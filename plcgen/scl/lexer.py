@@ -99,6 +99,10 @@ class Tokens:
     starts: list[int]
     _lines: list[int] = field(default_factory=list)
 
+    def text_alone(self) -> Tokens:
+        """The same file without its tokens: enough for whoever has the tree, and a tenth of the memory."""
+        return Tokens(self.file, self.source, [], [], [], self._lines)
+
     def end(self, index: int) -> int:
         """Offset just behind token ``index``."""
         return self.starts[index] + len(self.texts[index])
