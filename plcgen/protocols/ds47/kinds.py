@@ -104,6 +104,26 @@ class AcknowledgeSettings(StrictModel):
     )
 
 
+def _state(value: object) -> object:
+    if isinstance(value, str) and value != "not_present":
+        raise problem(f'"{value}" is no state of a drive object', help_="write true, false or not_present")
+    return {"state": value} if isinstance(value, bool | str) else value
+
+
+class ActivateSettings(StrictModel):
+    """Whether a drive object takes part, how long it may take until it says so, and how often it is asked."""
+
+    state: bool | Literal["not_present"] = Field(
+        description="true: activated; false: deactivated; not_present: deactivated, its components are not there"
+    )
+    limit: Annotated[Duration, Field(ge=1_000)] = Field(
+        60_000, description="longest time until r0106 says so, from 1 s; counted from the first question"
+    )
+    interval: Annotated[Duration, Field(ge=100, le=60_000), AfterValidator(_within_limit)] = Field(
+        1_000, description="from one question to the next, 100 ms to 1 min"
+    )
+
+
 FaultColumn = Literal[
     "code", "value", "received", "received_days", "removed", "removed_days", "float_value", "component", "drive_object"
 ]
@@ -307,10 +327,6 @@ def step_items(steps: tuple[SequenceStep, ...]) -> Iterator[StepItem]:
             yield StepItem(number, (number - 1, "until", one.place), asked, awaited, one.value)
 
 
-def _step_accesses(steps: tuple[SequenceStep, ...]) -> tuple[ReadItem | WriteItem, ...]:
-    return tuple(one.item for one in step_items(steps))
-
-
 def _steps_schema(definitions: dict[str, Any]) -> dict[str, Any]:
     """A list of steps, whose keys have the short forms of jobs."""
     value = {"type": ["boolean", "integer", "number", "string"]}
@@ -416,6 +432,18 @@ def _acknowledge_items(_: AcknowledgeSettings) -> tuple[ReadItem | WriteItem, ..
     return WriteItem(parameter=name, value=1), *asked
 
 
+ACTIVATES, ACTIVE = 105, 106
+"""Drive object: 0 deactivated, 1 activated, 2 deactivated and not there; whether it is active (S120: p0105, r0106)."""
+
+
+def _activate_steps(settings: ActivateSettings) -> Iterator[StepItem]:
+    """Two steps: the drive object is told, and it is waited until it says so."""
+    value = 2 if settings.state == "not_present" else int(settings.state)
+    yield StepItem(1, (), WriteItem(parameter=f"P{ACTIVATES}", value=value))
+    awaited = Awaited("=", None, settings.limit, settings.interval)
+    yield StepItem(2, (), ReadItem.model_validate({"parameter": f"r{ACTIVE}", "as": "active"}), awaited, value % 2)
+
+
 def _message_items(counter: int, numbers: Mapping[str, int], settings: Any) -> tuple[ReadItem, ...]:
     """Counter, groups, counter; in a group the columns in the order of the spec."""
     found = [(f"r{counter}", "changes")]
@@ -499,9 +527,21 @@ SHIPPED = (
         shape=Annotated[tuple[SequenceStep, ...], Field(min_length=1, max_length=100)],
         description="steps that read, write, or wait for a value, one after the other",
         example="sequence: [{write: {P1120: 10.0}}, {until: {r722.0: 1}}]",
-        items=_step_accesses,
+        items=lambda steps: tuple(one.item for one in step_items(steps)),
         short=_steps_schema,
         steps=step_items,
+    ),
+    JobKind(
+        key="activate",
+        writes=True,
+        shape=Annotated[ActivateSettings, BeforeValidator(_state)],
+        description="true, false or not_present: whether the drive object takes part, or {state, limit, interval}",
+        example="activate: true",
+        items=lambda settings: tuple(one.item for one in _activate_steps(settings)),
+        short=lambda _: {
+            "anyOf": [{"enum": [True, False, "not_present"]}, {"$ref": "#/$defs/ActivateSettings"}, {"type": "null"}]
+        },
+        steps=_activate_steps,
     ),
 )
 

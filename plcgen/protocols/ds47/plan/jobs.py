@@ -14,6 +14,8 @@ from plcgen.project.triggers import plan_trigger
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.kinds import (
     ACKNOWLEDGES,
+    ACTIVATES,
+    ACTIVE,
     ALARM_COUNTER,
     FAULT_COUNTER,
     SAVES,
@@ -310,7 +312,7 @@ def _own_uses(
     place = (*path, kind.key)
     if kind.key == "save" and not _savable(items[0], place, loaded, resolver, report):
         return ()
-    if (kind.messages is not None or kind.key == "acknowledge") and not _listable(
+    if (kind.messages is not None or kind.key in {"acknowledge", "activate"}) and not _listable(
         items, place, loaded, resolver, report
     ):
         return ()
@@ -387,14 +389,15 @@ def _savable(
     return False
 
 
-_SCALARS = {f"r{FAULT_COUNTER}": "Unsigned16", f"r{ALARM_COUNTER}": "Unsigned16", f"P{ACKNOWLEDGES}": "Unsigned8"}
-"""Parameters about messages that have no index, with their type in an S120."""
+_SCALARS = {f"r{FAULT_COUNTER}": "Unsigned16", f"r{ALARM_COUNTER}": "Unsigned16", f"P{ACKNOWLEDGES}": "Unsigned8",
+            f"P{ACTIVATES}": "Integer16", f"r{ACTIVE}": "Integer16"}  # fmt: skip
+"""Parameters of such jobs that have no index, with their type in an S120."""
 
 
 def _listable(
     items: tuple[ReadItem | WriteItem, ...], path: SpecPath, loaded: LoadedSpec, resolver: UseResolver, report: Report
 ) -> bool:
-    """Whether every parameter about messages is known, with a type that does not come from memory.
+    """Whether every parameter that the job does not name itself is known, with a type that does not come from memory.
 
     PG248 for those that are not: a job that reads something else than it says is worse than none.
     """

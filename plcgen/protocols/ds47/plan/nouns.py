@@ -12,7 +12,7 @@ from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, Plan
 from plcgen.project.spec import SpecPath
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
-from plcgen.protocols.ds47.kinds import PLACES, Awaited, Messages, Poll
+from plcgen.protocols.ds47.kinds import ACTIVATES, PLACES, Awaited, Messages, Poll
 from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.schema import DriveSections, DriveSettings, JobEntry
 from plcgen.protocols.ds47.wire.formats import Format
@@ -409,13 +409,15 @@ class DrivePlan(Plan):
     def sign_off(self, job: DriveJob, pnu: int) -> str | None:
         """The reason that a job gives for writing a dangerous parameter; None if it gives none.
 
-        Saving is what a job that saves is for: it says so, and how often it may.
+        Saving is what a job that saves is for: it says so, and how often it may; likewise for one that activates.
         """
         spec = self.entry(job)
         given = spec.allow_safety if pnu in guards.SAFETY else spec.allow
         saves = None
         if job.poll is not None and job.poll.saves and pnu == job.saving[-1].parameter.pnu:
             saves = f"the job says save, once in {spelled(job.poll.distance)} at most"
+        if job.kind == "activate" and pnu == ACTIVATES:
+            saves = f"the job says activate: {('false', 'true', 'not_present')[job.uses[0].data[-1]]}"
         return next((why for text, why in given.items() if number_of(text) == pnu), saves)
 
     @property

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.project.spec import LoadedSpec, SpecPath
-from plcgen.protocols.ds47.kinds import Awaited, StepItem
+from plcgen.protocols.ds47.kinds import Awaited, StepItem, WriteItem
 from plcgen.protocols.ds47.plan.nouns import Part, Use
 from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.wire.formats import FormatKind, integer_range
@@ -23,7 +23,7 @@ def resolved_steps(
     names: set[str] = set()
     for position, one in enumerate(steps, 1):
         place = (*path, *one.place)
-        use = resolver.resolve(one.item, position, place, write="write" in one.place)
+        use = resolver.resolve(one.item, position, place, write=isinstance(one.item, WriteItem))
         if use is not None and one.awaited is not None:
             use = _waiting(use, one, one.awaited, place, loaded, resolver)
         if use is None:
@@ -43,7 +43,7 @@ def _waiting(
     if why:
         resolver.problem("PG251", f"{use.label} cannot be waited for: {why[0]}", (*place, "parameter"), why[1])
         return None
-    name = f"{use.member}{'' if awaited.bit is None else f'Bit{awaited.bit}'}Step{one.step}"
+    name = one.item.as_ or f"{use.member}{'' if awaited.bit is None else f'Bit{awaited.bit}'}Step{one.step}"
     use = replace(use, awaited=awaited, member=shorten(name, resolver.longest_name))
     if awaited.bit is not None:
         return replace(use, data=(int(one.wanted) << awaited.bit).to_bytes(use.format.size))

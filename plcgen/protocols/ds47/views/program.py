@@ -101,6 +101,9 @@ def title(plan: DrivePlan, job: DriveJob) -> str:
     if job.poll is not None and not job.guarded:
         text = "Acknowledge the faults of the drive object"
         return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
+    if job.kind == "activate":
+        text = f"{'Activate' if any(job.uses[1].data) else 'Deactivate'} the drive object"
+        return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
     if job.in_steps:
         text = f"Sequence of {job.uses[-1].step} steps"
         return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
