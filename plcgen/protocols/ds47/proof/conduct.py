@@ -8,11 +8,11 @@ from plcgen.protocols.ds47.proof.course import Course
 from plcgen.protocols.ds47.proof.end import check_end, check_errors
 from plcgen.protocols.ds47.proof.fence import Fence
 from plcgen.protocols.ds47.proof.listed import fill
-from plcgen.protocols.ds47.proof.rig import JobRig
+from plcgen.protocols.ds47.proof.rig import SLOT, JobRig
 from plcgen.protocols.ds47.proof.saved import check_saved
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.stepped import longest_waits, route
-from plcgen.protocols.ds47.proof.words import DONE, DRAIN_MS, NO_ANSWER, state_name
+from plcgen.protocols.ds47.proof.words import DONE, DRAIN, DRAIN_MS, NO_ANSWER, state_name
 
 MANY_MS = 10_000_000
 """Longer than any run."""
@@ -132,6 +132,8 @@ class JobConduct:
                 self.taken = run.scenario.taken + MANY_MS
         if run.scenario.meddle and run.scans > 1:
             self.rig.meddle()
+        if run.scenario.robbed and run.scenario.robbed == self.course.handed and self.rig.unit.get("state") == DRAIN:
+            self.rig.alive(SLOT)
         return self.length
 
     def start(self, run: Run[DriveScenario]) -> None:

@@ -69,6 +69,9 @@ class Course:
 
         Raises ScenarioError.
         """
+        found = self.rig.db.get("failedStep"), self.rig.db.get("failedParameter")
+        if self.exact and not self.handed and found != (0, 0):
+            raise ScenarioError(f"failedStep, failedParameter are {found} although no step was begun")
         if not self.exact or not scenario.checked:
             return
         pairs = zip(self.telegrams[: self.handed], self.telegrams[1 : self.handed], strict=False)
@@ -78,7 +81,6 @@ class Course:
             raise ScenarioError(f"the unit was free behind telegrams {sorted(self.free)} instead of {sorted(again)}")
         if status == WORDS["NOT_REACHED"]:
             self._questions(scenario)
-        found = self.rig.db.get("failedStep"), self.rig.db.get("failedParameter")
         step = self.telegrams[self.handed - 1].step if status != DONE and self.handed else 0
         wanted = step, scenario.missed or self._refused(scenario)
         if found != wanted:

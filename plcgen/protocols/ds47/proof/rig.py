@@ -75,8 +75,7 @@ class JobRig:
         self.order_id = "order.hardwareId" if self.plan.target.t15 else "order.address"
         names = ["state", "telegram", "expected", self.order_id, *(f"order.{name}" for name in ORDER)]
         names += [f"asks[{slot}].telegram" for slot in range(1, SLOTS + 1)]
-        names += [f"asks[{SLOT}].want"]
-        names += [f"asks[{OTHER}].want", f"asks[{OTHER}].mark"]
+        names += [f"asks[{slot}].{name}" for slot in (SLOT, OTHER) for name in ("want", "mark")]
         return Members(self.cpu, self.program, name, [f"unit.{name}" for name in names], "unit.")
 
     @property
@@ -202,9 +201,9 @@ class JobRig:
         self.channel.set("waitLimit", WAIT_MS)
         self.unit.set(f"asks[{OTHER}].want", -self.unit.get(f"asks[{OTHER}].want", signed=True) % COUNTERS + 1)
 
-    def alive(self) -> None:
-        """The other job gives a sign of life."""
-        name = f"asks[{OTHER}].mark"
+    def alive(self, slot: int = OTHER) -> None:
+        """The other job gives a sign of life; in the job's own slot it should not be."""
+        name = f"asks[{slot}].mark"
         self.unit.set(name, self.unit.get(name) % COUNTERS + 1)
 
     def leave(self) -> None:

@@ -45,7 +45,8 @@ class DriveScenario(Scenario):
 
     ``questions`` is how often a telegram of a sequence is asked that waits, by its number; once if it is not there.
     ``missed`` is the parameter for which a sequence has waited in vain; ``taken`` is for how many ms another job has
-    the unit from the first time on that it is free while the sequence waits.
+    the unit from the first time on that it is free while the sequence waits. Another job lives in the
+    slot when the telegram ``robbed`` ends; 0: none does.
 
     ``telegram`` is the one that ends the job, 0 the last; ``answered`` says that it had an answer. ``errors`` are those
     stated by hand: (error, info) by number of the telegram and place in it, all others of an answered telegram are 0.
@@ -77,6 +78,7 @@ class DriveScenario(Scenario):
     questions: Mapping[int, int] = field(default_factory=dict)
     missed: int = 0
     taken: int = 0
+    robbed: int = 0
     telegram: int = 0
     answered: bool = True
     errors: Mapping[tuple[int, int], tuple[int, int]] = field(default_factory=dict)

@@ -12,7 +12,7 @@ from plcgen.protocols.ds47.proof.rig import VALUE_SETS
 from plcgen.protocols.ds47.proof.saving import saving
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
 from plcgen.protocols.ds47.proof.stepped import triggers
-from plcgen.protocols.ds47.proof.stepping import stepping
+from plcgen.protocols.ds47.proof.stepping import refused, stepping
 from plcgen.protocols.ds47.proof.verifying import verifying
 from plcgen.protocols.ds47.proof.words import WORDS
 from plcgen.protocols.ds47.wire import formats
@@ -56,6 +56,8 @@ def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
         yield from listing(job)
     if job.deviations is not None:
         yield from comparing(job)
+    if job.in_steps:
+        yield from refused()
     if job.waits:
         yield from stepping(job, scans)
 

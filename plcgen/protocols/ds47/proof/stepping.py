@@ -28,6 +28,18 @@ MANY = 20_000
 """More answers than a run has."""
 
 
+def refused() -> Iterator[DriveScenario]:
+    """A step fails, and the next start is refused: nothing is left of what has failed before."""
+    yield DriveScenario(
+        name="the first parameter is refused, and the start behind it",
+        faults=(Fault(FaultKind.ERROR, number=NOT_ALLOWED, position=1, words=1),),
+        status=(WORDS["PARAMETER_ERROR"],),
+        checked=False,
+        follow=False,
+    )
+    yield DriveScenario(name="a start is refused", slot=0, status=(WORDS["NO_SLOT"],), checked=False)
+
+
 def stepping(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
     """All of them; ``scans`` is how long a run takes in which everything is there at once."""
     waits = [telegram for telegram in job.telegrams if telegram.awaited is not None]
@@ -56,12 +68,6 @@ def _late(job: DriveJob, telegram: DriveTelegram, awaited: Awaited) -> Iterator[
     count = max(1, min(LATE, awaited.limit // awaited.interval - 1))
     missing = _missing(telegram, each)
     slack = 10 * TELEGRAM_SCANS * (len(job.telegrams) + count)
-    yield DriveScenario(
-        name=f"telegram {number} is answered as wanted the {count + 1}. time",
-        reads=dict.fromkeys(range(number, number + count), missing),
-        questions={number: count + 1},
-        took=(count * awaited.interval, count * awaited.interval + slack),
-    )
     wide = max(10, min(awaited.limit // 5_000, job.timeout // 100))
     for places in dict.fromkeys((tuple(each), tuple(each[-1:]))):
         yield DriveScenario(
@@ -73,7 +79,14 @@ def _late(job: DriveJob, telegram: DriveTelegram, awaited: Awaited) -> Iterator[
             missed=telegram.parts[places[0] - 1].use.parameter.pnu,
             scan=wide,
             took=(awaited.limit, awaited.limit + awaited.interval + slack * wide // 10),
+            follow=False,
         )
+    yield DriveScenario(
+        name=f"telegram {number} is answered as wanted the {count + 1}. time",
+        reads=dict.fromkeys(range(number, number + count), missing),
+        questions={number: count + 1},
+        took=(count * awaited.interval, count * awaited.interval + slack),
+    )
 
 
 def _trouble(telegram: DriveTelegram, awaited: Awaited) -> Iterator[DriveScenario]:
@@ -100,6 +113,13 @@ def _trouble(telegram: DriveTelegram, awaited: Awaited) -> Iterator[DriveScenari
         again=None,
         scan=50,
         follow=False,
+    )
+    yield DriveScenario(
+        name=f"another job is in the slot when the answer to telegram {number} says no",
+        reads={number: missing},
+        robbed=number,
+        status=(WORDS["SLOT_TAKEN"],),
+        checked=False,
     )
     short: dict[str, Any] = {"reads": {number: missing}, "questions": {number: 2}}
     yield DriveScenario(

@@ -155,8 +155,7 @@ class DriveSuite:
             TELEGRAM if job.poll is None and job.messages is None else ()
         )  # a telegram that is repeated has a number of its own each time
         premises = [Premise(NO_OTHER, variable=name, values=numbers, given="") for name in names]
-        decides = not job.in_steps
-        return CodeBlock(job.key, job.key, job.block.name, (job,), lambda: span, tuple(premises), decides=decides)
+        return CodeBlock(job.key, job.key, job.block.name, (job,), lambda: span, tuple(premises))
 
     def runner(self, program: Program, job: DriveJob, statistics: Statistics | None = None) -> Runner[DriveScenario]:
         """The job against its simulated drive. One CPU serves all jobs: the program may be large."""

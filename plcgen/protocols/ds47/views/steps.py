@@ -82,7 +82,8 @@ def _comparison(plan: DrivePlan, field: DriveField, member: str) -> dict[str, An
         type_ = interface_type(use.format, 1, 0, plan.target)
         assert isinstance(type_, Elementary)  # noqa: S101 - what has no type is refused
         value = literal(type_, use.data, v5=plan.target.v5)
-        return {**shown, "float": f"{member} {awaited.operator} {value}"}
+        unlike = awaited.operator == "<>"  # NaN is unlike every number, <> on S7-300/400 says it is not
+        return {**shown, "float": f"{member} {'=' if unlike else awaited.operator} {value}", "unlike": unlike}
     masks = [0xFF] * use.format.size
     if awaited.bit is not None:
         masks = list((1 << awaited.bit).to_bytes(use.format.size))
