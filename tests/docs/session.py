@@ -25,8 +25,8 @@ _PRINTED = re.compile(r"^ *print\(.+\)  # (.+)$", re.MULTILINE)
 class Session:
     """A shell, a Python and a folder for one page."""
 
-    def __init__(self, folder: Path) -> None:
-        """``folder`` is empty and becomes the current one of everything that runs."""
+    def __init__(self, folder: Path, verdicts: Path) -> None:
+        """``folder`` is empty and becomes the current one of everything that runs; ``verdicts`` are kept for others."""
         self._folder = folder
         self._names: dict[str, Any] = {"__name__": "page"}
         self._servers: list[subprocess.Popen[str]] = []
@@ -43,6 +43,7 @@ class Session:
             "PYTHONPATH": str(ROOT),
             "COLUMNS": "100",
             "REPO": str(ROOT),
+            "PLCGEN_CACHE": str(verdicts),
         }
 
     def run(self, block: Block) -> None:

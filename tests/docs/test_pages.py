@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -23,13 +24,17 @@ NOT_RUN = {
 
 
 @pytest.fixture
-def session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Session]:
-    """The folder of one page."""
+def session(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Session]:
+    """The folder of one page; all pages of a run, in whatever process, share their verdicts."""
+    base = tmp_path_factory.getbasetemp()
+    verdicts = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "verdicts"
     folder = tmp_path / "page"
     folder.mkdir()
     monkeypatch.chdir(folder)
     monkeypatch.delenv("NO_COLOR", raising=False)
-    opened = Session(folder)
+    opened = Session(folder, verdicts)
     yield opened
     opened.close()
 
