@@ -44,7 +44,11 @@ Subject = tuple[str, Sequence["Diagnostic"]]
 )
 @click.option("--program", is_flag=True, help="Sources and documents are one program: check names, types, calls.")
 @click.option(
-    "--tags", type=PATH, multiple=True, metavar="FILE", help="With --program: symbols as SDF, CSV or tag table XML."
+    "--tags",
+    type=PATH,
+    multiple=True,
+    metavar="FILE",
+    help="With --program: symbols as SDF, ASC, CSV or tag table XML.",
 )
 @click.option(
     "--iec-check",

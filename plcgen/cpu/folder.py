@@ -15,6 +15,7 @@ from plcgen.s7.blocks import BlockKind
 from plcgen.scl.dialect import Dialect
 from plcgen.simaticml.reading.documents import read_simaticml, read_tag_table
 from plcgen.sources.generated import generated_documents, generated_sources
+from plcgen.sources.symbols import SUFFIXES, read_rows
 from plcgen.sources.text import load_text
 
 Tags = dict[str, str | tuple[str, str]]
@@ -87,7 +88,7 @@ def read_parts(
     tags: Tags = dict(symbols or {})
     numbers: dict[str, int] = {}
     for table in sorted(folder.glob("*.sdf")):
-        tags |= read_symbols(table)
+        tags |= read_tag_file(table)
     if (folder / "tags.csv").is_file():
         tags |= read_tags(folder / "tags.csv")
     classic = dialect is not Dialect.TIA_1200_1500
@@ -115,23 +116,19 @@ def _is_code(document: Path) -> bool:
 
 
 def read_tag_file(path: Path | str) -> Tags:
-    """Symbols of any file that holds some: SDF of STEP 7 V5, CSV, or an exported tag table (``.xml``)."""
+    """Symbols of any file that holds some: a table of STEP 7 V5, CSV, or an exported tag table (``.xml``)."""
     path = Path(path)
-    if path.suffix.lower() == ".sdf":
-        return read_symbols(path)
+    if path.suffix.lower() in SUFFIXES:
+        rows, found = read_rows(path)
+        if found:
+            raise DiagnosticError(found)
+        return {symbol: (address, type_) for symbol, address, type_ in rows if type_}
     if path.suffix.lower() != ".xml":
         return read_tags(path)
     tables, problems = read_tag_table(path)
     if any(problem.severity is Severity.ERROR for problem in problems):
         raise DiagnosticError(problems)
     return {tag.name: (tag.address, tag.type) for table in tables for tag in table.tags}
-
-
-def read_symbols(path: Path | str) -> Tags:
-    """Symbol table of STEP 7 V5 in SDF: name, address, type, comment."""
-    with Path(path).open(encoding="cp1252", newline="") as file:
-        rows = [row for row in csv.reader(file) if len(row) >= 3]
-    return {row[0].strip(): (row[1].strip(), row[2].strip()) for row in rows}
 
 
 def read_tags(path: Path | str) -> Tags:

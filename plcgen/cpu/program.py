@@ -188,9 +188,9 @@ class Program:
         link = self.link
         link.types = {name: system.block for name, system in self.systems.items()}
         link.types |= {name: entry.block for name, entry in link.blocks.items()}
-        for number, name in link.aliases.items():
+        for other, name in [*link.aliases.items(), *link.numbers.items()]:
             if name in link.blocks and link.blocks[name].block.kind in {BlockKind.UDT, BlockKind.FB}:
-                link.types[number] = link.blocks[name].block
+                link.types.setdefault(other, link.blocks[name].block)
         self.diagnostics += add_unknown_types(link)
         circles = list(recursive_types(entry.block for entry in link.blocks.values()))
         self.diagnostics += circles

@@ -87,6 +87,36 @@ def test_a_program_is_compiled(plcgen, tmp_path):
     assert (result.code, result.err) == (0, "no problems in add.scl (1 block)\n")
 
 
+def test_symbols_of_step7_v5_come_from_an_asc_table(plcgen, tmp_path):
+    """126 columns behind the number: symbol 24, address 12, type 10, comment 80; a block has its number from it."""
+    rows = [
+        ("level", "MW     10", "INT"),
+        ("Einschaltverzögerung_Pump", "E       3.0", "BOOL"),
+        ("run", "E       3.0", "BOOL"),
+        ("limits", "DB      7", "DB      7"),
+        ("delay", "DB      8", "SFB     5"),
+        ("Pump", "FB      3", "FB      3"),
+        ("all_i", "VAT     4", ""),
+    ]
+    table = "".join(f"126,{name[:24]:24}{address:12}{type_:10}{'a, comment':80}\r\n" for name, address, type_ in rows)
+    (tmp_path / "symbols.asc").write_bytes(table.encode("cp1252"))
+    (tmp_path / "use.scl").write_bytes(
+        b"DATA_BLOCK DB7\nSTRUCT\n  top : INT;\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n"
+        b"DATA_BLOCK DB8 SFB5\nBEGIN\nEND_DATA_BLOCK\nDATA_BLOCK DB9 Pump\nBEGIN\nEND_DATA_BLOCK\n"
+        b"FUNCTION_BLOCK FB3\nVAR\n  m : INT;\nEND_VAR\nBEGIN\nEND_FUNCTION_BLOCK\n"
+        b"ORGANIZATION_BLOCK OB1\nVAR_TEMP\n  head : ARRAY[0..19] OF BYTE;\n  on : BOOL;\nEND_VAR\nBEGIN\n"
+        b"  IF level > limits.top THEN level := 0; END_IF;\n  delay(IN := run, PT := T#1s);\n"
+        b"  on := Einschaltverz\xf6gerung_Pum; Pump.DB9();\nEND_ORGANIZATION_BLOCK\n"
+    )
+    command = ("check", "use.scl", "--program", "--target", "v5")
+    alone = plcgen(*command)
+    assert alone.out.count("error[PG8") == 7
+    assert plcgen(*command, "--tags", "symbols.asc").err == "no problems in use.scl (5 blocks)\n"
+    (tmp_path / "other.asc").write_text("-----BEGIN PGP SIGNATURE-----\n")
+    refused = plcgen(*command, "--tags", "other.asc")
+    assert (refused.code, "PG804" in refused.out + refused.err) == (1, True)
+
+
 def test_specs_and_sources_together(plcgen, good, sources):
     """One call may check both."""
     result = plcgen("check", good, sources / "add.scl")
