@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-import pytest
 from projects import ROOT
 
 PACKAGE = ROOT / "plcgen"
@@ -85,13 +84,11 @@ def test_protocols_do_not_know_each_other() -> None:
         assert found == set()
 
 
-@pytest.mark.slow
 def test_classes_hold_one_idea() -> None:
     """None above 350 lines, and no stubs that only subclasses fill."""
-    nodes = [(name, node) for name, tree in modules().items() for node in ast.walk(tree)]
-    classes = [(name, node) for name, node in nodes if isinstance(node, ast.ClassDef)]
+    classes = [(name, node) for name, tree in modules().items() for node in tree.body if isinstance(node, ast.ClassDef)]
     assert [f"{m}.{c.name}" for m, c in classes if (c.end_lineno or 0) - c.lineno >= 350] == []
-    stubs = [(m, n.lineno) for m, n in nodes if isinstance(n, ast.Raise) and "NotImplementedError" in ast.dump(n)]
+    stubs = [path.name for path in sorted(PACKAGE.rglob("*.py")) if "raise NotImplementedError" in path.read_text("utf-8")]
     assert stubs == []
 
 

@@ -31,7 +31,7 @@ MANY = 20_000
 def refused() -> Iterator[DriveScenario]:
     """A step fails, and the next start is refused: nothing is left of what has failed before."""
     yield DriveScenario(
-        name="the first parameter is refused, and the start behind it",
+        name="the first parameter is refused, and the next start",
         faults=(Fault(FaultKind.ERROR, number=NOT_ALLOWED, position=1, words=1),),
         status=(WORDS["PARAMETER_ERROR"],),
         checked=False,
