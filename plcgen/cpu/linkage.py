@@ -94,7 +94,7 @@ class Linkage:
     tags: dict[str, tuple[Address, str]] = field(default_factory=dict)
     constants: dict[str, int] = field(default_factory=dict)
     aliases: dict[str, str] = field(default_factory=dict)
-    numbers: dict[str, str] = field(default_factory=dict)
+    addresses: dict[str, str] = field(default_factory=dict)
     instance_regions: set[str] = field(default_factory=set)
     mixed: bool = False
     eno: bool = False
@@ -139,7 +139,7 @@ class Linkage:
         """Return a block by its name or by its number, such as DB3."""
         upper = name.upper().lstrip("%")
         known = self.blocks
-        return known.get(upper) or known.get(self.aliases.get(upper, "")) or known.get(self.numbers.get(upper, ""))
+        return known.get(upper) or known.get(self.aliases.get(upper, "")) or known.get(self.addresses.get(upper, ""))
 
     def ob_number(self, block: ProgramBlock) -> int:
         """Number of an organization block, from its name, its symbol, or what Main and Startup are; else 0."""
@@ -176,7 +176,7 @@ class Linkage:
             upper = text.strip().lstrip("%").replace(" ", "").upper()
             if _NUMBERED.fullmatch(upper):
                 self.aliases[upper] = name.upper()
-                self.numbers[name.upper()] = upper
+                self.addresses[name.upper()] = upper
                 continue
             try:
                 address = parse_address(upper)

@@ -188,7 +188,7 @@ class Program:
         link = self.link
         link.types = {name: system.block for name, system in self.systems.items()}
         link.types |= {name: entry.block for name, entry in link.blocks.items()}
-        for other, name in [*link.aliases.items(), *link.numbers.items()]:
+        for other, name in [*link.aliases.items(), *link.addresses.items()]:
             if name in link.blocks and link.blocks[name].block.kind in {BlockKind.UDT, BlockKind.FB}:
                 link.types.setdefault(other, link.blocks[name].block)
         self.diagnostics += add_unknown_types(link)
