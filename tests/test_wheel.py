@@ -36,13 +36,11 @@ def test_every_shipped_spec_runs_from_the_wheel(unpacked: Path, tmp_path: Path) 
     """Each shipped spec generates without the source tree, and one of each protocol verifies."""
     where = run(unpacked, tmp_path, "-c", "import plcgen; print(plcgen.__file__)")
     assert where.stdout.startswith(str(unpacked)), where.stderr
-    shipped = unpacked / "plcgen" / "_specs"
-    runs = [["generate", "--quiet", str(spec), "--out", spec.stem] for spec in shipped.glob("*.yaml")]
-    both = ("s7-300_mm440_dp", "s7-1200_s7-200_ppi")
-    runs += [["verify", "--faults", "none", str(shipped / f"{name}.yaml"), "--out", name] for name in both]
-    for arguments in runs:
+    specs = [str(spec) for spec in (unpacked / "plcgen" / "_specs").glob("*.yaml")]
+    both = [spec for spec in specs if Path(spec).stem in {"s7-300_mm440_dp", "s7-1200_s7-200_ppi"}]
+    for arguments in (["generate", *specs], ["verify", "--faults", "none", *both]):
         done = run(unpacked, tmp_path, "-m", "plcgen", *arguments)
-        assert done.returncode == 0, done.stdout + done.stderr
+        assert (done.returncode, len(both)) == (0, 2), done.stdout + done.stderr
 
 
 @pytest.mark.slow
