@@ -14,6 +14,7 @@ _TIA = {
     "BOOL": "Bool", "BYTE": "Byte", "WORD": "Word", "DWORD": "DWord", "LWORD": "LWord", "CHAR": "Char", "INT": "Int",
     "DINT": "DInt", "LINT": "LInt", "SINT": "SInt", "USINT": "USInt", "UINT": "UInt", "UDINT": "UDInt",
     "ULINT": "ULInt", "REAL": "Real", "LREAL": "LReal", "ARRAY": "Array", "OF": "of", "TIME": "Time",
+    "DTL": "DTL", "DATE_AND_TIME": "Date_And_Time",
 }  # fmt: skip
 
 

@@ -48,6 +48,8 @@ G120, S120 = "sinamics-g120", "sinamics-s120"
         (S120, "faults: current, alarms: current", "PG218", "faults or alarms"),
         (S120, "faults: current, buffers: db", "PG223", "2 telegrams"),
         (S120, "faults: current, verify: readback", "PG247", "writes no values"),
+        (S120, "clock: local", "PG107", "utc"),
+        (S120, "clock: utc, activate: true", "PG218", "activate or clock"),
         (S120, "activate: maybe", "PG107", "no state of a drive object"),
         (S120, "activate: 2", "PG106", "mapping"),
         (S120, "activate: {limit: 2s}", "PG105", "state"),

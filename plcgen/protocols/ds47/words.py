@@ -53,6 +53,7 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_NOT_ACKNOWLEDGED", 0x8505, "the drive has not finished acknowledging within the limit of the job"),
     ("STATUS_FAULTS_REMAIN", 0x8506, "acknowledged, but the drive has faults all the same, see faultCodes"),
     ("STATUS_NOT_REACHED", 0x8510, "the drive has not what a step waits for within its timeout, see failedStep"),
+    ("STATUS_NO_TIME", 0x8520, "refused: utc is no time between 2000 and 2089"),
 )
 
 _TICKET = {"DONE", "IDLE", "STARTED", "RUNNING", "OCCUPIED", "LOST", "NOT_CALLED", "NO_SLOT", "SLOT_TAKEN"}
@@ -68,6 +69,8 @@ MESSAGE_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8504)
 """What only a job that reads a buffer of messages reports."""
 SEQUENCE_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8510)
 """What only a sequence reports."""
+CLOCK_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8520)
+"""What only a job that sets a clock reports."""
 ERROR_DEVIATES = 0x8200
 """In ``errors``: another value was read back than was written."""
 CHANNEL_WORDS = tuple(

@@ -19,6 +19,7 @@ from plcgen.protocols.ds47.kinds import (
     ALARM_COUNTER,
     FAULT_COUNTER,
     SAVES,
+    UTC,
     JobKind,
     Messages,
     ReadItem,
@@ -47,6 +48,7 @@ from plcgen.protocols.ds47.schema import DriveSections, JobEntry
 from plcgen.protocols.ds47.wire.codec import encode_request
 from plcgen.protocols.ds47.wire.model import ParameterAddress, Request, RequestId, ValueBlock
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorten
+from plcgen.s7.types import ELEMENTARY, Elementary
 
 
 def plan_jobs(
@@ -107,11 +109,17 @@ def plan_jobs(
             retries=_retries(job, timeout),
             faq_names=faq,
             listed=listed,
+            clock=_clock(kind, numbering),
             comment=job.comment or {},
             path=path,
         )
         for drive in drives
     )
+
+
+def _clock(kind: JobKind, numbering: Numbering) -> Elementary | None:
+    """Type of the time at the input of a job that sets a clock."""
+    return ELEMENTARY["DTL" if numbering.where.t15 else "DATE_AND_TIME"] if kind.key == "clock" else None
 
 
 _PLACES = 32
@@ -193,11 +201,12 @@ def _own_blocks(
     keys = [which for which, given in buffers.items() if given.db is not None or given.name is not None]
     keys += ["buffers"] if job.buffers == "db" else []
     sized = any(given.size is not None for given in buffers.values())
-    if telegrams == 1 and drives == 1 and not kind.compares:
+    works = {"compare": "compares", "clock": "sets a clock"}.get(kind.key, "")
+    if telegrams == 1 and drives == 1 and not works:
         return bool(keys) or sized
     if keys:
         why = f"has {telegrams} telegrams" if telegrams > 1 else f"has {drives} drives"
-        why = "compares" if kind.compares else why
+        why = works or why
         message = f'"{path[-1]}" {why}: data blocks of its own are for one telegram of one drive that reads or writes'
         help_ = "leave the data blocks out, or make several jobs of it"
         report.add(Diagnostic("PG223", message, loaded.key_span((*path, keys[0])), help=help_))
@@ -312,13 +321,13 @@ def _own_uses(
     place = (*path, kind.key)
     if kind.key == "save" and not _savable(items[0], place, loaded, resolver, report):
         return ()
-    if (kind.messages is not None or kind.key in {"acknowledge", "activate"}) and not _listable(
+    if (kind.messages is not None or kind.key in {"acknowledge", "activate", "clock"}) and not _listable(
         items, place, loaded, resolver, report
     ):
         return ()
     if kind.steps is not None:
         return resolved_steps(tuple(kind.steps(getattr(job, kind.key))), place, loaded, resolver)
-    whole = kind.poll is not None or kind.messages is not None
+    whole = kind.poll is not None or kind.messages is not None or kind.key == "clock"
     found = [
         resolver.resolve(
             item,
@@ -390,7 +399,7 @@ def _savable(
 
 
 _SCALARS = {f"r{FAULT_COUNTER}": "Unsigned16", f"r{ALARM_COUNTER}": "Unsigned16", f"P{ACKNOWLEDGES}": "Unsigned8",
-            f"P{ACTIVATES}": "Integer16", f"r{ACTIVE}": "Integer16"}  # fmt: skip
+            f"P{ACTIVATES}": "Integer16", f"r{ACTIVE}": "Integer16", f"P{UTC[0]}": "Unsigned16"}  # fmt: skip
 """Parameters of such jobs that have no index, with their type in an S120."""
 
 

@@ -18,6 +18,7 @@ from plcgen.protocols.ds47.schema import DriveSections, DriveSettings, JobEntry
 from plcgen.protocols.ds47.wire.formats import Format
 from plcgen.protocols.ds47.words import VARIANTS, Variant
 from plcgen.s7.durations import spelled
+from plcgen.s7.types import Elementary
 
 
 @dataclass(frozen=True, slots=True)
@@ -249,6 +250,7 @@ class DriveJob(PlannedJob):
 
     ``shape`` is the job's key in the spec, ``slot`` its place in the unit, from 1; ``caller`` calls it; ``once`` says
     that a change is never sent again without knowing what became of it.
+    ``clock`` is the type of the time at its input, if it sets a clock.
     """
 
     link: PlannedDrive
@@ -264,6 +266,7 @@ class DriveJob(PlannedJob):
     retries: int
     faq_names: bool
     listed: MessageList | DeviationList | None = None
+    clock: Elementary | None = None
 
     @property
     def drive(self) -> PlannedDrive:
@@ -277,8 +280,15 @@ class DriveJob(PlannedJob):
 
     @property
     def inputs(self) -> tuple[Use, ...]:
-        """The values the caller supplies."""
+        """The values the caller supplies; not those that the block makes of a time."""
+        if self.clock is not None:
+            return ()
         return tuple(use for use in self.uses if (use.writes or use.compared) and not use.constant)
+
+    @property
+    def timed(self) -> tuple[Use, ...]:
+        """Days since 1970-01-01 and milliseconds of the day, which the block makes of the time at its input."""
+        return self.uses[-2:] if self.clock is not None else ()
 
     @property
     def outputs(self) -> tuple[Use, ...]:

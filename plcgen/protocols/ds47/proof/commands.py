@@ -15,7 +15,7 @@ from plcgen.input.files import read_bounded
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder, table_rows
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
-from plcgen.protocols.ds47.proof import listed
+from plcgen.protocols.ds47.proof import clocked, listed
 from plcgen.protocols.ds47.proof.stepped import FAILED
 from plcgen.protocols.ds47.wire import formats
 from plcgen.s7.image import image
@@ -111,17 +111,18 @@ def _members(layout: Layout) -> dict[str, set[str]]:
 def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterator[str]:
     """What is wrong with the structure of a job."""
     flags = {name for name, _ in job.trigger.items()}
-    values = {use.member for use in (*job.inputs, *job.outputs)}
+    values = {*clocked.inputs(job), *(use.member for use in job.outputs)}
     values |= set(FAILED) if job.in_steps else set()
     values |= {path.partition("[")[0] for path in listed.paths(job)}
     wanted = {name for name in SIGNALS if name not in flags} | values
     prefix = f"{job.member}."
     for name in sorted(wanted ^ found):
         yield f"{prefix}{name} {'is missing' if name in wanted else 'is no member of the job'}"
-    for name in sorted(wanted & found & set(SIGNALS) - values):
+    types = SIGNALS if job.clock is None else {**SIGNALS, clocked.TIME: job.clock.name}
+    for name in sorted(wanted & found & set(types) - {use.member for use in (*job.inputs, *job.outputs)}):
         entry = locate(layout, f"{prefix}{name}")
-        if not isinstance(entry.type, Elementary) or entry.type.name != SIGNALS[name]:
-            yield f"{prefix}{name} is no {SIGNALS[name]}"
+        if not isinstance(entry.type, Elementary) or entry.type.name != types[name]:
+            yield f"{prefix}{name} is no {types[name]}"
     for use in job.inputs:
         if use.member in found:
             entry = locate(layout, f"{prefix}{use.member}")

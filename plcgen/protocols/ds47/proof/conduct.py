@@ -81,6 +81,7 @@ class JobConduct:
             fill(rig.job, rig.drive, rig.drive_object, scenario.messages)
         if scenario.matches:
             rig.match(scenario.keeps)
+        rig.tell(scenario.moment)
         self.before, self.wanted = rig.delivered(), self.due(scenario)
         self.set_off(scenario)
         self.taken = 0
@@ -134,6 +135,9 @@ class JobConduct:
             self.rig.meddle()
         if run.scenario.robbed and run.scenario.robbed == self.course.handed and self.rig.unit.get("state") == DRAIN:
             self.rig.alive(SLOT)
+        if run.scenario.later is not None and run.scans == 2:
+            self.rig.tell(run.scenario.later)
+            self.set_off(run.scenario)
         return self.length
 
     def start(self, run: Run[DriveScenario]) -> None:

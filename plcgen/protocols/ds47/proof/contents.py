@@ -7,8 +7,10 @@ import random
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import timedelta
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part, Use
+from plcgen.protocols.ds47.proof import clocked
 from plcgen.protocols.ds47.proof.scenario import Contents
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.parameters import Keeps
@@ -33,8 +35,17 @@ class ValueSet:
     given: Mapping[int, bytes]
 
     def inputs(self, job: DriveJob) -> list[tuple[str, bytes]]:
-        """Members of the block and their wire bytes."""
-        return [(use.member, self.given[use.position]) for use in job.inputs]
+        """Members of the block and their wire bytes, a time as the CPU has it."""
+        found = [(use.member, self.given[use.position]) for use in job.inputs]
+        if job.timed:
+            numbers = (int.from_bytes(self.given[use.position]) for use in job.timed)
+            found.append((clocked.TIME, clocked.image(job, *numbers)))
+        return found
+
+    def at(self, job: DriveJob, moment: clocked.Moment) -> ValueSet:
+        """The same at another time."""
+        numbers = zip(job.timed, clocked.values(moment), strict=False)
+        return ValueSet(self.held, {**self.given, **{use.position: n.to_bytes(4) for use, n in numbers}})
 
     def requests(self, job: DriveJob, drive_object: int) -> list[bytes]:
         """The telegrams a job must send, with reference 0."""
@@ -49,6 +60,21 @@ class ValueSet:
 def value_set(job: DriveJob, drive: Drive, drive_object: int, kind: Contents, seed: str, turn: int = 0) -> ValueSet:
     """Values of one kind; ``seed`` tells the random ones apart, ``turn`` says with which odd one to begin."""
     draw = random.Random(seed)  # noqa: S311 - test values
+    found = _value_set(job, drive, drive_object, kind, draw, turn)
+    return found if not job.timed else found.at(job, _moment(kind, draw))
+
+
+def _moment(kind: Contents, draw: random.Random) -> clocked.Moment:
+    """A time that a job may be given."""
+    if kind in {"low", "high"}:
+        return (clocked.FIRST, 0) if kind == "low" else (clocked.LAST, clocked.DAY_MS - 1)
+    days = draw.randint(0, (clocked.LAST - clocked.FIRST).days)
+    return clocked.FIRST + timedelta(days=days), draw.randrange(clocked.DAY_MS)
+
+
+def _value_set(
+    job: DriveJob, drive: Drive, drive_object: int, kind: Contents, draw: random.Random, turn: int
+) -> ValueSet:
     parameters = drive.objects[drive_object].parameters
     uses = {use.parameter.pnu: use for use in job.uses}
     if kind == "factory":

@@ -11,7 +11,7 @@ from plcgen.cpu.program import Program
 from plcgen.proof.rig import Members
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
-from plcgen.protocols.ds47.proof import listed
+from plcgen.protocols.ds47.proof import clocked, listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, held, piece, value_set, values_of
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.rig import record_index
@@ -65,7 +65,7 @@ class Trio:
     def _instance(self, key: str, slot: int, id_value: int, drive: ScriptedDrive, drive_object: int) -> Instance:
         self.cpu.bus.attach(id_value, drive)
         id_name = "hardwareId" if self.plan.target.t15 else "driveAddress"
-        members = [*(use.member for use in (*self.job.inputs, *self.job.outputs)), *listed.paths(self.job)]
+        members = [*clocked.inputs(self.job), *(use.member for use in self.job.outputs), *listed.paths(self.job)]
         paths = [f"{key}.{name}" for name in (*SIGNALS, id_name, *members)]
         db = Members(self.cpu, self.program, self.block, paths, f"{key}.")
         values = value_set(self.job, drive, drive_object, "next", f"{self.job.shape} {key}")

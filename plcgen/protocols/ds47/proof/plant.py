@@ -13,7 +13,7 @@ from plcgen.cpu.system.record import PLACES
 from plcgen.proof.rig import Members
 from plcgen.proof.scenario import IDLE, RUNNING, STARTED, ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
-from plcgen.protocols.ds47.proof import listed
+from plcgen.protocols.ds47.proof import clocked, listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, piece, value_set, values_of
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.saved import check_held_back, saving_scans
@@ -70,7 +70,8 @@ class Plant:
         """Members of the job's structure: what has no flag, and values."""
         yield from (name for name in SIGNALS if getattr(job.trigger, name) is None)
         yield from FAILED if job.in_steps else ()
-        yield from (use.member for use in (*job.inputs, *job.outputs))
+        yield from clocked.inputs(job)
+        yield from (use.member for use in job.outputs)
         yield from listed.paths(job)
 
     def _build(self, unit: PlannedUnit) -> ScriptedDrive:
@@ -175,7 +176,7 @@ class Plant:
             kind: Contents = "factory" if delivered else "next"
             values = self.values[job.key] = value_set(job, unit, number, kind, f"{job.key} {self.name} {self.round}")
             values.put(unit, number)
-            for member, data in values.inputs(job) if not delivered else ():
+            for member, data in values.inputs(job) if not delivered or job.timed else ():
                 self.control(job).put(f"{job.member}.{member}", data)
 
     @property

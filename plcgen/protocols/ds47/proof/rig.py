@@ -9,7 +9,7 @@ from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery
 from plcgen.proof.rig import Members, Source
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, Part
-from plcgen.protocols.ds47.proof import listed
+from plcgen.protocols.ds47.proof import clocked, listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, held, kept, piece, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.scenario import Contents
@@ -60,7 +60,7 @@ class JobRig:
         self.cpu.forget_coverage()
         self.id_name = "hardwareId" if plan.target.t15 else "driveAddress"
         self.channel = Members(self.cpu, program, f"{shape_fb(number)}_DB", CHANNEL, "channel0.")
-        values = [use.member for use in (*job.inputs, *job.outputs)]
+        values = [*clocked.inputs(job), *(use.member for use in job.outputs)]
         paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values, *listed.paths(job))]
         paths += [f"job.{name}" for name in GUARD] if job.guarded else []
         paths += [f"job.{name}" for name in FAILED] if job.in_steps else []
@@ -114,6 +114,14 @@ class JobRig:
         self.values = self.value_set(kind)
         self.values.put(self.drive, self.drive_object)
         self.put_inputs()
+
+    def tell(self, moment: clocked.Moment | bytes | None) -> None:
+        """The time at the input of a job that sets a clock; of bytes that are no time nothing is expected."""
+        if isinstance(moment, bytes):
+            self.db.put(clocked.TIME, moment)
+        elif moment is not None:
+            self.values = self.values.at(self.job, moment)
+            self.put_inputs()
 
     def match(self, keeps: Mapping[int, Keeps]) -> None:
         """The drive has what the job wants, but for what it makes of some parameters."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from plcgen.proof.scenario import Scenario
+from plcgen.protocols.ds47.proof.clocked import Moment
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault
 from plcgen.protocols.ds47.sim.parameters import Keeps
@@ -48,6 +49,9 @@ class DriveScenario(Scenario):
     the unit from the first time on that it is free while the sequence waits. Another job lives in the
     slot when the telegram ``robbed`` ends; 0: none does.
 
+    ``moment`` is the time at the input of a job that sets a clock, or bytes that are none; ``later`` what is there
+    behind the first call.
+
     ``telegram`` is the one that ends the job, 0 the last; ``answered`` says that it had an answer. ``errors`` are those
     stated by hand: (error, info) by number of the telegram and place in it, all others of an answered telegram are 0.
     ``delivers`` are wire bytes that ``reads`` puts in the place of the drive's values, likewise.
@@ -79,6 +83,8 @@ class DriveScenario(Scenario):
     missed: int = 0
     taken: int = 0
     robbed: int = 0
+    moment: Moment | bytes | None = None
+    later: Moment | bytes | None = None
     telegram: int = 0
     answered: bool = True
     errors: Mapping[tuple[int, int], tuple[int, int]] = field(default_factory=dict)

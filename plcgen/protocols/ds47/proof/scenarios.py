@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
+from plcgen.protocols.ds47.proof.clocking import clocking
 from plcgen.protocols.ds47.proof.comparing import comparing
 from plcgen.protocols.ds47.proof.listing import listing
 from plcgen.protocols.ds47.proof.points import FEW, ends, fault, positions, put, value_at
@@ -60,6 +61,8 @@ def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
         yield from refused()
     if job.waits:
         yield from stepping(job, scans)
+    if job.clock is not None:
+        yield from clocking(job)
 
 
 def _values() -> Iterator[DriveScenario]:

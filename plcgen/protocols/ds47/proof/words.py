@@ -57,6 +57,7 @@ MEANINGS = {
     0x8505: ("NOT_ACKNOWLEDGED", "the parameter that acknowledges has not returned to 0 within the limit"),
     0x8506: ("FAULTS_REMAIN", "it has, but the drive has faults after the limit"),
     0x8510: ("NOT_REACHED", "what a step waits for is not there within its timeout"),
+    0x8520: ("NO_TIME", "refused: the time at the input does not exist, or not between 2000 and 2089"),
 }
 WORDS = {name: word for word, (name, _) in MEANINGS.items()}
 """Status words by name: ``WORDS["TIMEOUT"]``."""

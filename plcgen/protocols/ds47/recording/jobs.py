@@ -184,7 +184,9 @@ class DriveJobWatch:
 
 
 def value_path(job: DriveJob, use: Use) -> str:
-    """Where an instance has a value; of a buffer of messages as it came."""
+    """Where an instance has a value; of a buffer of messages as it came, of a time as it is sent."""
+    if use in job.timed:
+        return f"statRequestView.{use.member}"
     if job.messages is None:
         return use.member
     number = next(one.number for one in job.telegrams if one.parts[-1].use.position >= use.position)

@@ -8,6 +8,7 @@ from plcgen.protocols.ds47.rules import drives, inputs, members, names, paramete
 RULES = Rules(
     checks=(
         drives.drive_object,
+        drives.without_clock,
         drives.unused_address,
         drives.shared_address,
         drives.separate_objects,

@@ -30,6 +30,24 @@ def drive_object(plan: DrivePlan) -> Iterator[Diagnostic]:
         )
 
 
+CONTROL_UNIT = 1
+"""Its drive object (S120 function manual communication, 3.4)."""
+
+
+def without_clock(plan: DrivePlan) -> Iterator[Diagnostic]:
+    """PG254: a job sets the clock in a drive object that has none."""
+    for job in plan.jobs:
+        drive = job.drive
+        if job.clock is None or drive.device.drive_objects is not None or drive.drive_object == CONTROL_UNIT:
+            continue
+        yield Diagnostic(
+            "PG254",
+            f"drive object {drive.drive_object} of {drive.key} has no clock: it is in the control unit",
+            key_or_value(plan, (*drive.path, "drive_object")),
+            help="make the control unit a drive of the unit, with drive_object: 1, and set its clock",
+        )
+
+
 def unused_address(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG215: the kind of address that only the other CPU families use has no effect."""
     classic = plan.target.classic

@@ -21,7 +21,7 @@ _OWN = frozenset(
         "execute", "busy", "done", "error", "status", "errors", "errorinfos", "hardwareid", "driveaddress",
         "driveobject", "slot", "unit", "requestdb", "responsedb", "saves",
         "save_limit", "save_interval", "save_distance", "save_step", "error_deviates",
-        "failedstep", "failedparameter", "step_limit",
+        "failedstep", "failedparameter", "step_limit", "utc",
     }
 )  # fmt: skip
 """Members and constants of job blocks, in lower case."""

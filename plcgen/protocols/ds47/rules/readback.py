@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic
 from plcgen.protocols.ds47 import guards
+from plcgen.protocols.ds47.kinds import UTC
 from plcgen.protocols.ds47.rules.places import parameter_span
 
 if TYPE_CHECKING:
@@ -32,6 +33,8 @@ def readable(plan: DrivePlan) -> Iterator[Diagnostic]:
 def _why_not(parameter: Parameter) -> str:
     if parameter.access == "w":
         return "it can only be written"
+    if parameter.pnu == UTC[-1]:
+        return "it is a time, which goes on"
     return "the drive sets it back automatically" if parameter.pnu in guards.SET_BACK else ""
 
 

@@ -106,10 +106,15 @@ def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
         "drive": job.drive.key,
         "label": use.label,
         "title": use.parameter.title,
-        "value": value if use.constant else f"input, {value} if nothing is connected",
+        "value": value if use.constant else f"input, {_open(job, use, value)}",
         "note": "; ".join(notes).replace("|", "\\|"),
         "safety": use.parameter.pnu in guards.SAFETY,
     }
+
+
+def _open(job: DriveJob, use: Use, value: str) -> str:
+    """What comes from outside; a time that nothing is connected to is refused."""
+    return "of the time at utc" if use in job.timed else f"{value} if nothing is connected"
 
 
 def _numbers(telegram: DriveTelegram) -> dict[str, str]:

@@ -21,6 +21,7 @@ from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
 from plcgen.protocols.ds47.plan.pack import BLOCK_HEADER
 from plcgen.protocols.ds47.plan.types import element_type
+from plcgen.protocols.ds47.views.clock import clock_view, time_inputs
 from plcgen.protocols.ds47.views.deviations import deviation_values, deviations_view, right_answer
 from plcgen.protocols.ds47.views.engine import names, versions
 from plcgen.protocols.ds47.views.messages import list_values, messages_view
@@ -61,7 +62,10 @@ def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
         title=label if job.key == job.shape else f"{label} ({job.drive.key})",
         flags=dict(job.trigger.items()),
         signals=signals(plan),
-        inputs=[_value(plan, use, start=True) for use in job.inputs],
+        inputs=[
+            *(_value(plan, use, start=True) for use in job.inputs),
+            *(CallerValue(row, ()) for row in time_inputs(plan, job)),
+        ],
         outputs=[
             *step_values(plan, job),
             *(_value(plan, use, start=False) for use in job.outputs),
@@ -104,6 +108,9 @@ def title(plan: DrivePlan, job: DriveJob) -> str:
     if job.kind == "activate":
         text = f"{'Activate' if any(job.uses[1].data) else 'Deactivate'} the drive object"
         return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
+    if job.clock is not None:
+        text = "Set the clock of the control unit"
+        return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
     if job.in_steps:
         text = f"Sequence of {job.uses[-1].step} steps"
         return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
@@ -126,6 +133,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "messages": None if job.messages is None else messages_view(plan, job, job.messages),
         "deviations": None if job.deviations is None else deviations_view(job, job.deviations),
         "sequence": None if not job.in_steps else sequence_view(plan, job),
+        "clock": clock_view(plan, job),
         "pinned": job.pinned,
         "many": len(job.telegrams) > 1,
         "title": label,
@@ -134,7 +142,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "order": _order(plan, job),
         "use_count": len(job.uses),
         "in_a_row": len(job.uses) > _UNROLLED,
-        "inputs": [_interface(plan, use, start=True) for use in job.inputs],
+        "inputs": [*(_interface(plan, use, start=True) for use in job.inputs), *time_inputs(plan, job)],
         "outputs": [
             *(value.member for value in step_values(plan, job)),
             *(_interface(plan, use, start=False) for use in job.outputs),
@@ -369,6 +377,8 @@ def _copies(
     blocks = {id(part): number for number, part in enumerate(telegram.parts, 1)}
     for field in telegram.response.fields if response or wanted else telegram.request.fields:
         if field.role != "value" or field.part is None or (not response and field.part.use.constant):
+            continue
+        if field.part.use in job.timed:
             continue
         copy = _copy(plan, field, field.part, f"{view}.{field.name}", response=response)
         result = f"errors[{field.part.use.position}]"

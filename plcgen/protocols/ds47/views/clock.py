@@ -1,0 +1,34 @@
+"""View of a job that sets a clock: the time at its input, and what becomes of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from plcgen.documents.members import plain
+from plcgen.documents.nouns import MemberRow
+from plcgen.documents.spelling import type_text
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
+from plcgen.protocols.ds47.words import CLOCK_WORDS
+
+TIME = "utc"
+"""The input."""
+
+
+def time_inputs(plan: DrivePlan, job: DriveJob) -> list[MemberRow]:
+    """The time that the drive is to have, if the job sets a clock."""
+    if job.clock is None:
+        return []
+    return [plain(plan, TIME, type_text(job.clock, tia=not plan.target.v5), "time that the drive is to have, UTC")]
+
+
+def clock_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any] | None:
+    """What a block needs that makes days and milliseconds of a time."""
+    if job.clock is None:
+        return None
+    return {
+        "type": type_text(job.clock, tia=not plan.target.v5),
+        "parts": job.clock.name == "DTL",
+        "members": [f"statRequestView.{use.member}" for use in job.timed],
+        "converted": "DINT_TO_UDINT" if plan.target.t15 else "DINT_TO_DWORD",
+        "statuses": [(name, f"W#16#{value:04X}", text) for name, value, text in CLOCK_WORDS],
+    }
