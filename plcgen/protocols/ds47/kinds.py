@@ -85,6 +85,9 @@ class SaveSettings(StrictModel):
     distance: Annotated[Duration, Field(ge=60_000)] = Field(
         600_000, description="shortest time from one save to the next, at least 1 min"
     )
+    setting: Literal[10, 11, 12] | None = Field(
+        None, description="saves as this setting, beside the one that is loaded at power-on"
+    )
 
 
 def _meant(value: object) -> object:
@@ -416,7 +419,7 @@ _SAVING = {
 def _save_items(settings: SaveSettings) -> tuple[ReadItem | WriteItem, ...]:
     name = f"P{SAVES[settings.persist]}"
     asked = {"parameter": name, "as": "saving", "comment": _SAVING}
-    return WriteItem(parameter=name, value=1), ReadItem.model_validate(asked)
+    return WriteItem(parameter=name, value=settings.setting or 1), ReadItem.model_validate(asked)
 
 
 ACKNOWLEDGES = 3981

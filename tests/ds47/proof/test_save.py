@@ -21,6 +21,7 @@ units:
 jobs:
   keep: {drive: axis, save: drive_object}
   keep_all: {drive: control, save: {persist: unit, limit: 3s}}
+  keep_apart: {drive: control, save: {persist: unit, setting: 11}}
   get: {drive: axis, read: [r21]}
   set: {drive: axis, write: [{parameter: P2900, type: FloatingPoint, value: 1.0}]}
 """
@@ -124,11 +125,17 @@ def test_telegrams_of_a_unit(plant: Plant) -> None:
         "02 01 01 01 10 01 03 d1 00 00",
     ]
     assert job.once
+    apart = next(job for job in plant.plan.jobs if job.key == "keep_apart")
+    assert apart.telegrams[0].request.data[-2:] == b"\x00\x0b"  # setting 11
+    started(plant, 500, "keep_apart")
+    assert ended(plant, "keep_apart", 2 * SECOND)[1] == 0
 
 
 def test_limit_and_timeout_add_up(plant: Plant) -> None:
     """The channel gives a save 10 s for its telegrams, 30 s or 3 s for the drive and 1 s to the next question."""
-    assert {job.key: job.timeout for job in plant.plan.jobs if job.poll} == {"keep": 41_000, "keep_all": 14_000}
+    assert {job.key: job.timeout for job in plant.plan.jobs if job.poll} == {
+        "keep": 41_000, "keep_all": 14_000, "keep_apart": 41_000,
+    }  # fmt: skip
 
 
 def test_the_list_of_writes_has_it(tmp_path: Path) -> None:

@@ -386,11 +386,20 @@ def _read_back(uses: tuple[Use, ...], items: tuple[ReadItem | WriteItem, ...], r
 def _savable(
     item: ReadItem | WriteItem, path: SpecPath, loaded: LoadedSpec, resolver: UseResolver, report: Report
 ) -> bool:
-    """Whether the parameter that saves is known with its type; PG243 if not: no other is taken in its place."""
+    """Whether the parameter that saves is known with its type, and with its range where it shall save as a setting.
+
+    PG243 if not: no other is taken in its place.
+    """
     known = resolver.known.get(number_of(item.parameter) or 0)
+    setting = item.value if isinstance(item, WriteItem) and item.value != 1 else None
+    device, name = resolver.device.key, item.parameter
+    if known is not None and known.type and setting is not None and known.maximum is None:
+        message = f"nobody has looked up whether {name} of {device} takes {setting}"
+        help_ = f"if your drive does, say so in it: parameters: {{{name}: {{type: {known.type}, max: 12}}}}"
+        report.add(Diagnostic("PG243", message, loaded.span((*path, "setting")), help=help_))
+        return False
     if known is not None and known.type:
         return True
-    device, name = resolver.device.key, item.parameter
     others = [f"save: {word}" for word, pnu in SAVES.items() if pnu in resolver.known and f"P{pnu}" != name]
     message = f"{name} is not in the catalogue of {device}: it is not known whether writing it saves anything"
     define = f"if your drive has it, define it there: parameters: {{{name}: {{type: Unsigned16}}}}"

@@ -18,12 +18,13 @@ if TYPE_CHECKING:
 
 def counted_apart(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG244: the same is saved by two jobs, each of which knows of its own saves only."""
-    first: dict[tuple[str, int, int], DriveJob] = {}
+    first: dict[tuple[str, int, int, bytes], DriveJob] = {}
     for job in plan.jobs:
         if not job.guarded:
             continue
         number = job.saving[-1].parameter.pnu
-        earlier = first.setdefault((job.drive.unit.key, number, job.drive.drive_object), job)
+        place = job.drive.unit.key, number, job.drive.drive_object, job.saving[0].data
+        earlier = first.setdefault(place, job)
         if earlier is job:
             continue
         what = f"P{number} of {job.drive.key}"
