@@ -10,7 +10,7 @@ import functools
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, create_model
+from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, create_model, model_validator
 
 from plcgen.input.validation import StrictModel, problem
 from plcgen.project.editor import offered
@@ -139,6 +139,29 @@ SignOff = Annotated[
 """Parameters that a job may write although that can do harm, and why."""
 
 
+def _restored(value: object) -> object:
+    if isinstance(value, str) and value != "restore":
+        raise problem(f'"{value}" is not what can be done on an error', help_="write restore, or leave on_error out")
+    return {} if value == "restore" else value
+
+
+class ErrorSettings(StrictModel):
+    """What a job that fails does with what it has written."""
+
+    restore: Literal["stopped", "running"] = Field(
+        "stopped",
+        description="stopped: old values come back while the drive reports that it does not run; running: always",
+    )
+    reason: Line | None = Field(None, description="why restoring may happen while the drive runs")
+
+    @model_validator(mode="after")
+    def _signed_off(self) -> ErrorSettings:
+        if self.restore == "running" and not self.reason:
+            help_ = "for example {restore: running, reason: ramps may change at any speed}"
+            raise problem("restoring while the drive runs needs a reason", help_=help_)
+        return self
+
+
 class BufferSettings(StrictModel):
     """A request or response data block."""
 
@@ -168,6 +191,9 @@ class JobSettings(StrictModel):
     names: Naming | None = Field(None, description="overrides plc.names for this job")
     verify: Literal["readback"] | None = Field(
         None, description="readback: what was written is read again and compared in the same run"
+    )
+    on_error: Annotated[ErrorSettings, BeforeValidator(_restored)] | None = Field(
+        None, description="restore: if what was read back is not right, the old values are written back"
     )
     trigger: Annotated[Trigger, BeforeValidator(trigger_short)] | None = Field(
         None, description="flag that starts the job, or a flag per signal"
@@ -253,5 +279,7 @@ def complete(schema: dict[str, Any]) -> None:
             for name, parameter in names.items()
             if access in parameter.access
         }
+    restores: dict[str, Any] = {"anyOf": [{"const": "restore"}, {"$ref": "#/$defs/ErrorSettings"}, {"type": "null"}]}
+    job["on_error"] = {**restores, "description": job["on_error"]["description"]}
     job["drive"] = {"anyOf": [{"type": "string"}, job["drive"]], "description": job["drive"]["description"]}
     job["trigger"] = {**TRIGGER_SCHEMA, "description": job["trigger"]["description"]}

@@ -54,6 +54,10 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_FAULTS_REMAIN", 0x8506, "acknowledged, but the drive has faults all the same, see faultCodes"),
     ("STATUS_NOT_REACHED", 0x8510, "the drive has not what a step waits for within its timeout, see failedStep"),
     ("STATUS_NO_TIME", 0x8520, "refused: utc is no time between 2000 and 2089"),
+    ("STATUS_RESTORED", 0x8530, "failed, see cause; the drive has the old values again"),
+    ("STATUS_NOT_RESTORED", 0x8531, "failed, see cause, and so did restoring: look at errors and at the drive"),
+    ("STATUS_RUNS", 0x8532, "failed, see cause; not restored, as the drive runs: what was written stays"),
+    ("STATUS_LEFT", 0x8533, "failed, see cause; restored but for values that somebody else has changed, see errors"),
 )
 
 _TICKET = {"DONE", "IDLE", "STARTED", "RUNNING", "OCCUPIED", "LOST", "NOT_CALLED", "NO_SLOT", "SLOT_TAKEN"}
@@ -71,6 +75,8 @@ SEQUENCE_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8510)
 """What only a sequence reports."""
 CLOCK_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8520)
 """What only a job that sets a clock reports."""
+RESTORE_WORDS = tuple(row for row in STATUS_WORDS if row[1] in range(0x8530, 0x8534))
+"""What only a job that restores reports."""
 ERROR_DEVIATES = 0x8200
 """In ``errors``: another value was read back than was written."""
 CHANNEL_WORDS = tuple(

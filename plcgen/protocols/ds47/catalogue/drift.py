@@ -72,7 +72,7 @@ def drift(plan: DrivePlan, drive: str, listed: Mapping[int, ListedParameter]) ->
         if job.drive.key != drive:
             continue
         for use in job.uses:
-            if use.verifies is None and use.poll is None:
+            if use.verifies is None and use.poll is None and use.remembers is None and not use.state:
                 yield _row(job, use, listed.get(use.parameter.pnu))
 
 

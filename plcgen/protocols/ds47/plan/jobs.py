@@ -40,6 +40,7 @@ from plcgen.protocols.ds47.plan.nouns import (
     PlannedUnit,
     Use,
 )
+from plcgen.protocols.ds47.plan.readback import read_back, transaction
 from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.plan.steps import divided, resolved_steps
 from plcgen.protocols.ds47.plan.uses import UseResolver
@@ -106,7 +107,7 @@ def plan_jobs(
             reference=reference,
             timeout=timeout,
             retry_pause=job.retry_pause,
-            retries=_retries(job, timeout),
+            retries=_retries(job, job.timeout if uses[0].remembers is not None else timeout),
             faq_names=faq,
             listed=listed,
             clock=_clock(kind, numbering),
@@ -218,8 +219,10 @@ _MOST_RETRIES = 30_000
 
 
 def _timeout(job: JobEntry, uses: tuple[Use, ...]) -> int:
-    """Time-out of the channel in ms: what the spec says, and where the drive has something to do, the time for that."""
+    """Time-out of the channel in ms: what the spec says, twice that to restore, and the time that a drive takes."""
     poll = next((use.poll for use in uses if use.poll is not None), None)
+    if uses[0].remembers is not None:
+        return 2 * job.timeout
     return job.timeout + (poll.limit + poll.interval if poll is not None else 0)
 
 
@@ -339,7 +342,11 @@ def _own_uses(
     ]
     uses = tuple(use for use in found if use is not None)
     if job.verify is not None and kind.poll is None and len(uses) == len(items):
-        uses = (*uses, *_read_back(uses, items, resolver))
+        restores = job.on_error if kind.key == "write" and _then(job, kind) is None else None
+        if restores is not None:
+            uses = transaction(uses, items, restores, path, resolver)
+        else:
+            uses = (*uses, *read_back(uses, items, resolver))
     if kind.poll is not None and len(uses) == len(items):
         uses = (uses[0], replace(uses[1], poll=kind.poll(getattr(job, kind.key))), *uses[2:])
     if kind.compares:
@@ -370,17 +377,6 @@ def _columns(uses: tuple[Use, ...], settings: Messages) -> Iterator[Use]:
         group, column = divmod(number, len(settings.columns))
         yield replace(use, column=settings.columns[column], group=group)
     yield replace(last, again=first)
-
-
-def _read_back(uses: tuple[Use, ...], items: tuple[ReadItem | WriteItem, ...], resolver: UseResolver) -> Iterator[Use]:
-    """A read of everything that is written, in the same order."""
-    written = [(use, item) for use, item in zip(uses, items, strict=True) if use.writes]
-    for position, (use, item) in enumerate(written, len(uses) + 1):
-        name = shorten(f"{use.member}Back", resolver.longest_name)
-        again = ReadItem.model_validate({"parameter": item.parameter, "type": item.type, "as": name})
-        found = resolver.resolve(again, position, use.path, write=False)
-        if found is not None:
-            yield replace(found, verifies=use)
 
 
 def _savable(

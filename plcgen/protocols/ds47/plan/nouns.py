@@ -74,6 +74,8 @@ class Use:
     values belong to messages of a buffer, ``again`` where the counter of the buffer is read once more: it says which
     use was the first. ``compared`` says that ``data`` is what the drive should have.
     ``step`` is that of a sequence, from 1; ``awaited`` says how the value is compared with ``data``.
+    ``remembers`` is the use that is restored if the job fails: this one reads its old value in front of it. ``state``
+    says that the value is the word in which the drive reports whether it runs.
     """
 
     position: int
@@ -97,6 +99,8 @@ class Use:
     compared: bool = False
     step: int = 0
     awaited: Awaited | None = None
+    remembers: Use | None = None
+    state: bool = False
 
     @property
     def subindex(self) -> int:
@@ -324,6 +328,11 @@ class DriveJob(PlannedJob):
     def verified(self) -> bool:
         """Whether it reads back what it has written."""
         return any(use.verifies is not None for use in self.uses)
+
+    @property
+    def restores(self) -> bool:
+        """Whether it writes the old values back if it fails."""
+        return self.uses[0].remembers is not None
 
     @property
     def saving(self) -> tuple[Use, ...]:

@@ -16,6 +16,7 @@ from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder, table_rows
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.proof import clocked, listed
+from plcgen.protocols.ds47.proof.restored import CAUSE
 from plcgen.protocols.ds47.proof.stepped import FAILED
 from plcgen.protocols.ds47.wire import formats
 from plcgen.s7.image import image
@@ -113,6 +114,7 @@ def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterat
     flags = {name for name, _ in job.trigger.items()}
     values = {*clocked.inputs(job), *(use.member for use in job.outputs)}
     values |= set(FAILED) if job.in_steps else set()
+    values |= {CAUSE} if job.restores else set()
     values |= {path.partition("[")[0] for path in listed.paths(job)}
     wanted = {name for name in SIGNALS if name not in flags} | values
     prefix = f"{job.member}."

@@ -8,6 +8,7 @@ from plcgen.protocols.ds47.proof.course import Course
 from plcgen.protocols.ds47.proof.end import check_end, check_errors
 from plcgen.protocols.ds47.proof.fence import Fence
 from plcgen.protocols.ds47.proof.listed import fill
+from plcgen.protocols.ds47.proof.restored import CAUSE, Restoration
 from plcgen.protocols.ds47.proof.rig import SLOT, JobRig
 from plcgen.protocols.ds47.proof.saved import check_saved
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
@@ -65,6 +66,7 @@ class JobConduct:
         rig, scenario = self.rig, run.scenario
         rig.address(other_bit=scenario.output)
         rig.next_values(scenario.values)
+        rig.report(scenario.state)
         rig.put_inputs(scenario.slot)
         self.polled, self.saves = 0, rig.saves
         if scenario.since is None:
@@ -99,6 +101,9 @@ class JobConduct:
         """What must be handed over in this run."""
         telegrams, requests = route(self.rig.job, scenario), self.rig.requests()
         self.requests = [requests[one.number - 1] for one in telegrams]
+        self.restoration = Restoration(
+            self.rig.job, self.rig.drive, self.rig.drive_object, requests, self.rig.values.given
+        )
         exact = scenario.again is not None and not {"cold", "warm"} & set(scenario.happens.values())
         self.course = Course(self.rig, telegrams, exact=exact)
 
@@ -113,6 +118,8 @@ class JobConduct:
             self.before = self.rig.delivered()
         elif happening == "rise":
             run.execute = True
+        elif happening == "lost":
+            self.rig.unit.set("turn.grant", 0)
         elif happening == "off":
             self.rig.drive.switch_off()
             self.length = WAITING_MS
@@ -167,6 +174,9 @@ class JobConduct:
         if job.in_steps:
             longest = max(len(request) for request in self.requests)
             telegram = self.course.number(rig.unit.bytes("telegram", longest), self.requests)
+        if job.restores:
+            request = self.restoration.hand_over(telegram)
+            self.requests[max(telegram - 1, 3) :] = [request] if telegram > 3 else []
         number = min(telegram, len(self.requests))
         if telegram > number and job.poll is None:
             raise ScenarioError(f"a telegram {telegram} is handed over, the job has {number}")
@@ -177,7 +187,7 @@ class JobConduct:
         found = rig.handed_over(len(request))
         if found[1:] != request[1:]:
             raise ScenarioError(f"telegram {telegram} is {found.hex(' ').upper()}, not {request.hex(' ').upper()}")
-        asked = self.course.telegrams[number - 1]
+        asked = self.restoration.shape(telegram) if job.restores else self.course.telegrams[number - 1]
         order, wanted = rig.order(), rig.wanted_order(asked, len(request))
         wrong = [
             f"{name} is {order[name]} instead of {value}" for name, value in wanted.items() if order[name] != value
@@ -203,7 +213,10 @@ class JobConduct:
         if self.rig.job.in_steps:
             before = wanted = self.course.came(self.requests, self.before)
             self.course.check(run.scenario, status)
-        check_end(self.rig, run.scenario, self.requests, before, wanted, status, self.polled)
+        restoration = self.restoration if self.rig.job.restores else None
+        if restoration is not None:
+            restoration.check(run.scenario, status, self.rig.db.get(CAUSE))
+        check_end(self.rig, run.scenario, self.requests, before, wanted, status, self.polled, restoration)
         if self.rig.job.poll is not None:
             check_saved(self.rig, status, self.saves if run.scenario.checked else None)
         self.before = self.rig.delivered()
@@ -222,8 +235,8 @@ class JobConduct:
                 raise ScenarioError(f"still {self.where()} when it is done once more")
         if run.seen != (False, True, False, DONE):
             raise ScenarioError(f"done once more, it ends with 16#{run.seen[-1]:04X}")
-        if self.rig.job.in_steps:
-            self.before = self.rig.delivered()  # what a step waits for may have come differently
+        if self.rig.job.in_steps or self.rig.job.restores:
+            self.before = self.rig.delivered()  # what a step waits for may have come differently; old values are others
 
     def rest(self, run: Run[DriveScenario]) -> None:
         """An idle job does nothing: values stay behind the end."""

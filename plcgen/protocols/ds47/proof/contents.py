@@ -18,12 +18,15 @@ from plcgen.protocols.ds47.wire.formats import (
     Format,
     FormatKind,
     Value,
+    find,
     integer_range,
     pack_values,
     padded,
     unpack_values,
 )
 
+ERROR = 0x44
+"""A block of an answer that is an error."""
 _NUMERIC = {FormatKind.SIGNED, FormatKind.UNSIGNED}
 
 
@@ -122,6 +125,24 @@ def values_of(telegram: DriveTelegram, answer: bytes) -> list[bytes]:
         found.append(answer[at + 2 : at + 2 + part.size])
         at += 2 + padded(part.size)
     return found
+
+
+def told(telegram: DriveTelegram, answer: bytes) -> list[tuple[int, bytes]]:
+    """Values by place, from 0, of an answer to a read; an error block ends nothing, what is no block does."""
+    found: list[tuple[int, bytes]] = []
+    if len(answer) < 4 or answer[1] not in {1, 0x81} or answer[3] != len(telegram.parts):
+        return found
+    at = 4
+    for place, part in enumerate(telegram.parts):
+        if at + 2 > len(answer):
+            return []
+        fmt, count = find(answer[at]), answer[at + 1]
+        size = 2 * count if answer[at] == ERROR else fmt.size * count if fmt is not None else 0
+        fits = fmt is not None and count == part.count and size == part.size
+        if fits and answer[at] in {part.use.format.code, {1: 0x41, 2: 0x42, 4: 0x43}.get(part.use.format.size)}:
+            found.append((place, answer[at + 2 : at + 2 + size]))
+        at += 2 + padded(size)
+    return found if at == len(answer) else []
 
 
 def held(drive: Drive, drive_object: int, use: Use) -> bytes:

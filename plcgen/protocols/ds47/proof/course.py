@@ -6,13 +6,11 @@ from collections.abc import Sequence
 
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveTelegram
+from plcgen.protocols.ds47.proof.contents import told
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.stepped import expect
 from plcgen.protocols.ds47.proof.words import DONE, IDLE, NO_ANSWER, WORDS
-from plcgen.protocols.ds47.wire.formats import find, padded
-
-ERROR = 0x44
 
 
 class Course:
@@ -110,24 +108,6 @@ class Course:
                 if at + 1 < len(requests) and data == requests[at + 1][1:] and not exchange.status:
                     at += 1
             elif not exchange.status and at >= 0 and not self.telegrams[at].writes:
-                for place, value in _values(self.telegrams[at], exchange.data):
+                for place, value in told(self.telegrams[at], exchange.data):
                     found[self.telegrams[at].number - 1][place] = value
         return found
-
-
-def _values(telegram: DriveTelegram, answer: bytes) -> list[tuple[int, bytes]]:
-    """Values by place, from 0, of an answer to a read; an error block ends nothing, what is no block does."""
-    found: list[tuple[int, bytes]] = []
-    if len(answer) < 4 or answer[1] not in {1, 0x81} or answer[3] != len(telegram.parts):
-        return found
-    at = 4
-    for place, part in enumerate(telegram.parts):
-        if at + 2 > len(answer):
-            return []
-        fmt, count = find(answer[at]), answer[at + 1]
-        size = 2 * count if answer[at] == ERROR else fmt.size * count if fmt is not None else 0
-        fits = fmt is not None and count == part.count and size == part.size
-        if fits and answer[at] in {part.use.format.code, {1: 0x41, 2: 0x42, 4: 0x43}.get(part.use.format.size)}:
-            found.append((place, answer[at + 2 : at + 2 + size]))
-        at += 2 + padded(size)
-    return found if at == len(answer) else []

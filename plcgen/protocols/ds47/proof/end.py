@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob
 from plcgen.protocols.ds47.proof.contents import held, kept
+from plcgen.protocols.ds47.proof.restored import BACK, WRITE, Restoration
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.stepped import overwritten
@@ -24,13 +25,19 @@ def check_end(
     wanted: list[list[bytes]],
     status: int,
     polled: int,
+    restoration: Restoration | None,
 ) -> None:
     """All of it; ``polled`` is how often the last telegram was repeated. Raises ScenarioError."""
-    check_wire(rig, scenario, requests, status, polled)
+    check_wire(rig, scenario, requests, status, polled, 0 if restoration is None else restoration.begin)
     if not scenario.checked:
         return
-    results = telegram_results(rig.job, scenario)
-    check_errors(rig, use_results(rig.job, results))
+    results = told = telegram_results(rig.job, scenario)
+    if restoration is not None and BACK in restoration.starts:
+        wanted = restoration.came(wanted)
+        if scenario.telegram == WRITE:
+            results = [*results[:2], restoration.read_back()]
+        told = restoration.remembered(results)
+    check_errors(rig, use_results(rig.job, told))
     check_values(rig, results, before, wanted, asked_again=polled > 0)
     if status == DONE:
         for use in rig.job.uses:
@@ -107,10 +114,15 @@ def check_values(
                 )
 
 
-def check_wire(rig: JobRig, scenario: DriveScenario, requests: Sequence[bytes], status: int, polled: int) -> None:
-    """Every request is a telegram of this run, whole and exact, in order; with a reference."""
+def check_wire(
+    rig: JobRig, scenario: DriveScenario, requests: Sequence[bytes], status: int, polled: int, begin: int
+) -> None:
+    """Every request is a telegram of this run, whole and exact, in order; with a reference.
+
+    ``begin`` is where in the journal it is looked at.
+    """
     at, again, exact = {-1}, 0, scenario.again is not None
-    for exchange in rig.drive.journal:
+    for exchange in rig.drive.journal[begin:]:
         if exchange.direction == "read":
             continue
         data = exchange.data

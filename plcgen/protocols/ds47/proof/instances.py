@@ -125,6 +125,8 @@ class Trio:
                 if use.writes and (use in self.job.saving or overwritten(self.job, use)):
                     continue  # it has returned to 0, or has another value in a later step
                 there = held(one.drive, one.drive_object, use)
+                if use.remembers is not None:
+                    continue  # the drive does not have it any more
                 if use.verifies is not None:
                     there = one.values.given[use.verifies.position]
                 here = one.values.given[use.position] if use.writes else one.db.bytes(use.member, len(there))

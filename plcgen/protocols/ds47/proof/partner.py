@@ -53,12 +53,17 @@ class ScriptedDrive(Drive):
         if event is not None:
             event(self)
         status = script.get(self.writes) or script.get(0, 0)
-        if not self.disturbed and data[1] == RequestId.READ:
+        if not self.disturbed and data[1] == RequestId.READ and self.changed:
             self.disturb()
         if status:
             self.journal.append(RecordExchange(self.time, "write", index, status, bytes(data)))
             return status
         return super().write_record(index, data)
+
+    @property
+    def changed(self) -> bool:
+        """Whether a change was sent in this run."""
+        return any(one.direction == "write" and one.data[1] == RequestId.CHANGE for one in self.journal)
 
     def disturb(self) -> None:
         """Somebody else changes what was written, once in a run."""

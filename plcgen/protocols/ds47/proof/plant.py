@@ -16,6 +16,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, D
 from plcgen.protocols.ds47.proof import clocked, listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, piece, value_set, values_of
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
+from plcgen.protocols.ds47.proof.restored import CAUSE, OUTCOMES
 from plcgen.protocols.ds47.proof.saved import check_held_back, saving_scans
 from plcgen.protocols.ds47.proof.scenario import Contents, DriveScenario
 from plcgen.protocols.ds47.proof.stepped import FAILED, expect
@@ -70,6 +71,7 @@ class Plant:
         """Members of the job's structure: what has no flag, and values."""
         yield from (name for name in SIGNALS if getattr(job.trigger, name) is None)
         yield from FAILED if job.in_steps else ()
+        yield from (CAUSE,) if job.restores else ()
         yield from clocked.inputs(job)
         yield from (use.member for use in job.outputs)
         yield from listed.paths(job)
@@ -275,13 +277,13 @@ class Plant:
             answers = [exchanges[n][1] for n in places]
             if places and job.verified and telegram.writes:
                 behind = places[0]  # what is read back is not what another job has read before
-            if not answers and self.result(job) == (True, WORDS["DEVIATES"]):
+            if not answers and self.result(job)[1] in {WORDS["DEVIATES"], *OUTCOMES}:
                 return  # somebody else has written in between
             if not answers:
                 raise ScenarioError(f"{job.key} does not send {request.hex(' ').upper()} (reference aside)")
             if telegram.parts[0].use in job.saving:
                 answers = answers[-1:]  # asked again and again: the last one counts
-            elif job.verified:
+            elif job.verified and not telegram.parts[0].use.remembers:
                 answers = answers[:1]
             if not telegram.writes and job.listed is None:
                 self.check_outputs(job, telegram, answers)

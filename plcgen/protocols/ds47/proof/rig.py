@@ -12,6 +12,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram,
 from plcgen.protocols.ds47.proof import clocked, listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, held, kept, piece, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
+from plcgen.protocols.ds47.proof.restored import CAUSE
 from plcgen.protocols.ds47.proof.scenario import Contents
 from plcgen.protocols.ds47.proof.stepped import FAILED, triggers
 from plcgen.protocols.ds47.proof.stimulus import SLOTS, UNITS, shape_fb
@@ -64,6 +65,7 @@ class JobRig:
         paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values, *listed.paths(job))]
         paths += [f"job.{name}" for name in GUARD] if job.guarded else []
         paths += [f"job.{name}" for name in FAILED] if job.in_steps else []
+        paths += [f"job.{CAUSE}"] if job.restores else []
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
         self.unit = self.unit_of(UNITS[0])
         self.source = Source(program, job.block)
@@ -73,7 +75,7 @@ class JobRig:
     def unit_of(self, name: str) -> Members:
         """What job and channel share."""
         self.order_id = "order.hardwareId" if self.plan.target.t15 else "order.address"
-        names = ["state", "telegram", "expected", self.order_id, *(f"order.{name}" for name in ORDER)]
+        names = ["state", "telegram", "expected", "turn.grant", self.order_id, *(f"order.{name}" for name in ORDER)]
         names += [f"asks[{slot}].telegram" for slot in range(1, SLOTS + 1)]
         names += [f"asks[{slot}].{name}" for slot in (SLOT, OTHER) for name in ("want", "mark")]
         return Members(self.cpu, self.program, name, [f"unit.{name}" for name in names], "unit.")
@@ -129,6 +131,12 @@ class JobRig:
             values = unpack_values(use.format, use.count, kept(use, self.values.given[use.position], (keeps,)))
             there = self.drive.objects[self.drive_object].parameters[use.parameter.pnu].values
             there[use.subindex : use.subindex + use.count] = values
+
+    def report(self, state: int) -> None:
+        """The drive reports whether it runs."""
+        for use in self.job.uses:
+            if use.state:
+                self.drive.objects[self.drive_object].parameters[use.parameter.pnu].values[0] = state
 
     def address(self, *, other_bit: bool) -> None:
         """Put the drive at its address, or at the one that differs from it in bit 15."""

@@ -40,6 +40,9 @@ class DriveScenario(Scenario):
     ``meanwhile`` what somebody else makes of them before they are read back. ``matches``: the drive has what a job
     that compares wants, but for ``keeps``.
 
+    ``state`` is the word in which the drive reports whether it runs: by default every bit is set that does not say so.
+    ``causes`` are the results of which a job that restores says that they were why.
+
     ``messages`` is how many are in each group of a buffer; None: as the values are. ``events`` happen in front of the
     n-th WRREC, ``rounds`` is how often all telegrams are sent; what a round has not answered has the result of the one
     before.
@@ -76,6 +79,8 @@ class DriveScenario(Scenario):
     keeps: Mapping[int, Keeps] = field(default_factory=dict)
     meanwhile: Mapping[int, Keeps] = field(default_factory=dict)
     matches: bool = False
+    state: int = 0xF7FB
+    causes: tuple[int, ...] = (0,)
     messages: int | None = None
     events: Mapping[int, Event] = field(default_factory=dict)
     rounds: int = 1

@@ -9,6 +9,7 @@ from plcgen.protocols.ds47.proof.clocking import clocking
 from plcgen.protocols.ds47.proof.comparing import comparing
 from plcgen.protocols.ds47.proof.listing import listing
 from plcgen.protocols.ds47.proof.points import FEW, ends, fault, positions, put, value_at
+from plcgen.protocols.ds47.proof.restoring import restored, restoring
 from plcgen.protocols.ds47.proof.rig import VALUE_SETS
 from plcgen.protocols.ds47.proof.saving import saving
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
@@ -42,6 +43,15 @@ def patient(job: DriveJob) -> bool:
 
 def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
     """All of it; ``scans`` is how long a good run takes, ``longest`` how many bytes a record may have."""
+    if job.restores:
+        yield from restored(_matrix(job, scans, longest))
+        yield from restoring(job)
+    else:
+        yield from _matrix(job, scans, longest)
+
+
+def _matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
+    """What every job has, and what is that of its kind."""
     yield from _values()
     yield from _refusals(job)
     if not job.writes and job.listed is None and not job.waits:

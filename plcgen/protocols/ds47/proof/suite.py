@@ -33,6 +33,7 @@ from plcgen.protocols.ds47.proof.ledger import ledger
 from plcgen.protocols.ds47.proof.own_drive import own_checks
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.published import published_checks
+from plcgen.protocols.ds47.proof.restored import CHECK
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.scenarios import STATE_CONFLICT, matrix, polls
@@ -150,7 +151,7 @@ class DriveSuite:
     def block(self, job: DriveJob) -> CodeBlock:
         """The block of a job. Its telegrams count from 1."""
         span = self.plan.loaded.key_span(job.path)
-        numbers = frozenset(range(1, len(job.telegrams) + 1))
+        numbers = frozenset(range(1, (CHECK if job.restores else len(job.telegrams)) + 1))
         names = (
             TELEGRAM if job.poll is None and job.messages is None else ()
         )  # a telegram that is repeated has a number of its own each time

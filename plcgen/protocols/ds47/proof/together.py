@@ -15,6 +15,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, P
 from plcgen.protocols.ds47.proof.instances import Trio
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.plant import Plant
+from plcgen.protocols.ds47.proof.restored import OUTCOMES
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.stimulus import own_dbs, pair_fb
 from plcgen.protocols.ds47.proof.words import DONE, STEP_MS, WORDS
@@ -106,6 +107,11 @@ def left_out(plan: DrivePlan) -> list[str]:
 def may_be_unknown(job: DriveJob, status: int) -> bool:
     """Well, or a trigger of which nobody knows whether the drive took it."""
     return status == DONE or (job.once and status == WORDS["UNKNOWN"])
+
+
+def tried_to_restore(job: DriveJob, status: int) -> bool:
+    """A job that restores has failed behind its write."""
+    return job.restores and status in OUTCOMES
 
 
 # --- arguments --------------------------------------------------------------------------------------------
@@ -256,6 +262,7 @@ def _ended_with_another(plant: Plant, job: DriveJob) -> bool:
     """Whether a job has ended beside another master, whose values it may read back. Raises ScenarioError."""
     over, status = plant.result(job)
     disturbed = job.verified and status == WORDS["DEVIATES"]
+    disturbed |= tried_to_restore(job, status)
     disturbed |= job.waits and status == WORDS["NOT_REACHED"]
     return (over and disturbed) or plant.ended_well(job)
 
@@ -353,6 +360,7 @@ def _crowded(plant: Plant) -> None:
     few = len(plant.plan.units) <= 2 * half
     late = frozenset() if few else frozenset(WORDS[name] for name in ("TIMEOUT", "NO_PLACE", "OCCUPIED"))
     longest = max(job.timeout for job in plant.plan.jobs) // 10
+    late |= {status for job in plant.plan.jobs if job.restores and late for status in OUTCOMES}
     plant.until(lambda _, status: status == DONE or status in late, plant.patience * 8 + (0 if few else 8 * longest))
     plant.fall()
     plant.fresh(f"{plant.name}, once more").all_done()
@@ -389,7 +397,7 @@ def _away(scans: int) -> Callable[[Plant], None]:
         plant.cpu.bus.drives.clear()
         for drive in plant.units.values():
             drive.switch_off()
-        plant.until(lambda _, status: status in GONE, plant.patience * 4)
+        plant.until(lambda job, status: status in GONE or tried_to_restore(job, status), plant.patience * 4)
         plant.connect()
         _then_all_is_well(plant)
 
@@ -410,7 +418,9 @@ def _off(scans: int) -> Callable[[Plant], None]:
         few = {job.key for job in plant.plan.jobs if job.retries * (job.retry_pause + 10) <= job.timeout // 3 + 1000}
         few |= {job.key for job in plant.plan.jobs if job.timeout // 3 + 2 * (job.retry_pause + 100) >= job.timeout}
         plant.until(
-            lambda job, status: may_be_unknown(job, status) or (job.key in few and status in late),
+            lambda job, status: (
+                may_be_unknown(job, status) or (job.key in few and (status in late or tried_to_restore(job, status)))
+            ),
             plant.patience + longest,
         )
         _then_all_is_well(plant)
@@ -432,7 +442,10 @@ def _not_called(scans: int) -> Callable[[Plant], None]:
         short = {job.key for job in plant.plan.jobs if job.timeout < 2 * STEP_MS}
         late = {WORDS["TIMEOUT"], WORDS["NO_PLACE"]}
         plant.until(
-            lambda job, found: may_be_unknown(job, found) or (job.key in short and found in late), plant.patience
+            lambda job, found: (
+                may_be_unknown(job, found) or (job.key in short and (found in late or tried_to_restore(job, found)))
+            ),
+            plant.patience,
         )
         if not short:
             plant.check()
@@ -460,7 +473,9 @@ def _loaded(names: list[str], scans: int) -> Callable[[Plant], None]:
         plant.forgiven = frozenset({"PG830"}) if plant.plan.target.classic else frozenset()
         longest = max(job.timeout for job in plant.plan.jobs) // 10
         allowed = LOADED | (REFUSED if any(job.poll is not None for job in plant.plan.jobs) else frozenset())
-        plant.until(lambda _, status: status in allowed, plant.patience * 2 + longest)
+        plant.until(
+            lambda job, status: status in allowed or tried_to_restore(job, status), plant.patience * 2 + longest
+        )
         plant.forgiven = frozenset()
         _then_all_is_well(plant)
 

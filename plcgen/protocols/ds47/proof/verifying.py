@@ -23,13 +23,14 @@ def verifying(job: DriveJob) -> Iterator[DriveScenario]:
     """All of them."""
     telegrams = [telegram for telegram in job.telegrams if telegram.parts[0].use.verifies is not None]
     for telegram in telegrams:
-        for place, part in enumerate(telegram.parts, 1):
+        for place, part in _compared(telegram):
             yield from _each(job, telegram, place, part)
         yield from _near_zero(job, telegram)
     for telegram in dict.fromkeys((telegrams[0], telegrams[-1])):
         for place in positions(telegram):
-            yield from _one_octet(telegram, place)
-        if len(telegram.parts) > 1:
+            if not telegram.parts[place - 1].use.state:
+                yield from _one_octet(telegram, place)
+        if len(_compared(telegram)) > 1:
             yield from _several(job, telegram)
     yield from _rounded([part.use for telegram in telegrams for part in telegram.parts], telegrams[0])
 
@@ -42,6 +43,11 @@ def _each(job: DriveJob, telegram: DriveTelegram, place: int, part: Part) -> Ite
         name = f"the drive keeps another value {at} of parameter {place} of telegram {telegram.number}"
         keeps = {part.use.parameter.pnu: other(part, at, 0)}
         yield replace(_deviates(name, telegram, {place: at}, keeps=keeps), follow=False)
+
+
+def _compared(telegram: DriveTelegram) -> list[tuple[int, Part]]:
+    """The parts that are read back, with their places: the state of the drive is not."""
+    return [(place, part) for place, part in enumerate(telegram.parts, 1) if part.use.verifies is not None]
 
 
 def _pieces(job: DriveJob, part: Part) -> list[int]:
@@ -97,11 +103,10 @@ def another(telegram: DriveTelegram, place: int) -> DriveScenario:
 
 def _several(job: DriveJob, telegram: DriveTelegram) -> Iterator[DriveScenario]:
     """Every parameter is another one; the first cannot be read, the last is another one."""
-    number, last = telegram.number, len(telegram.parts)
-    found = {part.use.parameter.pnu: anything(part.use) for part in telegram.parts}
+    number, (last, part) = telegram.number, _compared(telegram)[-1]
+    found = {part.use.parameter.pnu: anything(part.use) for _, part in _compared(telegram)}
     places = dict.fromkeys(range(1, last + 1), 0)
     yield _deviates(f"the drive keeps other values of telegram {number}", telegram, places, keeps=found)
-    part = telegram.parts[-1]
     if part.use.parameter.pnu == telegram.parts[0].use.parameter.pnu:
         return
     yield DriveScenario(

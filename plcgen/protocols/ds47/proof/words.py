@@ -58,6 +58,10 @@ MEANINGS = {
     0x8506: ("FAULTS_REMAIN", "it has, but the drive has faults after the limit"),
     0x8510: ("NOT_REACHED", "what a step waits for is not there within its timeout"),
     0x8520: ("NO_TIME", "refused: the time at the input does not exist, or not between 2000 and 2089"),
+    0x8530: ("RESTORED", "failed; every parameter has its old value"),
+    0x8531: ("NOT_RESTORED", "failed; restoring failed as well"),
+    0x8532: ("RUNS", "failed; the drive runs, so that nothing was written back"),
+    0x8533: ("LEFT", "failed; values that are neither the old ones nor the job's were left alone"),
 }
 WORDS = {name: word for word, (name, _) in MEANINGS.items()}
 """Status words by name: ``WORDS["TIMEOUT"]``."""

@@ -28,6 +28,7 @@ RULES = Rules(
         saves.short_wait,
         readback.readable,
         readback.nothing_written,
+        readback.not_restored,
         members.control_members,
         members.parameter_names,
         members.interface_members,

@@ -55,6 +55,7 @@ def interface_members(plan: DrivePlan) -> Iterator[Diagnostic]:
         for use in job.uses:
             span = member_span(plan, use)
             own = _OWN if job.deviations is None else _OWN | _LISTED
+            own = own | {"cause"} if job.restores else own
             if use.member.lower() in own or _PREFIXED.match(use.member):
                 yield Diagnostic(
                     "PG406",

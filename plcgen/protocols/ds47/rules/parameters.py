@@ -33,7 +33,7 @@ def access(plan: DrivePlan) -> Iterator[Diagnostic]:
                     continue
                 message = f"{name} is written with r, which marks a parameter that can only be read"
                 help_ = f"write P{use.parameter.pnu} if the drive accepts values for it"
-            elif not use.writes and use.parameter.access == "w" and use.verifies is None:
+            elif not use.writes and use.parameter.access == "w" and use.verifies is None and use.remembers is None:
                 message = f"{name} can only be written"
                 help_ = f"remove it from {job.kind}"
             else:

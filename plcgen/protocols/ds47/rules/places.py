@@ -31,15 +31,18 @@ def member_span(plan: DrivePlan, use: Use) -> Span:
 
 def spelling(plan: DrivePlan, job: DriveJob, use: Use) -> str:
     """Quote the parameter as the spec writes it."""
-    items = _items(plan, job)
-    return items[use.position - 1].parameter if use.position <= len(items) else ""
+    item = _item(plan, job, use)
+    return "" if item is None else item.parameter
 
 
 def given_start(plan: DrivePlan, job: DriveJob, use: Use) -> bool:
     """Whether the spec gives an input its start value."""
-    items = _items(plan, job)
-    return bool(items) and getattr(items[use.position - 1], "start", None) is not None
+    return getattr(_item(plan, job, use), "start", None) is not None
 
 
-def _items(plan: DrivePlan, job: DriveJob) -> tuple[ReadItem | WriteItem, ...]:
-    return kind_called(job.kind).items(getattr(plan.entry(job), job.kind))
+def _item(plan: DrivePlan, job: DriveJob, use: Use) -> ReadItem | WriteItem | None:
+    """What the spec says of a use; old values stand in front of those that are written."""
+    items = kind_called(job.kind).items(getattr(plan.entry(job), job.kind))
+    front = next(n for n, one in enumerate(job.uses) if one.writes) if job.restores else 0
+    at = use.position - 1 - front
+    return items[at] if 0 <= at < len(items) else None

@@ -38,6 +38,30 @@ def _why_not(parameter: Parameter) -> str:
     return "the drive sets it back automatically" if parameter.pnu in guards.SET_BACK else ""
 
 
+def not_restored(plan: DrivePlan) -> Iterator[Diagnostic]:
+    """PG258: a job that is told to restore cannot."""
+    for job in plan.shapes:
+        if plan.entry(job).on_error is None:
+            continue
+        place = plan.loaded.key_span((*job.path, "on_error"))
+        if job.restores and len(job.telegrams) > _EACH_WAY:
+            message = f'"{job.shape}" needs {len(job.telegrams)} telegrams: what is restored fits one each way'
+            yield Diagnostic("PG258", message, place, help="make several jobs of it")
+        elif job.verified and not job.restores:
+            message = f'"{job.shape}" saves: what is in the non-volatile memory is not restored'
+            yield Diagnostic("PG258", message, place, help="save in a job of its own, started when this one is done")
+        elif not job.verified and job.kind == "write":
+            message = f'"{job.shape}" does not read back: it would not know what to restore'
+            yield Diagnostic("PG258", message, place, help="add verify: readback")
+        elif not job.verified:
+            message = f'"{job.shape}" has nothing that could be restored'
+            yield Diagnostic("PG258", message, place, help="on_error is for jobs with write and verify: readback")
+
+
+_EACH_WAY = 3
+"""Telegrams of a job that restores: old values, the write, what is read back."""
+
+
 def nothing_written(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG247: a job that writes no values is told to read them back."""
     for job in plan.shapes:

@@ -99,6 +99,11 @@ def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
     signed = plan.sign_off(job, use.parameter.pnu) if danger else None
     value = value_text(use, plan.target)
     notes = [f"{danger}; signed off: {signed}"] if danger else []
+    restores = plan.entry(job).on_error
+    if restores is not None and restores.reason:
+        notes.append(f"restored while the drive runs, too; signed off: {restores.reason}")
+    elif restores is not None:
+        notes.append("restored if the job fails and the drive does not run")
     if use.parameter.grades.get("type", "read") != "read":
         notes.append(f"type {use.parameter.grades['type']}, not read in a manual")
     return {

@@ -25,6 +25,7 @@ from plcgen.protocols.ds47.views.clock import clock_view, time_inputs
 from plcgen.protocols.ds47.views.deviations import deviation_values, deviations_view, right_answer
 from plcgen.protocols.ds47.views.engine import names, versions
 from plcgen.protocols.ds47.views.messages import list_values, messages_view
+from plcgen.protocols.ds47.views.restore import cause_value, restore_view
 from plcgen.protocols.ds47.views.rows import buffer_blocks
 from plcgen.protocols.ds47.views.steps import condition_text, sequence_view, step_values
 from plcgen.protocols.ds47.wire.formats import FormatKind, unpack_values
@@ -68,6 +69,7 @@ def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
         ],
         outputs=[
             *step_values(plan, job),
+            *cause_value(plan, job),
             *(_value(plan, use, start=False) for use in job.outputs),
             *_lists(plan, job),
         ],
@@ -116,6 +118,8 @@ def title(plan: DrivePlan, job: DriveJob) -> str:
         return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
     uses = [use for use in job.uses if use.poll is None and use.verifies is None]
     then = ""
+    if job.restores:
+        uses, then = [use for use in uses if use.writes], ", or restore"
     if job.verified and job.poll is not None:
         uses, then = uses[:-1], ", then save"
     labels = ", ".join(use.label for use in uses[:4]) + (", .." if len(uses) > 4 else "")
@@ -130,6 +134,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "block": job.block,
         "poll": None if job.poll is None else _poll(plan, job),
         "verify": None if not job.verified else _verify(job),
+        "restore": None if not job.restores else restore_view(plan, job),
         "messages": None if job.messages is None else messages_view(plan, job, job.messages),
         "deviations": None if job.deviations is None else deviations_view(job, job.deviations),
         "sequence": None if not job.in_steps else sequence_view(plan, job),
@@ -144,7 +149,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "in_a_row": len(job.uses) > _UNROLLED,
         "inputs": [*(_interface(plan, use, start=True) for use in job.inputs), *time_inputs(plan, job)],
         "outputs": [
-            *(value.member for value in step_values(plan, job)),
+            *(value.member for value in (*step_values(plan, job), *cause_value(plan, job))),
             *(_interface(plan, use, start=False) for use in job.outputs),
             *(value.member for value in _lists(plan, job)),
         ],
@@ -280,6 +285,7 @@ def _label(plan: DrivePlan, use: Use) -> str:
         title = f", {use.parameter.title}" if use.parameter.title else ""
         return one_line(f"{use.position}: step {use.step} waits for {condition_text(plan, use)}{title}")
     does = "writes" if use.writes else "compares" if use.compared else "reads" if use.verifies is None else "reads back"
+    does = does if use.remembers is None else "remembers"
     does += " again" if use.again is not None else ""
     does = f"step {use.step} {does}" if use.step else does
     text = f"{use.position}: {does} {use.label} {use.parameter.title}"
