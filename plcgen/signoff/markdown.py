@@ -19,7 +19,6 @@ LIMIT = 60_000
 """Bytes of the whole text: a comment of GitHub holds 65,536 characters."""
 
 _MARK = {"breaking": ":red_circle:", "compatible": ":yellow_circle:", "documentation": ":white_circle:"}
-_DETAILS = 12
 _CELL = 400
 _TAIL = 400
 """Bytes kept for the sentence about what was left out."""

@@ -11,7 +11,6 @@ from types import MappingProxyType
 BASE = "http://www.siemens.com/automation/Openness/SW/"
 INTERFACE = f"{BASE}Interface/"
 STRUCTURED_TEXT = f"{BASE}NetworkSource/StructuredText/"
-FLG_NET = f"{BASE}NetworkSource/FlgNet/"
 
 
 @dataclass(frozen=True, slots=True)
