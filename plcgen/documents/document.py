@@ -13,8 +13,8 @@ from plcgen.scl.classic import Spelling
 class Document:
     """One file to be rendered.
 
-    ``path`` is relative to the output folder, with forward slashes; without a ``template`` the ``text`` is finished, or
-    comes in ``pieces``; ``encoding`` a Python codec name; ``newline`` the line ending; ``experimental`` why the file
+    ``path`` is relative to the output folder, with forward slashes; without a ``template`` the ``text`` is finished;
+    ``encoding`` a Python codec name; ``newline`` the line ending; ``experimental`` why the file
     was never seen in a real import ("" if it was); ``twins`` makes further documents from the finished text of this
     one; ``spelling`` says for which compiler the template is rewritten, ``voice`` says the finished text in the
     project's languages; ``data`` is a file that is no text.
@@ -31,4 +31,3 @@ class Document:
     spelling: Spelling = Spelling.TIA
     voice: Callable[[str], str] | None = field(default=None, repr=False)
     data: bytes = b""
-    pieces: Callable[[], Iterator[str]] | None = field(default=None, repr=False)

@@ -7,9 +7,7 @@ on every target, and what a view puts into the text is never touched.
 
 from __future__ import annotations
 
-import codecs
 import functools
-import io
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -119,18 +117,7 @@ def render_text(template: str, view: Mapping[str, Any], spelling: Spelling = Spe
 
 def render(document: Document) -> RenderedFile:
     """Render one document to bytes; characters were checked before, what is left over becomes ``?``."""
-    if document.pieces is not None:
-        return RenderedFile(document.path, _joined(document.pieces(), document), document.experimental)
     return _finished(document, _text(document))
-
-
-def _joined(pieces: Iterator[str], document: Document) -> bytes:
-    """Bytes of a text that is never there as a whole."""
-    data = io.BytesIO()
-    encode = codecs.getincrementalencoder(document.encoding)("replace").encode
-    for piece in pieces:
-        data.write(encode(piece))
-    return data.getvalue()
 
 
 def _text(document: Document) -> str:

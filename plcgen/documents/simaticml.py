@@ -21,7 +21,7 @@ from plcgen.project.nouns import Frame
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.simaticml.versions import VERSIONS
 from plcgen.simaticml.writing.documents import Setting
-from plcgen.simaticml.writing.twin import code_pieces, instance_document, read_block
+from plcgen.simaticml.writing.twin import code_document, instance_document, read_block
 
 RECORD_NOTE = "the call form of WRREC and RDREC is inferred; no genuine export was at hand to compare with"
 VERSION_NOTE = "no genuine export of this TIA Portal version was at hand to compare with"
@@ -97,22 +97,21 @@ class SimaticMl:
         block, db = replace(read_block(text), number=made.block.number), made.instance
         called = [each for each in made.data if isinstance(each, LibraryInstance)]
         others = tuple(Block(BlockKind.DB, each.block.name, (), instance_of=each.of.strip('"')) for each in called)
-        yield self._finished(made.block.name, partial(code_pieces, block, self._setting, others), made.note)
+        yield self._finished(made.block.name, code_document(block, self._setting, others), made.note)
         if db is None:
             return
         instance = Block(
             BlockKind.DB, db.name, (), number=db.number, instance_of=block.name, attributes=block.attributes
         )
-        text = instance_document(instance, block, self._setting)
-        yield self._finished(db.name, lambda: iter((text,)), self.note)
+        yield self._finished(db.name, instance_document(instance, block, self._setting), self.note)
 
     def _main(self, calls: Sequence[Call], text: str) -> Iterator[Document]:
         instances = tuple(Block(BlockKind.DB, call.instance, (), instance_of=call.block) for call in calls)
         block = replace(read_block(text), number=_MAIN_NUMBER)
-        yield self._finished(block.name, partial(code_pieces, block, self._setting, instances), self.note)
+        yield self._finished(block.name, code_document(block, self._setting, instances), self.note)
 
-    def _finished(self, name: str, pieces: Callable[[], Iterator[str]], experimental: str) -> Document:
-        return Document(f"xml/{name}.xml", pieces=pieces, encoding="utf-8-sig", experimental=experimental)
+    def _finished(self, name: str, text: str, experimental: str) -> Document:
+        return Document(f"xml/{name}.xml", text=text, encoding="utf-8-sig", experimental=experimental)
 
     def _document(self, name: str, template: str, view: Mapping[str, Any], experimental: str) -> Document:
         made = {**self._base, **view}

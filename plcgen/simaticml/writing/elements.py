@@ -1,6 +1,6 @@
 """Single elements of StructuredText as strings: trivia, tokens, constants, variables of one name.
 
-``SLOT`` stands for every UId until the network is numbered, so that elements can be kept and put together.
+``SLOT`` stands for every UId until the network is numbered: the elements of one name are the same wherever it stands.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """SCL code to the elements of StructuredText, straight from the token stream; nothing of the text is lost.
 
 A statement needs no tree: keywords and operators are Tokens, blanks and comments stand between them, and only
-operands and calls have structure. ``UId`` is a slot until the network is complete, so that pieces can be kept.
+operands and calls have structure. ``UId`` is a slot until the network is complete.
 """
 
 from __future__ import annotations
@@ -43,17 +43,12 @@ from plcgen.simaticml.writing.elements import (
 from plcgen.simaticml.writing.scope import is_system
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from plcgen.simaticml.writing.documents import Setting
     from plcgen.simaticml.writing.scope import BlockScope
 
 FIRST_UID = 21
 """UIds of a network begin here in every genuine export."""
 
-_NUMBERS: list[str] = []
-_KEPT = 100_000
-"""UIds that are kept as texts."""
 _CONSTANTS = {
     INT: "LiteralConstant", REAL: "LiteralConstant", STRING: "LiteralConstant", "TRUE": "LiteralConstant",
     "FALSE": "LiteralConstant", TYPED: "TypedConstant", POINTER: "LiteralConstant",
@@ -99,25 +94,12 @@ def elements(
 
 
 def numbered(elements: str) -> str:
-    """Put ascending UIds from 21 into the slots of one network."""
-    return "".join(numbered_pieces((elements,)))
-
-
-def numbered_pieces(elements: Iterable[str]) -> Iterator[str]:
-    """The same for a network that comes in pieces."""
-    first = 0
-    for each in elements:
-        pieces = each.split(SLOT)
-        count = len(pieces) - 1
-        if len(_NUMBERS) < first + count:
-            _NUMBERS.extend(str(FIRST_UID + n) for n in range(len(_NUMBERS), min(first + count + 1024, _KEPT)))
-        own = _NUMBERS[first : first + count]
-        own += [str(FIRST_UID + n) for n in range(first + len(own), first + count)]
-        parts = [""] * (2 * count + 1)
-        parts[::2] = pieces
-        parts[1::2] = own
-        first += count
-        yield "".join(parts)
+    """Put ascending UIds from 21 into the slots of a network."""
+    pieces = elements.split(SLOT)
+    parts = [""] * (2 * len(pieces) - 1)
+    parts[::2] = pieces
+    parts[1::2] = map(str, range(FIRST_UID, FIRST_UID + len(pieces) - 1))
+    return "".join(parts)
 
 
 class _Writer:
