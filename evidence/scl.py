@@ -20,6 +20,7 @@ from typing import Any
 
 from evidence.faults import TOKEN, TYPE, faults
 from evidence.faults import found as is_found
+from plcgen.cpu.folder import Tags, read_tag_file
 from plcgen.cpu.program import Program
 from plcgen.cpu.sources import SourceCheck, check_program, check_source, find_documents, find_sources
 from plcgen.cpu.surroundings import Surroundings
@@ -29,6 +30,7 @@ from plcgen.documents.convert import convert
 from plcgen.scl.dialect import BY_NAME, Dialect
 from plcgen.scl.parser import ParseResult, parse
 from plcgen.sources.plcs import by_plc
+from plcgen.sources.symbols import SUFFIXES
 from plcgen.sources.text import load_text
 
 KEPT = Path(__file__).with_name("scl.toml")
@@ -180,11 +182,16 @@ def _programs(place: Path, paths: list[Path], target: Dialect, judged: Judged, f
     name = place.name.replace("+", "/")
     known = judged.repositories.get(name, {})
     documents = find_documents(place)
+    tags: Tags = {}
+    for table in sorted(path for path in place.rglob("*") if path.suffix.lower() in SUFFIXES):
+        tags |= read_tag_file(table)
     rest = paths
     while rest:
         program, rest = _without_twins(rest)
-        strict = _problems(check_program(program, target, iec_check=IecCheck.AS_STATED, documents=documents))
-        free = _problems(check_program(program, target, iec_check=IecCheck.OFF, documents=documents))
+        strict, free = (
+            _problems(check_program(program, target, tags, iec_check=check, documents=documents))
+            for check in (IecCheck.AS_STATED, IecCheck.OFF)
+        )
         said = {(d.span, d.code, d.message) for d in free}
         for problem in strict:
             if problem.code in TYPES and (problem.span, problem.code, problem.message) not in said:

@@ -41,6 +41,11 @@ class ProgramBlock:
         return self.block.name
 
     @property
+    def words(self) -> list[str]:
+        """Its text without blanks and line ends."""
+        return self.result.tokens.source[self.unit.start : self.unit.end].split()
+
+    @property
     def skipped(self) -> bool:
         """Whether it has code that was not read, as that of a statement list."""
         return self.unit.code[0] < 0 and self.block.kind in {BlockKind.FB, BlockKind.FC, BlockKind.OB}

@@ -36,7 +36,7 @@ MAX_PROGRAM_BYTES = 4 * 1024 * 1024
 
 _ONE_ELEMENT = re.compile(r"index -?\d+ is outside (-?\d+)\.\.\1$|more than 1 values$")
 _BITS_OF_A_REAL = re.compile(r"[28]#[01_0-7]+|16#[0-9A-F_]+", re.IGNORECASE)
-"""What sources that the TIA Portal made from blocks of a process library have for a REAL; no manual says its value."""
+"""A REAL given by its bits, where they are no number or the source is one of STEP 7 V5: no manual says its value."""
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
 
 
@@ -155,6 +155,8 @@ class Program:
             self.diagnostics += elsewhere
             key = block.name.upper()
             if key in self.link.blocks:
+                if self.link.blocks[key].words == result.tokens.source[unit.start : unit.end].split():
+                    continue  # exports of single blocks repeat the types that these use
                 self.report("PG805", f"{block.name} is declared twice", block.span, "delete one of the two")
                 continue
             number = block.number

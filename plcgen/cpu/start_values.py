@@ -10,14 +10,15 @@ from plcgen.diagnostics import Diagnostic, Span
 from plcgen.s7.blocks import Assignment, Block, Section, SectionKind
 from plcgen.s7.literals import LiteralError, parse_literal
 from plcgen.s7.types import Elementary, Member, StringType, StructType
-from plcgen.scl.constants import evaluate, filled, integer
+from plcgen.scl.constants import evaluate, filled, integer, real_of_bits
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import parse_value
 
 _NAMED = re.compile(r"""[#"]?[^\W\d]\w*"?(?!#)(?:\s*[-+*/].*)?|.*[-+*/]\s*[#"]?[^\W\d]\w*"?""")
 _APART = re.compile(r"[-+]\s+[0-9][0-9.eE_]*")
 """A number with a blank behind its sign."""
-_NAME_IN_LIST = re.compile(r'"[^"]+"|#\w+')
+_NAME_IN_LIST = re.compile(r'(?:"[^"]+"|(?<!\w)#\w+)(?!\s*:=)')
+"""A constant in ``["A", #B]`` or ``(#A, (), m := "B")``; ``"m" :=`` names a member."""
 _WORDS = frozenset({"TRUE", "FALSE", "NULL", "NIL"})
 
 
@@ -90,7 +91,7 @@ def unfit_constants(block: Block) -> Iterator[Diagnostic]:
 
 
 def _signed(section: Section) -> Section:
-    """The section with numbers for constants whose bits reach the sign: ``16#8401`` of an Int."""
+    """The section with numbers for constants that are bits: ``16#8401`` of an Int, ``16#7F7F_FFFF`` of a Real."""
     members = tuple(_with_sign(member) for member in section.members)
     return section if members == section.members else replace(section, members=members)
 
@@ -99,7 +100,10 @@ def _with_sign(member: Member) -> Member:
     if isinstance(member.type, StructType):
         members = tuple(map(_with_sign, member.type.members))
         return member if members == member.type.members else replace(member, type=StructType(members))
-    number = filled(member.start or "", member.type.name) if isinstance(member.type, Elementary) else None
+    if not isinstance(member.type, Elementary):
+        return member
+    name, text = member.type.name, member.start or ""
+    number = real_of_bits(text, name) if name in {"REAL", "LREAL"} else filled(text, name)
     return member if number is None else replace(member, start=str(number))
 
 
@@ -110,9 +114,10 @@ def _written_out(member: Member, texts: dict[str, str], numbers: dict[str, int],
     text = (member.start or "").strip()
     if _APART.fullmatch(text):
         return replace(member, start="".join(text.split()))
-    if text.startswith("[") and "'" not in text:
+    if text.startswith(("[", "(")) and "'" not in text:
         text = _NAME_IN_LIST.sub(lambda name: _in_list(name[0], texts), text)
-        return _elsewhere(member, text, found) if '"' in text else replace(member, start=text)
+        elsewhere = any(name[0].startswith('"') for name in _NAME_IN_LIST.finditer(text))
+        return _elsewhere(member, text, found) if elsewhere else replace(member, start=text)
     if not _is_named(text):
         return member
     literal = _literal(text, texts)

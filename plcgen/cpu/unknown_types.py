@@ -62,7 +62,8 @@ def _report(type_: NamedType, span: Span, link: Linkage, *, library: bool) -> Di
     name = type_.name
     if library or name.upper() in SYSTEM_TYPES | INSTRUCTIONS or _LIBRARY.fullmatch(name):
         return Diagnostic("PG827", f"the members of {name} are not known to plcgen", span)
-    near = did_you_mean(name, [*(block.name for block in link.types.values()), *ELEMENTARY])
+    declared = [block.name for key, block in link.types.items() if key not in link.opaque]
+    near = did_you_mean(name, [*declared, *ELEMENTARY])
     return Diagnostic("PG806", f"unknown data type {name}", span, help=near or "name the file that declares it, too")
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import struct
 from collections.abc import Mapping
 from functools import lru_cache
 
@@ -41,6 +43,19 @@ def filled(text: str, type_name: str) -> int | None:
         return None
     value, high = integer(text), 1 << _SIGNED[type_name] - 1
     return value - 2 * high if value is not None and high <= value < 2 * high else None
+
+
+def real_of_bits(text: str, type_name: str) -> float | None:
+    """Value of the bits of a REAL or LREAL, as in ``16#0010_0000_0000_0000``; None for other texts and no number.
+
+    Siemens' library LGF declares the largest and the smallest LReal so (LGF_SimpleAveraging).
+    """
+    size, code = (4, ">f") if type_name == "REAL" else (8, ">d")
+    value = integer(text) if text.partition("#")[0] in _BASES else None
+    if value is None or not 0 <= value < 1 << 8 * size:
+        return None
+    found: float = struct.unpack(code, value.to_bytes(size, "big"))[0]
+    return found if math.isfinite(found) else None
 
 
 def project_names(constants: Mapping[str, int]) -> dict[str, int]:

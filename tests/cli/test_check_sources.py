@@ -167,6 +167,19 @@ def test_files_that_are_not_there(plcgen, name):
     assert "internal" not in result.err
 
 
+def test_a_type_that_exports_of_blocks_repeat_is_one(plcgen, tmp_path):
+    """The same words in any layout are no second declaration; other words are. A missing type is not taken for itself."""
+    state = 'TYPE "State"\nVERSION : 0.1\nSTRUCT\n  n : Int;\nEND_STRUCT;\nEND_TYPE\n'
+    use = 'FUNCTION_BLOCK "{0}"\nVAR\n  s : "State"; m : "Missing";\nEND_VAR\nBEGIN\n  #s.n := 1;\nEND_FUNCTION_BLOCK\n'
+    (tmp_path / "a.scl").write_text(state + use.format("A"))
+    (tmp_path / "b.scl").write_text(state.replace("  n", "\tn") + use.format("B"))
+    command = ("check", "a.scl", "b.scl", "--program", "--target", "tia-1500", "--json")
+    (found,) = json.loads(plcgen(*command).out)["diagnostics"]
+    assert (found["code"], "did you mean" in found["help"]) == ("PG806", False)
+    (tmp_path / "b.scl").write_text(state.replace("Int", "DInt") + use.format("B"))
+    assert {d["code"] for d in json.loads(plcgen(*command).out)["diagnostics"]} == {"PG805", "PG806"}
+
+
 def test_a_block_in_two_files_is_told(plcgen, tmp_path):
     """A warning at the second place, in any letter case, with a note of the first; exit code 0."""
     (tmp_path / "a.scl").write_text(GOOD)

@@ -32,21 +32,22 @@ class Assignments:
     places: Places
 
     def assign(self, node: ast.Assign) -> None:
-        """``target := value``, also combined and chained."""
+        """``target := value``, also combined and chained: ``a := b := c`` is ``b := c; a := b``."""
         value_node = node.value
         if node.operator in _COMBINED:
             value_node = ast.Binary(node.start, node.end, _COMBINED[node.operator], node.target, node.value)
         elif node.operator != ":=":
             self.context.error("PG827", f"the soft CPU does not execute {node.operator}", node)
             return
-        if isinstance(node.target, ast.Slice):
-            self.assign_slice(node.target, value_node)
-            return
-        for target in (node.target, *node.also):
-            place = self.target(target)
-            value = self.expressions.value(value_node)
-            if place is not None:
-                self.assign_value(place, value, value_node)
+        for target in reversed((node.target, *node.also)):
+            if isinstance(target, ast.Slice):
+                self.assign_slice(target, value_node)
+            else:
+                place = self.target(target)
+                value = self.expressions.value(value_node)
+                if place is not None:
+                    self.assign_value(place, value, value_node)
+            value_node = target if node.operator == ":=" else value_node
 
     def target(self, node: ast.Expression) -> MemoryPlace | None:
         """Place left of ``:=``; PG823 if it must not be written. Computed offsets are evaluated first."""

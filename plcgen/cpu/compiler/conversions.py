@@ -43,12 +43,13 @@ def coerce(context: Context, value: Val, target: str, node: ast.Expression) -> s
         text = remedy(source, target, text, context.rules)
         context.error("PG821", f"{shown} is not converted to {target} implicitly", node, text)
         return "0"
-    if value.const is not None and (target in TEXTS) == (source in TEXTS):
+    fine = (source, target) in {("TIME", "LTIME"), ("TIME_OF_DAY", "LTIME_OF_DAY")}
+    if value.const is not None and (target in TEXTS) == (source in TEXTS) and not fine:
         return constant_as(context, value, target, node)
     code = value.wrapped
     if target in REALS and source in INTEGERS:
         return f"float({code})"
-    if (source, target) in {("TIME", "LTIME"), ("TIME_OF_DAY", "LTIME_OF_DAY")}:
+    if fine:
         return f"({code}*1000000)"
     if target in TEXTS:
         return f"chr({code})" if source in {"CHAR", "WCHAR"} else code

@@ -311,6 +311,8 @@ class Operators:
     def time_arithmetic(self, node: ast.Binary, left: Val, right: Val) -> Val:
         """TIME + TIME, TIME * number, TOD + TIME, TOD - TOD; the bytes are integers of one unit."""
         operator, pure = node.operator, left.pure and right.pure
+        if operator == "*" and right.type in DURATIONS and not self.context.classic:
+            left, right = (right, left) if left.type not in DURATIONS else (left, right)  # 1000 * LTIME: library LGF
         codes = integer_code(left), integer_code(right)
         kinds = left.type, right.type
         number = right.type in INTEGERS or right.type == INT_CONST

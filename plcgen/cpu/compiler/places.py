@@ -32,6 +32,12 @@ _INDEXED = re.compile(r"(?:DB|D)([XBWD])", re.IGNORECASE)
 _PLAIN_INDEXED = re.compile(r"(P?[IEQAM])([XBWD]?)", re.IGNORECASE)
 _DTL = {"YEAR": (0, "UINT"), "MONTH": (16, "USINT"), "DAY": (24, "USINT"), "WEEKDAY": (32, "USINT")}
 _DTL |= {"HOUR": (40, "USINT"), "MINUTE": (48, "USINT"), "SECOND": (56, "USINT"), "NANOSECOND": (64, "UDINT")}
+_START = frozenset(
+    """INITIAL_CALL REMANENCE EVENT_COUNT LADDR USI ICHANNEL EVENTTYPE CAUGHTUP SECONDTIME SIGN FAULT_ID CSG_OBNR
+    CSG_PRIO IO_STATE CHANNEL MULTIERROR EVENT_CLASS LOSTRETENTIVE LOSTRTC SLOT SPECIFIER PIP_INPUT PIP_OUTPUT
+    SYNCCYCLETIME BLOCKNR REACTION BLOCKTYPE AREA DBNR WIDTH""".split()  # noqa: SIM905
+)
+"""Inputs of the organization blocks of the S7-1200/1500: sources do not declare them (help of RD_SINFO)."""
 AREAS = {"I": "I", "E": "I", "Q": "Q", "A": "Q", "M": "M", "PI": "P", "PE": "P", "PQ": "P", "PA": "P"}
 
 
@@ -132,6 +138,10 @@ class Places:
 
     def undefined(self, node: ast.Name) -> None:
         """PG820 with the nearest known name."""
+        is_ob = self.context.owner.block.kind is BlockKind.OB and not self.context.classic
+        if is_ob and node.scope != "quoted" and node.name.upper() in _START:
+            self.context.error("PG827", f"the soft CPU has no start information {node.name}", node)
+            return
         near = did_you_mean(node.name, [s.name for s in self.context.scope.symbols.values()])
         if node.scope == "quoted":
             known = [block.name for block in self.context.link.blocks.values()]

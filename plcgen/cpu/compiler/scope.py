@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from plcgen.cpu.compiler.literals import literal_value
 from plcgen.cpu.compiler.values import MemoryPlace, Symbol, Val, unknown
@@ -16,6 +17,12 @@ from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, Elementary, Member,
 from plcgen.scl.constants import evaluate
 from plcgen.scl.parser import parse_value
 
+_FIRST = {
+    "TIME": "T#0s", "LTIME": "LT#0s", "S5TIME": "S5T#0s", "DATE": "D#1990-01-01", "TIME_OF_DAY": "TOD#0:0:0",
+    "LTIME_OF_DAY": "LTOD#0:0:0", "DATE_AND_TIME": "DT#1990-01-01-0:0:0", "LDT": "LDT#1970-01-01-0:0:0",
+    "DTL": "DTL#1970-01-01-0:0:0",
+}  # fmt: skip
+"""What a constant of these types is without a value: the default of the type."""
 _PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT, SectionKind.RETURN)
 
 
@@ -94,6 +101,8 @@ class Scope:
     def _constant(self, member: Member, known: dict[str, Val]) -> Val:
         if member.start is None and isinstance(member.type, StringType):
             return Val("''", member.type.name, "")
+        if member.start is None and isinstance(member.type, Elementary) and member.type.name in _FIRST:
+            return self._constant(replace(member, start=_FIRST[member.type.name]), known)
         text = member.start or "0"
         upper = text.strip().upper()
         if upper in known:
