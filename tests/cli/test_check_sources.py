@@ -168,7 +168,7 @@ def test_files_that_are_not_there(plcgen, name):
 
 
 def test_a_type_that_exports_of_blocks_repeat_is_one(plcgen, tmp_path):
-    """The same words in any layout are no second declaration; other words are. A missing type is not taken for itself."""
+    """The same words in any layout are no second declaration, other words are. A missing type is not its own hint."""
     state = 'TYPE "State"\nVERSION : 0.1\nSTRUCT\n  n : Int;\nEND_STRUCT;\nEND_TYPE\n'
     use = 'FUNCTION_BLOCK "{0}"\nVAR\n  s : "State"; m : "Missing";\nEND_VAR\nBEGIN\n  #s.n := 1;\nEND_FUNCTION_BLOCK\n'
     (tmp_path / "a.scl").write_text(state + use.format("A"))
