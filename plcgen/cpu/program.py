@@ -155,7 +155,8 @@ class Program:
             self.diagnostics += elsewhere
             key = block.name.upper()
             if key in self.link.blocks:
-                if self.link.blocks[key].words == result.tokens.source[unit.start : unit.end].split():
+                known, words = self.link.blocks[key], result.tokens.source[unit.start : unit.end].split()
+                if known.words == words and known.result.tokens.file != result.tokens.file:
                     continue  # exports of single blocks repeat the types that these use
                 self.report("PG805", f"{block.name} is declared twice", block.span, "delete one of the two")
                 continue
