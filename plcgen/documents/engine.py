@@ -63,7 +63,7 @@ class _Emitter:
 
     def type(self, made: TypeBlock) -> Iterator[Document]:
         """A user type, as source and as document."""
-        self.seen.types.append(made.block.name)
+        self.seen.type(made)
         yield self.sources.type(made)
         if self.xml is not None:
             yield self.xml.type(made)

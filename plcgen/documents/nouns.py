@@ -25,17 +25,17 @@ class WatchRow(NamedTuple):
 class MemberRow(NamedTuple):
     """A member of a type or data block.
 
-    ``start`` is the literal of a start value other than zero, ``subs`` those of array elements; ``text`` the comment
-    for sources, ``comments`` the same per culture; ``members`` those of a structure, ``expanded`` those of a user type
-    whose start values are written out. ``offset`` and ``size`` in bytes, ``address`` and ``watch`` are those of a
-    buffer's member.
+    ``start`` is the literal of a start value other than zero, ``subs`` those of array elements, by index or by a path
+    of several; ``text`` the comment for sources, ``comments`` the same per culture; ``members`` those of a structure,
+    ``expanded`` those of a user type whose start values are written out. ``offset`` and ``size`` in bytes, ``address``
+    and ``watch`` are those of a buffer's member.
     """
 
     name: str
     type: str
     text: str = ""
     start: str = ""
-    subs: tuple[tuple[int, str], ...] = ()
+    subs: tuple[tuple[int | str, str], ...] = ()
     comments: tuple[tuple[str, str], ...] = ()
     members: tuple[MemberRow, ...] = ()
     expanded: tuple[MemberRow, ...] = ()
@@ -55,12 +55,16 @@ class StartAssignment(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class TypeBlock:
-    """A user type; ``comment`` by language is that of its document, ``starts``: its members have start values."""
+    """A user type; ``comment`` by language is that of its document, ``starts``: its members have start values.
+
+    ``notes`` are lines above its part of the layout sheet; without one it has none there.
+    """
 
     block: BlockRef
     members: Sequence[MemberRow]
     comment: Mapping[str, str] = field(default_factory=dict)
     starts: bool = False
+    notes: Sequence[str] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from plcgen.documents.nouns import Call, Contribution, DataBlock, FunctionBlock, LibraryInstance, TagRow
+from plcgen.documents.nouns import Call, Contribution, DataBlock, FunctionBlock, LibraryInstance, TagRow, TypeBlock
 from plcgen.project.nouns import BlockRef
 
 
@@ -43,6 +44,17 @@ class Overview:
             self.calls.append(call)
         if made.instance is not None:
             self.symbols[made.instance] = f"FB {made.block.number}"
+        self._sheet(made.block, made.title, made.telegrams, made.buffers)
+
+    def type(self, made: TypeBlock) -> None:
+        """Remember a user type."""
+        self.types.append(made.block.name)
+        if made.notes:
+            self._sheet(made.block, "a record", made.notes, [(made, None)])
+
+    def _sheet(
+        self, block: BlockRef, title: str, lines: Sequence[str], parts: Sequence[tuple[TypeBlock, DataBlock | None]]
+    ) -> None:
         blocks = [
             {
                 "block": type_.block if data is None else data.block,
@@ -50,9 +62,7 @@ class Overview:
                 "rows": type_.members,
                 "size": type_.members[-1].offset + type_.members[-1].size,
             }
-            for type_, data in made.buffers
+            for type_, data in parts
         ]
         if blocks:
-            self.sheets.append(
-                {"title": made.title, "block": made.block, "telegrams": made.telegrams, "blocks": blocks}
-            )
+            self.sheets.append({"title": title, "block": block, "telegrams": lines, "blocks": blocks})

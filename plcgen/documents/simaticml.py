@@ -64,6 +64,7 @@ class SimaticMl:
         ids = _ids()
         block = made.block
         view = {"name": block.name, "number": block.number, "members": made.members, "starts": starts, "id": next(ids)}
+        view["retain"] = block.retain
         return self._document(block.name, template, {**view, "texts": self._texts(made.comment, ids)}, self._early)
 
     def watch(self, name: str, rows: Sequence[WatchRow]) -> Document:

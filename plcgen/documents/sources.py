@@ -35,8 +35,9 @@ class SourceWriter:
 
     def data(self, made: DataBlock, family: str) -> Document:
         """A global data block."""
-        view = {"name": made.block.name, "title": made.title, "family": family, "members": made.members}
-        return self._document("db", made.block.name, "shared/data.db.j2", {**view, "assignments": made.assignments})
+        view: dict[str, Any] = {"name": made.block.name, "title": made.title, "family": family}
+        view |= {"members": made.members, "assignments": made.assignments, "retain": made.block.retain}
+        return self._document("db", made.block.name, "shared/data.db.j2", view)
 
     def instance(self, block: BlockRef, of: str, family: str) -> Document:
         """An instance DB of ``of``, as a source writes it."""

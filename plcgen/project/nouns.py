@@ -19,13 +19,17 @@ from plcgen.s7.types import DataType
 
 @dataclass(frozen=True, slots=True)
 class BlockRef:
-    """A block's identity. ``pinned`` says that the spec gave the number; ``path`` where it did."""
+    """A block's identity. ``pinned`` says that the spec gave the number; ``path`` where it did.
+
+    ``retain`` is a data block that keeps its values without power.
+    """
 
     kind: str
     name: str
     number: int
     pinned: bool
     path: SpecPath
+    retain: bool = False
 
 
 @dataclass(frozen=True, slots=True)

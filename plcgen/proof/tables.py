@@ -268,7 +268,7 @@ class _Tables:
 
     def sheet(self) -> Iterator[str]:
         """Every row of the layout sheet against the layout of its block."""
-        seen = 0
+        seen = set()
         buffers = [buffer for job in self.project.jobs for one in job.telegrams for buffer in one.buffers]
         starts = {buffer.home.name: buffer.image for buffer in buffers}
         for part in self.text("LAYOUT.md").split("\n### ")[1:]:
@@ -277,7 +277,7 @@ class _Tables:
             if head is None or block is None:
                 yield f"{part.splitlines()[0]} is no block"
                 continue
-            seen += 1
+            seen.add(block.name)
             number = self.numbers.get(block.name)
             layout = self.layout(block)
             if head[1] and int(head[1]) != number:
@@ -303,9 +303,8 @@ class _Tables:
                     yield f"{block.name}.{name} is not at {address}"
             if len(rows) < sum(entry.depth == 0 for entry in layout.entries):
                 yield f"{block.name} has members that are not listed"
-        missing = len({buffer.home.name for buffer in buffers}) - seen
-        if missing > 0:
-            yield f"{missing} buffers are missing"
+        if missing := {buffer.home.name for buffer in buffers} - seen:
+            yield f"{len(missing)} buffers are missing"
 
     # ---- watch tables
 

@@ -69,15 +69,17 @@ drives:
   fan: {{device: sinamics-g120, hardware_id: 270, drive_object: 1}}
   dcm: {{device: sinamics-dcm, hardware_id: 271}}
   cu: {{device: sinamics-s120, hardware_id: 272}}
+recipes: {{product: {{parameters: [P1120], records: 2}}}}
 jobs:
   watch: {{drive: fan, read: [actual_speed, "r947[0..3]"], trigger: M50.0}}
   ramps: {{drive: fan, write: {{P1120: null, P1121: 5.0}}, verify: readback}}
   pinned: {{drive: dcm, write: {{P50303: 1.0}}, request: {{db: 5}}, response: {{db: 6}}}}
   keep: {{drive: fan, save: drive_object}}
+  load: {{drive: fan, write_recipe: product}}
   stops: {{drive: cu, faults: current}}
   past: {{drive: cu, alarms: current}}
 """
-USED = ("DriveJobs", "Main", "DriveCalls", "DriveJobTags", "Watch", "Ramps", "Pinned", "Keep", "Stops", "Past")
+USED = ("DriveJobs", "Main", "DriveCalls", "DriveJobTags", "Watch", "Ramps", "Pinned", "Keep", "Load", "Stops", "Past")
 INNER = {"Static", "Temp", "Constant"}
 
 

@@ -86,4 +86,5 @@ def test_what_is_no_kind_is_told(distribution) -> None:
 def test_without_others_there_are_the_shipped_kinds() -> None:
     """All of them, in the order of the table in docs/spec.md."""
     shipped = ["read", "write", "compare", "save", "faults", "alarms", "acknowledge", "sequence", "activate", "clock"]
+    shipped += ["write_recipe", "read_recipe", "compare_recipe"]
     assert [kind.key for kind in kinds()] == [kind.key for kind in SHIPPED] == shipped

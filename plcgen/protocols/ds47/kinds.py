@@ -389,7 +389,7 @@ class JobKind:
     schema (None: as ``shape`` says it). ``poll`` says that the last access is a read that is repeated,
     ``messages`` that the accesses are those of a buffer of messages, ``compares`` that the values of ``WriteItem`` are
     not written, but held against those that are read; ``steps`` says which accesses
-    belong to which step of a sequence.
+    belong to which step of a sequence. ``recorded``: the value names a recipe, for which ``items`` are asked.
     """
 
     key: str
@@ -403,6 +403,7 @@ class JobKind:
     messages: Callable[[Any], Messages] | None = None
     compares: bool = False
     steps: Callable[[Any], Iterator[StepItem]] | None = None
+    recorded: bool = False
 
 
 SAVES = {"drive_object": 971, "unit": 977}
@@ -488,6 +489,24 @@ def _buffer_kind(key: str, what: str, shape: Any, counter: int, numbers: Mapping
     )
 
 
+def _members(recipe: Any) -> tuple[WriteItem, ...]:
+    """The parameters of a recipe, whatever becomes of them: what they start with is that of the records."""
+    return tuple(WriteItem(**item.model_dump(by_alias=True)) for item in recipe.parameters)
+
+
+def _recipe_kind(key: str, does: str) -> JobKind:
+    return JobKind(
+        key=f"{key}_recipe",
+        writes=key == "write",
+        shape=Annotated[str, Field(min_length=1)],
+        description=f"key of a recipe: {does}",
+        example=f"{key}_recipe: winding",
+        items=_members,
+        compares=key == "compare",
+        recorded=True,
+    )
+
+
 SHIPPED = (
     JobKind(
         key="read",
@@ -566,6 +585,9 @@ SHIPPED = (
         example="clock: utc",
         items=_clock_items,
     ),
+    _recipe_kind("write", "the drive gets the values of a record"),
+    _recipe_kind("read", "a record gets the values of the drive"),
+    _recipe_kind("compare", "a record is held against the drive"),
 )
 
 

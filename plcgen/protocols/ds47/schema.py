@@ -23,11 +23,13 @@ from plcgen.project.schema import (
     Naming,
     Text,
     Trigger,
+    short_item_schema,
     trigger_short,
 )
 from plcgen.protocols.ds47.device import Line, ParameterDef, ParameterNumber
 from plcgen.protocols.ds47.devices import named_parameters, offer_names
-from plcgen.protocols.ds47.kinds import kinds
+from plcgen.protocols.ds47.kinds import JobKind, ReadItem, WriteItem, kinds
+from plcgen.protocols.ds47.recipes import RecipeEntry
 from plcgen.protocols.ds47.wire.formats import format_names
 
 
@@ -222,7 +224,15 @@ class DriveSections(StrictModel):
 
     units: dict[str, UnitEntry] = Field(default_factory=dict, description="devices with several drive objects")
     drives: dict[str, DriveEntry] = Field(default_factory=dict, description="drives by key")
+    recipes: dict[str, RecipeEntry] = Field(default_factory=dict, description="parameter sets by key")
     jobs: Mapping[str, JobEntry] = Field(min_length=1, description="jobs by key")
+
+    def items(self, job: JobEntry, kind: JobKind) -> tuple[ReadItem | WriteItem, ...]:
+        """The accesses of a job of a kind; none if it names a recipe that is not there."""
+        value = getattr(job, kind.key)
+        if not kind.recorded:
+            return kind.items(value)
+        return kind.items(self.recipes[value]) if value in self.recipes else ()
 
     def placed(self) -> Iterator[PlacedDrive]:
         """Every drive, those of units first."""
@@ -260,14 +270,17 @@ def _offer(definition: dict[str, Any], key: str, names: Iterable[str]) -> None:
 def complete(schema: dict[str, Any]) -> None:
     """Put the short forms of jobs, data types and names of parameters into the JSON schema of a spec."""
     definitions = schema["$defs"]
-    for name in ("ParameterDef", "ReadItem", "WriteItem"):
+    for name in ("ParameterDef", "ReadItem", "RecipeItem", "WriteItem"):
         _offer(definitions[name], "type", format_names())
+    parameters = definitions["RecipeEntry"]["properties"]["parameters"]
+    items = short_item_schema("RecipeItem")["anyOf"][:2]
+    definitions["RecipeEntry"]["properties"]["parameters"] = {"anyOf": items, "description": parameters["description"]}
     job = definitions["Job"]["properties"]
     for kind in kinds():
         if kind.short is not None:
             job[kind.key] = {**kind.short(definitions), "description": kind.description}
     names = named_parameters()
-    for name in ("ReadItem", "WriteItem"):
+    for name in ("ReadItem", "RecipeItem", "WriteItem"):
         _offer(definitions[name], "parameter", names)
     read, write, compare = (job[key]["anyOf"] for key in ("read", "write", "compare"))
     read[0] = read[1]["items"]["anyOf"][0] = offered(names)

@@ -58,6 +58,8 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_NOT_RESTORED", 0x8531, "failed, see cause, and so did restoring: look at errors and at the drive"),
     ("STATUS_RUNS", 0x8532, "failed, see cause; not restored, as the drive runs: what was written stays"),
     ("STATUS_LEFT", 0x8533, "failed, see cause; restored but for values that somebody else has changed, see errors"),
+    ("STATUS_NO_RECORD", 0x8540, "refused: the recipe has no record with this number"),
+    ("STATUS_OUTSIDE", 0x8541, "refused: a value of the record is outside its limits, see failedParameter"),
 )
 
 _TICKET = {"DONE", "IDLE", "STARTED", "RUNNING", "OCCUPIED", "LOST", "NOT_CALLED", "NO_SLOT", "SLOT_TAKEN"}
@@ -77,6 +79,8 @@ CLOCK_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8520)
 """What only a job that sets a clock reports."""
 RESTORE_WORDS = tuple(row for row in STATUS_WORDS if row[1] in range(0x8530, 0x8534))
 """What only a job that restores reports."""
+RECIPE_WORDS = tuple(row for row in STATUS_WORDS if row[1] in {0x8540, 0x8541})
+"""What only a job with a recipe reports: the second one if it writes."""
 ERROR_DEVIATES = 0x8200
 """In ``errors``: another value was read back than was written."""
 CHANNEL_WORDS = tuple(

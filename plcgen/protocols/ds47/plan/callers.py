@@ -27,6 +27,8 @@ CHANNEL = Footprint(720, 160)
 """Both in the largest size of the engine, so that no job moves because another one needs a larger size."""
 
 _JOB = Footprint(94, 110)
+_RECIPE = Footprint(32, 60)
+"""What a job with a recipe has besides: its number, the address of the records, what is outside."""
 _POLLING = 64
 _DEVIATION = 24
 """Of an entry, which a job of several telegrams has twice; what is wanted is as large as the answers."""
@@ -46,7 +48,9 @@ def footprint(
     if isinstance(listed, DeviationList):
         data += 2 * listed.places * _DEVIATION + sum(buffers)
     pins = [_SINGLE if use.count == 1 and not use.format.is_string else _SEVERAL for use in uses]
-    return Footprint(data, _JOB.code + sum(pins) + (0 if listed is None else _SINGLE + _SEVERAL))
+    code = _JOB.code + sum(pins) + (0 if listed is None else _SINGLE + _SEVERAL)
+    recorded = any(use.recorded for use in uses)
+    return Footprint(data + recorded * _RECIPE.data, code + recorded * _RECIPE.code)
 
 
 class Callers:

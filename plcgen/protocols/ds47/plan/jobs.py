@@ -41,6 +41,7 @@ from plcgen.protocols.ds47.plan.nouns import (
     Use,
 )
 from plcgen.protocols.ds47.plan.readback import read_back, transaction
+from plcgen.protocols.ds47.plan.recipes import Recipes
 from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.plan.steps import divided, resolved_steps
 from plcgen.protocols.ds47.plan.uses import UseResolver
@@ -59,6 +60,7 @@ def plan_jobs(
     slots: Slots,
     resolvers: Mapping[str, UseResolver],
     callers: Callers,
+    recipes: Recipes,
     numbering: Numbering,
     report: Report,
 ) -> tuple[DriveJob, ...]:
@@ -67,14 +69,14 @@ def plan_jobs(
     path = ("jobs", key)
     kind = _kind(job, key, loaded, report)
     first = drives[0]
-    uses = _uses(job, kind, path, loaded, resolvers[first.key], report) if kind is not None else ()
+    uses = _uses(job, kind, path, loaded, recipes, resolvers[first.key], report) if kind is not None else ()
     if kind is None or not uses:
         return ()
     packed = _packed(uses, first, loaded, report)
     if packed is None:
         return ()
     for other in drives[1:]:
-        _same_telegrams(kind, packed, first, other, loaded, path, resolvers[other.key], report)
+        _same_telegrams(kind, packed, first, other, loaded, path, recipes, resolvers[other.key], report)
     if len(packed) > len(_directions(uses)) and job.split == "never":
         _report_unsplittable(kind, path, uses, first, loaded, report)
     reference = job.reference if job.reference is not None else 1
@@ -89,6 +91,10 @@ def plan_jobs(
         _report_shared_flags(key, len(drives), loaded, path, report)
     timeout = _timeout(job, uses)
     listed = _listed(job, kind, uses, name, numbering, path)
+    own_recipe = None
+    if kind.recorded:
+        recorded = tuple(use for use in uses if use.recorded)
+        own_recipe = recipes.of(getattr(job, kind.key), key, recorded, resolvers[first.key])
     size = footprint(uses, telegrams, listed)
     return tuple(
         DriveJob(
@@ -111,6 +117,7 @@ def plan_jobs(
             faq_names=faq,
             listed=listed,
             clock=_clock(kind, numbering),
+            recipe=own_recipe,
             comment=job.comment or {},
             path=path,
         )
@@ -164,13 +171,14 @@ def _same_telegrams(
     other: PlannedDrive,
     loaded: LoadedSpec,
     path: SpecPath,
+    recipes: Recipes,
     resolver: UseResolver,
     report: Report,
 ) -> None:
     """PG222: the parameters of a job are not the same on another of its drives, so that one block cannot serve both."""
     job = loaded.sections(DriveSections).jobs[str(path[-1])]
     quiet = Report()
-    uses = _uses(job, kind, path, loaded, resolver.reporting(quiet), quiet)
+    uses = _uses(job, kind, path, loaded, recipes, resolver.reporting(quiet), quiet)
     own = _packed(uses, other, loaded, quiet) if uses else None
     if own is not None and _meanings(packed) == _meanings(own):
         return
@@ -183,15 +191,14 @@ def _same_telegrams(
     report.add(Diagnostic("PG222", message, loaded.span((*path, "drive")), help="make a job for each kind of drive"))
 
 
-def _meanings(packed: list[tuple[Part, ...]]) -> list[tuple[bytes, list[tuple[int, bytes]]]]:
-    """Every telegram with the types of what it accesses, and what that should be where it is compared."""
-    return [
-        (
-            _request_bytes(parts, 1, 0),
-            [(part.use.format.code, part.data if part.use.compared else b"") for part in parts],
-        )
-        for parts in packed
-    ]
+def _meanings(packed: list[tuple[Part, ...]]) -> list[tuple[bytes, list[tuple[object, ...]]]]:
+    """Every telegram with the types of what it accesses, what that should be if it is compared, limits of records."""
+    return [(_request_bytes(parts, 1, 0), [_meaning(part.use, part.data) for part in parts]) for parts in packed]
+
+
+def _meaning(use: Use, data: bytes) -> tuple[object, ...]:
+    limits = (use.parameter.minimum, use.parameter.maximum) if use.recorded else ()
+    return use.format.code, data if use.compared else b"", *limits
 
 
 def _own_blocks(
@@ -202,7 +209,7 @@ def _own_blocks(
     keys = [which for which, given in buffers.items() if given.db is not None or given.name is not None]
     keys += ["buffers"] if job.buffers == "db" else []
     sized = any(given.size is not None for given in buffers.values())
-    works = {"compare": "compares", "clock": "sets a clock"}.get(kind.key, "")
+    works = {"compare": "compares", "clock": "sets a clock"}.get(kind.key, "has a recipe" if kind.recorded else "")
     if telegrams == 1 and drives == 1 and not works:
         return bool(keys) or sized
     if keys:
@@ -293,13 +300,19 @@ def _kind(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> JobKin
 
 
 def _uses(
-    job: JobEntry, kind: JobKind, path: SpecPath, loaded: LoadedSpec, resolver: UseResolver, report: Report
+    job: JobEntry,
+    kind: JobKind,
+    path: SpecPath,
+    loaded: LoadedSpec,
+    recipes: Recipes,
+    resolver: UseResolver,
+    report: Report,
 ) -> tuple[Use, ...]:
-    first = _own_uses(job, kind, 0, path, loaded, resolver, report)
+    first = _own_uses(job, kind, 0, path, loaded, recipes, resolver, report)
     then = _then(job, kind)
     if then is None or not first:
         return first
-    return first + _own_uses(job, then, len(first), path, loaded, resolver, report)
+    return first + _own_uses(job, then, len(first), path, loaded, recipes, resolver, report)
 
 
 def _then(job: JobEntry, kind: JobKind) -> JobKind | None:
@@ -314,14 +327,19 @@ def _own_uses(
     before: int,
     path: SpecPath,
     loaded: LoadedSpec,
+    recipes: Recipes,
     resolver: UseResolver,
     report: Report,
 ) -> tuple[Use, ...]:
     """The uses of one kind, with ``before`` others in front of them."""
-    items = kind.items(getattr(job, kind.key))
+    place: SpecPath | None = (*path, kind.key)
+    if kind.recorded:
+        place = recipes.place(getattr(job, kind.key), (*path, kind.key))
+    if place is None:
+        return ()
+    items = loaded.sections(DriveSections).items(job, kind)
     if not items:
         report.add(Diagnostic("PG218", f'job "{path[-1]}" names no parameter', loaded.span((*path, kind.key))))
-    place = (*path, kind.key)
     if kind.key == "save" and not _savable(items[0], place, loaded, resolver, report):
         return ()
     if (kind.messages is not None or kind.key in {"acknowledge", "activate", "clock"}) and not _listable(
@@ -341,6 +359,8 @@ def _own_uses(
         for position, item in enumerate(items, 1)
     ]
     uses = tuple(use for use in found if use is not None)
+    if kind.recorded:
+        uses = tuple(replace(use, recorded=True) for use in recipes.recorded(uses, resolver))
     if job.verify is not None and kind.poll is None and len(uses) == len(items):
         restores = job.on_error if kind.key == "write" and _then(job, kind) is None else None
         if restores is not None:

@@ -5,6 +5,7 @@ Offsets here come from the telegram (DS47), never from S7 layout rules: verifica
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -72,7 +73,8 @@ class Use:
     ``sources`` whether the values are BICO values with a drive object, ``writes`` whether it is changed; ``poll`` says
     that it is read until it is 0, ``verifies`` which use it reads back. ``column`` and ``group`` are set where the
     values belong to messages of a buffer, ``again`` where the counter of the buffer is read once more: it says which
-    use was the first. ``compared`` says that ``data`` is what the drive should have.
+    use was the first. ``compared`` says that ``data`` is what the drive should have, ``recorded`` that the value is a
+    member of a record, from which or to which it is copied.
     ``step`` is that of a sequence, from 1; ``awaited`` says how the value is compared with ``data``.
     ``remembers`` is the use that is restored if the job fails: this one reads its old value in front of it. ``state``
     says that the value is the word in which the drive reports whether it runs.
@@ -97,6 +99,7 @@ class Use:
     group: int = 0
     again: Use | None = None
     compared: bool = False
+    recorded: bool = False
     step: int = 0
     awaited: Awaited | None = None
     remembers: Use | None = None
@@ -232,6 +235,28 @@ class DeviationList:
 
 
 @dataclass(frozen=True, slots=True)
+class PlannedRecipe:
+    """A parameter set: a type with a member for each of ``uses``, a data block with an array of it.
+
+    ``names`` are those of the records, empty if they have none, ``values`` their start values by member. Which values
+    are allowed, the parameters of ``uses`` say.
+    """
+
+    key: str
+    type: BlockRef
+    db: BlockRef
+    uses: tuple[Use, ...]
+    names: tuple[str, ...]
+    values: tuple[Mapping[str, bytes], ...]
+    comment: dict[str, str]
+
+    @property
+    def count(self) -> int:
+        """How many records there are."""
+        return len(self.names)
+
+
+@dataclass(frozen=True, slots=True)
 class DriveCaller:
     """A function block that calls a part of the jobs, its instance DB, and the DB with their commands and results.
 
@@ -271,6 +296,7 @@ class DriveJob(PlannedJob):
     faq_names: bool
     listed: MessageList | DeviationList | None = None
     clock: Elementary | None = None
+    recipe: PlannedRecipe | None = None
 
     @property
     def drive(self) -> PlannedDrive:
@@ -283,11 +309,16 @@ class DriveJob(PlannedJob):
         return self.telegrams[0].request.db is not None
 
     @property
-    def inputs(self) -> tuple[Use, ...]:
-        """The values the caller supplies; not those that the block makes of a time."""
+    def supplied(self) -> tuple[Use, ...]:
+        """The values that are inputs or taken from a record: no constants, nothing that the block makes of a time."""
         if self.clock is not None:
             return ()
         return tuple(use for use in self.uses if (use.writes or use.compared) and not use.constant)
+
+    @property
+    def inputs(self) -> tuple[Use, ...]:
+        """The values the caller supplies."""
+        return tuple(use for use in self.supplied if not use.recorded)
 
     @property
     def timed(self) -> tuple[Use, ...]:
@@ -296,8 +327,18 @@ class DriveJob(PlannedJob):
 
     @property
     def outputs(self) -> tuple[Use, ...]:
-        """The values the block returns one by one: all that it reads, unless it makes a list of them."""
-        return () if self.listed is not None else tuple(use for use in self.uses if not use.writes)
+        """The values the block returns one by one: all that it reads, unless it makes a list or a record of them."""
+        return () if self.whole else tuple(use for use in self.uses if not use.writes)
+
+    @property
+    def stores(self) -> bool:
+        """Whether a record gets what it reads."""
+        return self.recipe is not None and not self.supplied
+
+    @property
+    def whole(self) -> bool:
+        """Whether what it reads is delivered at once, when all of it has come."""
+        return self.listed is not None or self.stores
 
     @property
     def messages(self) -> MessageList | None:
@@ -438,6 +479,11 @@ class DrivePlan(Plan):
         if job.kind == "activate" and pnu == ACTIVATES:
             saves = f"the job says activate: {('false', 'true', 'not_present')[job.uses[0].data[-1]]}"
         return next((why for text, why in given.items() if number_of(text) == pnu), saves)
+
+    @property
+    def recipes(self) -> tuple[PlannedRecipe, ...]:
+        """Those that jobs use."""
+        return tuple({job.recipe.key: job.recipe for job in self.jobs if job.recipe is not None}.values())
 
     @property
     def spec(self) -> DriveSections:

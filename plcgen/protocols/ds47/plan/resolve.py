@@ -14,6 +14,7 @@ from plcgen.protocols.ds47.device import Parameter, ParameterDef, parameter_from
 from plcgen.protocols.ds47.plan.callers import Callers
 from plcgen.protocols.ds47.plan.jobs import Slots, plan_jobs
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
+from plcgen.protocols.ds47.plan.recipes import Recipes
 from plcgen.protocols.ds47.plan.redefinition import merged, widened
 from plcgen.protocols.ds47.plan.references import parse_reference
 from plcgen.protocols.ds47.plan.room import Room
@@ -34,10 +35,13 @@ def plan_drives(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, re
     callers = Callers(common)
     units, drives = plan_units(loaded, common, report)
     resolvers = _resolvers(loaded, drives, report)
-    jobs = _jobs(loaded, drives, resolvers, callers, numbering, report)
+    recipes = Recipes(loaded, numbering, report)
+    jobs = _jobs(loaded, drives, resolvers, callers, recipes, numbering, report)
+    recipes.unused()
     used = {job.drive.unit.key for job in jobs}
     first, *others = callers.found
     blocks = [*engine.blocks(), first.block, first.instance, *(unit.db for unit in units if unit.key in used)]
+    blocks += [ref for recipe in recipes.found.values() for ref in (recipe.type, recipe.db)]
     seen: set[str] = set()
     for one in jobs:
         if one.shape not in seen:
@@ -81,6 +85,7 @@ def _jobs(
     drives: tuple[PlannedDrive, ...],
     resolvers: dict[str, UseResolver],
     callers: Callers,
+    recipes: Recipes,
     numbering: Numbering,
     report: Report,
 ) -> tuple[DriveJob, ...]:
@@ -102,7 +107,7 @@ def _jobs(
         chosen = tuple(by_key[name] for name in dict.fromkeys(job.drive) if name in by_key)
         if not chosen:
             continue
-        found = plan_jobs(key, loaded, chosen, slots, resolvers, callers, numbering, report)
+        found = plan_jobs(key, loaded, chosen, slots, resolvers, callers, recipes, numbering, report)
         jobs += found
         if problem := room.problem(found):
             message, help_ = problem

@@ -14,8 +14,10 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder, table_rows
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
+from plcgen.proof.rig import Spot
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedRecipe, Use
 from plcgen.protocols.ds47.proof import clocked, listed
+from plcgen.protocols.ds47.proof.recorded import NUMBER, signals
 from plcgen.protocols.ds47.proof.restored import CAUSE
 from plcgen.protocols.ds47.proof.stepped import FAILED
 from plcgen.protocols.ds47.wire import formats
@@ -34,6 +36,29 @@ def check_commands(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
     for caller in plan.callers if plan.jobs else ():
         yield from _check_control(caller.control.name, [job for job in plan.jobs if job.caller is caller], folder)
 
+    for recipe in plan.recipes:
+        yield from _check_records(recipe, folder)
+
+
+def _check_records(recipe: PlannedRecipe, folder: Folder) -> Iterator[Check]:
+    """Every record as delivered: the values of the spec."""
+    block = folder.text.get(recipe.db.name.upper())
+    if block is None:
+        return  # what is missing is told elsewhere
+    problems = []
+    try:
+        layout, start = layout_block(block, folder.text), bytes(image(block, folder.text))
+        for number, values in enumerate(recipe.values, 1):
+            for use in recipe.uses:
+                path = f"records[{number}].{use.member}"
+                found = Spot.of(layout, path).bytes(bytearray(start), len(values[use.member]))
+                if found != values[use.member]:
+                    said = f"the spec says {values[use.member].hex(' ').upper()}"
+                    problems.append(f"{path} starts with {found.hex(' ').upper()}, {said}")
+    except (DiagnosticError, LiteralError, KeyError) as problem:
+        problems = [str(problem)]
+    yield _verdict(recipe.db.name, f"{recipe.count} records", problems, "every record as in the spec", folder)
+
 
 def _check_control(name: str, jobs: list[DriveJob], folder: Folder) -> Iterator[Check]:
     block = folder.text.get(name.upper())
@@ -44,6 +69,7 @@ def _check_control(name: str, jobs: list[DriveJob], folder: Folder) -> Iterator[
         members = _members(layout)
         problems = [p for job in jobs for p in _job(job, layout, start, members.get(job.member, set()))]
         expected = {f"{job.member}.{use.member}" for job in jobs for use in job.inputs}
+        expected |= {f"{job.member}.{NUMBER}" for job in jobs if job.recipe is not None}
         problems += [
             f"{entry.path} has the start value {entry.member.start}"
             for entry in layout.entries
@@ -51,12 +77,14 @@ def _check_control(name: str, jobs: list[DriveJob], folder: Folder) -> Iterator[
         ]
     except (DiagnosticError, LiteralError) as problem:
         problems = [str(problem)]
+    yield _verdict(name, f"{len(jobs)} jobs", problems, "inputs as in the spec, no job started", folder)
+
+
+def _verdict(name: str, figures: str, problems: list[str], good: str, folder: Folder) -> Check:
     if problems:
         found = Diagnostic("PG614", f'"{name}": {problems[0]}', folder.place(name))
-        yield Check("commands", f'"{name}"', "", Outcome.ERROR, problems[0], found)
-    else:
-        good = "inputs as in the spec, no job started"
-        yield Check("commands", f'"{name}"', f"{len(jobs)} jobs", Outcome.OK, good)
+        return Check("commands", f'"{name}"', "", Outcome.ERROR, problems[0], found)
+    return Check("commands", f'"{name}"', figures, Outcome.OK, good)
 
 
 def check_guide(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
@@ -86,6 +114,8 @@ def check_guide(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
 
 def _said(use: Use, text: str) -> bool:
     """Whether a text names the value of a use; values that are no single number are not compared."""
+    if use.recorded:
+        return text.startswith("record of ")
     if text.startswith("input, ") == use.constant:
         return False
     if use.count != 1 or use.format.is_string or use.sources:
@@ -113,7 +143,7 @@ def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterat
     """What is wrong with the structure of a job."""
     flags = {name for name, _ in job.trigger.items()}
     values = {*clocked.inputs(job), *(use.member for use in job.outputs)}
-    values |= set(FAILED) if job.in_steps else set()
+    values |= {*(FAILED if job.in_steps else ()), *signals(job)}
     values |= {CAUSE} if job.restores else set()
     values |= {path.partition("[")[0] for path in listed.paths(job)}
     wanted = {name for name in SIGNALS if name not in flags} | values

@@ -31,6 +31,8 @@ def comparing(job: DriveJob) -> Iterator[DriveScenario]:
         near = {use.parameter.pnu: _below_zero for use in job.uses if _is_float(use)}
         if near:
             yield _run(f"zeros are the smallest number of the other sign, values {values}, set {number}", near, values)
+    for use in {use.format.code: use for use in job.uses}.values():
+        yield _run(f"only {use.label} is another one", {use.parameter.pnu: anything(use)}, "next")
     yield _run("all values are 1", dict.fromkeys((use.parameter.pnu for use in job.uses), _one), "next")
     for telegram in ends(job):
         for place in positions(telegram):

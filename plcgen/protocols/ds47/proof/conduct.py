@@ -5,7 +5,7 @@ from __future__ import annotations
 from plcgen.proof.runner import Run
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.proof.course import Course
-from plcgen.protocols.ds47.proof.end import check_end, check_errors
+from plcgen.protocols.ds47.proof.end import check_end, check_errors, check_refused
 from plcgen.protocols.ds47.proof.fence import Fence
 from plcgen.protocols.ds47.proof.listed import fill
 from plcgen.protocols.ds47.proof.restored import CAUSE, Restoration
@@ -68,6 +68,7 @@ class JobConduct:
         rig.next_values(scenario.values)
         rig.report(scenario.state)
         rig.put_inputs(scenario.slot)
+        rig.damage(scenario.record, scenario.damaged)
         self.polled, self.saves = 0, rig.saves
         if scenario.since is None:
             rig.forget()
@@ -207,7 +208,7 @@ class JobConduct:
     def end(self, run: Run[DriveScenario], status: int) -> None:
         """Values, errors, wire."""
         wanted = self.wanted
-        if self.rig.job.listed is not None:  # the buffer may have changed; what is not whole is not listed
+        if self.rig.job.whole:  # the buffer may have changed; what is not whole is not delivered
             wanted = self.due(run.scenario) if status == DONE else self.before
         before = self.before
         if self.rig.job.in_steps:
@@ -217,6 +218,8 @@ class JobConduct:
         if restoration is not None:
             restoration.check(run.scenario, status, self.rig.db.get(CAUSE))
         check_end(self.rig, run.scenario, self.requests, before, wanted, status, self.polled, restoration)
+        if self.rig.job.recipe is not None and self.rig.job.writes and run.scenario.checked:
+            check_refused(self.rig, run.scenario, status)
         if self.rig.job.poll is not None:
             check_saved(self.rig, status, self.saves if run.scenario.checked else None)
         self.before = self.rig.delivered()

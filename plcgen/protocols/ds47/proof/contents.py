@@ -86,11 +86,11 @@ def _value_set(
     if kind == "odd":
         held = {pnu: odd(use, len(parameters[pnu].values), turn) for pnu, use in uses.items()}
         given = {
-            use.position: pack_values(use.format, odd(use, _elements(use), turn, given=True)) for use in job.inputs
+            use.position: pack_values(use.format, odd(use, _elements(use), turn, given=True)) for use in job.supplied
         }
         return ValueSet(held, {use.position: use.data for use in job.uses} | given)
     held = {pnu: sample(use, len(parameters[pnu].values), draw, kind) for pnu, use in uses.items()}
-    inputs = {use.position for use in job.inputs}
+    inputs = {use.position for use in job.supplied}
     given = {
         use.position: pack_values(use.format, sample(use, _elements(use), draw, kind))
         if use.position in inputs

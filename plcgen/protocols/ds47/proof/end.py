@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob
 from plcgen.protocols.ds47.proof.contents import held, kept
+from plcgen.protocols.ds47.proof.recorded import REFUSED
 from plcgen.protocols.ds47.proof.restored import BACK, WRITE, Restoration
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
@@ -83,6 +84,15 @@ def check_errors(rig: JobRig, wanted: list[Result]) -> None:
             raise ScenarioError(
                 f"errors[{position}], errorInfos[{position}] are {shown} instead of 16#{right[0]:04X}, {right[1]}"
             )
+
+
+def check_refused(rig: JobRig, scenario: DriveScenario, status: int) -> None:
+    """What a job says of a value that is not allowed, for which it sends nothing."""
+    found = tuple(rig.db.get(name) for name in REFUSED)
+    if found != scenario.refused:
+        raise ScenarioError(f"{', '.join(REFUSED)} are {found} instead of {scenario.refused}")
+    if status in {WORDS["OUTSIDE"], WORDS["NO_RECORD"]} and rig.drive.journal:
+        raise ScenarioError("a start that is refused sends something")
 
 
 def check_values(

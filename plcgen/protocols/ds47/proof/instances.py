@@ -14,6 +14,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof import clocked, listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, held, piece, value_set, values_of
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
+from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, signals
 from plcgen.protocols.ds47.proof.rig import record_index
 from plcgen.protocols.ds47.proof.saved import saving_scans
 from plcgen.protocols.ds47.proof.stepped import overwritten
@@ -47,6 +48,7 @@ class Trio:
     def __init__(self, plan: DrivePlan, program: Program, cpu: Cpu, job: DriveJob, number: int) -> None:
         self.plan, self.program, self.cpu, self.job, self.number = plan, program, cpu, job, number
         self.block = f"{pair_fb(number)}_DB"
+        self.records: dict[str, Records] = {}
         device, first = job.drive.device, job.drive.drive_object
         one_object = job.drive.record_index & 0xFFFF == LOCAL_INDEX
         second = first if one_object else first + 1 if first < 0xFF else first - 1
@@ -66,7 +68,7 @@ class Trio:
         self.cpu.bus.attach(id_value, drive)
         id_name = "hardwareId" if self.plan.target.t15 else "driveAddress"
         members = [*clocked.inputs(self.job), *(use.member for use in self.job.outputs), *listed.paths(self.job)]
-        paths = [f"{key}.{name}" for name in (*SIGNALS, id_name, *members)]
+        paths = [f"{key}.{name}" for name in (*SIGNALS, id_name, *members, *signals(self.job))]
         db = Members(self.cpu, self.program, self.block, paths, f"{key}.")
         values = value_set(self.job, drive, drive_object, "next", f"{self.job.shape} {key}")
         if key != "near" or self.job.drive.record_index & 0xFFFF != LOCAL_INDEX:
@@ -76,6 +78,10 @@ class Trio:
         db.set(id_name, id_value)
         for member, data in values.inputs(self.job):
             db.put(member, data)
+        if self.job.recipe is not None:
+            records = self.records[key] = Records(self.job, db, f"{key}Records", self.job.recipe.count)
+            db.set(NUMBER, records.number)
+            records.put(values.given)
         if key == "near" and self.job.pinned:
             data = self.job.telegrams[0].request.data
             self.cpu.db(own_dbs(self.number)[0])[: len(data)] = data
@@ -119,6 +125,10 @@ class Trio:
                 raise ScenarioError(f"instance {one.key} ends with 16#{status:04X}")
             if listed.shown(self.job, one.db) != listed.wanted(self.job, one.drive, one.drive_object, one.values.given):
                 raise ScenarioError(f"the list of instance {one.key} is not that of its drive")
+            if self.job.stores:
+                given = {use.position: held(one.drive, one.drive_object, use) for use in self.job.uses}
+                if self.records[one.key].shown() != self.records[one.key].wanted(given):
+                    raise ScenarioError(f"the records of instance {one.key} are not those of its drive")
             self._read(one)
             outputs = () if self.job.in_steps else self.job.outputs
             for use in (*outputs, *(use for use in self.job.uses if use.writes)):

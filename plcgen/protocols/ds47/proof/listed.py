@@ -78,7 +78,7 @@ def wanted(job: DriveJob, drive: Drive, drive_object: int, given: Mapping[int, b
 def answered(job: DriveJob, answers: Sequence[bytes], given: Mapping[int, bytes]) -> bytes:
     """The list that good answers make, one to each telegram."""
     if job.deviations is not None:
-        return compared.content(job, given, _came(job, answers))
+        return compared.content(job, given, came(job, answers))
     found: dict[int, tuple[Format, list[Value]]] = {}
     for telegram, answer in zip(job.telegrams, answers, strict=True):
         at = 4
@@ -91,7 +91,7 @@ def answered(job: DriveJob, answers: Sequence[bytes], given: Mapping[int, bytes]
     return _entries(job, found)
 
 
-def _came(job: DriveJob, answers: Sequence[bytes]) -> dict[int, bytes]:
+def came(job: DriveJob, answers: Sequence[bytes]) -> dict[int, bytes]:
     """Wire bytes of every use in good answers, by its position."""
     found: dict[int, bytes] = {}
     for telegram, answer in zip(job.telegrams, answers, strict=True):

@@ -56,8 +56,12 @@ def _run(rig: JobRig, drive: Drive) -> int:
     number = drive.behaviour.aliases.get(job.drive.drive_object, job.drive.drive_object)
     if listed.shown(job, rig.db) != listed.wanted(job, drive, number, {use.position: use.data for use in job.uses}):
         raise ScenarioError("the list is not that of your drive")
+    if rig.records is not None and job.stores:
+        there = {use.position: held(drive, number, use) for use in job.uses}
+        if rig.records.shown() != rig.records.wanted(there):
+            raise ScenarioError("the record is not what your drive has")
     for use in job.uses:
-        if (use.writes and use in job.saving) or job.listed is not None or use.remembers is not None:
+        if (use.writes and use in job.saving) or job.whole or use.remembers is not None:
             continue  # it has returned to 0, or the drive has another value by now
         expected = held(drive, number, use)
         found = use.data if use.writes else rig.db.bytes(use.member, len(expected))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import islice, product
 from typing import Any
 
@@ -13,9 +13,10 @@ from plcgen.cpu.system.record import PLACES
 from plcgen.proof.rig import Members
 from plcgen.proof.scenario import IDLE, RUNNING, STARTED, ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
-from plcgen.protocols.ds47.proof import clocked, listed
+from plcgen.protocols.ds47.proof import clocked, listed, recorded
 from plcgen.protocols.ds47.proof.contents import ValueSet, piece, value_set, values_of
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
+from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, shared
 from plcgen.protocols.ds47.proof.restored import CAUSE, OUTCOMES
 from plcgen.protocols.ds47.proof.saved import check_held_back, saving_scans
 from plcgen.protocols.ds47.proof.scenario import Contents, DriveScenario
@@ -43,6 +44,7 @@ class Plant:
         self._guards = {caller: self._guard(caller) for caller in plan.callers}
         self.waiting = [job for job in plan.jobs if job.waits]
         self.values: dict[str, ValueSet] = {}
+        self.records: dict[str, Records] = {}
         self.forgiven: frozenset[str] = frozenset()
         """Misuses that are not the program's doing."""
         self.name = ""
@@ -72,6 +74,7 @@ class Plant:
         yield from (name for name in SIGNALS if getattr(job.trigger, name) is None)
         yield from FAILED if job.in_steps else ()
         yield from (CAUSE,) if job.restores else ()
+        yield from recorded.signals(job)
         yield from clocked.inputs(job)
         yield from (use.member for use in job.outputs)
         yield from listed.paths(job)
@@ -180,6 +183,26 @@ class Plant:
             values.put(unit, number)
             for member, data in values.inputs(job) if not delivered or job.timed else ():
                 self.control(job).put(f"{job.member}.{member}", data)
+        self._records(delivered=delivered)
+
+    def _records(self, *, delivered: bool) -> None:
+        """All jobs that take the record of a recipe have the first one, those that give it its values the last one."""
+        self.records.clear()
+        first: dict[str, Mapping[int, bytes]] = {}
+        for job in self.plan.jobs:
+            if job.recipe is None:
+                continue
+            db = Members(self.cpu, self.program, job.recipe.db.name, [])
+            found = self.records[job.key] = Records(job, db, "records", job.recipe.count if job.stores else 1)
+            self.control(job).set(f"{job.member}.{NUMBER}", found.number)
+            if job.stores:
+                continue
+            given = first.setdefault(job.recipe.key, self.values[job.key].given)
+            if delivered:
+                given = {use.position: job.recipe.values[0][use.member] for use in recorded.members(job)}
+            else:
+                found.put(given)
+            self.values[job.key] = shared(self.values[job.key], job, given)
 
     @property
     def patience(self) -> int:
@@ -285,8 +308,10 @@ class Plant:
                 answers = answers[-1:]  # asked again and again: the last one counts
             elif job.verified and not telegram.parts[0].use.remembers:
                 answers = answers[:1]
-            if not telegram.writes and job.listed is None:
+            if not telegram.writes and not job.whole:
                 self.check_outputs(job, telegram, answers)
+        if job.stores:
+            self.check_record(job)
         if job.listed is not None:
             self.check_list(job, [[a for sent, a in exchanges if sent[1:] == one[1:]] for one in requests])
 
@@ -297,6 +322,20 @@ class Plant:
         tried = islice(product(*(dict.fromkeys(reversed(found)) for found in answers)), MANY)
         if not any(listed.answered(job, chosen, given) == shown for chosen in tried):
             raise ScenarioError(f"the list of {job.key} is not what came")
+
+    def check_record(self, job: DriveJob) -> None:
+        """The record has what has come to one of the jobs that give it their values."""
+        found = self.records[job.key]
+        for one in self.plan.jobs:
+            if not one.stores or one.recipe is not job.recipe:
+                continue
+            exchanges = self.exchanges(one.drive.unit)
+            requests = self.values[one.key].requests(one, one.drive.drive_object)
+            answers = [[a for sent, a in exchanges if sent[1:] == request[1:]] for request in requests]
+            tried = islice(product(*(dict.fromkeys(reversed(came)) for came in answers)), MANY)
+            if any(found.holds(listed.came(one, chosen)) for chosen in tried):
+                return
+        raise ScenarioError(f"the record of {job.key} has not what came")
 
     def check_outputs(self, job: DriveJob, telegram: DriveTelegram, answers: list[bytes]) -> None:
         """The outputs of a telegram show one of the answers: where jobs send the same, nobody knows whose is which."""

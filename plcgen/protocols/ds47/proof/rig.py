@@ -12,6 +12,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram,
 from plcgen.protocols.ds47.proof import clocked, listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, held, kept, piece, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
+from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, signals
 from plcgen.protocols.ds47.proof.restored import CAUSE
 from plcgen.protocols.ds47.proof.scenario import Contents
 from plcgen.protocols.ds47.proof.stepped import FAILED, triggers
@@ -66,7 +67,9 @@ class JobRig:
         paths += [f"job.{name}" for name in GUARD] if job.guarded else []
         paths += [f"job.{name}" for name in FAILED] if job.in_steps else []
         paths += [f"job.{CAUSE}"] if job.restores else []
+        paths += [f"job.{name}" for name in signals(job)]
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
+        self.records = Records(job, self.db, "jobRecords", 1) if job.recipe is not None else None
         self.unit = self.unit_of(UNITS[0])
         self.source = Source(program, job.block)
         self.set_number = 0
@@ -113,6 +116,8 @@ class JobRig:
     def next_values(self, kind: Contents) -> None:
         """Give drive and inputs values."""
         self.set_number = (self.set_number + 1) % VALUE_SETS
+        if self.records is not None:
+            self.records.number = self.records.number % self.records.count + 1
         self.values = self.value_set(kind)
         self.values.put(self.drive, self.drive_object)
         self.put_inputs()
@@ -151,6 +156,9 @@ class JobRig:
         self.db.set(self.id_name, self.id_value)
         for member, data in self.values.inputs(self.job):
             self.db.put(member, data)
+        if self.records is not None:
+            self.db.set(NUMBER, self.records.number)
+            self.records.put(self.values.given)
 
     def meddle(self) -> None:
         """Change all inputs but the slot; of the channel the record, which it takes over with the telegram."""
@@ -159,6 +167,21 @@ class JobRig:
         self.db.set(self.id_name, self.id_value ^ 0xFF)
         for member, data in self.values.inputs(self.job):
             self.db.put(member, bytes(byte ^ 0xFF for byte in data))
+        if self.records is not None:
+            self.db.set(NUMBER, self.records.number % self.records.count + 1)
+            if not self.job.stores:
+                self.records.put({at: bytes(byte ^ 0xFF for byte in given) for at, given in self.values.given.items()})
+
+    def damage(self, number: int | None, values: Mapping[int, tuple[int, bytes]]) -> None:
+        """Another number, or a value of the record that is not allowed, by position of its use and its place there."""
+        if number is not None:
+            self.db.set(NUMBER, number)
+        if self.records is not None and values:
+            given = dict(self.values.given)
+            for position, (at, data) in values.items():
+                start = at * len(data)
+                given[position] = given[position][:start] + data + given[position][start + len(data) :]
+            self.records.put(given)
 
     def requests(self) -> list[bytes]:
         """The telegrams this run must send, reference 0."""
@@ -166,6 +189,9 @@ class JobRig:
 
     def wanted(self, *keeps: Mapping[int, Keeps]) -> list[list[bytes]]:
         """Wire bytes that the parts of each telegram must deliver; ``keeps``: what the drive makes of written ones."""
+        if self.records is not None and self.job.stores:
+            there = {use.position: held(self.drive, self.drive_object, use) for use in self.job.uses}
+            return self._listed(self.records.wanted(there))
         if self.job.listed is not None:
             return self._listed(listed.wanted(self.job, self.drive, self.drive_object, self.values.given))
         known = {use.position: held(self.drive, self.drive_object, use) for use in self.job.outputs}
@@ -176,6 +202,8 @@ class JobRig:
 
     def delivered(self) -> list[list[bytes]]:
         """Wire bytes of the outputs, by telegrams and parts; a change has none."""
+        if self.records is not None and self.job.stores:
+            return self._listed(self.records.shown())
         if self.job.listed is not None:
             return self._listed(listed.shown(self.job, self.db))
         return [[self.output(part) for part in t.parts if not t.writes] for t in self.job.telegrams]

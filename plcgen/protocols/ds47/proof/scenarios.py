@@ -9,6 +9,7 @@ from plcgen.protocols.ds47.proof.clocking import clocking
 from plcgen.protocols.ds47.proof.comparing import comparing
 from plcgen.protocols.ds47.proof.listing import listing
 from plcgen.protocols.ds47.proof.points import FEW, ends, fault, positions, put, value_at
+from plcgen.protocols.ds47.proof.recipes import recipes
 from plcgen.protocols.ds47.proof.restoring import restored, restoring
 from plcgen.protocols.ds47.proof.rig import VALUE_SETS
 from plcgen.protocols.ds47.proof.saving import saving
@@ -54,7 +55,7 @@ def _matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
     """What every job has, and what is that of its kind."""
     yield from _values()
     yield from _refusals(job)
-    if not job.writes and job.listed is None and not job.waits:
+    if not job.writes and not job.whole and not job.waits:
         yield from _not_numbers(job)
     yield from _blocks(job, longest)
     yield from _record_calls(job)
@@ -73,6 +74,8 @@ def _matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
         yield from stepping(job, scans)
     if job.clock is not None:
         yield from clocking(job)
+    if job.recipe is not None:
+        yield from recipes(job, job.recipe.count)
 
 
 def _values() -> Iterator[DriveScenario]:

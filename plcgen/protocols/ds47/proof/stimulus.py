@@ -75,6 +75,9 @@ def _caller(plan: DrivePlan, job: DriveJob, name: str, jobs: dict[str, tuple[int
     units = sorted({unit for unit, _, _ in jobs.values()})
     declared = [f'gate : "{engine.gate.name}";', *(f'channel{unit} : "{engine.channel.name}";' for unit in units)]
     declared += [f'{key} : "{job.block.name}";' for key in jobs]
+    if job.recipe is not None:
+        type_ = f'Array[1..{job.recipe.count}] of "{job.recipe.type.name}"'
+        declared += [f"{key}Records : {type_};" for key in jobs]
     calls = [f'#gate(places := 4, channels := {len(units)}, gate := "{GATE_DB}".gate);']
     for unit in units:
         db = f', unitDb := "{UNITS[unit]}"' if plan.target.classic else ""
@@ -84,6 +87,7 @@ def _caller(plan: DrivePlan, job: DriveJob, name: str, jobs: dict[str, tuple[int
         )
     for key, (unit, _, (request, response)) in jobs.items():
         own = f'requestDb := "{request}", responseDb := "{response}", ' if job.pinned else ""
+        own += "" if job.recipe is None else f"records := #{key}Records, "
         calls.append(f'#{key}({own}unit := "{UNITS[unit]}".unit);')
     lines = "\n  ".join(declared)
     body = "\n".join(calls)

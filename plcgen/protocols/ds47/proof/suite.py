@@ -192,7 +192,7 @@ class DriveSuite:
             shown = [f"{present} {member}, the latest {latest}"]
         if job.deviations is not None:
             shown = [f"{value_text(rig.cpu[f'{name}.job.{job.deviations.count}'])} deviations"]
-        shown = shown or [f"{use.label} written" for use in job.uses]
+        shown = shown or [f"{use.label} {'written' if use.writes else 'stored'}" for use in job.uses]
         more = f", .. ({len(shown)})" if len(shown) > SHOWN_VALUES else ""
         tail = f", RDREC B5 x{count}" if count else ""
         return f"{scans} scans, WRREC busy 3{tail}", ", ".join(shown[:SHOWN_VALUES]) + more

@@ -62,6 +62,8 @@ MEANINGS = {
     0x8531: ("NOT_RESTORED", "failed; restoring failed as well"),
     0x8532: ("RUNS", "failed; the drive runs, so that nothing was written back"),
     0x8533: ("LEFT", "failed; values that are neither the old ones nor the job's were left alone"),
+    0x8540: ("NO_RECORD", "refused: there is no record with this number"),
+    0x8541: ("OUTSIDE", "refused: a value of the record is outside its limits, see failedParameter"),
 }
 WORDS = {name: word for word, (name, _) in MEANINGS.items()}
 """Status words by name: ``WORDS["TIMEOUT"]``."""

@@ -111,9 +111,9 @@ def job_signals(cpu: Cpu, job: DriveJob, units: UnitWatch) -> Iterator[Observed]
         entries = (f"{found.member}[{n}].{name}" for n in range(1, min(found.places, _LISTED) + 1) for name in _ENTRY)
         for name in (found.count, found.equal, *entries):
             yield signal(cpu, job.key, name, f"{own}.{name}", listed=True)
-    for use in (*job.inputs, *job.outputs):
+    for use in (*job.inputs, *job.outputs, *(use for use in job.uses if use.recorded)):
         name = f"{use.member}_value" if use.member in _OWN else use.member
-        path = f"{own}.{use.member}"
+        path = f"{own}.{value_path(job, use)}"
         yield signal(cpu, job.key, name, path, unit=use.parameter.unit or "", listed=use in job.outputs)
 
 
@@ -184,13 +184,14 @@ class DriveJobWatch:
 
 
 def value_path(job: DriveJob, use: Use) -> str:
-    """Where an instance has a value; of a buffer of messages as it came, of a time as it is sent."""
+    """Where an instance has a value; of a time as it is sent, of messages and records as they came or are sent."""
     if use in job.timed:
         return f"statRequestView.{use.member}"
-    if job.messages is None:
+    if job.messages is None and not use.recorded:
         return use.member
     number = next(one.number for one in job.telegrams if one.parts[-1].use.position >= use.position)
-    return f"statResponseView{number}.{use.member}"
+    view = "Request" if use.writes else "Wanted" if use.compared else "Response"
+    return f"stat{view}View{number if len(job.telegrams) > 1 else ''}.{use.member}"
 
 
 def _octets(value: object) -> object:

@@ -20,12 +20,14 @@ def unconnected(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG226: a limit or reference without a value: what is written if nobody connects the input is nobody's choice."""
     for shape in plan.shapes:
         instances = [job for job in plan.jobs if job.shape == shape.shape]
-        for use in shape.inputs:
+        for use in shape.supplied:
             found = next((job for job in instances if use.parameter.pnu in job.drive.device.bases), None)
             if found is not None and use.writes and not given_start(plan, shape, use):
                 device = found.drive.device.key
-                message = f"{use.label} is a limit or reference of {device}, and its input has no start value"
+                what = "member of the records" if use.recorded else "input"
+                message = f"{use.label} is a limit or reference of {device}, and its {what} has no start value"
                 help_ = f"write {use.label}: {{start: ..}}, or a constant"
+                help_ = f"write {{parameter: {use.label}, start: ..}}" if use.recorded else help_
                 yield Diagnostic("PG226", message, parameter_span(plan, use), help=help_)
 
 

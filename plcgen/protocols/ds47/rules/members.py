@@ -29,6 +29,9 @@ _OWN = frozenset(
 _LISTED = frozenset({"deviations", "deviationcount", "equal"})
 """Members of job blocks that compare."""
 
+_RECORDED = frozenset({"recordnumber", "records", "failedindex"})
+"""Members of job blocks with a recipe."""
+
 _PREFIXED = re.compile(r"(?:[Ss]tat|[Tt]emp|[Ii]nst)[A-Z0-9]|(?i:state_|status_)")
 _SHOWN = 8
 
@@ -56,6 +59,7 @@ def interface_members(plan: DrivePlan) -> Iterator[Diagnostic]:
             span = member_span(plan, use)
             own = _OWN if job.deviations is None else _OWN | _LISTED
             own = own | {"cause"} if job.restores else own
+            own = own if job.recipe is None else own | _RECORDED
             if use.member.lower() in own or _PREFIXED.match(use.member):
                 yield Diagnostic(
                     "PG406",

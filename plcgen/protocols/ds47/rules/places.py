@@ -42,7 +42,7 @@ def given_start(plan: DrivePlan, job: DriveJob, use: Use) -> bool:
 
 def _item(plan: DrivePlan, job: DriveJob, use: Use) -> ReadItem | WriteItem | None:
     """What the spec says of a use; old values stand in front of those that are written."""
-    items = kind_called(job.kind).items(getattr(plan.entry(job), job.kind))
+    items = plan.spec.items(plan.entry(job), kind_called(job.kind))
     front = next(n for n, one in enumerate(job.uses) if one.writes) if job.restores else 0
     at = use.position - 1 - front
     return items[at] if 0 <= at < len(items) else None

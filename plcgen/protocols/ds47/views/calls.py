@@ -72,6 +72,8 @@ def _job(plan: DrivePlan, job: DriveJob, command: Command) -> dict[str, Any]:
             ("requestDb", f'"{telegram.request.home.name}"'),
             ("responseDb", f'"{telegram.response.home.name}"'),
         ]
+    if job.recipe is not None:
+        own.append(("records", f'"{job.recipe.db.name}".records'))
     execute, *results = [signal.name for signal in command.signals]
     inputs = [(name, control.place(command, name)) for name in (v.member.name for v in command.inputs)]
     outputs = [(name, control.place(command, name)) for name in (v.member.name for v in command.outputs)]

@@ -17,6 +17,7 @@ from plcgen.protocols.ds47.views.engine import programs as engine_programs
 from plcgen.protocols.ds47.views.engine import types
 from plcgen.protocols.ds47.views.messages import entry_types
 from plcgen.protocols.ds47.views.program import program
+from plcgen.protocols.ds47.views.recipes import recipe_data, recipe_types
 
 
 def contribution(plan: DrivePlan) -> Contribution:
@@ -26,9 +27,10 @@ def contribution(plan: DrivePlan) -> Contribution:
     return Contribution(
         family="DS47",
         jobs="drive jobs",
-        types=[*types(plan), *entry_types(plan), *deviation_types(plan)],
+        types=[*types(plan), *recipe_types(plan), *entry_types(plan), *deviation_types(plan)],
         data=[
             *(_unit(plan, unit) for unit in plan.units),
+            *recipe_data(plan),
             DataBlock(engine.gate_db, "Places for record jobs", (gate,)),
         ],
         programs=_programs(plan),
@@ -111,7 +113,7 @@ def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
         "drive": job.drive.key,
         "label": use.label,
         "title": use.parameter.title,
-        "value": value if use.constant else f"input, {_open(job, use, value)}",
+        "value": value if use.constant else _open(job, use, value),
         "note": "; ".join(notes).replace("|", "\\|"),
         "safety": use.parameter.pnu in guards.SAFETY,
     }
@@ -119,7 +121,9 @@ def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
 
 def _open(job: DriveJob, use: Use, value: str) -> str:
     """What comes from outside; a time that nothing is connected to is refused."""
-    return "of the time at utc" if use in job.timed else f"{value} if nothing is connected"
+    if job.recipe is not None and use.recorded:
+        return f"record of {job.recipe.db.name}"
+    return "input, of the time at utc" if use in job.timed else f"input, {value} if nothing is connected"
 
 
 def _numbers(telegram: DriveTelegram) -> dict[str, str]:

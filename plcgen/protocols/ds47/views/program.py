@@ -6,8 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from plcgen.documents.control import signals
-from plcgen.documents.members import initializer, plain
-from plcgen.documents.nouns import CallerValue, Command, FunctionBlock, MemberRow
+from plcgen.documents.nouns import CallerValue, Command, FunctionBlock
 from plcgen.documents.simaticml import RECORD_NOTE
 from plcgen.documents.spelling import (
     clean_title,
@@ -15,7 +14,6 @@ from plcgen.documents.spelling import (
     encodable,
     literal,
     one_line,
-    type_text,
 )
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
@@ -25,8 +23,9 @@ from plcgen.protocols.ds47.views.clock import clock_view, time_inputs
 from plcgen.protocols.ds47.views.deviations import deviation_values, deviations_view, right_answer
 from plcgen.protocols.ds47.views.engine import names, versions
 from plcgen.protocols.ds47.views.messages import list_values, messages_view
+from plcgen.protocols.ds47.views.recipes import recipe_inputs, recipe_values, recipe_view
 from plcgen.protocols.ds47.views.restore import cause_value, restore_view
-from plcgen.protocols.ds47.views.rows import buffer_blocks
+from plcgen.protocols.ds47.views.rows import buffer_blocks, interface_row
 from plcgen.protocols.ds47.views.steps import condition_text, sequence_view, step_values
 from plcgen.protocols.ds47.wire.formats import FormatKind, unpack_values
 from plcgen.protocols.ds47.wire.model import HEADER_SIZE
@@ -64,12 +63,14 @@ def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
         flags=dict(job.trigger.items()),
         signals=signals(plan),
         inputs=[
+            *recipe_inputs(plan, job),
             *(_value(plan, use, start=True) for use in job.inputs),
             *(CallerValue(row, ()) for row in time_inputs(plan, job)),
         ],
         outputs=[
             *step_values(plan, job),
             *cause_value(plan, job),
+            *recipe_values(plan, job),
             *(_value(plan, use, start=False) for use in job.outputs),
             *_lists(plan, job),
         ],
@@ -84,9 +85,9 @@ def _lists(plan: DrivePlan, job: DriveJob) -> list[CallerValue]:
 def _value(plan: DrivePlan, use: Use, *, start: bool) -> CallerValue:
     type_ = interface_type(use.format, use.count, use.subindex, plan.target)
     if not isinstance(type_, Elementary):
-        return CallerValue(_interface(plan, use, start=start), ())
+        return CallerValue(interface_row(plan, use, start=start), ())
     shown = {"REAL": "FloatingPoint", "LREAL": "FloatingPoint", "BOOL": "Bool"}.get(type_.name, "DEC")
-    return CallerValue(_interface(plan, use, start=start), (("", shown),))
+    return CallerValue(interface_row(plan, use, start=start), (("", shown),))
 
 
 def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
@@ -123,6 +124,8 @@ def title(plan: DrivePlan, job: DriveJob) -> str:
     if job.verified and job.poll is not None:
         uses, then = uses[:-1], ", then save"
     labels = ", ".join(use.label for use in uses[:4]) + (", .." if len(uses) > 4 else "")
+    if job.recipe is not None:
+        verb, labels = verb.replace("_recipe", ""), f"recipe {job.recipe.key}"
     return clean_title(comment_text(job.comment, plan.languages, plan.target, f"{verb} {labels}{then}"))
 
 
@@ -147,10 +150,16 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "order": _order(plan, job),
         "use_count": len(job.uses),
         "in_a_row": len(job.uses) > _UNROLLED,
-        "inputs": [*(_interface(plan, use, start=True) for use in job.inputs), *time_inputs(plan, job)],
+        "recipe": None if job.recipe is None else recipe_view(plan, job, job.recipe),
+        "supplied": bool(job.supplied or job.timed),
+        "inputs": [
+            *(value.member for value in recipe_inputs(plan, job)),
+            *(interface_row(plan, use, start=True) for use in job.inputs),
+            *time_inputs(plan, job),
+        ],
         "outputs": [
-            *(value.member for value in (*step_values(plan, job), *cause_value(plan, job))),
-            *(_interface(plan, use, start=False) for use in job.outputs),
+            *(value.member for value in (*step_values(plan, job), *cause_value(plan, job), *recipe_values(plan, job))),
+            *(interface_row(plan, use, start=False) for use in job.outputs),
             *(value.member for value in _lists(plan, job)),
         ],
         "telegrams": [_telegram(plan, job, telegram, aligned=aligned) for telegram in job.telegrams],
@@ -292,20 +301,6 @@ def _label(plan: DrivePlan, use: Use) -> str:
     return one_line(text)
 
 
-def _interface(plan: DrivePlan, use: Use, *, start: bool) -> MemberRow:
-    """Declaration of a value at the interface and in the control DB."""
-    where = plan.target
-    type_ = interface_type(use.format, use.count, use.subindex, where)
-    initial = initializer(type_, use.data, v5=where.v5) if start and any(use.data) else ""
-    unit = f" [{use.parameter.unit}]" if use.parameter.unit else ""
-    own = comment_text(use.comment, plan.languages, where, use.parameter.title)
-    if use.awaited is not None:
-        own = f"{own or 'value'}, as last read in step {use.step}"
-    return plain(
-        plan, use.member, type_text(type_, tia=not where.v5), one_line(f"{use.label} {own}{unit}"), start=initial
-    )
-
-
 _UNROLLED = 2
 """Parameters of a telegram whose results are copied one by one: fewer bytes than a loop."""
 
@@ -347,7 +342,10 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "use_shift": f" + {first - 1}" if first > 1 else "",
         "blocks": blocks,
         # a question that follows the one in which it was the first expects what is expected already
-        "copies": _copies(plan, job, telegram, aligned=aligned, response=True) if job.listed is None else [],
+        "copies": _copies(plan, job, telegram, aligned=aligned, response=True) if not job.whole else [],
+        "stores": [copy for one in job.telegrams for copy in _copies(plan, job, one, aligned=aligned, response=True)]
+        if job.stores and telegram is job.telegrams[-1]
+        else [],
         "expects": [] if closes and telegram.number == 2 else blocks,
     }
 
@@ -442,6 +440,9 @@ def _as_cell(source: str, type_: str, cell: str) -> str:
 def _copy(plan: DrivePlan, field: DriveField, part: Part, member: str, *, response: bool) -> dict[str, Any]:
     """One move; ``shift`` is what the interface's index is ahead of the buffer's index in a split array."""
     own = part.use.member
+    if part.use.recorded:
+        mark = "" if plan.target.v5 else "#"
+        own = f"records[{mark}{'statRecord' if response else 'recordNumber'}].{own}"
     view: dict[str, Any] = {"bool": _single_bool(part.use), "loop": False, "shift": ""}
     if isinstance(field.type, Elementary) and part.use.count > 1:
         own = f"{own}[{part.subindex}]"

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from functools import partial
 
-from plcgen.documents.members import assignments, buffer_member, display_format
+from plcgen.documents.members import assignments, buffer_member, display_format, initializer, plain
 from plcgen.documents.nouns import DataBlock, MemberRow, TypeBlock
-from plcgen.documents.spelling import comment_text, literal, one_line
+from plcgen.documents.spelling import comment_text, literal, one_line, type_text
 from plcgen.project.nouns import BlockRef, Buffer
-from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan
+from plcgen.protocols.ds47.plan.fields import interface_type
+from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.views.texts import field_texts
 from plcgen.s7.types import Elementary
 
@@ -22,6 +23,20 @@ def buffer_blocks(plan: DrivePlan, job: DriveJob, title: str) -> list[tuple[Type
             type_ = TypeBlock(buffer.type, members, job.comment)
             found.append((type_, _data(buffer.db, f"{which}: {title}", members, job)))
     return found
+
+
+def interface_row(plan: DrivePlan, use: Use, *, start: bool) -> MemberRow:
+    """Declaration of a value at the interface, in the control DB, in a record."""
+    where = plan.target
+    type_ = interface_type(use.format, use.count, use.subindex, where)
+    initial = initializer(type_, use.data, v5=where.v5) if start and any(use.data) else ""
+    unit = f" [{use.parameter.unit}]" if use.parameter.unit else ""
+    own = comment_text(use.comment, plan.languages, where, use.parameter.title)
+    if use.awaited is not None:
+        own = f"{own or 'value'}, as last read in step {use.step}"
+    return plain(
+        plan, use.member, type_text(type_, tia=not where.v5), one_line(f"{use.label} {own}{unit}"), start=initial
+    )
 
 
 def _data(db: BlockRef | None, title: str, members: list[MemberRow], job: DriveJob) -> DataBlock | None:

@@ -1,0 +1,98 @@
+"""Recipes: a type and a data block for each, made with the first job that uses it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from plcgen.diagnostics import Diagnostic, Report, Severity
+from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.project.numbering import Numbering
+from plcgen.project.spec import LoadedSpec, SpecPath
+from plcgen.protocols.ds47.plan.nouns import PlannedRecipe, Use
+from plcgen.protocols.ds47.plan.types import element_type
+from plcgen.protocols.ds47.plan.uses import UseResolver
+from plcgen.protocols.ds47.recipes import RecipeEntry
+from plcgen.protocols.ds47.schema import DriveSections
+from plcgen.s7.names import pascal_case
+
+
+class Recipes:
+    """Those of a spec, found in the order of the jobs that use them."""
+
+    def __init__(self, loaded: LoadedSpec, numbering: Numbering, report: Report) -> None:
+        self._loaded, self._numbering, self._report = loaded, numbering, report
+        self._entries = loaded.sections(DriveSections).recipes
+        self._named: set[str] = set()
+        self.found: dict[str, PlannedRecipe] = {}
+
+    def place(self, key: str, path: SpecPath) -> SpecPath | None:
+        """Where the parameters of a recipe stand; None after PG256 if there is none that a job at ``path`` names."""
+        if key in self._entries:
+            self._named.add(key)
+            return ("recipes", key, "parameters")
+        help_ = did_you_mean(key, self._entries) or "add it to the section recipes"
+        self._report.add(Diagnostic("PG256", f'there is no recipe "{key}"', self._loaded.span(path), help=help_))
+        return None
+
+    def recorded(self, uses: Sequence[Use], resolver: UseResolver) -> Iterator[Use]:
+        """The uses as members of a record; PG255 for what is no number."""
+        where = self._numbering.where
+        for use in uses:
+            if use.format.is_string or element_type(use.format, where) is None:
+                message = f"{use.label} is {use.format.name}: a recipe has numbers that this CPU has a type for"
+                resolver.problem("PG255", message, (*use.path, "parameter"), "read or write it in a job of its own")
+            else:
+                yield use
+
+    def of(self, key: str, job: str, uses: tuple[Use, ...], resolver: UseResolver) -> PlannedRecipe:
+        """The recipe of a job; PG255 if another job has made something else of it."""
+        entry, made = self._entries[key], self.found.get(key)
+        if made is None:
+            name = pascal_case(f"recipe_{key}")
+            type_ = self._numbering.block("UDT", f"type{name}", ("recipes", key))
+            db = replace(self._numbering.block("DB", name, ("recipes", key)), retain=entry.retain)
+            values = tuple(self._values(key, entry, uses, resolver))
+            made = self.found[key] = PlannedRecipe(key, type_, db, uses, entry.names, values, entry.comment or {})
+        elif _meanings(made.uses) != _meanings(uses):
+            message = f'the parameters of recipe "{key}" are others for "{job}" than for the job that used it first'
+            help_ = "make a recipe for each kind of drive"
+            self._report.add(Diagnostic("PG255", message, self._loaded.key_span(("jobs", job)), help=help_))
+        return made
+
+    def _values(
+        self, key: str, entry: RecipeEntry, uses: tuple[Use, ...], resolver: UseResolver
+    ) -> Iterator[Mapping[str, bytes]]:
+        """Start values of each record, as wire bytes by member."""
+        names = {item.parameter: use for item, use in zip(entry.parameters, uses, strict=False)}
+        names |= {use.member: use for use in uses}
+        start = {use.member: use.data for use in uses}
+        records = entry.records.items() if isinstance(entry.records, dict) else [("", {})] * entry.records
+        for title, record in records:
+            found = dict(start)
+            for name, value in record.items():
+                use = names.get(name)
+                path = ("recipes", key, "records", title, name)
+                if use is None:
+                    help_ = did_you_mean(name, names) or f"parameters of the recipe: {', '.join(names)}"
+                    resolver.problem("PG256", f'recipe "{key}" has no parameter "{name}"', path, help_)
+                    continue
+                found[use.member] = resolver.pack(value, use.parameter, use.format, use.count, path) or use.data
+            yield found
+
+    def unused(self) -> None:
+        """PG256: a recipe that no job uses has no types, so that nothing can be made of it."""
+        for key in self._entries if not self._report.has_errors else ():
+            if key not in self._named:
+                message = f'no job uses recipe "{key}": nothing is made of it'
+                help_ = f"add a job: {{drive: .., write_recipe: {key}}}"
+                place = self._loaded.key_span(("recipes", key))
+                self._report.add(Diagnostic("PG256", message, place, Severity.WARNING, help=help_))
+
+
+def _meanings(uses: Sequence[Use]) -> list[tuple[object, ...]]:
+    """What decides about a record and its limits."""
+    return [
+        (use.member, use.parameter.pnu, use.format, use.first, use.count, use.parameter.minimum, use.parameter.maximum)
+        for use in uses
+    ]
