@@ -233,8 +233,7 @@ def coverage(program: Program, block: CodeBlock, counts: list[int], results: dic
     steps = block.steps
     if steps is not None:
         steps = steps.difference(*(results[job.key].statistics.transitions for job in block.jobs))
-    found = cover(program, block.block, counts, block.premises, block.opened, steps)
-    return found if block.decides else found.counted
+    return cover(program, block.block, counts, block.premises, block.opened, steps)
 
 
 def made(results: Sequence[Result], what: str) -> str:

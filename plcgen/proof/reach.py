@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import inf
 from typing import TypeAlias
 
-from plcgen.proof.conditions import Names, Premise
+from plcgen.proof.conditions import OPPOSITE, Names, Premise
 from plcgen.proof.values import (
     ANYTHING,
     MOST,
@@ -286,7 +286,10 @@ class _Execution:
         if isinstance(node, ast.Repeat):
             return env, None
         value = self.scope.value(node.variable, env)
-        inside, outside = narrowed(value, "<=", last), narrowed(value, ">", last)
+        step = self.scope.value(node.step, {}) if node.step is not None else TRUE
+        downwards = isinstance(step, frozenset) and max(step) < 0
+        ends = "<" if downwards else ">"
+        inside, outside = narrowed(value, OPPOSITE[ends], last), narrowed(value, ends, last)
         return (
             None if inside is None else self.stored(node, inside, env),
             None if outside is None else self.stored(node, outside, env),

@@ -45,8 +45,7 @@ class CodeBlock:
     """A generated block with the jobs in it. ``key`` ends the id of its coverage, ``name`` is what messages call it.
 
     ``premises`` say what cannot happen in this project, ``opened`` which names they may follow. ``steps`` are all ways
-    from state to state, None if nobody draws them; ``state`` names a state. ``decides``: every operand of a condition
-    must have decided, or is only counted.
+    from state to state, None if nobody draws them; ``state`` names a state.
     """
 
     key: str
@@ -58,7 +57,6 @@ class CodeBlock:
     opened: tuple[str, ...] = ()
     steps: frozenset[Step] | None = None
     state: Callable[[int], str] = str
-    decides: bool = True
 
 
 class Bed(Protocol):

@@ -115,7 +115,7 @@ DAMAGE: dict[str, tuple[str, str]] = {
     "pads are forgotten": ("#tempAt := #tempAt + #tempSize MOD 2;", "#tempAt := #tempAt;"),
     "a failed item keeps its place": ("#tempAt := #tempAt + 4;", "#tempAt := #tempAt + 4 + #tempSize;"),
     "item errors are swallowed": ("#tempResult := #STATUS_ITEM_ERROR;", "#tempResult := #STATUS_DONE;"),
-    "the end is not looked at": ("IF #tempResult = #STATUS_DONE AND #tempAt <> #tempEnd THEN", "IF FALSE THEN"),
+    "the end is not looked at": ("IF #tempAt <> #tempEnd THEN", "IF FALSE THEN"),
     "the last job wins": ("#tempJob := #statJob + #tempIndex;", "#tempJob := #tempIndex;"),
     "no timeout": ("IF #tempElapsed >= #tempTimeout THEN", "IF FALSE THEN"),
     "errors of the job before stay": ("          #allErrors[#tempIndex] := W#16#0000;", "          ;"),

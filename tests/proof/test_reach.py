@@ -50,6 +50,10 @@ DEAD = {
         "FOR i := 1 TO MOST DO CASE i OF 1, 2: x := 1; 3: x := 2; ELSE x := 3; END_CASE; END_FOR;",
         {"3"},
     ),
+    "a selector that a loop counts down": (
+        "FOR i := MOST TO 1 BY -1 DO CASE i OF 1, 2: x := 1; 3: x := 2; ELSE x := 3; END_CASE; END_FOR; x := 4;",
+        {"3"},
+    ),
     "a label that no pass has": ("FOR i := 1 TO MOST DO CASE i OF 4: x := 4; END_CASE; END_FOR; x := 5;", {"4"}),
     "a state that nothing assigns": (
         "IF go THEN statState := STATE_RUN; END_IF; CASE statState OF STATE_RUN: x := 1; STATE_LOST: x := 2; END_CASE;",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 from plcgen.protocols.ppi.plan.nouns import PpiJob
 
@@ -10,6 +10,11 @@ Edit = Callable[[bytes], bytes]
 """What becomes of the PDU of a reply on its way; its frame is made anew around it."""
 Bend = Callable[[bytes], bytes]
 """What becomes of the bytes of a reply on its way."""
+
+TOO_MANY: Mapping[str, Edit] = {
+    "an item": lambda pdu: pdu[:13] + bytes((pdu[13] + 1,)) + pdu[14:],
+    "a parameter": lambda pdu: pdu[:7] + b"\x03" + pdu[8:14] + b"\0" + pdu[14:],
+}
 
 
 def edits(job: PpiJob) -> Iterator[tuple[str, Edit]]:
@@ -23,10 +28,9 @@ def edits(job: PpiJob) -> Iterator[tuple[str, Edit]]:
         yield "a parameter too many", lambda pdu: pdu[:7] + b"\x02" + pdu[8:] + b"\0"
         yield "data", lambda pdu: pdu[:9] + b"\x01" + pdu[10:] + b"\xff"
         return
-    yield "a parameter too many", lambda pdu: pdu[:7] + b"\x03" + pdu[8:14] + b"\0" + pdu[14:]
     yield "a byte too many", lambda pdu: with_data(pdu, pdu[14:] + b"\xff")
     yield "a byte too few", lambda pdu: with_data(pdu, pdu[14:-1])
-    yield "an item too many", lambda pdu: pdu[:13] + bytes((pdu[13] + 1,)) + pdu[14:]
+    yield from ((f"{name} too many", edit) for name, edit in TOO_MANY.items())
     if job.kind == "read":
         yield "all items but the first", lambda pdu: with_data(pdu, b"".join(_items(pdu)[1:]))
         yield "all items but the last", lambda pdu: with_data(pdu, b"".join(_items(pdu)[:-1]))

@@ -11,7 +11,7 @@ from typing import Any
 
 from plcgen.proof.scenario import Scenario
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob
-from plcgen.protocols.ppi.proof.replies import Bend, Edit, bends, changed, edits, with_data
+from plcgen.protocols.ppi.proof.replies import TOO_MANY, Bend, Edit, bends, changed, edits, with_data
 from plcgen.protocols.ppi.proof.words import CLOCK_END, CP_RESET_CALLS, DONE, DRAIN_MS, WORDS
 from plcgen.protocols.ppi.sim import Fault, FaultKind
 from plcgen.protocols.ppi.sim.faults import At
@@ -382,11 +382,11 @@ def _alone(master: PlannedMaster) -> Iterator[PpiScenario]:
 
 
 def _first_read(job: PpiJob) -> Iterator[PpiScenario]:
-    """The read in front of the first write with an item that nobody asked for."""
-    if job.kind != "read":
+    """The read in front of the first write with an item or a parameter that nobody asked for."""
+    for name in ("an item", "a parameter") if job.kind != "read" else ():
         yield PpiScenario(
-            name="first read with an item too many",
-            edit=lambda pdu: pdu[:13] + bytes((pdu[13] + 1,)) + pdu[14:],
+            name=f"first read with {name} too many",
+            edit=TOO_MANY[name],
             status=(WORDS["REPLY_FORMAT"],),
             fresh=True,
             retries=None,
@@ -474,6 +474,15 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
             retries=min(1, most),
             polls=1 if most or at == "poll" else 0,
         )
+    first = 3 if most else 2  # noise in front of E5 costs a repetition, or is taken for one
+    yield PpiScenario(
+        name="noise in front of E5, then sending of the poll fails forever",
+        faults=(fault("noise", "request"),),
+        port=dict.fromkeys(range(first, first + max(1, most)), 0x80D1),
+        module=0x80D1,
+        status=(WORDS["SEND_ERROR"],),
+        retries=most,
+    )
     yield PpiScenario(
         name="sending fails forever",
         port={0: 0x80D1},

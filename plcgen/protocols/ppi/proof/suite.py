@@ -107,7 +107,7 @@ class PpiSuite:
     def blocks(self) -> list[CodeBlock]:
         """The block of the master."""
         name, span = self.master.block.name, self.plan.loaded.key_span(self.master.path)
-        return [CodeBlock(self.master.key, name, name, self.jobs, lambda: span, self.premises(), OPENED, decides=False)]
+        return [CodeBlock(self.master.key, name, name, self.jobs, lambda: span, self.premises(), OPENED)]
 
     def premises(self) -> tuple[Premise, ...]:
         """What cannot happen in this project.

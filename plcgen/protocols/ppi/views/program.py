@@ -13,6 +13,7 @@ from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiT
 from plcgen.protocols.ppi.plan.times import GAP_BITS
 from plcgen.protocols.ppi.views.rows import buffer_blocks, value_text
 from plcgen.protocols.ppi.views.values import into_response, into_table, output_moves, stat_name
+from plcgen.protocols.ppi.wire.areas import Function
 from plcgen.protocols.ppi.words import CLOCK_END, DRAIN_MS, ONLY_CLASSIC, ONLY_NEW, STATES, STATUS_WORDS
 from plcgen.s7.types import Elementary
 
@@ -30,6 +31,7 @@ MODULES = {"cm1241": "CM 1241", "cb1241": "CB 1241", "cm-ptp": "CM PtP", "cp341"
 BAUD_CODES = {9600: 6, 19200: 7}
 _FORMATS = {"REAL": "FloatingPoint", "BOOL": "Bool", "BYTE": "Hex", "WORD": "Hex", "DWORD": "Hex"}
 """Display format of a value in a watch table, by type."""
+SERVICES = {"run": Function.PI_SERVICE, "stop": Function.STOP}
 VERBS = {"read": "Read", "write": "Write", "run": "Switch to RUN", "stop": "Switch to STOP"}
 
 
@@ -182,7 +184,9 @@ class _Views:
             "writes": any(job.kind == "write" for job in master.jobs),
             "pads": any(wire.item.octets % 2 for t in master.telegrams if t.kind == "read" for wire in t.items[:-1]),
             "reordered": any(telegram.reordered for telegram in master.telegrams),
-            "services": any(job.kind in {"run", "stop"} for job in master.jobs),
+            "services": [
+                f"{SERVICES[kind]:02X}" for kind in sorted(SERVICES.keys() & {job.kind for job in master.jobs})
+            ],
             "syncs": bool(master.syncs),
             "telegrams": telegrams,
             "wire_items": items,
