@@ -103,6 +103,24 @@ def test_nothing_is_printed(tmp_path, capsys):
     assert capsys.readouterr() == ("", "")
 
 
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: plcgen.verify("x.yaml", faults="Full"), "faults is 'Full'; there are none, quick, full"),
+        (lambda: plcgen.verify_shard("x.yaml", "1/2", faults="fast"), "faults is 'fast'"),
+        (lambda: plcgen.verify("x.yaml", oracle="wireshark"), "oracle is 'wireshark'; there are tshark"),
+        (lambda: plcgen.convert("x.scl", to="docx", out="y"), "to is 'docx'; there are scl, xml"),
+        (lambda: plcgen.convert("x.scl", to="xml", out="y", version="V99"), "version is 'V99'; there are V14 SP1"),
+        (lambda: plcgen.layout("x.scl", family="s7-100"), "family is 's7-100'; there are s7-300"),
+        (lambda: plcgen.decode(b"", kind="reqest"), "kind is 'reqest'; there are request, response"),
+    ],
+)
+def test_a_word_that_an_argument_does_not_know(call, words):
+    """Nothing less is done instead: faults="Full" was a quick run once."""
+    with pytest.raises(ValueError, match=words):
+        call()
+
+
 def test_decode_and_encode():
     """FAQ 109750712, figure 5-1: request and response of P50303 = 10.0."""
     from plcgen.protocols.ds47.wire.model import ParameterAddress

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from plcgen.api.arguments import FAULTS, Faults, expect
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
 
 if TYPE_CHECKING:
@@ -250,7 +251,7 @@ def verify(
     folder: Path | str | None = None,
     *,
     drive: Path | str | None = None,
-    faults: Literal["none", "quick", "full"] = "quick",
+    faults: Faults = "quick",
     engine: bool = False,
     oracle: Literal["tshark"] | None = None,
     strict: bool = False,
@@ -269,10 +270,15 @@ def verify(
     The parts of the execution run on ``executor``, or on the Dask cluster of a ``scheduler``, else in processes of this
     machine; ``cache`` is a folder of verdicts of the user's own, ``shards`` are the files of :func:`verify_shard`,
     all of them.
+
+    Raises:
+        ValueError: if ``faults`` or ``oracle`` is another word.
     """
     from plcgen.proof import Asked, Means
     from plcgen.proof import verify as run
 
+    expect("faults", faults, FAULTS)
+    expect("oracle", oracle, ("tshark",))
     asked = Asked(
         Path(spec),
         _folder(spec, folder),
@@ -306,7 +312,7 @@ def verify_shard(
     shard: str,
     folder: Path | str | None = None,
     *,
-    faults: Literal["none", "quick", "full"] = "quick",
+    faults: Faults = "quick",
     engine: bool = False,
     progress: Progress | None = None,
     executor: Executor | None = None,
@@ -317,12 +323,13 @@ def verify_shard(
     What it returns goes to a file as ``data()``; :func:`verify` with the files of all ``shards`` does the rest.
 
     Raises:
-        ValueError: if there is no such shard.
+        ValueError: if there is no such shard, or ``faults`` is another word.
     """
     from plcgen.proof import Asked, Means
     from plcgen.proof import verify_shard as run
     from plcgen.proof.shards import parse_shard
 
+    expect("faults", faults, FAULTS)
     asked = Asked(Path(spec), _folder(spec, folder), None, faults, engine)
     kept = Path(cache) if cache is not None else None
     return run(asked, parse_shard(shard), progress, Means(executor, kept))
@@ -364,7 +371,7 @@ def review(
     *,
     against: str = "",
     lock: Path | str | None = None,
-    faults: Literal["none", "quick", "full"] = "quick",
+    faults: Faults = "quick",
     fault: str = "",
     progress: Progress | None = None,
 ) -> Review:
@@ -374,9 +381,11 @@ def review(
 
     Raises:
         DiagnosticError: PG901 if there is nothing of that name, or ``fault`` makes no sense.
+        ValueError: if ``faults`` is another word.
     """
     from plcgen.signoff.collect import collect
     from plcgen.signoff.model import ReviewRequest
 
+    expect("faults", faults, FAULTS)
     own = Path(lock) if lock is not None else None
     return collect(ReviewRequest(Path(spec), _folder(spec, folder), against, faults, fault, own), progress)

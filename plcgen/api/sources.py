@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
+from plcgen.api.arguments import expect
 from plcgen.api.project import problems_of
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.review.layout.tables import BlockTable, LayoutResult
@@ -44,10 +45,14 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
     ``../scl``) are looked at too. ``family`` decides what a TON or WRREC inside an FB is (None: as the other
     types in the sources suggest), ``block`` picks blocks by
     name or number (``DB3``), ``expand`` shows every element of every array.
+
+    Raises:
+        ValueError: if ``family`` is another word.
     """
     from plcgen.input.hashes import path_hashes
     from plcgen.review.layout.planned import project_tables
 
+    expect("family", family, get_args(Family))
     tables: list[BlockTable] = []
     report = Report()
     sources: list[Path] = []
@@ -116,10 +121,16 @@ def convert(
     ``version`` is the TIA Portal version of the documents (``V14 SP1``, ``V15`` .. ``V21``), ``culture`` the language
     of their comments, ``encoding`` the code page of ANSI sources. Nothing is written if something is wrong, unless
     ``keep_going`` says to leave that out, or if a file exists and ``force`` is not given.
+
+    Raises:
+        ValueError: if ``to`` or ``version`` is another word.
     """
     from plcgen.documents.convert import convert as run
     from plcgen.documents.writing import add_files
+    from plcgen.simaticml.versions import VERSIONS
 
+    expect("to", to, ("scl", "xml"))
+    expect("version", version, VERSIONS)
     found = run(
         [Path(path) for path in paths],
         to,

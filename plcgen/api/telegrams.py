@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from plcgen.api.arguments import expect
 from plcgen.diagnostics import Diagnostic, Severity
 
 if TYPE_CHECKING:
@@ -62,9 +63,14 @@ def encode_write(
 def decode(
     data: bytes, *, kind: Literal["request", "response"] | None = None, request: bytes | None = None
 ) -> DecodedTelegram:
-    """Take a telegram apart, as far as it goes; ``request`` gives a response its context."""
+    """Take a telegram apart, as far as it goes; ``request`` gives a response its context.
+
+    Raises:
+        ValueError: if ``kind`` is another word.
+    """
     from plcgen.protocols.ds47.texts import dissect
 
+    expect("kind", kind, ("request", "response"))
     return dissect(data, kind, request)
 
 

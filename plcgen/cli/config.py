@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from plcgen.api.arguments import Faults
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.input.files import below
 from plcgen.input.text import read_text
@@ -17,7 +18,6 @@ from plcgen.input.validation import FileShape, StrictModel, validate
 
 NAME = "plcgen.toml"
 
-Faults = Literal["none", "quick", "full"]
 FailOn = Literal["breaking", "compatible", "any", "never"]
 Paths = Annotated[tuple[Annotated[str, Field(min_length=1, max_length=500)], ...], Field(max_length=1000)]
 

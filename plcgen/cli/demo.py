@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import click
 
 from plcgen.api import default_folder
+from plcgen.api.arguments import FAULTS, Faults
 from plcgen.cli.options import PATH, console, verb
 from plcgen.cli.output import OK, PROBLEMS, Console
 
@@ -28,10 +29,10 @@ _NAME = 26
 @click.argument("folder", type=PATH, default="plcgen-demo", metavar="[DIR]")
 @click.option(
     "--faults",
-    type=click.Choice(["none", "quick", "full"]),
+    type=click.Choice(FAULTS),
     help="How many faults the generated SCL runs through.  [default: quick for small ones, none for others]",
 )
-def command(*, folder: Path, faults: Literal["none", "quick", "full"] | None) -> int:
+def command(*, folder: Path, faults: Faults | None) -> int:
     """Copy the shipped specs to DIR (plcgen-demo), generate their blocks and verify them, a line for each.
 
     Specs that you changed in DIR are kept and used; nothing outside DIR is touched.
@@ -63,7 +64,7 @@ def _copy(out: Console, folder: Path) -> list[Path]:
     return copies
 
 
-def _one(out: Console, spec: Path, faults: Literal["none", "quick", "full"] | None) -> bool:
+def _one(out: Console, spec: Path, faults: Faults | None) -> bool:
     """Generate and verify one spec and tell it in a line; True if all is well."""
     from plcgen import api
 

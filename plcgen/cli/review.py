@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.api.arguments import FAULTS, Faults
 from plcgen.cli.options import PATH, console, folder_option, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS, USAGE
 
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--faults",
-    type=click.Choice(["none", "quick", "full"]),
+    type=click.Choice(FAULTS),
     default="quick",
     show_default=True,
     help="How many faults the generated SCL runs through.",
@@ -49,7 +50,7 @@ def command(
     folder: Path | None,
     against: str,
     lock: Path | None,
-    faults: Literal["none", "quick", "full"],
+    faults: Faults,
     fault: str,
     format_: OutputFormat,
     output: Path | None,

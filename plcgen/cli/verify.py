@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from plcgen.api import default_folder
+from plcgen.api.arguments import FAULTS, Faults
 from plcgen.cli.options import PATH, console, folder_option, format_option, output_option, strict_option, verb
 from plcgen.cli.watch import watch_option
 
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 @click.option("--drive", type=PATH, metavar="FILE", help="Drive file: the parameters of your real drive.")
 @click.option(
     "--faults",
-    type=click.Choice(["none", "quick", "full"]),
+    type=click.Choice(FAULTS),
     default="quick",
     show_default=True,
     help="How many faults the generated SCL runs through.",
@@ -54,7 +55,7 @@ def command(
     paths: tuple[Path, ...],
     folder: Path | None,
     drive: Path | None,
-    faults: Literal["none", "quick", "full"],
+    faults: Faults,
     engine: bool,
     oracle: Literal["tshark"] | None,
     cache: Path | None,
@@ -124,7 +125,7 @@ def _shard(
     spec: Path,
     folder: Path | None,
     shard: str,
-    faults: Literal["none", "quick", "full"],
+    faults: Faults,
     cache: Path | None,
     output: Path | None,
     *,

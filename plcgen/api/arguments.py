@@ -1,0 +1,17 @@
+"""Arguments of the functions that must be one of a few words: a type checker sees a typing mistake, Python does not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Literal, get_args
+
+Faults = Literal["none", "quick", "full"]
+"""How much of the fault matrix runs: nothing, everything once, or every combination."""
+FAULTS: tuple[Faults, ...] = get_args(Faults)
+
+
+def expect(name: str, value: str | None, words: Iterable[str]) -> None:
+    """Raise ValueError unless an argument is None or one of its words: nothing is done less thoroughly than asked."""
+    known = tuple(words)
+    if value is not None and value not in known:
+        raise ValueError(f"{name} is {value!r}; there are {', '.join(known)}")
