@@ -13,10 +13,12 @@ from plcgen.protocols.ds47.proof.rig import SLOT, JobRig
 from plcgen.protocols.ds47.proof.saved import check_saved
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.stepped import longest_waits, route
-from plcgen.protocols.ds47.proof.words import DONE, DRAIN, DRAIN_MS, NO_ANSWER, state_name
+from plcgen.protocols.ds47.proof.words import DONE, DRAIN, DRAIN_MS, HOLD, NO_ANSWER, state_name
 
 MANY_MS = 10_000_000
 """Longer than any run."""
+STILL_MS = 1000
+"""Of the time between two calls so much counts at most."""
 WAITING_MS = 50
 """Length of a scan in ms while a job waits for a drive that has forgotten its telegram: some seconds."""
 
@@ -139,6 +141,8 @@ class JobConduct:
             if self.taken and run.passed >= self.taken:
                 self.rig.leave()
                 self.taken = run.scenario.taken + MANY_MS
+        if run.scenario.still and run.scenario.still == self.course.handed and self.rig.unit.get("state") == HOLD:
+            return STILL_MS
         if run.scenario.meddle and run.scans > 1:
             self.rig.meddle()
         if run.scenario.robbed and run.scenario.robbed == self.course.handed and self.rig.unit.get("state") == DRAIN:

@@ -50,7 +50,7 @@ class DriveScenario(Scenario):
     ``questions`` is how often a telegram of a sequence is asked that waits, by its number; once if it is not there.
     ``missed`` is the parameter for which a sequence has waited in vain; ``taken`` is for how many ms another job has
     the unit from the first time on that it is free while the sequence waits. Another job lives in the
-    slot when the telegram ``robbed`` ends; 0: none does.
+    slot when the telegram ``robbed`` ends; 0: none does. The CPU stands still for 1 s when the telegram ``still`` ends.
 
     ``moment`` is the time at the input of a job that sets a clock, or bytes that are none; ``later`` what is there
     behind the first call.
@@ -91,6 +91,7 @@ class DriveScenario(Scenario):
     missed: int = 0
     taken: int = 0
     robbed: int = 0
+    still: int = 0
     moment: Moment | bytes | None = None
     later: Moment | bytes | None = None
     record: int | None = None

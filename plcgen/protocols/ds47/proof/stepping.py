@@ -122,6 +122,7 @@ def _trouble(telegram: DriveTelegram, awaited: Awaited) -> Iterator[DriveScenari
         checked=False,
     )
     short: dict[str, Any] = {"reads": {number: missing}, "questions": {number: 2}}
+    yield DriveScenario(name=f"the CPU stands still when telegram {number} is answered", still=number, **short)
     yield DriveScenario(
         name=f"another job has the unit when telegram {number} is due again", taken=awaited.interval + 200, **short
     )

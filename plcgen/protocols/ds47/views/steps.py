@@ -44,6 +44,7 @@ def sequence_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
         "waits": waits,
         "bytes": any(not condition["float"] for wait in waits for condition in wait["conditions"]),
         "always": len(waits) == len(job.telegrams),
+        "ends": [wait["number"] for wait in waits] == [len(job.telegrams)],  # nothing is behind the only one that waits
         "statuses": [(name, f"W#16#{value:04X}", text) for name, value, text in SEQUENCE_WORDS],
         "clock": versions(plan)["TON_TIME"],
     }
