@@ -159,8 +159,9 @@ def _sorted(paths: tuple[Path, ...], *, program: bool) -> tuple[list[Path], list
             continue
         from plcgen.cli.specs import specs_below
         from plcgen.cpu.sources import SUFFIXES, find_sources
+        from plcgen.sources.text import SD_SUFFIXES
 
-        if folder or suffix in SUFFIXES:
+        if folder or suffix in SUFFIXES | SD_SUFFIXES:
             below, inside = find_sources(path), specs_below(path) if folder and not program else []
             if not below and not inside:
                 what = "PLC source (.scl .udt .db .awl)" if program or not folder else "spec and no PLC source"

@@ -16,7 +16,7 @@ from plcgen.input.files import read_bounded
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult
 from plcgen.sources.files import MAX_FILES, MAX_SEEN
-from plcgen.sources.text import is_binary, load_text, read_source
+from plcgen.sources.text import SD_SUFFIXES, is_binary, load_text, read_source
 
 SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".st"})
 """What counts as a PLC source when a folder is searched."""
@@ -131,6 +131,8 @@ def _apart(
 def find_sources(path: Path | str) -> list[Path]:
     """Return the sources below a folder, sorted, without binary files of such names; a file is returned as it is.
 
+    Of a folder with SIMATIC SD documents only it is the first of these: what reads it says what that is.
+
     Raises DiagnosticError (PG802) for a folder with more than ``MAX_FILES`` of them.
     """
     path = Path(path)
@@ -141,7 +143,8 @@ def find_sources(path: Path | str) -> list[Path]:
     if len(seen) > MAX_SEEN or len(found) > MAX_FILES:
         message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"
         raise DiagnosticError([Diagnostic("PG802", message, Span(str(path)), help="name a smaller folder")])
-    return [entry for entry in sorted(found) if not _is_binary(entry)]
+    found = [entry for entry in sorted(found) if not _is_binary(entry)]
+    return found or sorted(entry for entry in seen if entry.suffix.lower() in SD_SUFFIXES)[:1]
 
 
 def find_documents(path: Path) -> list[Path]:

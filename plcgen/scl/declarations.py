@@ -41,6 +41,8 @@ _SECTIONS = {
 _CODE_BLOCKS = frozenset({"FUNCTION_BLOCK", "FUNCTION", "ORGANIZATION_BLOCK"})
 _RETAIN = frozenset({"RETAIN", "NON_RETAIN"})
 _DEFAULT_STRING = 254
+_INDEX = (-32768, 32767)
+"""Bounds of an array with standard access (help of the TIA Portal, "ARRAY")."""
 _PLAIN = [name for name in (*ELEMENTARY, *ALIASES, "STRING", "WSTRING") if "_" not in name]
 _LONGEST = 9
 _CONSTANT_HELP = (
@@ -72,6 +74,7 @@ class _Builder:
         self.source = result.tokens.source
         self.declared = declared
         self.strict = dialect is not None and dialect.is_tia
+        self.classic = dialect in {Dialect.STEP7_V5, Dialect.TIA_300_400}
         self.diagnostics: list[Diagnostic] = []
         self.project = project
         self.constants: Mapping[str, int] = {}
@@ -290,6 +293,9 @@ class _Builder:
         if last < first:
             self.error("PG801", f"the array ends before it begins ({first}..{last})", spec)
             last = first
+        if self.classic and not (_INDEX[0] <= first and last <= _INDEX[1]):
+            message = f"array bounds lie within {_INDEX[0]}..{_INDEX[1]} on S7-300/400, not {first}..{last}"
+            self.error("PG801", message, spec)
         return first, last
 
     def is_elsewhere(self, node: ast.Expression) -> bool:

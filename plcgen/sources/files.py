@@ -17,7 +17,7 @@ from plcgen.scl.parser import ParseResult
 from plcgen.sources.plcs import by_plc, plc_names
 from plcgen.sources.symbols import SUFFIXES as SYMBOL_SUFFIXES
 from plcgen.sources.symbols import read_symbols
-from plcgen.sources.text import read_source
+from plcgen.sources.text import SD_SUFFIXES, read_source
 
 TEXT_SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl"})
 XML_SUFFIXES = frozenset({".xml"})
@@ -142,16 +142,20 @@ def source_files(paths: Iterable[Path], diagnostics: list[Diagnostic]) -> Iterat
 def _walk(folder: Path, diagnostics: list[Diagnostic]) -> list[SourceFile]:
     wanted = TEXT_SUFFIXES | XML_SUFFIXES | SYMBOL_SUFFIXES
     found: list[SourceFile] = []
+    other: list[SourceFile] = []
     looked_at = 0
     for where, folders, names in os.walk(folder):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         shown = sorted(name for name in names if not name.startswith("."))
         found += [SourceFile(Path(where) / name, folder) for name in shown if Path(name).suffix.lower() in wanted]
+        other += [SourceFile(Path(where) / name) for name in shown if Path(name).suffix.lower() in SD_SUFFIXES]
         looked_at += len(names) + len(folders)
         if len(found) > MAX_FILES or looked_at > MAX_SEEN:
             message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"
             diagnostics.append(Diagnostic("PG802", message, Span(str(folder)), help="name a smaller folder"))
             return []
+    if not found and other:
+        return other[:1]  # reading it says what it is
     if not found:
         message = "no PLC source in this folder"
         text = f"sources end in {', '.join(sorted(TEXT_SUFFIXES | XML_SUFFIXES))}"

@@ -36,6 +36,8 @@ _WORD = 4
 """So many letters in a row that are no ASCII do not occur in Western languages."""
 
 _DECLARATIONS_ONLY = frozenset({".awl", ".stl"})
+SD_SUFFIXES = frozenset({".s7dcl", ".s7res"})
+"""SIMATIC SD: what version control of the TIA Portal V20 and later writes for a block, and the texts beside it."""
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8"),
     (codecs.BOM_UTF32_LE, "utf-32-le"),
@@ -72,6 +74,9 @@ def load_text(
 ) -> tuple[str, list[Diagnostic]] | Diagnostic:
     """Text of a file, and PG803 if ``dialect`` misreads its encoding; PG802 or PG804 if there is no text to have."""
     file = str(path)
+    if Path(path).suffix.lower() in SD_SUFFIXES:
+        text = "export the block as a source (.scl, .udt, .db) or as SimaticML (.xml)"
+        return Diagnostic("PG804", "a SIMATIC SD document of the TIA Portal is not read", Span(file), help=text)
     try:
         data = read_bounded(Path(path), MAX_BYTES)
     except OSError as error:

@@ -180,6 +180,27 @@ def test_a_type_that_exports_of_blocks_repeat_is_one(plcgen, tmp_path):
     assert {d["code"] for d in json.loads(plcgen(*command).out)["diagnostics"]} == {"PG805", "PG806"}
 
 
+def test_simatic_sd_is_told_in_one_line(plcgen, tmp_path):
+    """A document, its texts, or a folder with nothing else: what it is, not what would be wrong with it as SCL."""
+    (tmp_path / "sd").mkdir()
+    for name in ("A.s7dcl", "B.s7dcl"):
+        (tmp_path / "sd" / name).write_text(
+            '{\n  S7_Version := "0.1"\n}\nDATA_BLOCK A\n  VAR\n    a : Bool;\n  END_VAR\n'
+        )
+    (tmp_path / "A.s7res").write_text("MultiLingualTexts:\n  - id: MLC_1\n    en-US: a\n")
+    program = ("--program", "--target", "tia-1500")
+    for command in (
+        ("check", "sd/A.s7dcl"),
+        ("check", "A.s7res"),
+        ("check", "sd"),
+        ("check", "sd", *program),
+        ("layout", "sd"),
+    ):
+        result = plcgen(*command)
+        shown = result.out + result.err
+        assert (result.code, shown.count("error["), "PG804" in shown, "SIMATIC SD" in shown) == (1, 1, True, True)
+
+
 def test_a_block_in_two_files_is_told(plcgen, tmp_path):
     """A warning at the second place, in any letter case, with a note of the first; exit code 0."""
     (tmp_path / "a.scl").write_text(GOOD)
