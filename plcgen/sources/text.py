@@ -75,8 +75,8 @@ def load_text(
     """Text of a file, and PG803 if ``dialect`` misreads its encoding; PG802 or PG804 if there is no text to have."""
     file = str(path)
     if Path(path).suffix.lower() in SD_SUFFIXES:
-        text = "export the block as a source (.scl, .udt, .db) or as SimaticML (.xml)"
-        return Diagnostic("PG804", "a SIMATIC SD document of the TIA Portal is not read", Span(file), help=text)
+        better = "export the block as a source (.scl, .udt, .db) or as SimaticML (.xml)"
+        return Diagnostic("PG804", "a SIMATIC SD document of the TIA Portal is not read", Span(file), help=better)
     try:
         data = read_bounded(Path(path), MAX_BYTES)
     except OSError as error:
