@@ -110,7 +110,7 @@ class CallSites:
         for entry in link.blocks.values():
             if entry.block.kind in _CODE and not entry.skipped:
                 names = found.names[entry.index] = LocalNames(link, entry.block, known)
-                calls = (node for statement in entry.unit.statements for node in ast.walk(statement))
+                calls = (node for statement in entry.tree.statements for node in ast.walk(statement))
                 sites = (names.site(entry, node) for node in calls if isinstance(node, ast.Call))
                 found.by_block[entry.index] = [site for site in sites if site is not None]
         return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import struct
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from types import FrameType, TracebackType
 from typing import Any, Literal
@@ -181,14 +181,20 @@ class Cpu:
             self._clock[1] = 0
         self._clock[0] = milliseconds
 
-    def scan(self, milliseconds: int = 10, count: int = 1) -> None:
-        """Run scans of a length each: time passes, then the cyclic OB runs once."""
+    def scan(self, milliseconds: int = 10, count: int = 1, blocks: Sequence[str] = ()) -> None:
+        """Run scans of a length each: time passes, then the cyclic OB runs once, or some ``blocks`` instead."""
         if not self._started:
             self.restart("cold")
+        called = [self._callable(name) for name in blocks]
+        if not blocks and self._main is not None:
+            called.append((self._main, ()))
         for _ in range(count):
             self._next(milliseconds)
-            if self._main is not None:
-                self._run(self._main, ())
+            faulted = False
+            for block, arguments in called:
+                self._run(block, arguments)
+                faulted |= self.faulted
+            self.faulted = faulted
 
     def call(self, name: str, milliseconds: int = 0, **inputs: Any) -> None:
         """Call one instance data block, OB or FC without parameters, as one scan; inputs are set before."""

@@ -42,6 +42,7 @@ class FolderParts:
         coverage: bool = False,
         litter: bool = False,
         iec_check: IecCheck = IecCheck.AS_STATED,
+        lean: bool = False,
     ) -> Program:
         """Compile them."""
         return Program.load(
@@ -53,6 +54,7 @@ class FolderParts:
             coverage=coverage,
             litter=litter,
             iec_check=iec_check,
+            lean=lean,
         )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import CodeType
 
 from plcgen.cpu.decisions import Decision
@@ -17,7 +17,7 @@ from plcgen.s7.types import NamedType
 from plcgen.scl import ast
 from plcgen.scl.constants import integer
 from plcgen.scl.dialect import Dialect
-from plcgen.scl.parser import ParseResult
+from plcgen.scl.parser import ParseResult, parse
 
 _NUMBERED = re.compile(r"(?:DB|FB|FC|OB|SFB|SFC|UDT)[0-9]{1,5}", re.ASCII)
 ENO = re.compile(r"\b(?:ENO|OK)\b", re.IGNORECASE)
@@ -26,7 +26,10 @@ ENO = re.compile(r"\b(?:ENO|OK)\b", re.IGNORECASE)
 
 @dataclass(slots=True)
 class ProgramBlock:
-    """A block of the program: the tree, the declarations, where it lies in the generated code."""
+    """A block of the program: the tree, the declarations, where it lies in the generated code.
+
+    ``unit`` has the places of the block in its text, and its tree until that is released.
+    """
 
     index: int
     unit: ast.Unit
@@ -34,6 +37,7 @@ class ProgramBlock:
     result: ParseResult
     shape: Shape | None = None
     number: int | None = None
+    released: bool = False
 
     @property
     def name(self) -> str:
@@ -50,6 +54,19 @@ class ProgramBlock:
         """Whether it has code that was not read, as that of a statement list."""
         return self.unit.code[0] < 0 and self.block.kind in {BlockKind.FB, BlockKind.FC, BlockKind.OB}
 
+    @property
+    def tree(self) -> ast.Unit:
+        """The whole tree; one that was released is made again."""
+        if not self.released:
+            return self.unit
+        text, unit = self.result.tokens.source, self.unit
+        return parse(" " * unit.start + text[unit.start : unit.end], self.result.tokens.file).units[0]
+
+    def release(self) -> None:
+        """Keep the text alone, a tenth of the memory."""
+        self.unit = replace(self.unit, sections=(), body_type=None, statements=())
+        self.released = True
+
 
 @dataclass(frozen=True, slots=True)
 class Probe:
@@ -63,7 +80,12 @@ class Probe:
 
 @dataclass(slots=True)
 class Compiled:
-    """A block as Python code; ``lines`` maps a line of ``source`` to the line of the SCL file."""
+    """A block as Python code; ``lines`` maps a line of ``source`` to the line of the SCL file.
+
+    ``counters`` are those of its coverage.
+
+    ``calls`` are the blocks it calls, ``moving`` those of them that are multi-instances, by upper-case name.
+    """
 
     name: str
     function: str
@@ -73,7 +95,8 @@ class Compiled:
     code: CodeType | None = None
     diagnostics: list[Diagnostic] = field(default_factory=list)
     calls: dict[str, Span] = field(default_factory=dict)
-    moving: bool = False
+    moving: frozenset[str] = frozenset()
+    counters: range = range(0)
 
 
 @dataclass(slots=True)
@@ -84,8 +107,7 @@ class Linkage:
     ``user_constants`` as they are written, ``numbers`` the whole numbers among them.
     ``mixed``: blocks with standard and with optimised access meet. ``eno``: some block speaks of ENO or OK. ``litter``:
     local data holds garbage at the start of a call, of two kinds in turn. ``probes`` and ``decisions`` grow while
-    blocks are compiled for coverage, ``points`` while they are compiled for preemption; the preemptive form counts with
-    the ``counters`` of the plain one.
+    blocks are compiled for coverage, ``points`` while they are compiled for preemption.
 
     ``stated`` says of single blocks whether their IEC check is on, ``iec_check`` of all others.
     ``opaque`` are the types that nobody declares: they are reported once, and nothing is said about what they hold.
@@ -108,7 +130,6 @@ class Linkage:
     probes: list[Probe] = field(default_factory=list)
     decisions: list[Decision] = field(default_factory=list)
     points: list[Probe] = field(default_factory=list)
-    counters: dict[tuple[Probe, bool], int] = field(default_factory=dict)
     iec_check: IecCheck = IecCheck.AS_STATED
     stated: Mapping[str, bool] = field(default_factory=dict)
     user_constants: Mapping[str, tuple[str, str]] = field(default_factory=dict)

@@ -49,6 +49,8 @@ class Program:
     compiled: list[Compiled] = field(default_factory=list)
     images: dict[int, bytes] = field(default_factory=dict)
     interruptible: list[Compiled] = field(default_factory=list)
+    lean: bool = False
+    """Whether no trees are kept, which take more memory than all else: a block that is compiled is parsed again."""
     circles: bool = False
     """Whether types that contain themselves have been reported: the layout finds them again."""
     _runs: tuple[tuple[str, int, int], ...] = ()
@@ -94,6 +96,7 @@ class Program:
         stated: Mapping[str, bool] | None = None,
         encoding: str | None = None,
         beside: Surroundings | None = None,
+        lean: bool = False,
     ) -> Program:
         """Read, check and compile sources in any order.
 
@@ -102,9 +105,9 @@ class Program:
         constants to theirs. ``coverage`` counts statements, branches and deciding operands; with ``litter`` local data
         holds garbage at the start of a call, of two kinds in turn. ``iec_check`` says which implicit conversions are
         right, ``stated`` the same of single blocks; ``encoding`` names the code page of ANSI files. What
-        ``beside`` knows counts where nothing else says it.
+        ``beside`` knows counts where nothing else says it; ``lean`` is for large programs.
         """
-        program = cls(Linkage(dialect, coverage=coverage, litter=litter, iec_check=iec_check))
+        program = cls(Linkage(dialect, coverage=coverage, litter=litter, iec_check=iec_check), lean=lean)
         beside = beside or Surroundings()
         program.link.add_constants(constants or {}, beside.constants)
         program.link.stated = beside.stated | {name.upper(): checked for name, checked in (stated or {}).items()}
@@ -146,7 +149,7 @@ class Program:
         self.diagnostics += result.diagnostics
         declared, problems = declared_blocks(result, self.link.dialect, self.link.numbers)
         self.diagnostics += problems
-        link, kept = self.link, replace(result, tokens=result.tokens.text_alone())
+        link, kept = self.link, replace(result, units=(), tokens=result.tokens.text_alone())
         link.guessed_bounds = link.guessed_bounds or any(
             problem.code == "PG806" and problem.severity is Severity.WARNING for problem in problems
         )
@@ -160,8 +163,10 @@ class Program:
                     continue  # exports of single blocks repeat the types that these use
                 self.report("PG805", f"{block.name} is declared twice", block.span, "delete one of the two")
                 continue
-            number = block.number
-            self.link.blocks[key] = ProgramBlock(len(self.link.blocks), unit, block, kept, number=number)
+            entry = ProgramBlock(len(self.link.blocks), unit, block, kept, number=block.number)
+            self.link.blocks[key] = entry
+            if self.lean:
+                entry.release()
 
     def read_interface(self, file: str, text: str) -> None:
         """Keep the declarations of blocks that no source has; nothing is said about them."""
@@ -246,8 +251,8 @@ class Program:
     # --- code -----------------------------------------------------------------------------------------
 
     def compile(self) -> None:
-        """Compile every code block; those with multi-instances twice."""
-        moving = False
+        """Compile every code block; those that are multi-instances twice."""
+        moving: set[str] = set()
         for entry in self.link.blocks.values():
             if entry.skipped:
                 message = f"the code of {entry.name} is a statement list: the soft CPU does not execute it"
@@ -256,21 +261,21 @@ class Program:
                 found = compile_block(entry, self.link)
                 self.compiled.append(found)
                 self.diagnostics += found.diagnostics
-                moving = moving or found.moving
-        if moving:
-            for entry in self.link.blocks.values():
-                if entry.block.kind is BlockKind.FB and entry.shape is not None and not entry.skipped:
-                    self.compiled.append(compile_block(entry, self.link, dynamic=True))
+                moving |= found.moving
+        for entry in self.link.blocks.values():
+            if entry.name.upper() in moving and entry.shape is not None and not entry.skipped:
+                self.compiled.append(compile_block(entry, self.link, dynamic=True))
+        if self.lean:
+            for found in self.compiled:
+                found.source = ""
 
     def preemptive(self) -> list[Compiled]:
         """Code blocks once more with points for interrupts (``plcgen.cpu.preemption``); compiled when first asked."""
         if not self.interruptible:
-            doubled = any(found.moving for found in self.compiled)
             for found in self.compiled:
                 entry = self.link.blocks[found.name.upper()]
                 dynamic = found.function.endswith("o")
-                if not dynamic or doubled:
-                    self.interruptible.append(compile_block(entry, self.link, dynamic=dynamic, preemptive=True))
+                self.interruptible.append(compile_block(entry, self.link, dynamic=dynamic, plain=found))
         return self.interruptible
 
     def check_recursion(self) -> None:

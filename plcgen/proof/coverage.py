@@ -87,11 +87,11 @@ def cover(
         if probe.file == entry.result.tokens.file:
             totals[probe] = totals.get(probe, 0) + count
     missing = [probe for probe, count in totals.items() if not count]
-    position = entry.result.tokens.position
-    cases = {position(node.start) for node in ast.walk(entry.unit) if isinstance(node, ast.Case)}
+    position, tree = entry.result.tokens.position, entry.tree
+    cases = {position(node.start) for node in ast.walk(tree) if isinstance(node, ast.Case)}
 
     def excluded(known: Sequence[Premise], open_names: Sequence[str]) -> frozenset[Probe]:
-        reached = {(*position(offset), kind) for offset, kind in reachable(entry.unit, known, open_names)}
+        reached = {(*position(offset), kind) for offset, kind in reachable(tree, known, open_names)}
         return frozenset(probe for probe in missing if (probe.line, probe.column, probe.kind) not in reached)
 
     others = {probe for probe in missing if probe.kind == "else" and (probe.line, probe.column) in cases}

@@ -21,18 +21,23 @@ def idle_statements(project: Project, folder: Path) -> int | None:
     constants = {name: number for proof in proofs for name, number in proof.constants().items()}
     foreign = stand_ins(project)
     dialect, more = project.target.dialect, foreign.sources.values()
-    program = load_folder(folder, dialect, constants=constants, symbols=foreign.tags, more=more)
+    program = load_folder(folder, dialect, coverage=True, constants=constants, symbols=foreign.tags, more=more)
     return count(program) if program.ok else None
 
 
 def count(program: Program) -> int | None:
-    """Statements of an idle scan of a program on any CPU of its dialect, those of called blocks included."""
-    main = program.main()
-    if main is None:
+    """Statements of an idle scan of a program on any CPU of its dialect, those of called blocks included.
+
+    The program must have been compiled for coverage.
+    """
+    if program.main() is None:
         return None
     cpu = Cpu(program)
-    passed = [cpu.run(main.name, 10, {}) for _ in range(_SCANS)]
-    return None if cpu.faulted else passed[-1].statements
+    cpu.scan(10, _SCANS - 1)
+    cpu.forget_coverage()
+    cpu.scan(10)
+    passed = (n for probe, n in zip(program.probes, cpu.coverage, strict=True) if probe.kind == "statement")
+    return None if cpu.faulted else sum(passed)
 
 
 def idle_check(program: Program) -> Check:

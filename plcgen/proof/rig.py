@@ -48,7 +48,7 @@ class ProgramBench:
     @cached_property
     def program(self) -> Program:
         """The compiled sources, with coverage; local data holds garbage, as in a CPU. Raises DiagnosticError."""
-        program = self.parts.load(self.project.target.dialect, coverage=True, litter=True)
+        program = self.parts.load(self.project.target.dialect, coverage=True, litter=True, lean=True)
         if not program.ok:
             raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
         return program

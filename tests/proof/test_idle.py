@@ -40,7 +40,7 @@ END_ORGANIZATION_BLOCK
 
 def test_statements_are_counted_by_hand() -> None:
     """Two calls with three statements in each, when the block has settled: 8."""
-    program = Program.load([("x.scl", SOURCE)], Dialect.STEP7_V5)
+    program = Program.load([("x.scl", SOURCE)], Dialect.STEP7_V5, coverage=True)
     assert program.ok, program.diagnostics
     assert count(program) == 8
     assert idle_check(program).text == "8 statements"

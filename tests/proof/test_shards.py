@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
+import subprocess
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass
@@ -18,6 +20,7 @@ from jsonschema import Draft202012Validator
 
 from plcgen import api
 from plcgen.cli.main import run as run_main
+from plcgen.diagnostics import DiagnosticError
 from plcgen.output.shapes import output_schema
 from plcgen.proof.checks import Verification
 from plcgen.proof.sharing import Sharing
@@ -179,6 +182,47 @@ def test_a_lost_worker_of_a_cluster_is_told(cluster: str, tmp_path: Path) -> Non
         task: Any = partial(ended_once, place=tmp_path / "dead")
         assert Sharing(executor=executor).results("test", task, 8) == list(range(8))
     assert [(d.code, d.severity.label) for d in notes] == [("PG623", "warning")]
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is not installed")
+def test_a_cluster_behind_tls(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Dask's configuration names the certificates of both sides; who has others is told, and nothing runs."""
+    distributed = pytest.importorskip("distributed", reason="the extra cluster is not installed")
+    import dask
+
+    from plcgen.proof.cluster import cluster as connected
+
+    def certified(name: str) -> dict[str, str]:
+        key, certificate = (str(tmp_path / f"{name}.{end}") for end in ("key", "pem"))
+        kind = ["req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-subj", "/CN=localhost"]
+        subprocess.run(
+            ["openssl", *kind, "-nodes", "-days", "1", "-keyout", key, "-out", certificate],
+            check=True,
+            capture_output=True,
+        )
+        tls = {f"distributed.comm.tls.{who}.{what}": path
+               for who in ("client", "scheduler", "worker")
+               for what, path in (("key", key), ("cert", certificate))}  # fmt: skip
+        return {**tls, "distributed.comm.tls.ca-file": certificate, "distributed.comm.require-encryption": "true"}
+
+    monkeypatch.setattr("plcgen.proof.cluster.PATIENCE", 3)
+    own, other = certified("own"), certified("other")
+    with dask.config.set(own):
+        made = distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, processes=False, protocol="tls://", dashboard_address=None,
+            security=distributed.Security(),
+        )  # fmt: skip
+        with made:
+            assert made.scheduler_address.startswith("tls://")
+            with connected(made.scheduler_address, []) as executor:
+                task: Any = partial(ended_once, place=tmp_path)
+                assert Sharing(executor=executor).results("test", task, 4) == list(range(4))
+            with (
+                dask.config.set(other),
+                pytest.raises(DiagnosticError, match="cannot be reached"),
+                connected(made.scheduler_address, []),
+            ):
+                raise AssertionError
 
 
 def test_nobody_at_the_address(plant: tuple[Path, Verification], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -35,12 +35,19 @@ _LITTER = {"0": "0xA0 if g else 0xC3", "0.0": "1e30 if g else -1e30", "False": "
 """Garbage in local data at the start of a call by the default values of the types: of two kinds in turn, by ``g``."""
 
 
-def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False, preemptive: bool = False) -> Compiled:
-    """Generate the code of an FB, FC or OB; what is wrong with it is in ``diagnostics``."""
+def compile_block(
+    owner: ProgramBlock, link: Linkage, *, dynamic: bool = False, plain: Compiled | None = None
+) -> Compiled:
+    """Generate the code of an FB, FC or OB; what is wrong with it is in ``diagnostics``.
+
+    With ``plain``, the same block once more, it has points for interrupts and counts with the same counters.
+    """
     untyped = link.dialect is Dialect.STEP7_V5
     scope = Scope(owner.block, owner.shape, link.types, untyped=untyped, classic=link.classic)
     out = Listing()
-    context = Context(owner, scope, link, out, dynamic, preemptive)
+    first = len(link.probes)
+    known = {link.probes[number]: number for number in plain.counters} if plain is not None else {}
+    context = Context(owner, scope, link, out, dynamic, plain is not None, known)
     name = context.function(owner.index, moving=dynamic)
     file = owner.result.tokens.file
     expressions, statements = Expressions(), Statements(context, out)
@@ -60,7 +67,8 @@ def compile_block(owner: ProgramBlock, link: Linkage, *, dynamic: bool = False, 
         expressions.parts.clear()
         statements.parts.clear()
     diagnostics = [*context.diagnostics, *(found for problem in scope.problems for found in problem.diagnostics)]
-    return Compiled(owner.name, name, source, out.map, file, code, diagnostics, context.calls, context.moving)
+    moving, counters = frozenset(context.moving), range(first, len(link.probes))
+    return Compiled(owner.name, name, source, out.map, file, code, diagnostics, context.calls, moving, counters)
 
 
 def _frame(context: Context, expressions: Expressions, statements: Statements) -> _Frame:
@@ -114,7 +122,7 @@ class _Frame:
 
     def compile(self, name: str) -> None:
         """Generate the whole function."""
-        unit = self.context.owner.unit
+        unit = self.context.unit
         self.context.move_to(unit)
         head, leave = self.frame()
         self.context.leave = self.eno(unit) + leave

@@ -240,7 +240,7 @@ class Calls:
         if place.mem != "m" and place.fixed and place.off == 0:
             self.out.emit(f"{self.context.function(found.index)}({place.mem})")
         else:
-            self.context.moving = True
+            self.context.moving.add(found.name.upper())
             function = self.context.function(found.index, moving=True)
             self.out.emit(f"{function}({place.mem},{self.access.address(place)})")
         self.watchdog.take_back()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from plcgen.cpu.compiler.scope import Scope
@@ -77,10 +78,11 @@ class Context:
     """One block on its way to Python: ``dynamic`` adds a base offset ``o`` to every access to the instance.
 
     ``preemptive`` adds points at which another OB may run (``Z``), and nothing is known from one access to the next.
+    ``known`` are the counters of the same block without points.
     ``names`` of the diagnostics are about unknown names; ``run_tags`` are the places of the variables that the loops
     around count with.
-    ``calls`` are the blocks it calls by upper-case name, ``calling`` how many calls it has; ``moving`` says that it has
-    multi-instances; ``leave`` is the code that ends the block, ``uses_eno`` says that it needs an ENO of its own.
+    ``calls`` are the blocks it calls by upper-case name, ``moving`` those that are its multi-instances, ``calling`` how
+    many calls it has; ``leave`` is the code that ends the block, ``uses_eno`` says that it needs an ENO of its own.
     """
 
     owner: ProgramBlock
@@ -89,13 +91,15 @@ class Context:
     out: Listing
     dynamic: bool
     preemptive: bool = False
+    known: Mapping[Probe, int] = field(default_factory=dict)
+    unit: ast.Unit = field(init=False)
     classic: bool = field(init=False)
     direct: bool = False
     """Whether nothing shared was read or written since the last point."""
     rules: TypeRules = field(init=False)
     diagnostics: list[Diagnostic] = field(default_factory=list)
     calls: dict[str, Span] = field(default_factory=dict)
-    moving: bool = False
+    moving: set[str] = field(default_factory=set)
     calling: int = 0
     leave: str = "return"
     uses_eno: bool = False
@@ -103,6 +107,7 @@ class Context:
     run_tags: list[tuple[str, int, str, str]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
+        self.unit = self.owner.tree
         self.classic = self.link.classic
         self.rules = self.link.rules(self.owner.name)
 
@@ -144,11 +149,10 @@ class Context:
         """Number of a counter of this place."""
         span = self.span(node)
         probe = Probe(span.file, span.line, span.column, kind)
-        number = self.link.counters.get((probe, self.dynamic)) if self.preemptive else None
+        number = self.known.get(probe)
         if number is None:
             number = len(self.link.probes)
             self.link.probes.append(probe)
-            self.link.counters[probe, self.dynamic] = number
         return number
 
     @property

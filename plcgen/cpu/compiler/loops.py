@@ -50,7 +50,7 @@ class Labels:
         """GOTO a label that stands at the top level of the block."""
         number = self.numbers.get(node.label.upper())
         if number is None:
-            body = self.context.owner.unit.statements
+            body = self.context.unit.statements
             inside = any(label.name.upper() == node.label.upper() for label in _labels(body))
             where = "the soft CPU jumps to labels at the top level of a block only" if inside else ""
             code = "PG827" if inside else "PG820"

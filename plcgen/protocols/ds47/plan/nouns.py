@@ -5,6 +5,7 @@ Offsets here come from the telegram (DS47), never from S7 layout rules: verifica
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -456,7 +457,11 @@ class DrivePlan(Plan):
 
     def slots(self, unit: PlannedUnit) -> int:
         """Places of a unit that are in use."""
-        return sum(job.drive.unit is unit for job in self.jobs)
+        return self._slots[unit.key]
+
+    @cached_property
+    def _slots(self) -> Counter[str]:
+        return Counter(job.drive.unit.key for job in self.jobs)
 
     def entry(self, job: DriveJob) -> JobEntry:
         """What the spec says about a job."""

@@ -33,12 +33,15 @@ TELEGRAM_SCANS = 40
 
 
 class Plant:
-    """All units and the CPU with its OB1. ``fresh`` begins again; ``name`` decides about the values."""
+    """All units and the CPU with its OB1. ``fresh`` begins again; ``name`` decides about the values.
 
-    def __init__(self, plan: DrivePlan, program: Program) -> None:
-        self.plan, self.program = plan, program
+    ``blocks`` are called instead of OB1: the plan is then a part of one.
+    """
+
+    def __init__(self, plan: DrivePlan, program: Program, cpu: Cpu | None = None, blocks: Sequence[str] = ()) -> None:
+        self.plan, self.program, self.blocks = plan, program, blocks
         family: Any = plan.target.family
-        self.cpu = Cpu(program, Periphery(), family=family)
+        self.cpu = cpu or Cpu(program, Periphery(), family=family)
         self.units = {unit.key: self._build(unit) for unit in plan.units}
         self._controls = {caller: self._control(caller) for caller in plan.callers}
         self._guards = {caller: self._guard(caller) for caller in plan.callers}
@@ -117,7 +120,7 @@ class Plant:
         for _ in range(count):
             self.scans += 1
             self.oblige()
-            self.cpu.scan(milliseconds)
+            self.cpu.scan(milliseconds, blocks=self.blocks)
             if self.forgiven:
                 self.cpu.misuses[:] = [misuse for misuse in self.cpu.misuses if misuse.code not in self.forgiven]
             if self.cpu.misuses or self.cpu.faulted:

@@ -38,6 +38,7 @@ from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.scenarios import STATE_CONFLICT, matrix, polls
 from plcgen.protocols.ds47.proof.second import fact_checks, second_checks
+from plcgen.protocols.ds47.proof.sections import Section
 from plcgen.protocols.ds47.proof.together import left_out, procedures
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.sources.generated import generated_sources
@@ -214,12 +215,13 @@ class DriveSuite:
 
     def procedures(self, program: Program) -> Iterator[Procedure]:
         """What the jobs do to each other."""
-        made: list[Plant] = []
+        made: list[tuple[Section, Plant]] = []  # one at a time: they share a CPU
 
-        def plant(name: str) -> Plant:
-            if not made:
-                made.append(Plant(self.plan, program))
-            return made[0].fresh(name)
+        def plant(name: str, section: Section) -> Plant:
+            if not made or made[0][0].plan is not section.plan:
+                cpu = made.pop()[1].cpu if made else None
+                made.append((section, Plant(section.plan, program, cpu, section.blocks)))
+            return made[0][1].fresh(name)
 
         return procedures(self.plan, plant)
 

@@ -17,6 +17,7 @@ from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.restored import OUTCOMES
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.protocols.ds47.proof.sections import LARGE, Section, sections
 from plcgen.protocols.ds47.proof.stimulus import own_dbs, pair_fb
 from plcgen.protocols.ds47.proof.words import DONE, STEP_MS, WORDS
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -47,40 +48,44 @@ GONE = frozenset({DONE, *(WORDS[name] for name in ("WRITE_ERROR", "READ_ERROR"))
 """How a job may end whose drive goes away."""
 
 
-def procedures(plan: DrivePlan, plant: Callable[[str], Plant]) -> Iterator[Procedure]:
-    """What the jobs do to each other; ``plant`` gives the one plant, everything in it fresh, with values by a name."""
-
-    def procedure(name: str, run: Callable[[Plant], None], reads: Reads | None = None) -> Procedure:
-        return Procedure(name, partial(plant, name), run, reads)
-
+def procedures(plan: DrivePlan, plant: Callable[[str, Section], Plant]) -> Iterator[Procedure]:
+    """What the jobs do to each other; ``plant`` gives a plant, everything in it fresh, with values by a name."""
+    whole = Section(plan)
     for number, job in enumerate(plan.shapes, 1):
         for near in OFFSETS if number <= FEW else OFFSETS[:: len(OFFSETS) // FEW]:
             name = f"{job.shape}: other instances on the same and on another unit, {near} scans later"
             caller = pair_fb(number)
             reads = Reads((caller, f"{caller}_DB", *own_dbs(number), job.block.name), (plan.target, job))
-            yield procedure(name, _instances(job, number, near), reads)
-    yield procedure("what the caller passes", _arguments)
-    yield procedure("every job through OB1", _one_by_one)
-    yield procedure("every job with the values as delivered", _as_delivered)
-    yield procedure("all jobs again and again", _again_and_again)
-    if len(plan.jobs) <= MANY:
-        yield procedure("every job takes its unit over from every other", _take_over)
-    yield procedure("all jobs while other programs take half of the record jobs of the CPU", _crowded)
-    if len(plan.jobs) <= MANY:
-        yield procedure("another caller in OB35 interrupts OB1", _two_obs)
-        yield procedure("two masters have the same units", _two_masters)
-    for scans in points(plan):
+            yield Procedure(name, partial(plant, name, whole), _instances(job, number, near), reads)
+    name = "what the caller passes"
+    yield Procedure(name, partial(plant, name, whole), _arguments, None)
+    for section in sections(plan):
+        for what, run in (*_ORDINARY, *(_disturbed(section.plan, plan) if section.outer else ())):
+            name = f"{section.name}{what}"
+            yield Procedure(name, partial(plant, name, section), run, None)
+
+
+def _disturbed(plan: DrivePlan, whole: DrivePlan) -> Iterator[tuple[str, Callable[[Plant], None]]]:
+    """What happens to all jobs at the same time."""
+    few = len(whole.jobs) <= MANY
+    yield "all jobs again and again", _again_and_again
+    if few:
+        yield "every job takes its unit over from every other", _take_over
+    yield "all jobs while other programs take half of the record jobs of the CPU", _crowded
+    if few:
+        yield "another caller in OB35 interrupts OB1", _two_obs
+        yield "two masters have the same units", _two_masters
+    for scans in points(whole):
         for kind in ("cold", "warm"):
-            yield procedure(f"{kind} restart {scans} scans behind the start of all jobs", _restart(kind, scans))
-        yield procedure(f"all drives go away {scans} scans behind the start and come back", _away(scans))
-        yield procedure(f"all drives are switched off and on {scans} scans behind the start", _off(scans))
-        yield procedure(f"OB1 is not called for 10 s, {scans} scans behind the start", _not_called(scans))
+            yield f"{kind} restart {scans} scans behind the start of all jobs", _restart(kind, scans)
+        yield f"all drives go away {scans} scans behind the start and come back", _away(scans)
+        yield f"all drives are switched off and on {scans} scans behind the start", _off(scans)
+        yield f"OB1 is not called for 10 s, {scans} scans behind the start", _not_called(scans)
         calls, gate = [caller.instance.name for caller in plan.callers], plan.engine.gate_db.name
         units = [unit.db.name for unit in plan.units]
         several = [(name, [name]) for name in dict.fromkeys((calls[0], calls[-1]))]
         for what, names in (*several, ("units", units), (gate, [gate]), ("everything", [*calls, gate, *units])):
-            name = f"{what} loaded again {scans} scans behind the start of all jobs"
-            yield procedure(name, _loaded(names, scans))
+            yield f"{what} loaded again {scans} scans behind the start of all jobs", _loaded(names, scans)
 
 
 def points(plan: DrivePlan) -> tuple[int, ...]:
@@ -97,6 +102,8 @@ def left_out(plan: DrivePlan) -> list[str]:
         found.append(f"restarts, downloads and lost drives only {shown} scans behind the start of all jobs")
     if blocks > FEW:
         found.append(f"other instances of {blocks - FEW} job blocks at {FEW} of {len(OFFSETS)} start offsets")
+    if len(plan.jobs) > LARGE:
+        found.append("jobs of several callers at a time; of all callers but two anything but single runs of their jobs")
     if len(plan.jobs) > MANY:
         found.append("another caller in OB35; two masters; jobs of a unit in every order")
     elif any(len(jobs) > PAIRED for jobs in _by_unit(plan)):
@@ -480,3 +487,10 @@ def _loaded(names: list[str], scans: int) -> Callable[[Plant], None]:
         _then_all_is_well(plant)
 
     return run
+
+
+_ORDINARY = (
+    ("every job through OB1", _one_by_one),
+    ("every job with the values as delivered", _as_delivered),
+)
+"""What every job goes through."""

@@ -222,7 +222,7 @@ def covered(program: Program, name: str, counts: list[int], steps: frozenset[Ste
     """
     found = cover(program, name, counts, steps=steps).counted
     entry = program.link.find(name)
-    nodes = ast.walk(entry.unit) if entry is not None else ()
+    nodes = ast.walk(entry.tree) if entry is not None else ()
     cases = [node for node in nodes if isinstance(node, ast.Case) and isinstance(node.selector, ast.Name)]
     position = entry.result.tokens.position if entry is not None else None
     places = {
