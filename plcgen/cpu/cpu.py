@@ -185,16 +185,10 @@ class Cpu:
         """Run scans of a length each: time passes, then the cyclic OB runs once, or some ``blocks`` instead."""
         if not self._started:
             self.restart("cold")
-        called = [self._callable(name) for name in blocks]
-        if not blocks and self._main is not None:
-            called.append((self._main, ()))
+        called = [self._callable(name) for name in blocks or ([self._main.name] if self._main is not None else ())]
         for _ in range(count):
             self._next(milliseconds)
-            faulted = False
-            for block, arguments in called:
-                self._run(block, arguments)
-                faulted |= self.faulted
-            self.faulted = faulted
+            self.faulted = any(self._run(block, arguments) for block, arguments in called)
 
     def call(self, name: str, milliseconds: int = 0, **inputs: Any) -> None:
         """Call one instance data block, OB or FC without parameters, as one scan; inputs are set before."""
@@ -252,8 +246,8 @@ class Cpu:
         for block in self._records:
             block.scan = self.scans
 
-    def _run(self, entry: ProgramBlock, arguments: tuple[Any, ...], form: str = "b") -> None:
-        """Run one block; an access fault ends it and is kept as a misuse."""
+    def _run(self, entry: ProgramBlock, arguments: tuple[Any, ...], form: str = "b") -> bool:
+        """Run one block; an access fault ends it, is kept as a misuse, and returned."""
         self.faulted = False
         function = self._names[f"{form}{entry.index}"]
         try:
@@ -264,6 +258,7 @@ class Cpu:
             self._keep("PG834", "the access lies beyond the end of its data block", fault.__traceback__)
         except RecursionError as fault:
             self._keep("PG826", "the calls are nested too deeply", fault.__traceback__)
+        return self.faulted
 
     def restart(self, kind: Literal["cold", "warm"] = "warm", *, keep_ticks: bool = False) -> None:
         """Start again: record jobs are dropped, TIME_TCK begins at 0, the start-up OB runs once.

@@ -15,7 +15,7 @@ LARGE = 2_000
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
+class PlantSection:
     """Some jobs, as a plan of their own. ``blocks`` are called instead of OB1; ``outer``: everything is tried."""
 
     plan: DrivePlan
@@ -24,10 +24,10 @@ class Section:
     outer: bool = True
 
 
-def sections(plan: DrivePlan) -> list[Section]:
+def sections(plan: DrivePlan) -> list[PlantSection]:
     """The whole plan, or a section for every caller, of which the first and the last are the outer ones."""
     if len(plan.jobs) <= LARGE:
-        return [Section(plan)]
+        return [PlantSection(plan)]
     first: dict[str, DriveCaller] = {}
     for job in plan.jobs:
         first.setdefault(job.drive.unit.key, job.caller)
@@ -46,5 +46,5 @@ def sections(plan: DrivePlan) -> list[Section]:
         needed = (each for each in plan.callers if each.number in {1, caller.number, *channels})
         blocks = tuple(each.instance.name for each in needed)
         outer = caller in {plan.callers[0], plan.callers[-1]}
-        found.append(Section(own, f"{caller.block.name}: ", blocks, outer))
+        found.append(PlantSection(own, f"{caller.block.name}: ", blocks, outer))
     return found

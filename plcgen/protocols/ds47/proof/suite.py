@@ -38,7 +38,7 @@ from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.scenarios import STATE_CONFLICT, matrix, polls
 from plcgen.protocols.ds47.proof.second import fact_checks, second_checks
-from plcgen.protocols.ds47.proof.sections import Section
+from plcgen.protocols.ds47.proof.sections import PlantSection
 from plcgen.protocols.ds47.proof.together import left_out, procedures
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.sources.generated import generated_sources
@@ -215,9 +215,9 @@ class DriveSuite:
 
     def procedures(self, program: Program) -> Iterator[Procedure]:
         """What the jobs do to each other."""
-        made: list[tuple[Section, Plant]] = []  # one at a time: they share a CPU
+        made: list[tuple[PlantSection, Plant]] = []  # one at a time: they share a CPU
 
-        def plant(name: str, section: Section) -> Plant:
+        def plant(name: str, section: PlantSection) -> Plant:
             if not made or made[0][0].plan is not section.plan:
                 cpu = made.pop()[1].cpu if made else None
                 made.append((section, Plant(section.plan, program, cpu, section.blocks)))

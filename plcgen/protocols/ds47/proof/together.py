@@ -17,7 +17,7 @@ from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.restored import OUTCOMES
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.sections import LARGE, Section, sections
+from plcgen.protocols.ds47.proof.sections import LARGE, PlantSection, sections
 from plcgen.protocols.ds47.proof.stimulus import own_dbs, pair_fb
 from plcgen.protocols.ds47.proof.words import DONE, STEP_MS, WORDS
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -48,9 +48,9 @@ GONE = frozenset({DONE, *(WORDS[name] for name in ("WRITE_ERROR", "READ_ERROR"))
 """How a job may end whose drive goes away."""
 
 
-def procedures(plan: DrivePlan, plant: Callable[[str, Section], Plant]) -> Iterator[Procedure]:
+def procedures(plan: DrivePlan, plant: Callable[[str, PlantSection], Plant]) -> Iterator[Procedure]:
     """What the jobs do to each other; ``plant`` gives a plant, everything in it fresh, with values by a name."""
-    whole = Section(plan)
+    whole = PlantSection(plan)
     for number, job in enumerate(plan.shapes, 1):
         for near in OFFSETS if number <= FEW else OFFSETS[:: len(OFFSETS) // FEW]:
             name = f"{job.shape}: other instances on the same and on another unit, {near} scans later"
