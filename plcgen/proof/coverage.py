@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from plcgen.cpu.linkage import Probe
 from plcgen.cpu.program import Program
@@ -20,8 +20,7 @@ NO_OTHER = "the selector has no other value"
 class Coverage:
     """Counts of one block: ``missing`` never ran or decided although they should, ``explained`` cannot.
 
-    ``steps`` are the ways from state to state that were never gone, None if nobody looked. ``undecided`` counts the
-    operands of which it is no error that they have not decided with both values.
+    ``steps`` are the ways from state to state that were never gone, None if nobody looked.
     """
 
     statements: int
@@ -30,29 +29,15 @@ class Coverage:
     missing: tuple[Probe, ...]
     explained: tuple[tuple[Probe, str], ...]
     steps: frozenset[Step] | None = None
-    undecided: int = 0
 
     @property
     def text(self) -> str:
         """``245 statements, 130 branches, 61 operands, every state transition``."""
-        found = f"{self.statements} statements, {self.branches} branches, {self.deciding} operands"
+        found = f"{self.statements} statements, {self.branches} branches, {self.operands} operands"
         if self.steps is None:
             return found
         end = "every state transition" if not self.steps else f"all but {len(self.steps)} state transitions"
         return f"{found}, {end}"
-
-    @property
-    def deciding(self) -> str:
-        """``61``, or ``60 of 61`` where it is no error that one has not decided."""
-        return f"{self.operands - self.undecided} of {self.operands}" if self.undecided else str(self.operands)
-
-    @property
-    def counted(self) -> Coverage:
-        """The same where an operand need not have decided: it is counted."""
-        sides = [probe for probe in self.missing if probe.kind in DECIDES.values()]
-        places = {(probe.file, probe.line, probe.column) for probe in sides}
-        missing = tuple(probe for probe in self.missing if probe not in sides)
-        return replace(self, missing=missing, undecided=len(places))
 
     @property
     def verdict(self) -> str:

@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import pickle
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from ds47 import engine_folders
 
+from plcgen.cpu.linkage import Probe
 from plcgen.diagnostics import DiagnosticError
 from plcgen.proof.checks import Outcome
 from plcgen.proof.scenario import ScenarioError
 from plcgen.proof.sharing import Sharing
 from plcgen.protocols.ds47.proof.engine.__main__ import dialect_of
-from plcgen.protocols.ds47.proof.engine.checks import GROUPS, EngineWork, engine_checks, run_faults
+from plcgen.protocols.ds47.proof.engine.argued import ARGUED, argued
+from plcgen.protocols.ds47.proof.engine.checks import GROUPS, EngineWork, coverage_checks, engine_checks, run_faults
 from plcgen.protocols.ds47.proof.engine.errands import MATRIX, READ_ONE, READ_SPLIT, WRITE_ONE, WRITE_SPLIT
 from plcgen.protocols.ds47.proof.engine.field import JobField
 from plcgen.protocols.ds47.proof.engine.interrupts import interrupts
 from plcgen.protocols.ds47.proof.engine.known import proven
 from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
 from plcgen.protocols.ds47.proof.engine.verdict import FOREIGN, judge
+from plcgen.protocols.ds47.proof.words import TRANSITIONS
 from plcgen.scl.dialect import Dialect
+from plcgen.scl.logic import DECIDES
 from plcgen.sources.generated import generated_sources
 
 THREE = READ_SPLIT.letters[0]
@@ -260,6 +265,31 @@ def test_mixed_access_loses_what_an_interrupt_writes(engines: dict[tuple[str, st
     with pytest.raises(ScenarioError):
         run(JobField(replace(engines["t15", "S"], mixed=True), MATRIX))
     assert "OB35" in name
+
+
+def test_what_no_run_can_show_is_a_list(works: dict[str, EngineWork]) -> None:
+    """Of every operand it has decided or is in the list, never both. The page has the list."""
+    engine = works["t15"].engine
+    files = {file for file, _ in engine.sources}
+    probes = engine.program.probes
+    reasons = dict(argued(engine, [probe for probe in probes if probe.file in files]))
+    assert sorted(reasons.values()) == sorted(ARGUED.values())  # one place each
+
+    def troubles(hidden: Collection[Probe]) -> list[str]:
+        counts = [int(probe not in hidden) for probe in probes]
+        return [check.id for check in coverage_checks(engine, counts, TRANSITIONS) if check.outcome is Outcome.ERROR]
+
+    assert troubles(reasons) == []
+    assert troubles([]) == ["engine.argued"] * len(ARGUED)
+    other = next(
+        probe for probe in probes if probe.kind == DECIDES[True] and probe.file in files and probe not in reasons
+    )
+    assert len(troubles([*reasons, other])) == 1
+    page = (Path(__file__).parents[2] / "docs/testing.md").read_text("utf-8")
+    rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| `")]
+    told = {(side, why.removesuffix(" |")) for _, side, why in (row for row in rows if len(row) == 3)}
+    assert told >= {(side.removeprefix("decides "), why) for (side, _), why in ARGUED.items()}
+    assert [operand for _, operand in ARGUED if f"| `{operand}" not in page] == []
 
 
 def test_some_of_every_group(works: dict[str, EngineWork]) -> None:

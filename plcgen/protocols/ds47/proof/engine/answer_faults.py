@@ -350,6 +350,9 @@ def _refused(form: AnswerForm) -> Iterator[EngineScenario]:
         block = bytes.fromhex("44020011 0007") + bytes(more)
         edit = lambda a, block=block: bytes((a[0], 0x80 | form.good, *a[2:4])) + block  # type: ignore[misc] # noqa: E731
         yield form.broken(f"one error block and {more} bytes after it", edit)
+    for block in (bytes.fromhex("4201 0011"), bytes.fromhex("4403 0011 0001 0002")) if count > 1 else ():
+        edit = lambda a, block=block: bytes((a[0], 0x80 | form.good, *a[2:4])) + block  # type: ignore[misc] # noqa: E731
+        yield form.broken(f"one block {block[:2].hex(' ')} for the whole request", edit)
 
 
 def _formats(form: AnswerForm) -> Iterator[EngineScenario]:

@@ -8,7 +8,6 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Literal
 
-from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.conditions import STATE
@@ -21,6 +20,7 @@ from plcgen.proof.scenario import Statistics, diagnostic
 from plcgen.proof.sharing import Sharing
 from plcgen.proof.suite import CodeBlock, Procedure
 from plcgen.protocols.ds47.proof.engine.answer_faults import answer_faults, error_matrix
+from plcgen.protocols.ds47.proof.engine.argued import ARGUED, argued
 from plcgen.protocols.ds47.proof.engine.conduct import EngineConduct
 from plcgen.protocols.ds47.proof.engine.copies import copies
 from plcgen.protocols.ds47.proof.engine.errands import MATRIX, READ_PINNED, WRITE_PINNED, Errand, every_format, full
@@ -192,11 +192,7 @@ def prove(engine: DriveEngine, effort: Effort = "ordinary", share: Sharing | Non
     if effort != "sizes" and not any(result.failures for result in results):
         counts = added(program, results)
         seen = frozenset(step for result in results for step in result.statistics.transitions)
-        for role in BLOCKS:
-            name = engine.names[role]
-            steps = TRANSITIONS - seen if role == "channel" else None
-            block = CodeBlock(f"engine.{role}", name, name, (), partial(Span, ""), steps=steps, state=state_name)
-            checks.append(coverage_check(block, covered(program, name, counts, steps)))
+        checks += coverage_checks(engine, counts, seen)
     checks.append(Check("engine.rest", "engine rest", "", Outcome.NOT_RUN, f"not run: {'; '.join(left_out(work))}"))
     runs, scans = (sum(getattr(result.statistics, name) for result in results) for name in ("runs", "scans"))
     return EngineProof(tuple(checks), kinds, runs, scans)
@@ -215,12 +211,26 @@ def left_out(work: EngineWork) -> list[str]:
     return found
 
 
-def covered(program: Program, name: str, counts: list[int], steps: frozenset[Step] | None) -> Coverage:
-    """Coverage of a block. Its state is one of STATES behind every call of every run, so that CASE has no other.
+def coverage_checks(engine: DriveEngine, counts: list[int], seen: frozenset[Step]) -> Iterator[Check]:
+    """Coverage of every block, and what is argued although it has decided; ``seen`` are the ways between states."""
+    told: set[str] = set()
+    for role in BLOCKS:
+        name = engine.names[role]
+        steps = TRANSITIONS - seen if role == "channel" else None
+        block = CodeBlock(f"engine.{role}", name, name, (), partial(Span, ""), steps=steps, state=state_name)
+        found = covered(engine, name, counts, steps)
+        told.update(why for _, why in found.explained)
+        yield coverage_check(block, found)
+    for why in ARGUED.values():
+        if why not in told:
+            message = f"an operand has decided although {why}: it is not to be argued"
+            yield failed("engine.argued", "engine operands", "", Diagnostic("PG622", message, Span("")))
 
-    That an operand of a condition has not decided is counted and is no error.
-    """
-    found = cover(program, name, counts, steps=steps).counted
+
+def covered(engine: DriveEngine, name: str, counts: list[int], steps: frozenset[Step] | None) -> Coverage:
+    """Coverage of a block. Its state is one of STATES behind every call of every run, so that CASE has no other."""
+    program = engine.program
+    found = cover(program, name, counts, steps=steps)
     entry = program.link.find(name)
     nodes = ast.walk(entry.tree) if entry is not None else ()
     cases = [node for node in nodes if isinstance(node, ast.Case) and isinstance(node.selector, ast.Name)]
@@ -228,13 +238,11 @@ def covered(program: Program, name: str, counts: list[int], steps: frozenset[Ste
     places = {
         position(c.start) for c in cases if position and isinstance(c.selector, ast.Name) and c.selector.name == STATE
     }
-    other = tuple(p for p in found.missing if p.kind == "else" and (p.line, p.column) in places)
-    missing = tuple(probe for probe in found.missing if probe not in other)
-    return replace(
-        found,
-        missing=missing,
-        explained=(*found.explained, *((probe, NO_OTHER) for probe in other)),
-    )
+    other = [(p, NO_OTHER) for p in found.missing if p.kind == "else" and (p.line, p.column) in places]
+    explained = (*found.explained, *other, *argued(engine, found.missing))
+    known = {probe for probe, _ in explained}
+    missing = tuple(probe for probe in found.missing if probe not in known)
+    return replace(found, missing=missing, explained=explained)
 
 
 def _group(group: str, results: list[Result], count: int) -> Check:

@@ -383,10 +383,14 @@ def _no_time(field: JobField) -> None:
 
 
 def _at_once(field: JobField) -> None:
-    """Execute falls while the job runs, and rises in the call behind its end: nothing of that job is left."""
+    """Execute falls while the job runs, and rises in the call behind its end: nothing of that job is left.
+
+    Also if its channel has not been called since, and does not know of the end.
+    """
     three(field)
     field.rig.call(ORDERS[0])
-    for status, word in ((0, DONE), (0xDF809000, WORDS["WRITE_ERROR"])):
+    ends = (0, DONE), (0xDF809000, WORDS["WRITE_ERROR"])
+    for (status, word), called in product(ends, (ORDERS[0], (5,))):
         field.rig.begin(EngineScenario(name="at once", writes={1: status}))
         field.step()
         field.start(1)
@@ -395,7 +399,9 @@ def _at_once(field: JobField) -> None:
         field.expect(field.until_end((1,)), {1: (word,)})
         field.rig.begin(EngineScenario(name="again"))
         field.start(1)
+        field.rig.call(called)
         field.step()
+        field.rig.call(ORDERS[0])
         if field.job(1).signals() != (True, False, False, STARTED):
             raise ScenarioError(f"busy, done, error and status of the next job are {field.job(1).signals()}")
         field.expect(field.until_end((1,)), {1: (DONE,)})
