@@ -123,7 +123,7 @@ def _open(job: DriveJob, use: Use, value: str) -> str:
     """What comes from outside; a time that nothing is connected to is refused."""
     if job.recipe is not None and use.recorded:
         return f"record of {job.recipe.db.name}"
-    return "input, of the time at utc" if use in job.timed else f"input, {value} if nothing is connected"
+    return "input, made of the time at utc" if use in job.timed else f"input, {value} if nothing is connected"
 
 
 def _numbers(telegram: DriveTelegram) -> dict[str, str]:
