@@ -49,31 +49,41 @@ def deviation_types(plan: DrivePlan) -> Iterator[TypeBlock]:
 
 
 def deviations_view(job: DriveJob, found: DeviationList) -> dict[str, Any]:
-    """What a block needs that compares.
-
-    ``sizes``: sizes of values in bytes with the codes of the formats that have it, the largest last; ``kinds``: how
-    values become numbers, with codes; ``more``: there may be more deviations than places.
-    """
-    formats = sorted({use.format.code: use.format for use in job.uses}.items())
-    sizes: dict[int, list[int]] = {}
-    kinds: dict[str, list[int]] = {}
-    for code, format_ in formats:
-        sizes.setdefault(format_.size, []).append(code)
-        kinds.setdefault(_kind(format_), []).append(code)
+    """What a block needs that compares; ``formats`` by number of the telegram."""
     many = len(job.telegrams) > 1
+    formats = {telegram.number: _formats(job, telegram, found.places) for telegram in job.telegrams}
     return {
         "type": found.type.name,
         "member": found.member,
         "count": found.count,
         "equal": found.equal,
         "places": found.places,
-        "more": sum(use.count for use in job.uses) > found.places,
         "entry": [(name, {"DINT": "L#0", "REAL": "0.0", "DWORD": "DW#16#0"}[type_]) for name, type_, _ in _ENTRY],
         "list": "statDeviations" if many else found.member,
         "counted": "statOthers" if many else "tempOthers",
+        "formats": formats,
+        "by_size": any(len(one["sizes"]) > 1 for one in formats.values()),
+        "by_format": any(len(one["sizes"]) > 1 or len(one["kinds"]) > 1 for one in formats.values()),
+    }
+
+
+def _formats(job: DriveJob, telegram: DriveTelegram, places: int) -> dict[str, Any]:
+    """What is in the answer to a telegram.
+
+    ``sizes``: sizes of values in bytes with the codes of the formats that have it, the largest last; ``kinds``: how
+    values become numbers, with codes; ``more``: by then there may be more deviations than places.
+    """
+    sizes: dict[int, list[int]] = {}
+    kinds: dict[str, list[int]] = {}
+    for code, format_ in sorted({part.use.format.code: part.use.format for part in telegram.parts}.items()):
+        sizes.setdefault(format_.size, []).append(code)
+        kinds.setdefault(_kind(format_), []).append(code)
+    compared = sum(part.count for one in job.telegrams[: telegram.number] for part in one.parts)
+    return {
         "sizes": sorted(sizes.items()),
         "kinds": list(kinds.items()),
-        "odd": any(use.format.size % 2 for use in job.uses),
+        "odd": any(size % 2 for size in sizes),
+        "more": compared > places,
     }
 
 
