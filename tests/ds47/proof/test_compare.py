@@ -230,3 +230,20 @@ def test_own_drive_and_simulate(tmp_path: Path) -> None:
     assert verdict == "ok, values agree"
     (job,) = api.simulate(path, tmp_path / "out", drives=[str(drive)]).jobs
     assert (job.status, [value.value for value in job.values]) == (0, [10.5])
+
+
+def test_a_telegram_knows_its_own_types(generate, target) -> None:
+    """A Boolean in the first answer alone: what lists the second one has no branch for it, which no answer reaches."""
+    made = generate(
+        "drives: {mixer: {device: sinamics-g120, ID: 270, parameters: {P2900: {type: Boolean},\n"
+        "  P3000: {type: FloatingPoint, array: 60}}}}\n"
+        "jobs: {j: {drive: mixer, compare: {P2900: true, 'P3000[0..59]': 1.5}}}\n",
+        target,
+    )
+    (source,) = (path for path in made.folder.rglob("J.scl"))
+    text = source.read_text("utf-8-sig" if target != "v5" else "cp1252")
+    first, second = (part for part in text.split("the answer is compared with the one that would be right")[1:])
+    assert ("tempFormat OF" in first, "tempFormat OF" in second) == (True, False)
+    plant = Plant(made.plan, made.program).fresh()
+    assert run(plant, "j", {2900: [False], 3000: [1.5] * 59 + [2.0]}) == 0
+    assert [row[:4] for row in listed(plant, "j")] == [(2900, 0, 1.0, 0.0), (3000, 59, 1.5, 2.0)]

@@ -362,7 +362,7 @@ def _own_uses(
     if kind.recorded:
         uses = tuple(replace(use, recorded=True) for use in recipes.recorded(uses, resolver))
     if job.verify is not None and kind.poll is None and len(uses) == len(items):
-        restores = job.on_error if kind.key == "write" and _then(job, kind) is None else None
+        restores = job.on_error if kind.key in {"write", "write_recipe"} and _then(job, kind) is None else None
         if restores is not None:
             uses = transaction(uses, items, restores, path, resolver)
         else:

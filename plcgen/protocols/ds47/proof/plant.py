@@ -191,7 +191,7 @@ class Plant:
     def _records(self, *, delivered: bool) -> None:
         """All jobs that take the record of a recipe have the first one, those that give it its values the last one."""
         self.records.clear()
-        first: dict[str, Mapping[int, bytes]] = {}
+        first: dict[str, Mapping[str, bytes]] = {}
         for job in self.plan.jobs:
             if job.recipe is None:
                 continue
@@ -200,10 +200,11 @@ class Plant:
             self.control(job).set(f"{job.member}.{NUMBER}", found.number)
             if job.stores:
                 continue
-            given = first.setdefault(job.recipe.key, self.values[job.key].given)
-            if delivered:
-                given = {use.position: job.recipe.values[0][use.member] for use in recorded.members(job)}
-            else:
+            own = self.values[job.key].given
+            drawn = {use.member: own[use.position] for use in recorded.members(job)}
+            record = job.recipe.values[0] if delivered else first.setdefault(job.recipe.key, drawn)
+            given = {use.position: record[use.member] for use in recorded.members(job)}
+            if not delivered:
                 found.put(given)
             self.values[job.key] = shared(self.values[job.key], job, given)
 

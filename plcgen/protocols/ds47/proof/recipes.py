@@ -29,20 +29,25 @@ def recipes(job: DriveJob, count: int) -> Iterator[DriveScenario]:
             answered=False,
             took=(0, 20),
         )
+    name = "execute falls and rises, all records change"
+    yield DriveScenario(name=name, happens={2: "drop", 3: "rise"}, meddle=True, busy=(3, 3), follow=False)
     if not job.writes:
         return
     limited = [(use, found) for use in members(job) if (found := list(outside(use)))]
     for use, found in limited:
         for data in found:
             for at in dict.fromkeys((0, use.count // 2, use.count - 1)):
-                yield _refused(f"value {at} of {use.label} is {data.hex()}", {use.position: (at, data)}, use, at)
+                yield _refused(f"value {at} of {use.label} is {data.hex()}", {(use.position, at): data}, use, at)
+        if use.count > 1:
+            ends = {(use.position, at): found[0] for at in (0, use.count - 1)}
+            yield _refused(f"both ends of {use.label} are outside", ends, use, 0)
     if len(limited) > 1:
         (first, one), (last, other) = limited[0], limited[-1]
-        several = {last.position: (0, other[0]), first.position: (first.count - 1, one[0])}
+        several = {(last.position, 0): other[0], (first.position, first.count - 1): one[0]}
         yield _refused(f"{first.label} and {last.label} are outside", several, first, first.count - 1)
 
 
-def _refused(name: str, damaged: dict[int, tuple[int, bytes]], use: Use, at: int) -> DriveScenario:
+def _refused(name: str, damaged: dict[tuple[int, int], bytes], use: Use, at: int) -> DriveScenario:
     return DriveScenario(
         name=name,
         damaged=damaged,

@@ -47,11 +47,16 @@ class Records:
 
     def put(self, values: Mapping[int, bytes]) -> None:
         """Give the record that counts these wire bytes, by position of the use, the others something else."""
+        self.change(values)
+        for use, spot in self._spots(self.number):
+            spot.put(self.db.memory, values[use.position])
+        self.base = self.shown()
+
+    def change(self, values: Mapping[int, bytes]) -> None:
+        """Give all records something else than these wire bytes; of many the next, the first and the last one too."""
         for number in {self.number, self.number % self.count + 1, 1, self.count}:
             for use, spot in self._spots(number):
-                data = values[use.position]
-                spot.put(self.db.memory, data if number == self.number else bytes(byte ^ 0xFF for byte in data))
-        self.base = self.shown()
+                spot.put(self.db.memory, bytes(byte ^ 0xFF for byte in values[use.position]))
 
     def shown(self) -> bytes:
         """All bytes of all records."""

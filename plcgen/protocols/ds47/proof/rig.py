@@ -170,15 +170,15 @@ class JobRig:
         if self.records is not None:
             self.db.set(NUMBER, self.records.number % self.records.count + 1)
             if not self.job.stores:
-                self.records.put({at: bytes(byte ^ 0xFF for byte in given) for at, given in self.values.given.items()})
+                self.records.change(self.values.given)
 
-    def damage(self, number: int | None, values: Mapping[int, tuple[int, bytes]]) -> None:
-        """Another number, or a value of the record that is not allowed, by position of its use and its place there."""
+    def damage(self, number: int | None, values: Mapping[tuple[int, int], bytes]) -> None:
+        """Another number, or values of the record that are not allowed, by position of the use and place there."""
         if number is not None:
             self.db.set(NUMBER, number)
         if self.records is not None and values:
             given = dict(self.values.given)
-            for position, (at, data) in values.items():
+            for (position, at), data in values.items():
                 start = at * len(data)
                 given[position] = given[position][:start] + data + given[position][start + len(data) :]
             self.records.put(given)

@@ -56,7 +56,7 @@ class DriveScenario(Scenario):
     behind the first call.
 
     ``record`` is the number that a job with a recipe gets, ``damaged`` values of its record that are not allowed, by
-    position of the use: place and wire bytes; ``refused`` the parameter and index that it names for them.
+    position of the use and place there; ``refused`` the parameter and index that it names for them.
 
     ``telegram`` is the one that ends the job, 0 the last; ``answered`` says that it had an answer. ``errors`` are those
     stated by hand: (error, info) by number of the telegram and place in it, all others of an answered telegram are 0.
@@ -95,7 +95,7 @@ class DriveScenario(Scenario):
     moment: Moment | bytes | None = None
     later: Moment | bytes | None = None
     record: int | None = None
-    damaged: Mapping[int, tuple[int, bytes]] = field(default_factory=dict)
+    damaged: Mapping[tuple[int, int], bytes] = field(default_factory=dict)
     refused: tuple[int, int] = (0, 0)
     telegram: int = 0
     answered: bool = True

@@ -50,7 +50,7 @@ def not_restored(plan: DrivePlan) -> Iterator[Diagnostic]:
         elif job.verified and not job.restores:
             message = f'"{job.shape}" saves: what is in the non-volatile memory is not restored'
             yield Diagnostic("PG258", message, place, help="save in a job of its own, started when this one is done")
-        elif not job.verified and job.kind == "write":
+        elif not job.verified and job.kind in {"write", "write_recipe"}:
             message = f'"{job.shape}" does not read back: it would not know what to restore'
             yield Diagnostic("PG258", message, place, help="add verify: readback")
         elif not job.verified:
