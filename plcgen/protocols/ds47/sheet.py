@@ -66,12 +66,19 @@ def _write(plan: DrivePlan, shape: DriveJob, use: Use) -> WriteEntry:
         limits=_limits(parameter.minimum, parameter.maximum),
         unit=parameter.unit,
         trigger=triggers[0] if len(triggers) == 1 else "execute of each drive, see its row",
-        memory="copies RAM to non-volatile memory" if parameter.pnu in _STORES else "RAM, lost at power-off",
+        memory=_memory(shape, parameter),
         danger=danger,
         signed=(plan.sign_off(shape, parameter.pnu) or "") if danger else "",
         safety=parameter.pnu in guards.SAFETY,
         doubts=tuple(_doubts(parameter)),
     )
+
+
+def _memory(shape: DriveJob, parameter: Parameter) -> str:
+    """Where a value is written, and whether it stays there if the job fails."""
+    stored = "copies RAM to non-volatile memory" if parameter.pnu in _STORES else "RAM, lost at power-off"
+    state = "while the drive does not run" if any(use.state for use in shape.uses) else "while it runs, too"
+    return f"{stored}; the old value comes back if the job fails, {state}" if shape.restores else stored
 
 
 def _doubts(parameter: Parameter) -> Iterator[str]:

@@ -346,8 +346,13 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "stores": [copy for one in job.telegrams for copy in _copies(plan, job, one, aligned=aligned, response=True)]
         if job.stores and telegram is job.telegrams[-1]
         else [],
-        "expects": [] if closes and telegram.number == 2 else blocks,
+        "expects": [] if (closes and telegram.number == 2) or telegram is _asked_before(job) else blocks,
     }
+
+
+def _asked_before(job: DriveJob) -> DriveTelegram | None:
+    """The question of a job that restores whose answer is like that to the old values."""
+    return job.telegrams[-1] if job.restores else None
 
 
 def _suffix(job: DriveJob, telegram: DriveTelegram) -> str:
