@@ -147,7 +147,11 @@ def told(telegram: DriveTelegram, answer: bytes) -> list[tuple[int, bytes]]:
 
 def held(drive: Drive, drive_object: int, use: Use) -> bytes:
     """Wire bytes of the values of a use in a drive. Raises KeyError."""
-    values = drive.objects[drive_object].parameters[use.parameter.pnu].values
+    return cut(use, drive.objects[drive_object].parameters[use.parameter.pnu].values)
+
+
+def cut(use: Use, values: Sequence[Value]) -> bytes:
+    """Wire bytes of those values of a parameter that a use has."""
     return pack_values(use.format, [values[0]] if use.format.is_string else values[use.subindex :][: use.count])
 
 

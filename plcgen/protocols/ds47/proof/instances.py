@@ -12,7 +12,7 @@ from plcgen.proof.rig import Members
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof import clocked, listed
-from plcgen.protocols.ds47.proof.contents import ValueSet, held, piece, value_set, values_of
+from plcgen.protocols.ds47.proof.contents import ValueSet, cut, held, piece, value_set, values_of
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, signals
 from plcgen.protocols.ds47.proof.rig import record_index
@@ -136,7 +136,9 @@ class Trio:
                     continue  # it has returned to 0, or has another value in a later step
                 there = held(one.drive, one.drive_object, use)
                 if use.remembers is not None:
-                    continue  # the drive does not have it any more
+                    if self._shared(one):
+                        continue  # which of them was first is not known
+                    there = cut(use, one.values.held[use.parameter.pnu])
                 if use.verifies is not None:
                     there = one.values.given[use.verifies.position]
                 here = one.values.given[use.position] if use.writes else one.db.bytes(use.member, len(there))
