@@ -13,7 +13,7 @@ ARGUED: dict[tuple[str, str], str] = {
     (DECIDES[False], "statState = STATE_WRITE AND NOT"): "WRREC is called only in this state or while it is active",
     (DECIDES[False], "statState = STATE_READ AND NOT"): "RDREC is called only in this state or while it is active",
     (DECIDES[False], "tempError AND tempCode = 181"): "only an end has a code, and a good one was asked before",
-    (DECIDES[False], "tempError AND tempTemporary"): "only a code passes by itself: only an error has one here",
+    (DECIDES[False], "tempError AND tempTemporary"): "only a code says that it passes: only an error has one here",
 }
 """By the side that no run shows, and how the line goes on from the operand."""
 
