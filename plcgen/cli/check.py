@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -105,7 +106,8 @@ def command(
     subjects: list[Subject] = _specs(specs, strict=strict)
     blocks = 0
     if program and target is not None:
-        found_sources, blocks = _programs(sources, documents, target, tags, checks, encoding)
+        tables = (*_symbol_tables(paths), *tags)
+        found_sources, blocks = _programs(sources, documents, target, tables, checks, encoding)
         subjects += found_sources
     elif sources:
         found_sources, blocks = _files(sources, target, encoding, out)
@@ -225,6 +227,15 @@ def _documents(paths: tuple[Path, ...]) -> list[Path]:
 
     named = [path for path in paths if path.is_dir() or path.suffix.lower() == ".xml"]
     return list(dict.fromkeys(document for path in named for document in find_documents(path)))
+
+
+def _symbol_tables(paths: Sequence[Path]) -> list[Path]:
+    """Symbol tables of STEP 7 V5 below the folders that are named; what only has the suffix is left alone."""
+    from plcgen.sources.files import MAX_SEEN
+    from plcgen.sources.symbols import SUFFIXES, read_rows
+
+    below = (file for path in paths if path.is_dir() for file in islice(path.rglob("*"), MAX_SEEN))
+    return [file for file in sorted(file for file in below if file.suffix.lower() in SUFFIXES) if read_rows(file)[0]]
 
 
 def _programs(

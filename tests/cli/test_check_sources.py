@@ -112,6 +112,11 @@ def test_symbols_of_step7_v5_come_from_an_asc_table(plcgen, tmp_path):
     alone = plcgen(*command)
     assert alone.out.count("error[PG8") == 7
     assert plcgen(*command, "--tags", "symbols.asc").err == "no problems in use.scl (5 blocks)\n"
+    (tmp_path / "all").mkdir()
+    for name in ("use.scl", "symbols.asc"):
+        (tmp_path / "all" / name).write_bytes((tmp_path / name).read_bytes())
+    (tmp_path / "all" / "key.asc").write_text("-----BEGIN PGP SIGNATURE-----\n")
+    assert plcgen("check", "all", *command[2:]).err == "no problems in all/use.scl (5 blocks)\n"
     (tmp_path / "other.asc").write_text("-----BEGIN PGP SIGNATURE-----\n")
     refused = plcgen(*command, "--tags", "other.asc")
     assert (refused.code, "PG804" in refused.out + refused.err) == (1, True)
