@@ -50,6 +50,7 @@ def stepping(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
         yield from _late(job, telegram, telegram.awaited)
         yield from _trouble(telegram, telegram.awaited)
     yield _all_late(waits)
+    yield from _last_never(waits)
     yield from _in_a_pause(waits[0], scans)
 
 
@@ -147,6 +148,27 @@ def _all_late(waits: list[DriveTelegram]) -> DriveScenario:
         missing = _missing(telegram, range(1, len(telegram.parts) + 1))
         reads.update(dict.fromkeys(range(first, first + count), missing))
     return DriveScenario(name="every step waits", reads=reads, questions=questions, meddle=True, guarded=True)
+
+
+def _last_never(waits: list[DriveTelegram]) -> Iterator[DriveScenario]:
+    """Every step waits for a while, the last in vain: its time begins with its own first question."""
+    last, awaited = waits[-1], waits[-1].awaited
+    if len(waits) == 1 or awaited is None:
+        return
+    late = _all_late(waits)
+    first = last.number + sum(count - 1 for number, count in late.questions.items() if number < last.number)
+    missing = _missing(last, range(1, len(last.parts) + 1))
+    waited = sum((late.questions[one.number] - 1) * one.awaited.interval for one in waits[:-1] if one.awaited)
+    yield DriveScenario(
+        name="every step waits, the last one in vain",
+        reads={**late.reads, **dict.fromkeys(range(first, MANY), missing)},
+        questions={**late.questions, last.number: awaited.limit // awaited.interval + 2},
+        status=(WORDS["NOT_REACHED"],),
+        telegram=last.number,
+        missed=last.parts[0].use.parameter.pnu,
+        took=(waited + awaited.limit, waited + awaited.limit + MANY),
+        follow=False,
+    )
 
 
 def _in_a_pause(telegram: DriveTelegram, scans: int) -> Iterator[DriveScenario]:
