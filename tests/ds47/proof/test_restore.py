@@ -10,6 +10,7 @@ import pytest
 from plcgen.protocols.ds47.plan.nouns import DriveJob
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Event
+from plcgen.protocols.ds47.sheet import review_sheet
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.protocols.ds47.sim.parameters import Keeps
@@ -208,3 +209,15 @@ def test_restoring_fails(plant: Plant) -> None:
     assert run(plant, faults=(refuse(1, 1),)) == (0x8401, 0x8401)
     assert sent(plant) == [ASK]
     assert run(plant) == (0, 0)
+
+
+def test_what_papers_say(generate) -> None:
+    """IMPORT.md and the review say that old values come back, and under which condition."""
+    made = generate(SPEC, "v5")
+    text = (made.folder / "IMPORT.md").read_text("utf-8")
+    assert text.count("restored if the job fails and the drive does not run") == 3
+    assert text.count("restored while the drive runs, too; signed off: a test") == 1
+    memory = [entry.memory for entry in review_sheet(made.plan).writes]
+    limits, filter_ = ("the old value comes back if the job fails, while " + what for what in ("the drive", "it runs"))
+    assert [limits in text for text in memory] == [True, True, True, False]
+    assert [filter_ in text for text in memory] == [False, False, False, True]
