@@ -334,6 +334,21 @@ def test_verify_for_real(plcgen, good):
     assert json.loads(plcgen("verify", good, "--format", "json").out)["ok"] is True
 
 
+def test_general_knowledge_is_a_warning_and_strict_makes_it_an_error(plcgen, tmp_path):
+    """The type of P971 of a SINAMICS DCM is recalled: check and verify say so."""
+    (tmp_path / "x.yaml").write_text(
+        "plc: {name: a, family: s7-1500, toolchain: tia-v19}\n"
+        "drives: {d: {device: sinamics-dcm, hardware_id: 270}}\n"
+        "jobs: {j: {drive: d, write: {P971: 1}, allow: {P971: after commissioning}}}\n",
+        "utf-8",
+    )
+    assert plcgen("generate", "x.yaml", "-q").code == 0
+    for verb in (["check", "x.yaml"], ["verify", "x.yaml", "--faults", "none"]):
+        for more, code, severity in (([], 0, "warning"), (["--strict"], 1, "error")):
+            said = plcgen(*verb, *more)
+            assert (said.code, f"{severity}[PG228]" in said.out + said.err) == (code, True), verb
+
+
 @pytest.mark.parametrize("family", ["s7-300", "s7-400", "s7-1200", "s7-1500"])
 @pytest.mark.parametrize("device", device_names())
 def test_new_passes_check(plcgen, device, family):

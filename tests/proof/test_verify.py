@@ -54,6 +54,21 @@ def test_the_example_is_good() -> None:
     assert "03 01 02 01 10 01 C4 7F 00 00  LEN 10" in verdicts["telegram.WR_DataBuffer"]
 
 
+def test_the_example_shows_oracles_and_ledger() -> None:
+    """Manuals print both telegrams; of parameters, records, drive objects and limits it says whence they are known."""
+    result = api.verify(FAQ, GOLDEN, faults="none")
+    oracles = next(group for group in result.groups if group.title == "Independent oracles")
+    assert {"read FloatingPoint", "write FloatingPoint", "all layouts"} <= {check.subject for check in oracles.checks}
+    ledger = {(one.subject, one.text.partition(":")[0]): (one.grade.value, one.source) for one in result.ledger}
+    for subject in (("dcm P50303", "type FloatingPoint"), ("read FloatingPoint", "published telegram")):
+        grade, source = ledger[subject]
+        assert (grade, "FAQ 109750712 (09/2017), figure" in source) == ("manual", True), subject
+    about = {"records for parameters", "drive objects", "a value is answered in its own type, an error in 2 words",
+             "a telegram has 240 bytes, 39 parameters, 117 elements"}  # fmt: skip
+    assert about <= {text for subject, text in ledger if subject == "sinamics-dcm"}
+    assert {"records", "layout"} <= {subject for subject, _ in ledger}
+
+
 WR, RD, WR_1 = "db/WR_DataBuffer.db", "db/RD_DataBuffer.db", "db/WR_DataBuffer_1.db"
 SWAP = "    Para_Format : Byte;  // P50303 data format\n    Num_of_Element : Byte;"
 SWAPPED = "    Num_of_Element : Byte;\n    Para_Format : Byte;"
