@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from plcgen.cli.arguments import Argument
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.protocols.ds47.plan.references import Reference, parse_reference
+from plcgen.protocols.ds47.plan.references import Reference, parse_reference, parse_type
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.bico import Layout, parse_bico
 from plcgen.protocols.ds47.wire.formats import Format, FormatKind, FormatValueError, Value
@@ -32,12 +32,21 @@ def address(argument: Argument, text: str, device: Device | None, count: int | N
     if not 1 <= pnu <= 65535:
         raise argument.problem("PG703", f"parameter number {pnu} is outside 1..65535")
     if reference.first is None or reference.last is None:
-        scalar = 1 if device is None else device.scalar_elements[0 if count is None else 1]
+        scalar = _elements(pnu, device, write=count is not None)
         return ParameterAddress(pnu, 0, scalar if count in {None, 1} else count or 1)
     values = reference.last - reference.first + 1
     if values < 1 or reference.last > 0xFFFE:
         raise argument.problem("PG703", f'"{text}": the index range is empty or over 65534')
     return ParameterAddress(pnu, reference.first, values)
+
+
+def _elements(pnu: int, device: Device | None, *, write: bool) -> int:
+    """Number of elements of a parameter without an index: the octets of a string, else what the device has."""
+    if device is None:
+        return 1
+    known = device.parameters.get(pnu)
+    split = parse_type(known.type) if known is not None and known.type else None
+    return split[1] if split and split[1] and not write else device.scalar_elements[1 if write else 0]
 
 
 def _number(argument: Argument, reference: Reference, device: Device | None) -> int:

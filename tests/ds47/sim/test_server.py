@@ -114,16 +114,17 @@ ORDER = {
     ),
     "string too long": (
         "01 02 01 01 10 06 00 09 00 00 09 06 61 62 63 64 65 66",
-        "01 82 01 01 44 02 00 18 00 00",
+        "01 82 01 01 44 02 00 03 00 05",
     ),
-    "subindex of a string": ("01 01 01 01 10 01 00 09 00 01", "01 81 01 01 44 02 00 04 00 00"),
+    "behind a string": ("01 01 01 01 10 01 00 09 00 05", "01 81 01 01 44 02 00 03 00 05"),
     # accepted
     "read a value": ("01 01 01 01 10 01 00 01 00 00", "01 01 01 01 06 01 00 05"),
     "elements 0 reads one value": ("01 01 01 01 10 00 00 01 00 00", "01 01 01 01 06 01 00 05"),
     "elements 0 takes subindex 0": ("01 01 01 01 10 00 00 05 00 02", "01 01 01 01 06 01 00 0A"),
     "read an array": ("01 01 01 01 10 02 00 05 00 01", "01 01 01 01 06 02 00 14 00 1E"),
     "odd answer has a pad": ("01 01 01 01 10 03 00 0A 00 00", "01 01 01 01 05 03 01 02 03 00"),
-    "read a string": ("01 01 01 01 10 01 00 09 00 00", "01 01 01 01 09 05 61 62 63 64 65 00"),
+    "read the second character": ("01 01 01 01 10 01 00 09 00 01", "01 01 01 01 09 01 62 00"),
+    "read a string": ("01 01 01 01 10 05 00 09 00 00", "01 01 01 01 09 05 61 62 63 64 65 00"),
     "write": ("01 02 01 01 10 01 00 01 00 00 06 01 00 64", "01 02 01 01"),
     "write as word": ("01 02 01 01 10 01 00 01 00 00 42 01 00 64", "01 02 01 01"),
     "write with elements 0": ("01 02 01 01 10 00 00 01 00 00 06 01 00 64", "01 02 01 01"),
@@ -156,7 +157,7 @@ def test_values_change():
     assert unit.objects[1].parameters[1].values == [42]
     assert unit.objects[1].parameters[5].values == [10, 20, 30]
     ask(unit, "02 02 01 01 10 02 00 09 00 00 09 02 78 79")
-    assert unit.objects[1].parameters[9].values == ["xy\x00\x00\x00"]
+    assert unit.objects[1].parameters[9].values == ["xycde"]
 
 
 def test_one_error_word():
@@ -257,7 +258,7 @@ def test_nothing_is_known_behind_an_unknown_format():
 def test_generic_answers():
     """A device that answers sizes sends 43h for REAL, 42h for words, 41h for bytes, strings as they are."""
     unit = drive(answer_format="size")
-    request = "01 01 01 04 10 01 00 08 00 00 10 01 00 01 00 00 10 01 00 0A 00 00 10 01 00 09 00 00"
+    request = "01 01 01 04 10 01 00 08 00 00 10 01 00 01 00 00 10 01 00 0A 00 00 10 05 00 09 00 00"
     assert ask(unit, request) == "01 01 01 04 43 01 3F C0 00 00 42 01 00 05 41 01 01 00 09 05 61 62 63 64 65 00"
 
 

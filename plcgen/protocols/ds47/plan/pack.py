@@ -61,9 +61,7 @@ class _Open:
             return 0  # two slices of an array in one telegram would be two members of one name
         used = self.request + ADDRESS_SIZE if self.write else self.response
         free = self.limit - used - BLOCK_HEADER
-        # a string that is read is one element, whatever its length
-        elements = MAX_ELEMENTS if use.format.is_string and not self.write else self.elements
-        return max(0, min((free - free % 2) // use.format.size, elements))
+        return max(0, min((free - free % 2) // use.format.size, self.elements))
 
     def add(self, part: Part) -> None:
         """Take a part in."""

@@ -90,7 +90,7 @@ class UseResolver:
             parameter=parameter,
             format=fmt,
             first=reference.first,
-            elements=count if write and fmt.is_string else self._elements(reference, values, write=write),
+            elements=count if fmt.is_string else self._elements(reference, values, write=write),
             count=count,
             data=data,
             constant=constant,

@@ -25,12 +25,12 @@ def ledger(plan: DrivePlan) -> Iterator[Assumption]:
         yield from _drive(plan, drive)
     for form in dict.fromkeys(Form.of(job, use) for job in plan.shapes for use in job.uses):
         yield _form(form)
-    if any(use.format.is_string and not use.writes for job in plan.shapes for use in job.uses):
+    if any(use.format.is_string for job in plan.shapes for use in job.uses):
         yield Assumption(
             "strings",
-            "a read names one element and is answered with its octets",
-            "no document was found",
-            Grade.GENERAL,
+            "their elements are octets, in reads and in changes",
+            "ABB RETA-02 user's manual, table 17; Siemens' PROFIdrive application example (AC4)",
+            Grade.SECOND,
         )
     if plan.jobs:
         yield Assumption("records", "A2h to A4h, A7h, B5h, C0h to C6h and A1h of WRREC pass", _RETRIES, Grade.SECOND)

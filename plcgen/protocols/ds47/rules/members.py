@@ -21,7 +21,7 @@ _OWN = frozenset(
         "execute", "busy", "done", "error", "status", "errors", "errorinfos", "hardwareid", "driveaddress",
         "driveobject", "slot", "unit", "requestdb", "responsedb", "saves",
         "save_limit", "save_interval", "save_distance", "save_step", "error_deviates",
-        "failedstep", "failedparameter", "step_limit", "utc",
+        "failedstep", "failedparameter", "step_limit", "utc", "records",
     }
 )  # fmt: skip
 """Members and constants of job blocks, in lower case."""
@@ -29,7 +29,7 @@ _OWN = frozenset(
 _LISTED = frozenset({"deviations", "deviationcount", "equal"})
 """Members of job blocks that compare."""
 
-_RECORDED = frozenset({"recordnumber", "records", "failedindex"})
+_RECORDED = frozenset({"recordnumber", "failedindex"})
 """Members of job blocks with a recipe."""
 
 _PREFIXED = re.compile(r"(?:[Ss]tat|[Tt]emp|[Ii]nst)[A-Z0-9]|(?i:state_|status_)")

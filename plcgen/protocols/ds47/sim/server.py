@@ -173,8 +173,11 @@ class Server:
         if refusal is not None:
             raise _RefusedError(refusal)
         parameter.come()
+        if parameter.format.is_string:
+            octets = formats.pack_values(parameter.format, parameter.values)[start : start + count]
+            return ValueBlock(parameter.format.code, count, octets)
         block = ValueBlock.of(parameter.format, parameter.values[start : start + count])
-        if self.behaviour.answer_format != "size" or parameter.format.is_string:
+        if self.behaviour.answer_format != "size":
             return block
         generic = formats.generic_of(parameter.format.size)
         return block if generic is None else replace(block, format=generic.code)
@@ -192,6 +195,9 @@ class Server:
         if refusal is not None:
             raise _RefusedError(refusal)
         values = _wire_values(parameter, address, block, exact=exact)
+        start = 0 if parameter.format.is_string else start
+        if block is not None and parameter.format.kind is formats.FormatKind.BOOLEAN:
+            _true_or_false(block.data[: len(values)], start)
         for position, value in enumerate(values):
             self._check(parameter, value, target.state, start + position)
         if parameter.keeps is not None:
@@ -214,6 +220,13 @@ class Server:
             raise _RefusedError(0x14, subindex)
         if parameter.reset_only and value:
             raise _RefusedError(0x06, subindex)
+
+
+def _true_or_false(data: bytes, start: int) -> None:
+    """Other bytes than 00 and 01 are beyond the limits, as in Siemens' PROFIdrive application example."""
+    for position, byte in enumerate(data, start):
+        if byte > 1:
+            raise _RefusedError(0x02, position)
 
 
 def _address(data: bytes, position: int) -> ParameterAddress:
@@ -250,16 +263,18 @@ def _values(data: bytes, count: int) -> _Values:
 
 
 def _range(parameter: SimulatedParameter, address: ParameterAddress) -> tuple[int, int]:
-    """First element and number of elements of an access: elements 0 means the first one alone."""
-    if parameter.format.is_string:
-        if address.elements and address.subindex:
-            raise _RefusedError(0x04)
-        return 0, 1
-    start, count = (address.subindex, address.elements) if address.elements else (0, 1)
-    if not parameter.array and (start > 0 or count > 1):
+    """First element and number of elements of an access, octets of a string; elements 0 means the first one alone.
+
+    An OctetString is read whole then, as by Siemens' PROFIdrive application example.
+    """
+    octets = parameter.format.is_string
+    there = len(formats.pack_values(parameter.format, parameter.values)) if octets else len(parameter.values)
+    whole = there if parameter.format.code == formats.OCTET_STRING else 1
+    start, count = (address.subindex, address.elements) if address.elements else (0, whole)
+    if not parameter.array and not octets and (start > 0 or count > 1):
         raise _RefusedError(0x04)
-    if start + count > len(parameter.values):
-        raise _RefusedError(0x03, max(start, len(parameter.values)))
+    if start + count > there:
+        raise _RefusedError(0x03, max(start, there))
     return start, count
 
 
@@ -277,11 +292,10 @@ def _wire_values(
         raise _RefusedError(0x05)
     if not parameter.format.is_string:
         return block.values(parameter.format)
-    size = len(formats.pack_values(parameter.format, parameter.values))
-    if block.count > size:
-        raise _RefusedError(0x18)
-    filled = ValueBlock(block.format, size, block.data.ljust(size, b"\x00"))
-    return filled.values()
+    octets = formats.pack_values(parameter.format, parameter.values)
+    end = address.subindex + block.count
+    changed = octets[: address.subindex] + block.data + octets[end:]
+    return ValueBlock(block.format, len(octets), changed).values()
 
 
 def _read_description(parameter: SimulatedParameter, address: ParameterAddress) -> ValueBlock:
