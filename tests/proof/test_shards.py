@@ -209,7 +209,7 @@ def test_a_cluster_behind_tls(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -
     own, other = certified("own"), certified("other")
     with dask.config.set(own):
         made = distributed.LocalCluster(
-            n_workers=1, threads_per_worker=1, processes=False, protocol="tls://", dashboard_address=None,
+            n_workers=1, threads_per_worker=1, processes=False, protocol="tls://", dashboard_address=":0",
             security=distributed.Security(),
         )  # fmt: skip
         with made:

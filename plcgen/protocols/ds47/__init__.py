@@ -29,7 +29,7 @@ class Ds47:
     """The face of the parameter channel, see ``protocols.base``."""
 
     key = "ds47"
-    sections = ("jobs", "drives", "units")
+    sections = ("jobs", "drives", "units", "recipes")
     length_note = " (LEN of WRREC)"
 
     def section(self, *, alone: bool) -> type[BaseModel]:

@@ -27,8 +27,8 @@ jobs:
   limits: {drive: axis, write: {P1121: 2.0, P2900: 7, P2901: "0A0B0C"}, verify: readback, on_error: restore}
   filter: {drive: axis, write: {P2900: 7}, verify: readback, on_error: {restore: running, reason: a test}}
 """
-ASK = "01 02 04 10 01 04 61 00 00 10 01 0b 54 00 00 10 01 0b 55 00 00 10 01 03 83 00 00"
-"""P1121 = 0461h, P2900 = 0B54h, P2901 = 0B55h and r0899 = 0383h of drive object 2."""
+ASK = "01 02 04 10 01 04 61 00 00 10 01 0b 54 00 00 10 03 0b 55 00 00 10 01 03 83 00 00"
+"""P1121 = 0461h, P2900 = 0B54h, P2901 = 0B55h with its three octets and r0899 = 0383h of drive object 2."""
 WRITE = "02 02 03 10 01 04 61 00 00 10 01 0b 54 00 00 10 03 0b 55 00 00 08 01 40 00 00 00 03 01 00 07 0a 03 0a 0b 0c 00"
 """2.0 is 40000000h (IEEE 754); three octets and a pad."""
 OLD = {1121: 1.5, 2900: -3, 2901: b"\x01\x02\x03"}

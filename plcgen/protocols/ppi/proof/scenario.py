@@ -23,6 +23,8 @@ PAUSE = 40
 LATE_MS = 100
 POLL_MS = 60
 """Milliseconds that a poll and E5 take in scans of 2 ms."""
+SCAN_MS = 10
+"""Milliseconds between two calls where a scenario says nothing else."""
 FRAME_MS = 300
 """Milliseconds that the longest frame takes at 9600 bit/s: 255 characters of 11 bits."""
 LOST_SCANS = 3
@@ -333,9 +335,13 @@ def _late(master: PlannedMaster) -> Iterator[PpiScenario]:
 
 
 def _in_the_pause(master: PlannedMaster) -> Iterator[PpiScenario]:
-    """A reply that comes in the pause behind its time: one of these lengths meets it."""
+    """A reply that comes in the pause behind its time: one of these lengths meets it.
+
+    A CP 341 hands a frame over in up to eight scans.
+    """
     step = max(1, master.retry_pause // 2)
-    for late in range(max(step, master.reply_timeout - FRAME_MS), master.reply_timeout + master.retry_pause, step):
+    begin = master.reply_timeout - FRAME_MS - 8 * SCAN_MS
+    for late in range(max(step, begin), master.reply_timeout + master.retry_pause, step):
         yield PpiScenario(
             name=f"reply {late} ms late", faults=(fault("late", "poll", milliseconds=late),), retries=None, polls=None,
             status=(DONE, WORDS["NOT_READY"], WORDS["NO_ANSWER"]),
