@@ -14,6 +14,7 @@ from plcgen.project.nouns import Project
 from plcgen.project.opening import open_spec
 from plcgen.proof.rig import ProgramBench
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
+from plcgen.protocols.ds47.proof.plant import Plant
 
 TARGETS = {
     "v5": ("s7-300", "step7-v5", "address"),
@@ -69,3 +70,10 @@ def generate(tmp_path: Path) -> Generate:
         return Generated(open_spec(spec).sound(), tmp_path / "out")
 
     return run
+
+
+@pytest.fixture
+def plant(generate: Generate, target: str, request: pytest.FixtureRequest) -> Plant:
+    """The units of the spec that a file of tests has, and OB1 with its jobs."""
+    made = generate(request.module.SPEC, target)
+    return Plant(made.plan, made.program).fresh()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from ds47.proof.playing import sent
 
 from plcgen import api
 from plcgen.protocols.ds47.proof.plant import Plant
@@ -23,13 +24,6 @@ SECOND = 100
 """Scans of 10 ms."""
 
 
-@pytest.fixture
-def plant(generate, target) -> Plant:
-    """A drive object and OB1 with the job."""
-    made = generate(SPEC, target)
-    return Plant(made.plan, made.program).fresh()
-
-
 def run(plant: Plant, saving: int, remaining: int = 0) -> tuple[int, int]:
     """A drive with the faults 7 and 8 takes so many ms, some of them stay; scans and status of the job."""
     plant.begin(DriveScenario(name="OB1", saving=saving, remaining=remaining))
@@ -43,11 +37,6 @@ def run(plant: Plant, saving: int, remaining: int = 0) -> tuple[int, int]:
             plant.fall()
             return scan, status
     raise AssertionError("it has not ended")
-
-
-def sent(plant: Plant) -> list[str]:
-    """Requests without their references."""
-    return [one.data[1:].hex(" ") for one in plant.units["axis"].journal if one.direction == "write" and not one.status]
 
 
 def codes(plant: Plant) -> list[object]:

@@ -6,9 +6,10 @@ import struct
 from pathlib import Path
 
 import pytest
+from ds47.proof.playing import job_of, sent, status_of
 
 from plcgen import api
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
@@ -37,32 +38,12 @@ FIRST = "01 01 02 10 01 04 60 00 00 10 01 04 61 00 00"
 NONE = (0, 0, 0.0, 0.0, 0, 0)
 
 
-@pytest.fixture
-def plant(generate, target) -> Plant:
-    """A unit and OB1 with the jobs."""
-    made = generate(SPEC, target)
-    return Plant(made.plan, made.program).fresh()
-
-
-def job_of(plant: Plant, key: str) -> DriveJob:
-    """A job by its key."""
-    return next(job for job in plant.plan.jobs if job.key == key)
-
-
 def run(plant: Plant, key: str, held: dict[int, list[float]], faults: tuple[Fault, ...] = ()) -> int:
     """Run a job against a drive that holds these values, the inputs as delivered; its status."""
     plant.begin(DriveScenario(name="OB1", faults=faults), delivered=True)
     for pnu, values in held.items():
         plant.units["mixer"].objects[1].parameters[pnu].values[: len(values)] = values
-    plant.execute(job_of(plant, key), value=False)
-    plant.step()
-    plant.execute(job_of(plant, key))
-    for _ in range(300):
-        plant.step()
-        over, status = plant.result(job_of(plant, key))
-        if over:
-            return status
-    raise AssertionError(f"{key} has not ended")
+    return status_of(plant, job_of(plant, key))
 
 
 def listed(plant: Plant, key: str) -> list[tuple[float, ...]]:
@@ -75,13 +56,6 @@ def listed(plant: Plant, key: str) -> list[tuple[float, ...]]:
     assert rows[count:] == [NONE] * (places - count if count < places else 0)
     assert plant.cpu[f"{path}.equal"] == (count == 0)
     return rows[: min(count, places)]
-
-
-def sent(plant: Plant) -> list[str]:
-    """Requests without their references."""
-    return [
-        one.data[1:].hex(" ") for one in plant.units["mixer"].journal if one.direction == "write" and not one.status
-    ]
 
 
 def test_it_only_asks(plant: Plant) -> None:

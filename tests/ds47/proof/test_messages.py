@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from ds47.proof.playing import job_of, sent, status_of
 
 from plcgen import api
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
@@ -28,13 +29,6 @@ LAST = "01 03 01 10 01 03 b0 00 00"
 """r0944 = 03B0h, then indexes 0 to 7 and 8 to 15 of r0945 = 03B1h, r0949 = 03B5h and r0948 = 03B4h; r0944 once more."""
 
 
-@pytest.fixture
-def plant(generate, target) -> Plant:
-    """A drive object and OB1 with both jobs."""
-    made = generate(SPEC, target)
-    return Plant(made.plan, made.program).fresh()
-
-
 def holds(plant: Plant, **values: list[int]) -> None:
     """What the drive has: of an array the first values, then zeros."""
     parameters = plant.units["axis"].objects[3].parameters
@@ -47,27 +41,13 @@ def run(plant: Plant, key: str, events: dict[int, Callable[[Drive], None]] | Non
     """Run a job against a drive with these values; its status."""
     plant.begin(DriveScenario(name="OB1", events=events or {}))
     holds(plant, **values)
-    job = next(job for job in plant.plan.jobs if job.key == key)
-    plant.execute(job, value=False)
-    plant.step()
-    plant.execute(job)
-    for _ in range(300):
-        plant.step()
-        over, status = plant.result(job)
-        if over:
-            return status
-    raise AssertionError(f"{key} has not ended")
+    return status_of(plant, job_of(plant, key))
 
 
 def entries(plant: Plant, path: str, *columns: str) -> list[tuple[object, ...]]:
     """The 16 places of a list."""
     name = f'"DriveJobs".{path}'
     return [tuple(plant.cpu[f"{name}[{place}].{column}"] for column in columns) for place in range(1, 17)]
-
-
-def sent(plant: Plant) -> list[str]:
-    """Requests without their references."""
-    return [one.data[1:].hex(" ") for one in plant.units["axis"].journal if one.direction == "write" and not one.status]
 
 
 def test_the_latest_first(plant: Plant) -> None:

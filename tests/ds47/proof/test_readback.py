@@ -6,9 +6,10 @@ import struct
 from pathlib import Path
 
 import pytest
+from ds47.proof.playing import job_of, sent, status_of
 
 from plcgen import api
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
@@ -34,33 +35,13 @@ jobs:
 DEVIATES = 0x8200
 
 
-@pytest.fixture
-def plant(generate, target) -> Plant:
-    """A unit and OB1 with the jobs."""
-    made = generate(SPEC, target)
-    return Plant(made.plan, made.program).fresh()
-
-
-def job_of(plant: Plant, key: str) -> DriveJob:
-    """A job by its key."""
-    return next(job for job in plant.plan.jobs if job.key == key)
-
-
 def run(
     plant: Plant, key: str, keeps: dict[int, Keeps] | None = None, meanwhile: dict[int, Keeps] | None = None
 ) -> int:
     """Run a job against a drive that makes something of its values; its status."""
     plant.begin(DriveScenario(name="OB1", keeps=keeps or {}, meanwhile=meanwhile or {}))
     job = job_of(plant, key)
-    plant.execute(job, value=False)
-    plant.step()
-    plant.execute(job)
-    for _ in range(300):
-        plant.step()
-        over, status = plant.result(job)
-        if over:
-            return status
-    raise AssertionError(f"{key} has not ended")
+    return status_of(plant, job)
 
 
 def told(plant: Plant, key: str) -> list[tuple[int, int]]:
@@ -68,13 +49,6 @@ def told(plant: Plant, key: str) -> list[tuple[int, int]]:
     path = f'"DriveCalls_DB".{job_of(plant, key).member}'
     count = len(job_of(plant, key).uses)
     return [(plant.cpu[f"{path}.errors[{n}]"], plant.cpu[f"{path}.errorInfos[{n}]"]) for n in range(1, count + 1)]
-
-
-def sent(plant: Plant) -> list[str]:
-    """Requests without their references."""
-    return [
-        one.data[1:].hex(" ") for one in plant.units["mixer"].journal if one.direction == "write" and not one.status
-    ]
 
 
 def test_it_writes_and_asks(plant: Plant) -> None:

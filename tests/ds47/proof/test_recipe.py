@@ -6,10 +6,11 @@ import struct
 from pathlib import Path
 
 import pytest
+from ds47.proof.playing import ended, job_of, sent
 
 from plcgen import api
 from plcgen.proof.rig import Members
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
@@ -47,18 +48,6 @@ NO_RECORD, OUTSIDE = 0x8540, 0x8541
 NAN, INFINITY = "7FC00000", "7F800000"
 
 
-@pytest.fixture
-def plant(generate, target) -> Plant:
-    """A unit and OB1 with the jobs."""
-    made = generate(SPEC, target)
-    return Plant(made.plan, made.program).fresh()
-
-
-def job_of(plant: Plant, key: str) -> DriveJob:
-    """A job by its key."""
-    return next(job for job in plant.plan.jobs if job.key == key)
-
-
 def records(plant: Plant, name: str, *paths: str) -> Members:
     """Members of the records of a recipe."""
     return Members(plant.cpu, plant.program, name, [f"records{path}" for path in paths], "records")
@@ -77,18 +66,7 @@ def run(plant: Plant, key: str, number: int) -> int:
     plant.execute(job, value=False)
     plant.step()
     plant.cpu[f'"DriveJobs".{job.member}.recordNumber'] = number
-    plant.execute(job)
-    for _ in range(300):
-        plant.step()
-        over, status = plant.result(job)
-        if over:
-            return status
-    raise AssertionError(f"{key} has not ended")
-
-
-def sent(plant: Plant) -> list[str]:
-    """Requests without their references."""
-    return [one.data[1:].hex(" ") for one in plant.units["fan"].journal if one.direction == "write" and not one.status]
+    return ended(plant, job)
 
 
 def failed(plant: Plant, key: str) -> tuple[object, object]:

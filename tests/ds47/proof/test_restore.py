@@ -5,9 +5,8 @@ from __future__ import annotations
 import struct
 from collections.abc import Mapping
 
-import pytest
+from ds47.proof.playing import job_of, status_of
 
-from plcgen.protocols.ds47.plan.nouns import DriveJob
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Event
 from plcgen.protocols.ds47.sheet import review_sheet
@@ -39,18 +38,6 @@ STOPPED = 0xF7FB
 """All bits of r0899 but 2 and 11."""
 
 
-@pytest.fixture
-def plant(generate, target) -> Plant:
-    """A unit and OB1 with the jobs."""
-    made = generate(SPEC, target)
-    return Plant(made.plan, made.program).fresh()
-
-
-def job_of(plant: Plant, key: str) -> DriveJob:
-    """A job by its key."""
-    return next(job for job in plant.plan.jobs if job.key == key)
-
-
 def values(plant: Plant) -> dict[int, object]:
     """What the drive has."""
     parameters = plant.units["axis"].objects[2].parameters
@@ -73,15 +60,7 @@ def run(
     for pnu, value in {**OLD, 899: state}.items():
         parameters[pnu].values[0] = value
     job = job_of(plant, key)
-    plant.execute(job, value=False)
-    plant.step()
-    plant.execute(job)
-    for _ in range(600):
-        plant.step()
-        over, status = plant.result(job)
-        if over:
-            return status, plant.cpu[f'"DriveJobs".{job.member}.cause']
-    raise AssertionError("it has not ended")
+    return status_of(plant, job), plant.cpu[f'"DriveJobs".{job.member}.cause']
 
 
 def told(plant: Plant, key: str = "limits") -> list[int]:

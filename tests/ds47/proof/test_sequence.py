@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from ds47.proof.playing import job_of, sent
 
 from plcgen.proof.execution import Work, coverage, run_job
 from plcgen.proof.results import added
 from plcgen.proof.rig import ProgramBench
-from plcgen.protocols.ds47.plan.nouns import DriveJob
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
@@ -50,11 +50,6 @@ def plant(generate, target) -> Plant:
     return plant
 
 
-def job_of(plant: Plant, key: str) -> DriveJob:
-    """A job by its key."""
-    return next(job for job in plant.plan.jobs if job.key == key)
-
-
 def run(plant: Plant, inputs: dict[int, int], faults: tuple[Fault, ...] = (), look: int = 0) -> tuple[int, int]:
     """The inputs r0722 by the scan in which they change; another job is started in ``look``; scans and status."""
     plant.begin(DriveScenario(name="OB1", faults=faults), delivered=True)
@@ -77,11 +72,6 @@ def run(plant: Plant, inputs: dict[int, int], faults: tuple[Fault, ...] = (), lo
 
 failed: list[tuple[object, ...]] = []
 """failedStep and failedParameter of each run."""
-
-
-def sent(plant: Plant) -> list[str]:
-    """Requests without their references."""
-    return [one.data[1:].hex(" ") for one in plant.units["axis"].journal if one.direction == "write" and not one.status]
 
 
 def test_it_asks_until_all_is_there(plant: Plant) -> None:

@@ -1,0 +1,35 @@
+"""What the tests of all kinds of jobs do with a plant: find a job, run it to its end, look at the wire."""
+
+from __future__ import annotations
+
+from plcgen.protocols.ds47.plan.nouns import DriveJob
+from plcgen.protocols.ds47.proof.plant import Plant
+
+
+def job_of(plant: Plant, key: str) -> DriveJob:
+    """A job by its key."""
+    return next(job for job in plant.plan.jobs if job.key == key)
+
+
+def status_of(plant: Plant, job: DriveJob, scans: int = 600) -> int:
+    """Start a job anew and wait for its end; its status."""
+    plant.execute(job, value=False)
+    plant.step()
+    return ended(plant, job, scans)
+
+
+def ended(plant: Plant, job: DriveJob, scans: int = 600) -> int:
+    """Start a job and wait for its end; its status."""
+    plant.execute(job)
+    for _ in range(scans):
+        plant.step()
+        over, status = plant.result(job)
+        if over:
+            return status
+    raise AssertionError(f"{job.key} has not ended")
+
+
+def sent(plant: Plant) -> list[str]:
+    """Requests that the one unit has taken, without their references."""
+    (unit,) = plant.units.values()
+    return [one.data[1:].hex(" ") for one in unit.journal if one.direction == "write" and not one.status]
