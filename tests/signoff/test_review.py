@@ -9,12 +9,13 @@ import re
 import shutil
 
 import pytest
-from projects import FAQ, generated_example
+from projects import FAQ, ROOT, generated_example
 from signoff.reviews import LONG, faq_review, git, hostile_review, ppi_review, show
 
 from plcgen import api
 from plcgen.diagnostics import DiagnosticError
 from plcgen.proof.checks import Check, CheckGroup, Outcome, Trial, Verification
+from plcgen.protocols.ds47.sheet import review_sheet
 from plcgen.review.sheet import Role
 from plcgen.signoff.grid import scenarios
 from plcgen.signoff.markdown import LIMIT
@@ -28,6 +29,19 @@ def test_the_write_list_says_what_the_spec_says():
     assert (entry.trigger, entry.danger) == ("M150.0", "")
     assert [doubt.split(":")[0] for doubt in entry.doubts] == ["type FloatingPoint", "limits 0 .. 650"]
     assert "not read in a manual" in show("html", faq_review())
+
+
+def test_values_that_come_from_a_record_or_a_clock_are_no_inputs():
+    """What a recipe or the time gives is not said to be written if nothing is connected."""
+    for name, key, said in (
+        ("s7-1200_s120_recipe", "load_winding", "a record of RecipeWinding, chosen by recordNumber"),
+        ("s7-1500_s120_save", "set_clock", "made of the time at the input utc"),
+    ):
+        project = api.check(ROOT / "specs" / f"{name}.yaml").project
+        (plan,) = project.plans
+        entries = [entry for entry in review_sheet(plan).writes if entry.job == key and not entry.value.isdigit()]
+        assert entries
+        assert {(entry.value, entry.input) for entry in entries} == {(said, False)}
 
 
 def test_a_request_is_the_telegram_of_the_faq_byte_by_byte():

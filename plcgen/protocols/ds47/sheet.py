@@ -55,14 +55,15 @@ def _write(plan: DrivePlan, shape: DriveJob, use: Use) -> WriteEntry:
     parameter = use.parameter
     danger = shape.drive.device.danger(parameter.pnu)
     triggers = [_trigger(job) for job in jobs]
+    source = _source(shape, use)
     return WriteEntry(
         job=shape.shape,
         block=shape.block.name,
         partners=tuple(job.drive.key for job in jobs),
         parameter=use.label,
         text=parameter.title,
-        value=value_text(use, plan.target),
-        input=not use.constant,
+        value=source or value_text(use, plan.target),
+        input=not use.constant and not source,
         limits=_limits(parameter.minimum, parameter.maximum),
         unit=parameter.unit,
         trigger=triggers[0] if len(triggers) == 1 else "execute of each drive, see its row",
@@ -72,6 +73,13 @@ def _write(plan: DrivePlan, shape: DriveJob, use: Use) -> WriteEntry:
         safety=parameter.pnu in guards.SAFETY,
         doubts=tuple(_doubts(parameter)),
     )
+
+
+def _source(shape: DriveJob, use: Use) -> str:
+    """Where a value comes from that is neither in the spec nor at an input of its own."""
+    if shape.recipe is not None and use.recorded:
+        return f"a record of {shape.recipe.db.name}, chosen by recordNumber"
+    return "made of the time at the input utc" if use in shape.timed else ""
 
 
 def _memory(shape: DriveJob, parameter: Parameter) -> str:
