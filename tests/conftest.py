@@ -24,12 +24,14 @@ Install = Callable[[str, str, str, str | Path], None]
 PROOF = Path(__file__).parent / "proof"
 QUICK = {"test_idle.py", "test_independence.py", "test_reach.py", "test_twins.py"}
 """Of the tests there, those that run no matrix."""
+ON_EVERY_PYTHON = "test_every_project_passes_every_scenario_with_full_coverage[s7-1500_s210_restore]"
+"""One whole matrix is among the fast tests: every Python verifies a project."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Whatever runs fault matrices is slow."""
     for item in items:
-        if PROOF in item.path.parents and item.path.name not in QUICK:
+        if PROOF in item.path.parents and item.path.name not in QUICK and item.name != ON_EVERY_PYTHON:
             item.add_marker(pytest.mark.slow)
 
 
