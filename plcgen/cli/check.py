@@ -102,12 +102,11 @@ def command(
     specs, sources = _sorted(tuple(path for path in paths if path not in documents), program=program)
     if program and not sources:
         raise click.UsageError("--program needs PLC sources (.scl .udt .db)")
-    checks = _iec_checks(iec_check)
     subjects: list[Subject] = _specs(specs, strict=strict)
     blocks = 0
     if program and target is not None:
         tables = (*_symbol_tables(paths), *tags)
-        found_sources, blocks = _programs(sources, documents, target, tables, checks, encoding)
+        found_sources, blocks = _programs(sources, documents, target, tables, _iec_checks(iec_check), encoding)
         subjects += found_sources
     elif sources:
         found_sources, blocks = _files(sources, target, encoding, out)

@@ -71,7 +71,7 @@ class ReferenceDrive:
         self.wire.append((self.asked, bytes(buffer[: length.value])))
         return 0, self.wire[-1][1]
 
-    def advance(self, milliseconds: int) -> None:  # noqa: ARG002
+    def advance(self, _milliseconds: int, /) -> None:
         """Its main loop goes round once."""
         self.library.PdrvPar_ProcessReq()
 

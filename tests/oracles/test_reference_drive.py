@@ -21,7 +21,7 @@ from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter, ValueLimits
-from plcgen.protocols.ds47.wire.formats import FORMATS, Format, FormatKind
+from plcgen.protocols.ds47.wire.formats import FORMATS, Format, FormatKind, Value
 
 BY_NAME = {fmt.name: fmt for fmt in FORMATS}
 NOT_THERE = {"BinaryDate", "TimeDifference"}
@@ -170,7 +170,7 @@ def pair(library: ctypes.CDLL) -> tuple[Drive, ReferenceDrive]:
     own: list[SimulatedParameter] = []
 
     def both(
-        pnu: int, name: str, value: object, count: int = 0, high: float | None = None, *, fixed: bool = False
+        pnu: int, name: str, value: Value, count: int = 0, high: float | None = None, *, fixed: bool = False
     ) -> None:
         fmt = BY_NAME[name]
         bits = {None: 2**32 - 1, 100.0: REAL_100 if name == "FloatingPoint" else 100}[high]
@@ -178,7 +178,7 @@ def pair(library: ctypes.CDLL) -> tuple[Drive, ReferenceDrive]:
         values = [value] * (1 if fmt.is_string else count or 1)
         array = bool(count) and not fmt.is_string
         bounds = ValueLimits(0, high) if high is not None else ValueLimits()
-        own.append(SimulatedParameter(pnu, fmt, values, array=array, read_only=fixed, limits=bounds))  # type: ignore[arg-type]
+        own.append(SimulatedParameter(pnu, fmt, values, array=array, read_only=fixed, limits=bounds))
 
     both(1120, "FloatingPoint", 0.0, high=100.0)
     both(945, "Unsigned16", 0, 8, fixed=True)
@@ -192,13 +192,13 @@ def pair(library: ctypes.CDLL) -> tuple[Drive, ReferenceDrive]:
 
 
 def ask(drive: Drive | ReferenceDrive, text: str) -> tuple[int, bytes]:
-    """STATUS of what failed and the answer; two requests to know that nothing of the first one is left."""
+    """STATUS of what failed and the answer, which is handed out once."""
     status = drive.write_record(47, bytes.fromhex(text))
     if status:
         return status, b""
     drive.advance(1)
     status, answer = drive.read_record(47, 240)
-    assert drive.read_record(47, 240) == (0xDE80B500, b""), "an answer is handed out once"
+    assert drive.read_record(47, 240) == (0xDE80B500, b"")
     return status, answer
 
 

@@ -18,7 +18,7 @@ from plcgen.project.resolve import resolve
 from plcgen.proof.checks import Verification
 from plcgen.proof.execution import Work, attempt
 from plcgen.proof.rig import ProgramBench
-from plcgen.protocols.ppi.proof.scenario import spread
+from plcgen.protocols.ppi.proof.calls import spread
 
 HEADS = {
     "t12": ("s7-1200", "tia-v19", "cm1241", "port: 270"),

@@ -7,7 +7,7 @@ A kind is a ``JobKind`` in ``SHIPPED``, or one that another distribution brings 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Annotated, Any, Literal, get_args
@@ -475,8 +475,12 @@ def _messages(settings: Any, *, history: bool) -> Messages:
     return Messages(settings.columns, (True, *(history,) * settings.history), settings.tries)
 
 
+def _short(settings: type, words: Iterable[object]) -> Callable[[Any], dict[str, Any]]:
+    """Schema of a kind that is one of some words, or its settings."""
+    return lambda _: {"anyOf": [{"enum": [*words]}, {"$ref": f"#/$defs/{settings.__name__}"}, {"type": "null"}]}
+
+
 def _buffer_kind(key: str, what: str, shape: Any, counter: int, numbers: Mapping[str, int]) -> JobKind:
-    name = shape.__name__
     return JobKind(
         key=key,
         writes=False,
@@ -484,7 +488,7 @@ def _buffer_kind(key: str, what: str, shape: Any, counter: int, numbers: Mapping
         description=f"current or all: the {what} buffer of the drive object, or {{history, columns, tries}}",
         example=f"{key}: current",
         items=partial(_message_items, counter, numbers),
-        short=lambda _: {"anyOf": [{"enum": list(WHOLE)}, {"$ref": f"#/$defs/{name}"}, {"type": "null"}]},
+        short=_short(shape, WHOLE),
         messages=partial(_messages, history=key == "faults"),
     )
 
@@ -540,7 +544,7 @@ SHIPPED = (
         description="drive_object or unit: what the drive shall keep without power, or {persist, limit, ..}",
         example="save: drive_object",
         items=_save_items,
-        short=lambda _: {"anyOf": [{"enum": list(SAVES)}, {"$ref": "#/$defs/SaveSettings"}, {"type": "null"}]},
+        short=_short(SaveSettings, SAVES),
         poll=lambda settings: Poll(settings.interval, settings.limit, settings.distance),
     ),
     _buffer_kind("faults", "fault", FaultSettings, FAULT_COUNTER, FAULTS),
@@ -552,7 +556,7 @@ SHIPPED = (
         description="true: acknowledge the faults of the drive object, or {limit, interval}",
         example="acknowledge: true",
         items=_acknowledge_items,
-        short=lambda _: {"anyOf": [{"const": True}, {"$ref": "#/$defs/AcknowledgeSettings"}, {"type": "null"}]},
+        short=_short(AcknowledgeSettings, (True,)),
         poll=lambda settings: Poll(settings.interval, settings.limit, 0),
     ),
     JobKind(
@@ -572,9 +576,7 @@ SHIPPED = (
         description="true, false or not_present: whether the drive object takes part, or {state, limit, interval}",
         example="activate: true",
         items=lambda settings: tuple(one.item for one in _activate_steps(settings)),
-        short=lambda _: {
-            "anyOf": [{"enum": [True, False, "not_present"]}, {"$ref": "#/$defs/ActivateSettings"}, {"type": "null"}]
-        },
+        short=_short(ActivateSettings, (True, False, "not_present")),
         steps=_activate_steps,
     ),
     JobKind(

@@ -91,10 +91,8 @@ def plan_jobs(
         _report_shared_flags(key, len(drives), loaded, path, report)
     timeout = _timeout(job, uses)
     listed = _listed(job, kind, uses, name, numbering, path)
-    own_recipe = None
-    if kind.recorded:
-        recorded = tuple(use for use in uses if use.recorded)
-        own_recipe = recipes.of(getattr(job, kind.key), key, recorded, resolvers[first.key])
+    recorded = tuple(use for use in uses if use.recorded)
+    recipe = recipes.of(getattr(job, kind.key), key, recorded, resolvers[first.key]) if kind.recorded else None
     size = footprint(uses, telegrams, listed)
     return tuple(
         DriveJob(
@@ -117,7 +115,7 @@ def plan_jobs(
             faq_names=faq,
             listed=listed,
             clock=_clock(kind, numbering),
-            recipe=own_recipe,
+            recipe=recipe,
             comment=job.comment or {},
             path=path,
         )

@@ -29,8 +29,6 @@ FRAME_MS = 300
 """Milliseconds that the longest frame takes at 9600 bit/s: 255 characters of 11 bits."""
 LOST_SCANS = 3
 """When the clock of a master on S7-1200/1500 starts again, its timer needs two calls to run: that time is lost."""
-MOMENTS = 60
-"""Scans of a job in which something happens to it, unless it is every one: more than a job of one telegram has."""
 RECEIVE_FAULT = {"RECEIVE_P2P": 0x80E1, "P_RCV_RK": 0x080C}
 """STATUS of a parity error: TIA Portal information system, "Error messages"; CP 341, event class 8."""
 OTHERS = bytes.fromhex("10 05 03 49 51 16")
@@ -503,24 +501,7 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
         module=0x1E0E if classic else 0x8080,
     )  # fmt: skip
     if not classic:
-        yield PpiScenario(
-            name="the module forgets its settings", forgets=True, status=(WORDS["NO_ANSWER"],), retries=most, polls=0
-        )
-        for block, fresh in (("Port_Config", True), ("Receive_Config", True), ("Receive_Reset", False)):
-            refused = 0x81C1 if block == "Receive_Config" else 0x81A1
-            yield PpiScenario(
-                name=f"{block} fails", refusals={block.upper(): refused}, fresh=fresh,
-                status=(WORDS["CONFIG_ERROR"],), polls=0, retries=None, module=refused,
-            )  # fmt: skip
-    if not classic:
-        yield PpiScenario(
-            name="sending fails forever, and another job after it", port={0: 0x80D1}, status=(WORDS["SEND_ERROR"],),
-            retries=most, polls=0, module=0x80D1, follow=False,
-        )  # fmt: skip
-        yield PpiScenario(
-            name="Port_Config fails after a failure", refusals={"PORT_CONFIG": 0x81A1},
-            status=(WORDS["CONFIG_ERROR"],), polls=0, module=0x81A1,
-        )  # fmt: skip
+        yield from _settings(most)
     yield from hangs(master, job, classic=classic)
     deaf = RECEIVE_FAULT["P_RCV_RK" if classic else "RECEIVE_P2P"]
     yield PpiScenario(
@@ -536,6 +517,27 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
             polls=0,
             took=(job.timeout + DRAIN_MS, job.timeout + DRAIN_MS + 50),
         )
+
+
+def _settings(most: int) -> Iterator[PpiScenario]:
+    """A CM 1241 that loses or refuses its settings."""
+    yield PpiScenario(
+        name="the module forgets its settings", forgets=True, status=(WORDS["NO_ANSWER"],), retries=most, polls=0
+    )
+    for block, fresh in (("Port_Config", True), ("Receive_Config", True), ("Receive_Reset", False)):
+        refused = 0x81C1 if block == "Receive_Config" else 0x81A1
+        yield PpiScenario(
+            name=f"{block} fails", refusals={block.upper(): refused}, fresh=fresh,
+            status=(WORDS["CONFIG_ERROR"],), polls=0, retries=None, module=refused,
+        )  # fmt: skip
+    yield PpiScenario(
+        name="sending fails forever, and another job after it", port={0: 0x80D1}, status=(WORDS["SEND_ERROR"],),
+        retries=most, polls=0, module=0x80D1, follow=False,
+    )  # fmt: skip
+    yield PpiScenario(
+        name="Port_Config fails after a failure", refusals={"PORT_CONFIG": 0x81A1},
+        status=(WORDS["CONFIG_ERROR"],), polls=0, module=0x81A1,
+    )  # fmt: skip
 
 
 def hangs(master: PlannedMaster, job: PpiJob, *, classic: bool) -> Iterator[PpiScenario]:
@@ -580,42 +582,3 @@ def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int, *, classic: b
     yield PpiScenario(name="execute dropped", happens={scans // 2: "drop"})
     yield PpiScenario(name="cold restart", happens={scans // 2: "cold"}, retries=None, polls=None)
     yield PpiScenario(name="scans of random length", wild=True, retries=None, polls=None)
-
-
-def spread(first: int, last: int, most: int) -> list[int]:
-    """At most so many numbers from ``first`` to ``last``, both among them, evenly far apart."""
-    count = min(most, last - first + 1)
-    return [first + (last - first) * number // max(1, count - 1) for number in range(count)]
-
-
-def cpu_scenarios(scans: int, clock_end: int, ob1: int, *, retentive: bool, every: bool) -> Iterator[PpiScenario]:
-    """Everything the CPU can do: execute dropped, restarts, scan times, the clock starting again.
-
-    ``every`` takes every scan of a job, or else at most ``MOMENTS`` of them.
-    """
-    for scan in spread(2, scans, scans if every else MOMENTS):
-        yield PpiScenario(name=f"execute dropped in scan {scan}", happens={scan: "drop"})
-    for scan in spread(2, scans + 1, scans // 3 if every else min(scans, MOMENTS) // 3):
-        yield PpiScenario(name=f"cold restart in scan {scan}", happens={scan: "cold"}, retries=None, polls=None)
-        status = (DONE, WORDS["TIMEOUT"], WORDS["NO_ANSWER"]) if retentive else (DONE,)
-        yield PpiScenario(
-            name=f"warm restart in scan {scan}", happens={scan: "warm"}, retries=None, polls=None, status=status
-        )
-    yield PpiScenario(
-        name="a scan as long as the timeout", happens={scans // 4: "jump"}, status=(WORDS["TIMEOUT"],),
-        retries=None, polls=None,
-    )  # fmt: skip
-    for scan in spread(2, scans // 3, scans // 6):
-        yield PpiScenario(
-            name=f"scans {scan} and {scan + 1} are as long as the timeout", happens={scan: "jump", scan + 1: "jump"},
-            status=(WORDS["TIMEOUT"], WORDS["DRAIN_TIMEOUT"]), retries=None, polls=None,
-        )  # fmt: skip
-    yield PpiScenario(
-        name="the second scan is as long as the timeout", happens={2: "jump"}, status=(WORDS["TIMEOUT"],), polls=0
-    )
-    for length in sorted({1, min(3, ob1), min(20, ob1), ob1}):
-        yield PpiScenario(name=f"scans of {length} ms", scan=length, retries=None, polls=None)
-    for number in range(5):
-        yield PpiScenario(name=f"scans of random length {number}", wild=True, retries=None, polls=None)
-    for before in (5, 60, 150):
-        yield PpiScenario(name=f"the clock starts again after {before} ms", clock=clock_end - before)

@@ -18,6 +18,7 @@ from plcgen.proof.scenario import Failure, Statistics
 from plcgen.proof.sharing import Sharing
 from plcgen.proof.suite import CodeBlock, LaidOut, Level, Procedure, Progress, Reads
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
+from plcgen.protocols.ppi.proof.calls import cpu_scenarios
 from plcgen.protocols.ppi.proof.conduct import MasterConduct
 from plcgen.protocols.ppi.proof.ledger import ledger
 from plcgen.protocols.ppi.proof.rig import MasterRig
@@ -25,7 +26,6 @@ from plcgen.protocols.ppi.proof.scenario import (
     POLL_MS,
     PpiScenario,
     core_scenarios,
-    cpu_scenarios,
     in_time,
     line_scenarios,
     module_scenarios,

@@ -337,21 +337,26 @@ def _written(form: AnswerForm) -> Iterator[EngineScenario]:
                 yield form.broken(name, form.negative(change))
 
 
+def _instead(form: AnswerForm, block: bytes) -> Edit:
+    """A negative answer with one block for the whole request."""
+    return lambda answer: bytes((answer[0], 0x80 | form.good, *answer[2:4])) + block
+
+
 def _refused(form: AnswerForm) -> Iterator[EngineScenario]:
     count = len(form.letter.parts)
     for number in (0x00, 0x11, 0x19, 0x21, 0x23, 0xFF):
         for words in (1, 2):
             block = bytes((0x44, words, 0, number)) + (INFO.to_bytes(2) if words == 2 else b"")
-            edit: Edit = lambda a, block=block: bytes((a[0], 0x80 | form.good, *a[2:4])) + block  # type: ignore[misc] # noqa: E731
+            edit = _instead(form, block)
             name = f"one error block {number:02X}h for the whole request, {words} error words"
             errors = dict.fromkeys(range(1, count + 1), (32768 | number, INFO if words == 2 else 0))
             yield form.scenario(name, "PARAMETER_ERROR" if count == 1 else "REFUSED", edit, errors=errors)
     for more in (1, 2):
         block = bytes.fromhex("44020011 0007") + bytes(more)
-        edit = lambda a, block=block: bytes((a[0], 0x80 | form.good, *a[2:4])) + block  # type: ignore[misc] # noqa: E731
+        edit = _instead(form, block)
         yield form.broken(f"one error block and {more} bytes after it", edit)
     for block in (bytes.fromhex("4201 0011"), bytes.fromhex("4403 0011 0001 0002")) if count > 1 else ():
-        edit = lambda a, block=block: bytes((a[0], 0x80 | form.good, *a[2:4])) + block  # type: ignore[misc] # noqa: E731
+        edit = _instead(form, block)
         yield form.broken(f"one block {block[:2].hex(' ')} for the whole request", edit)
 
 
