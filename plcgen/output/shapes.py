@@ -269,6 +269,7 @@ def _results() -> dict[str, Shape]:
     change = record(parameter=TEXT, fact=TEXT, catalogue=ANYTHING, known=ANYTHING, list=ANYTHING)
     version = record(parameter=TEXT, fact=TEXT, old=TEXT, new=TEXT, grade=TEXT)
     drift = record(parameter=TEXT, job=TEXT, wanted=TEXT, list=TEXT, verdict=TEXT)
+    numbers = {"known": many(TEXT), "unknown": many(TEXT), "missing": many(TEXT), "ended": FLAG}
     verification = _headed("verification", VERIFICATION)
     return {
         "audit": _headed("audit", VERIFICATION),
@@ -276,6 +277,7 @@ def _results() -> dict[str, Shape]:
         "catalogue diff": _headed("catalogue diff", {"changes": many(version)}),
         "catalogue drift": _headed("catalogue drift", FOUND, {"rows": many(drift)}),
         "catalogue import": _headed("catalogue import", {"changes": many(change), "skipped": many(TEXT)}),
+        "catalogue numbers": _headed("catalogue numbers", {**numbers, "continues": maybe(NUMBER)}),
         "check": _headed(
             "check", {**FOUND, "specs": many(TEXT)}, {"baseline": record(known=NUMBER, gone=NUMBER)}
         ),

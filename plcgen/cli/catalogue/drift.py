@@ -36,6 +36,7 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
     from plcgen.protocols.ds47.catalogue import lists
     from plcgen.protocols.ds47.catalogue.drift import DEVIATES, MISSING, OUTSIDE
     from plcgen.protocols.ds47.catalogue.drift import drift as drifted
+    from plcgen.protocols.ds47.catalogue.own_list import read_own_list
 
     plan = drive_plan(spec)
     keys = [one.key for one in plan.drives]
@@ -43,7 +44,13 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
         raise click.UsageError(f"the spec has the drives {', '.join(keys[:8])}: --drive says which one the list is of")
     if drive is not None and drive not in keys:
         raise click.UsageError(f'there is no drive "{drive}" in the spec, but {", ".join(keys[:8])}')
-    rows = list(drifted(plan, drive or keys[0], {one.pnu: one for one in lists.load_list(file)}))
+    sheets = lists.load_sheets(file)
+    own = read_own_list(sheets, file)
+    if own is not None and own.continues is not None:
+        message = f"the list goes on in r{own.continues}, which is not in the file"
+        raise lists.wrong(file, message, "what is missing might be there: read it, too")
+    listed = own.parameters() if own is not None else lists.listed(sheets, file)
+    rows = list(drifted(plan, drive or keys[0], {one.pnu: one for one in listed}))
     wrong = [row for row in rows if row.verdict in {DEVIATES, MISSING, OUTSIDE}]
     problems = [
         Diagnostic("PG707", f"{row.parameter} of {row.job}: {row.verdict}: {row.listed or 'nothing'}, not {row.wanted}"

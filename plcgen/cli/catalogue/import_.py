@@ -14,12 +14,14 @@ if TYPE_CHECKING:
     from plcgen.display.results import Answer
     from plcgen.output.registry import OutputFormat
     from plcgen.protocols.ds47.catalogue.merging import Merged
+    from plcgen.protocols.ds47.catalogue.own_list import Inventory, OwnList
 
 
 @verb(
     "import",
     "plcgen catalogue import expert_list.csv --device sinamics-g120",
     "plcgen catalogue import expert_list.csv --device sinamics-g120 --profile pump_drive.yaml",
+    "plcgen catalogue import r980.csv --device sinamics-s120",
 )
 @click.argument("file", type=PATH, metavar="FILE")
 @click.option("--device", required=True, metavar="DEVICE", help="Device profile, or the path of one.")
@@ -31,12 +33,21 @@ def command(*, file: Path, device: str, profile: Path | None, force: bool, forma
 
     The shipped catalogue stays as it is: --profile writes one of your own, with the facts of the list as read ones and
     its values as observed ones.
+
+    A file with the values of r980, the numbers that a drive has, shows which of them the catalogue knows.
     """
     from plcgen.protocols.ds47.catalogue import lists, merging
+    from plcgen.protocols.ds47.catalogue.own_list import inventory, read_own_list
     from plcgen.protocols.ds47.devices import find_device
 
     out = console()
-    result = merging.merge(find_device(device), lists.load_list(file), f"parameter list {file.name}")
+    sheets = lists.load_sheets(file)
+    own = read_own_list(sheets, file)
+    if own is not None:
+        if profile is not None:
+            raise click.UsageError(f"{file} has numbers alone: there is nothing of them to write into a profile")
+        return out.answer(format_, _numbers(own, inventory(find_device(device), own), device))
+    result = merging.merge(find_device(device), lists.listed(sheets, file), f"parameter list {file.name}")
     if profile is not None:
         if profile.exists() and profile.samefile(file):
             raise click.UsageError(f"{profile} is the list that is read: write the profile elsewhere")
@@ -72,3 +83,29 @@ def _answer(result: Merged) -> Answer:
         "skipped": list(result.skipped),
     }
     return Answer(data, lambda _view: text)
+
+
+def _numbers(own: OwnList, found: Inventory, device: str) -> Answer:
+    """Which numbers of a drive the catalogue knows, which not, and which it has that the drive has not."""
+    from textwrap import fill
+
+    from plcgen.display.data import head
+    from plcgen.display.results import Answer
+    from plcgen.protocols.ds47.catalogue.pages import label
+
+    parts = {
+        "known": (f"known to {device}", [label(one) for one in found.both]),
+        "unknown": ("only in the drive", [str(pnu) for pnu in found.drive]),
+        "missing": ("only in the catalogue", [label(one) for one in found.catalogue]),
+    }
+    lines = [f"{len(own.lines)} parameters in the drive"]
+    for told, numbers in parts.values():
+        lines += ["", f"{told}: {len(numbers)}"]
+        lines += [fill(" ".join(numbers), 100, initial_indent="  ", subsequent_indent="  ")] if numbers else []
+    if own.continues is not None:
+        lines += ["", f"the list goes on in r{own.continues}, which is not in the file: read it, too"]
+    elif not own.ended:
+        lines += ["", "there is no 0 at the end: if the array has more elements, read them, too"]
+    data = {key: numbers for key, (_, numbers) in parts.items()}
+    shown = {**head("catalogue numbers", ok=True), **data, "continues": own.continues, "ended": own.ended}
+    return Answer(shown, lambda _view: "\n".join(lines) + "\n")

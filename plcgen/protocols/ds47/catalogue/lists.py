@@ -19,7 +19,7 @@ from pathlib import Path
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
 from plcgen.input.text import decoded
-from plcgen.input.workbook import WorkbookError, read_sheets
+from plcgen.input.workbook import Row, WorkbookError, read_sheets
 
 MAX_BYTES = 16 * 1024 * 1024
 MAX_ROWS = 200_000
@@ -66,8 +66,13 @@ def load_list(path: Path) -> Sequence[ListedParameter]:
     Raises:
         DiagnosticError: PG704 if it is too long or no list, PG110 if it cannot be read.
     """
+    return listed(load_sheets(path), path)
+
+
+def load_sheets(path: Path) -> Sequence[Sequence[Row]]:
+    """The rows of a file: one sheet of a CSV, the sheets of a workbook. Raises as ``load_list`` does."""
     if path.suffix.lower() in {".xls", ".ods"}:
-        raise _wrong(path, f"{path.suffix} is not read", "save it as XLSX or CSV")
+        raise wrong(path, f"{path.suffix} is not read", "save it as XLSX or CSV")
     try:
         data = read_bounded(path, MAX_BYTES)
     except OSError as problem:
@@ -75,29 +80,32 @@ def load_list(path: Path) -> Sequence[ListedParameter]:
         cannot = Diagnostic("PG110", f"cannot read the file: {why}", Span(str(path)), help="check the path")
         raise DiagnosticError([cannot]) from problem
     if len(data) > MAX_BYTES:
-        raise _wrong(path, f"the file has more than {MAX_BYTES // 1024 // 1024} MiB", "export fewer parameters at once")
-    return parse_book(data, path) if data.startswith(_ZIP) else parse_list(decoded(data), path)
+        raise wrong(path, f"the file has more than {MAX_BYTES // 1024 // 1024} MiB", "export fewer parameters at once")
+    return _book(data, path) if data.startswith(_ZIP) else [list(_rows(decoded(data), path))]
 
 
-def parse_book(data: bytes, path: Path) -> Sequence[ListedParameter]:
-    """Read a workbook: its sheet with the most known headings. Raises DiagnosticError, PG704."""
+def _book(data: bytes, path: Path) -> Sequence[Sequence[Row]]:
     try:
-        sheets = list(read_sheets(data, MAX_ROWS))
+        return list(read_sheets(data, MAX_ROWS))
     except WorkbookError as problem:
-        raise _wrong(path, f"the workbook cannot be read: {problem}", "export it again, or as CSV") from problem
-    return _parsed(max(sheets, key=lambda rows: len(_headings(rows)[0])), path)
+        raise wrong(path, f"the workbook cannot be read: {problem}", "export it again, or as CSV") from problem
 
 
 def parse_list(text: str, path: Path) -> Sequence[ListedParameter]:
     """Read the text of a list, parameters in the order of their numbers. Raises DiagnosticError, PG704."""
-    return _parsed(list(_rows(text, path)), path)
+    return listed([list(_rows(text, path))], path)
 
 
-def _parsed(rows: Sequence[tuple[int, list[str]]], path: Path) -> Sequence[ListedParameter]:
+def listed(sheets: Sequence[Sequence[Row]], path: Path) -> Sequence[ListedParameter]:
+    """The parameters of the sheet with the most known headings. Raises DiagnosticError, PG704."""
+    return _parsed(max(sheets, key=lambda sheet: len(_headings(sheet)[0])), path)
+
+
+def _parsed(rows: Sequence[Row], path: Path) -> Sequence[ListedParameter]:
     columns, first = _headings(rows)
     if "number" not in columns or len(columns) == 1:
         help_ = "the headings are for example Parameter; Parameter text; Online value; Unit; Minimum; Maximum"
-        raise _wrong(path, "no row with the headings of a parameter list was found", help_)
+        raise wrong(path, "no row with the headings of a parameter list was found", help_)
     found: dict[int, ListedParameter] = {}
     for line, cells in rows[first:]:
         texts = {key: cells[at].strip() for key, at in columns.items() if at < len(cells)}
@@ -107,24 +115,24 @@ def _parsed(rows: Sequence[tuple[int, list[str]]], path: Path) -> Sequence[Liste
         known = found.get(one.pnu)
         found[one.pnu] = one if known is None else _joined(known, one)
     if not found:
-        raise _wrong(path, "there is no parameter in the list", "a parameter is written like p1120 or r0945[3]")
+        raise wrong(path, "there is no parameter in the list", "a parameter is written like p1120 or r0945[3]")
     return [found[pnu] for pnu in sorted(found)]
 
 
-def _rows(text: str, path: Path) -> Iterable[tuple[int, list[str]]]:
+def _rows(text: str, path: Path) -> Iterable[Row]:
     head = "\n".join(text.splitlines()[:_HEADINGS])
     separator = max("\t;,", key=head.count)
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
     try:
         for cells in reader:
             if reader.line_num > MAX_ROWS:
-                raise _wrong(path, f"the list has more than {MAX_ROWS} lines", "export fewer parameters at once")
+                raise wrong(path, f"the list has more than {MAX_ROWS} lines", "export fewer parameters at once")
             yield reader.line_num, cells
     except csv.Error as problem:
-        raise _wrong(path, str(problem), "export the list again", reader.line_num) from problem
+        raise wrong(path, str(problem), "export the list again", reader.line_num) from problem
 
 
-def _headings(rows: Sequence[tuple[int, list[str]]]) -> tuple[Mapping[str, int], int]:
+def _headings(rows: Sequence[Row]) -> tuple[Mapping[str, int], int]:
     """Columns by what they hold, and the first row behind them: the row of the top with the most known headings."""
     best: tuple[Mapping[str, int], int] = ({}, 0)
     for at, (_, cells) in enumerate(rows[:_HEADINGS]):
@@ -187,5 +195,6 @@ def _number(text: str) -> float | None:
     return float(text.replace(",", ".")) if _NUMBER.match(text) else None
 
 
-def _wrong(path: Path, message: str, help_: str, line: int = 0) -> DiagnosticError:
+def wrong(path: Path, message: str, help_: str, line: int = 0) -> DiagnosticError:
+    """PG704 at a line of a list."""
     return DiagnosticError([Diagnostic("PG704", message, Span(str(path), line, min(line, 1)), help=help_)])
