@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from plcgen.diagnostics import Diagnostic, Report, Severity
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec, SpecPath
+from plcgen.protocols.ds47.kinds import ReadItem, WriteItem, kind_called
 from plcgen.protocols.ds47.plan.nouns import PlannedRecipe, Use
+from plcgen.protocols.ds47.plan.references import parse_reference
 from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.recipes import RecipeEntry
@@ -74,20 +76,51 @@ class Recipes:
                 use = names.get(name)
                 path = ("recipes", key, "records", title, name)
                 if use is None:
-                    help_ = did_you_mean(name, names) or f"parameters of the recipe: {', '.join(names)}"
-                    resolver.problem("PG256", f'recipe "{key}" has no parameter "{name}"', path, help_)
+                    self._report_stranger(key, name, names, path)
                     continue
                 found[use.member] = resolver.pack(value, use.parameter, use.format, use.count, path) or use.data
             yield found
 
-    def unused(self) -> None:
-        """PG256: a recipe that no job uses has no types, so that nothing can be made of it."""
-        for key in self._entries if not self._report.has_errors else ():
-            if key not in self._named:
+    def _report_stranger(self, key: str, name: str, names: Iterable[str], path: SpecPath) -> None:
+        """PG256 at a value of a record; no number that looks like it is offered, it is another parameter."""
+        hint = "" if _numbered(name) else did_you_mean(name, (one for one in names if not _numbered(one)))
+        help_ = hint or f"parameters of the recipe: {', '.join(names)}"
+        message = f'recipe "{key}" has no parameter "{name}"'
+        self._report.add(Diagnostic("PG256", message, self._loaded.key_span(path), help=help_))
+
+    def unused(self, resolvers: Collection[UseResolver]) -> None:
+        """PG256: a recipe that no job uses has no types, so that nothing can be made of it.
+
+        A parameter of it that none of the drives can have is reported as that of a job would be.
+        """
+        told = self._report.has_errors
+        for key, entry in self._entries.items():
+            if key in self._named:
+                continue
+            for position, item in enumerate(kind_called("write_recipe").items(entry), 1):
+                _resolve(item, position, ("recipes", key, "parameters", position - 1), resolvers)
+            if not told:
                 message = f'no job uses recipe "{key}": nothing is made of it'
                 help_ = f"add a job: {{drive: .., write_recipe: {key}}}"
                 place = self._loaded.key_span(("recipes", key))
                 self._report.add(Diagnostic("PG256", message, place, Severity.WARNING, help=help_))
+
+
+def _numbered(name: str) -> bool:
+    """Whether a parameter is written with its number."""
+    reference = parse_reference(name)
+    return reference is not None and reference.pnu is not None
+
+
+def _resolve(item: ReadItem | WriteItem, position: int, path: SpecPath, resolvers: Collection[UseResolver]) -> None:
+    """Report what is wrong with a parameter, if it is wrong for every drive: what the first one says."""
+    for resolver in resolvers:
+        quiet = Report()
+        resolver.reporting(quiet).resolve(item, position, path, write=True)
+        if not quiet.has_errors:
+            return
+    for resolver in list(resolvers)[:1]:
+        resolver.resolve(item, position, path, write=True)
 
 
 def _meanings(uses: Sequence[Use]) -> list[tuple[object, ...]]:

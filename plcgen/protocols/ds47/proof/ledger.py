@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 
 from plcgen.oracles.documents import device
 from plcgen.proof.ledger import Assumption, Grade
-from plcgen.protocols.ds47.device import Device, Fact, Parameter
+from plcgen.protocols.ds47.device import Device, Fact
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
 from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.proof.published import Form
@@ -60,22 +60,26 @@ def _drive(plan: DrivePlan, drive: PlannedDrive) -> Iterator[Assumption]:
         if job.drive is drive:
             for use in job.uses:
                 uses.setdefault(use.parameter.pnu, use)
-    own = {number_of(text) for text in plan.settings(drive).parameters}
+    own = {number_of(text): (text, one) for text, one in plan.settings(drive).parameters.items()}
     for use in uses.values():
         parameter, name = use.parameter, f"{drive.key} {'r' if use.parameter.access == 'r' else 'P'}{use.parameter.pnu}"
-        source = parameter.source or "the spec"
-        yield Assumption(name, f"type {use.format.name}", source, _grade(parameter, "type", own))
-        limits: tuple[tuple[Fact, float | None], ...] = (("min", parameter.minimum), ("max", parameter.maximum))
-        for fact, limit in limits:
-            if limit is not None:
-                yield Assumption(name, f"{fact} {limit:g}", source, _grade(parameter, fact, own))
+        written, defined = own.get(parameter.pnu, ("", None))
+        place = f"the spec, {'.'.join(map(str, drive.path))}.parameters.{written}" if written else "the spec"
+        facts: tuple[tuple[Fact, str, bool], ...] = (
+            ("type", use.format.name, defined is not None),
+            ("min", _limit(parameter.minimum), defined is not None and defined.min is not None),
+            ("max", _limit(parameter.maximum), defined is not None and defined.max is not None),
+        )
+        for fact, value, stated in facts:
+            if value and (stated or not parameter.source):
+                yield Assumption(name, f"{fact} {value}", place, Grade.SPEC)
+            elif value:
+                grade = _GRADES[parameter.grades.get(fact, "read")]
+                yield Assumption(name, f"{fact} {value}", parameter.source, grade)
 
 
-def _grade(parameter: Parameter, fact: Fact, own: Collection[int | None]) -> Grade:
-    """``own`` are the numbers of the parameters that the spec defines for the drive."""
-    if parameter.pnu in own or not parameter.source:
-        return Grade.SPEC
-    return _GRADES[parameter.grades.get(fact, "read")]
+def _limit(limit: float | None) -> str:
+    return "" if limit is None else f"{limit:g}"
 
 
 def _form(form: Form) -> Assumption:
