@@ -482,7 +482,8 @@ class DrivePlan(Plan):
         if job.poll is not None and job.poll.saves and pnu == job.saving[-1].parameter.pnu:
             saves = f"the job says save, once in {spelled(job.poll.distance)} at most"
         if job.kind == "activate" and pnu == ACTIVATES:
-            saves = f"the job says activate: {('false', 'true', 'not_present')[job.uses[0].data[-1]]}"
+            state = ("false", "true", "not_present")[job.uses[0].data[-1]] if job.uses[0].constant else "input"
+            saves = f"the job says activate: {state}"
         return next((why for text, why in given.items() if number_of(text) == pnu), saves)
 
     @property

@@ -10,8 +10,8 @@ from typing import Any
 
 from plcgen.protocols.ds47.kinds import Awaited
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
-from plcgen.protocols.ds47.proof.points import put
-from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
+from plcgen.protocols.ds47.proof.points import put, value_at
+from plcgen.protocols.ds47.proof.scenario import Contents, DriveScenario, Edit
 from plcgen.protocols.ds47.proof.words import WORDS
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.protocols.ds47.wire.formats import FormatKind, integer_range, pack_values, unpack_values
@@ -57,10 +57,29 @@ def stepping(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
 def _near(telegram: DriveTelegram, place: int, part: Part) -> Iterator[DriveScenario]:
     """Every value that a wrong comparison would take for another one: it will do, or it is asked again."""
     number = telegram.number
+    if part.use.awaited is not None and part.use.awaited.follows:
+        yield from _apart(telegram, place, part)
+        return
     for data in _values(part):
         shown = f"{data.hex(' ').upper()} comes at place {place} of telegram {number}"
         scenario = DriveScenario(name=shown, reads={number: put(telegram, {place: data})}, follow=False)
         yield scenario if _holds(part, data) else replace(scenario, questions={number: 2})
+
+
+def _apart(telegram: DriveTelegram, place: int, part: Part) -> Iterator[DriveScenario]:
+    """What is wanted follows what was written: every value of the input, and answers with one bit wrong."""
+    number = telegram.number
+    kinds: tuple[Contents, ...] = ("low", "factory", "high")
+    for values in kinds:
+        yield DriveScenario(name=f"telegram {number} is answered as told, values {values}", values=values, follow=False)
+        for bit in (0, 1, 7, 8 * part.size - 1):
+            yield DriveScenario(
+                name=f"telegram {number} comes with bit {bit} wrong, values {values}",
+                values=values,
+                reads={number: _wrong(telegram, (place,), bit)},
+                questions={number: 2},
+                follow=False,
+            )
 
 
 def _late(job: DriveJob, telegram: DriveTelegram, awaited: Awaited) -> Iterator[DriveScenario]:
@@ -204,9 +223,23 @@ def _missing(telegram: DriveTelegram, places: range | tuple[int, ...]) -> Edit:
     for place in places:
         part = telegram.parts[place - 1]
         found[place] = next(data for data in _values(part) if not _holds(part, data))
-    changed = put(telegram, found)
+    follows = telegram.awaited is not None and telegram.awaited.follows
+    changed = _wrong(telegram, tuple(places), 0) if follows else put(telegram, found)
     # behind a restart it may be the answer to another telegram
     return lambda answer: changed(answer) if _shape(answer) == _shape_of(telegram) else answer
+
+
+def _wrong(telegram: DriveTelegram, places: tuple[int, ...], bit: int) -> Edit:
+    """A good answer with one bit of the values at these places turned round."""
+
+    def edit(answer: bytes) -> bytes:
+        for place in places:
+            at, size = value_at(telegram, place), telegram.parts[place - 1].size
+            data = int.from_bytes(answer[at : at + size]) ^ 1 << bit
+            answer = answer[:at] + data.to_bytes(size) + answer[at + size :]
+        return answer
+
+    return edit
 
 
 def _shape(answer: bytes) -> tuple[int, ...]:

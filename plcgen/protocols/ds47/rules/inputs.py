@@ -38,7 +38,8 @@ def left_open(plan: DrivePlan) -> Iterator[Diagnostic]:
             continue
         written = [_written(plan, use) for use in shape.inputs]
         open_ = [use.label for use in shape.inputs if not given_start(plan, shape, use)]
-        help_ = f"connect its inputs, or choose: {open_[0]}: {{start: ..}}" if open_ else ""
+        choose = f", or choose: {open_[0]}: {{start: ..}}" if open_ and shape.kind != "activate" else ""
+        help_ = f"connect its inputs{choose}" if open_ else ""
         does, to = ("writes", "to") if shape.writes else ("wants", "of")
         yield Diagnostic(
             "PG227",

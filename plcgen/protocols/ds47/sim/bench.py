@@ -8,7 +8,7 @@ from functools import partial
 
 from plcgen.protocols.ds47.device import Device
 from plcgen.protocols.ds47.device import Parameter as CatalogueParameter
-from plcgen.protocols.ds47.kinds import ACKNOWLEDGES, SAVES
+from plcgen.protocols.ds47.kinds import ACKNOWLEDGES, ACTIVATES, SAVES
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -50,7 +50,17 @@ def _parameters(uses: Iterable[Use], *, distinct: bool) -> dict[int, SimulatedPa
     by_pnu: dict[int, list[Use]] = {}
     for use in uses:
         by_pnu.setdefault(use.parameter.pnu, []).append(use)
-    return {pnu: _parameter(group, seed, distinct=distinct) for seed, (pnu, group) in enumerate(by_pnu.items(), 1)}
+    found = {pnu: _parameter(group, seed, distinct=distinct) for seed, (pnu, group) in enumerate(by_pnu.items(), 1)}
+    for pnu, group in by_pnu.items():
+        following = [use for use in group if use.awaited is not None and use.awaited.follows]
+        change = partial(_follow, found.get(ACTIVATES))
+        found[pnu].comes += tuple(Comes(use, use.subindex, change) for use in following)
+    return found
+
+
+def _follow(told: SimulatedParameter | None, value: Value) -> Value:
+    """A drive object is active if it has been told so (1), and is not otherwise (0, 2)."""
+    return value if told is None else int(told.values[0] == 1)
 
 
 def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParameter:
@@ -73,7 +83,7 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParam
         clears_after=SAVING_MS if polled else None,
         saves="" if definition.pnu not in SAVES.values() or not polled else _SAVED[definition.pnu],
         acknowledges=polled and definition.pnu == ACKNOWLEDGES,
-        comes=tuple(Comes(u, u.subindex, partial(_come, u)) for u in group if u.awaited is not None),
+        comes=tuple(Comes(u, u.subindex, partial(_come, u)) for u in group if u.awaited and not u.awaited.follows),
     )
 
 

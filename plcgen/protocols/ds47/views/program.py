@@ -110,6 +110,7 @@ def title(plan: DrivePlan, job: DriveJob) -> str:
         return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
     if job.kind == "activate":
         text = f"{'Activate' if any(job.uses[1].data) else 'Deactivate'} the drive object"
+        text = "Activate or deactivate the drive object" if job.supplied else text
         return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
     if job.clock is not None:
         text = "Set the clock of the control unit"

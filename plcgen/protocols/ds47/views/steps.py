@@ -8,6 +8,7 @@ from typing import Any
 from plcgen.documents.members import plain
 from plcgen.documents.nouns import CallerValue
 from plcgen.documents.spelling import literal, type_words
+from plcgen.protocols.ds47.kinds import ACTIVATES
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Use
 from plcgen.protocols.ds47.plan.values import value_text
@@ -54,6 +55,8 @@ def condition_text(plan: DrivePlan, use: Use) -> str:
     """``r722.0 = 1`` or ``r21 > 100.0``."""
     awaited = use.awaited
     assert awaited is not None  # noqa: S101 - only uses that wait come here
+    if awaited.follows:
+        return f"{use.label} = bit 0 of P{ACTIVATES}"
     if awaited.bit is None:
         return f"{use.label} {awaited.operator} {value_text(use, plan.target)}"
     return f"{use.label}.{awaited.bit} {awaited.operator} {int(any(use.data))}"
@@ -69,7 +72,15 @@ def _wait(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> dict[str, 
         "copied": f"statResponse{suffix}" if floats else "",
         "last": telegram.positive_length - 1,
         "conditions": [_comparison(plan, field, f"statResponseView{suffix}.{field.name}") for field in fields],
+        "told": _told(job) if telegram.awaited is not None and telegram.awaited.follows else "",
     }
+
+
+def _told(job: DriveJob) -> str:
+    """The last byte of the value that the first telegram writes."""
+    field = next(one for one in job.telegrams[0].request.fields if one.role == "value" and one.part is not None)
+    assert field.part is not None  # noqa: S101 - chosen so
+    return f"statRequest1[{field.offset + field.part.size - 1}]"
 
 
 def _comparison(plan: DrivePlan, field: DriveField, member: str) -> dict[str, Any]:
