@@ -111,7 +111,7 @@ def command(
     elif sources:
         found_sources, blocks = _files(sources, target, encoding, out)
         subjects += found_sources
-    subjects = [*subjects[: len(specs)], *map(_settled, subjects[len(specs) :])]
+    subjects = [*subjects[: len(specs)], *_with_left_out(paths, [*map(_settled, subjects[len(specs) :])])]
     more: dict[str, Any] = {"specs": [subject for subject, _ in subjects]}
     if known is not None:
         compared = compare(subjects, known)
@@ -173,6 +173,19 @@ def _sorted(paths: tuple[Path, ...], *, program: bool) -> tuple[list[Path], list
         else:
             specs.append(path)
     return list(dict.fromkeys(specs)), list(dict.fromkeys(sources))
+
+
+def _with_left_out(paths: tuple[Path, ...], subjects: list[Subject]) -> list[Subject]:
+    """A warning with the first source of each folder for what lies there and is not read."""
+    from plcgen.cpu.sources import find_left_out
+    from plcgen.sources.text import SD_SUFFIXES
+
+    for folder in (path for path in paths if path.is_dir()):
+        for at, (file, found) in enumerate(subjects):
+            if Path(file).is_relative_to(folder) and Path(file).suffix.lower() not in SD_SUFFIXES:
+                subjects[at] = (file, [*found, *find_left_out(folder)])
+                break
+    return subjects
 
 
 def _specs(specs: list[Path], *, strict: bool) -> list[Subject]:

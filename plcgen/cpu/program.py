@@ -22,6 +22,7 @@ from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block
 from plcgen.s7.shapes import OPEN_ARRAY, TypeTable
 from plcgen.s7.types import NamedType
+from plcgen.scl.constants import is_bits_of_real
 from plcgen.scl.declarations import blocks as declared_blocks
 from plcgen.scl.declarations import recursive_types
 from plcgen.scl.dialect import Dialect
@@ -35,8 +36,6 @@ MAX_PROGRAM_BYTES = 4 * 1024 * 1024
 """Largest data block the soft CPU holds."""
 
 _ONE_ELEMENT = re.compile(r"index -?\d+ is outside (-?\d+)\.\.\1$|more than 1 values$")
-_BITS_OF_A_REAL = re.compile(r"[28]#[01_0-7]+|16#[0-9A-F_]+", re.IGNORECASE)
-"""A REAL given by its bits, where they are no number or the source is one of STEP 7 V5: no manual says its value."""
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
 
 
@@ -243,7 +242,7 @@ class Program:
         for problem in unfit:
             inside = bool(self.link.opaque) and "there is no member" in str(problem)
             guessed = self.link.guessed_bounds and _ONE_ELEMENT.search(str(problem))
-            bits = problem.type_name in {"REAL", "LREAL"} and _BITS_OF_A_REAL.fullmatch(problem.text)
+            bits = is_bits_of_real(problem.text, problem.type_name)
             code = "PG827" if inside or guessed or bits else "PG824"
             self.report(code, str(problem), problem.span or block.span)
         return content

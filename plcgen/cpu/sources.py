@@ -16,7 +16,7 @@ from plcgen.input.files import read_bounded
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult
 from plcgen.sources.files import MAX_FILES, MAX_SEEN
-from plcgen.sources.text import SD_SUFFIXES, is_binary, load_text, read_source
+from plcgen.sources.text import SD_SUFFIXES, is_binary, left_out, load_text, read_source
 
 SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".st"})
 """What counts as a PLC source when a folder is searched."""
@@ -145,6 +145,14 @@ def find_sources(path: Path | str) -> list[Path]:
         raise DiagnosticError([Diagnostic("PG802", message, Span(str(path)), help="name a smaller folder")])
     found = [entry for entry in sorted(found) if not _is_binary(entry)]
     return found or sorted(entry for entry in seen if entry.suffix.lower() in SD_SUFFIXES)[:1]
+
+
+def find_left_out(path: Path) -> list[Diagnostic]:
+    """A warning about the SIMATIC SD documents below a folder that has sources, too; nothing for a file."""
+    if not path.is_dir():
+        return []
+    seen = islice(path.rglob("*"), MAX_SEEN)
+    return left_out(path, (entry for entry in seen if entry.suffix.lower() in SD_SUFFIXES))
 
 
 def find_documents(path: Path) -> list[Path]:

@@ -10,7 +10,7 @@ from plcgen.diagnostics import Diagnostic, Span
 from plcgen.s7.blocks import Assignment, Block, Section, SectionKind
 from plcgen.s7.literals import LiteralError, parse_literal
 from plcgen.s7.types import Elementary, Member, StringType, StructType
-from plcgen.scl.constants import evaluate, filled, integer, real_of_bits
+from plcgen.scl.constants import evaluate, filled, integer, is_bits_of_real, real_of_bits
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import parse_value
 
@@ -83,6 +83,8 @@ def unfit_constants(block: Block) -> Iterator[Diagnostic]:
     for member in block.section(SectionKind.CONSTANT):
         text = (member.start or "").strip()
         if not text or not isinstance(member.type, Elementary | StringType) or _is_named(text):
+            continue
+        if is_bits_of_real(text, member.type.name):
             continue
         try:
             parse_literal(text, member.type)

@@ -16,6 +16,7 @@ _PREFIXES = {
 }  # fmt: skip
 _LIMIT = 1 << 64
 _SIGNED = {"SINT": 8, "INT": 16, "DINT": 32, "LINT": 64}
+_REALS = {"REAL": 32, "LREAL": 64}
 _BASES = frozenset({"2", "8", "16"})
 
 
@@ -45,16 +46,23 @@ def filled(text: str, type_name: str) -> int | None:
     return value - 2 * high if value is not None and high <= value < 2 * high else None
 
 
-def real_of_bits(text: str, type_name: str) -> float | None:
-    """Value of the bits of a REAL or LREAL, as in ``16#0010_0000_0000_0000``; None for other texts and no number.
+def is_bits_of_real(text: str, type_name: str) -> bool:
+    """Whether a text gives a REAL or LREAL by its bits, as ``16#0010_0000_0000_0000`` or, infinite, ``16#7F80_0000``.
 
-    Siemens' library LGF declares the largest and the smallest LReal so (LGF_SimpleAveraging).
+    Siemens' library LGF declares the largest and the smallest LReal so (LGF_SimpleAveraging). That bits of no number
+    go as well is concluded: the TIA Portal writes ``16#0000000F``, a number of less precision, in a process library.
     """
-    size, code = (4, ">f") if type_name == "REAL" else (8, ">d")
-    value = integer(text) if text.partition("#")[0] in _BASES else None
-    if value is None or not 0 <= value < 1 << 8 * size:
+    value = integer(text) if type_name in _REALS and text.partition("#")[0] in _BASES else None
+    return value is not None and 0 <= value < 1 << _REALS[type_name]
+
+
+def real_of_bits(text: str, type_name: str) -> float | None:
+    """Value of the bits of a REAL or LREAL; None for other texts and for what is no number."""
+    if not is_bits_of_real(text, type_name):
         return None
-    found: float = struct.unpack(code, value.to_bytes(size, "big"))[0]
+    width = _REALS[type_name]
+    bits = (integer(text) or 0).to_bytes(width // 8, "big")
+    found: float = struct.unpack(">f" if width == 32 else ">d", bits)[0]
     return found if math.isfinite(found) else None
 
 

@@ -81,6 +81,7 @@ class _Builder:
         self.unresolved: set[str] = set()
         self.compared = 0
         self.instruction = False
+        self.standard = False
 
     def error(self, code: str, message: str, node: ast.Node, text: str = "") -> None:
         """Keep a diagnostic at a node."""
@@ -95,6 +96,9 @@ class _Builder:
     def block(self, unit: ast.Unit) -> Block:
         """One unit."""
         kind = _KINDS[unit.keyword]
+        attributes = {a.name: a.value for a in unit.attributes}
+        optimized = attributes.pop("S7_Optimized_Access", None)
+        self.standard = optimized is not None and optimized.upper() == "FALSE"
         self.constants = self.block_constants(unit)
         sections = self.sections(unit)
         instance_of = None
@@ -109,8 +113,6 @@ class _Builder:
         if kind in {BlockKind.DB, BlockKind.UDT}:
             sections = _merged(sections)
         self.check_duplicates(sections)
-        attributes = {a.name: a.value for a in unit.attributes}
-        optimized = attributes.pop("S7_Optimized_Access", None)
         properties = dict(unit.properties)
         title = properties.pop("TITLE", "")
         return Block(
@@ -293,8 +295,9 @@ class _Builder:
         if last < first:
             self.error("PG801", f"the array ends before it begins ({first}..{last})", spec)
             last = first
-        if self.classic and not (_INDEX[0] <= first and last <= _INDEX[1]):
-            message = f"array bounds lie within {_INDEX[0]}..{_INDEX[1]} on S7-300/400, not {first}..{last}"
+        if (self.classic or self.standard) and not (_INDEX[0] <= first and last <= _INDEX[1]):
+            where = "on S7-300/400" if self.classic else "with standard access"
+            message = f"array bounds lie within {_INDEX[0]}..{_INDEX[1]} {where}, not {first}..{last}"
             self.error("PG801", message, spec)
         return first, last
 

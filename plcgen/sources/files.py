@@ -17,7 +17,7 @@ from plcgen.scl.parser import ParseResult
 from plcgen.sources.plcs import by_plc, plc_names
 from plcgen.sources.symbols import SUFFIXES as SYMBOL_SUFFIXES
 from plcgen.sources.symbols import read_symbols
-from plcgen.sources.text import SD_SUFFIXES, read_source
+from plcgen.sources.text import SD_SUFFIXES, left_out, read_source
 
 TEXT_SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl"})
 XML_SUFFIXES = frozenset({".xml"})
@@ -156,6 +156,7 @@ def _walk(folder: Path, diagnostics: list[Diagnostic]) -> list[SourceFile]:
             return []
     if not found and other:
         return other[:1]  # reading it says what it is
+    diagnostics += left_out(folder, (file.path for file in other))
     if not found:
         message = "no PLC source in this folder"
         text = f"sources end in {', '.join(sorted(TEXT_SUFFIXES | XML_SUFFIXES))}"

@@ -15,7 +15,7 @@ from plcgen.scl.lexer import tokenize
 from plcgen.scl.parser import MAX_CHARACTERS, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from plcgen.s7.blocks import Block
     from plcgen.scl.dialect import Dialect
@@ -38,6 +38,9 @@ _WORD = 4
 _DECLARATIONS_ONLY = frozenset({".awl", ".stl"})
 SD_SUFFIXES = frozenset({".s7dcl", ".s7res"})
 """SIMATIC SD: what version control of the TIA Portal V20 and later writes for a block, and the texts beside it."""
+_INSTEAD_OF_SD = "export the block as a source (.scl, .udt, .db) or as SimaticML (.xml)"
+_SHOWN = 3
+"""So many names of files stand in one message."""
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8"),
     (codecs.BOM_UTF32_LE, "utf-32-le"),
@@ -75,8 +78,9 @@ def load_text(
     """Text of a file, and PG803 if ``dialect`` misreads its encoding; PG802 or PG804 if there is no text to have."""
     file = str(path)
     if Path(path).suffix.lower() in SD_SUFFIXES:
-        better = "export the block as a source (.scl, .udt, .db) or as SimaticML (.xml)"
-        return Diagnostic("PG804", "a SIMATIC SD document of the TIA Portal is not read", Span(file), help=better)
+        return Diagnostic(
+            "PG804", "a SIMATIC SD document of the TIA Portal is not read", Span(file), help=_INSTEAD_OF_SD
+        )
     try:
         data = read_bounded(Path(path), MAX_BYTES)
     except OSError as error:
@@ -86,6 +90,17 @@ def load_text(
         return Diagnostic("PG802", f"the file has more than {MAX_BYTES} bytes", Span(file))
     text = decode(data, file, encoding)
     return text if isinstance(text, Diagnostic) else (text, _refused_encoding(data, text, file, dialect))
+
+
+def left_out(folder: Path, documents: Iterable[Path]) -> list[Diagnostic]:
+    """A warning that names the SIMATIC SD documents of a folder whose other sources are read."""
+    names = sorted(path.name for path in documents if path.suffix.lower() == ".s7dcl")
+    if not names:
+        return []
+    shown = ", ".join(names[:_SHOWN]) + (", .." if len(names) > _SHOWN else "")
+    what = "1 SIMATIC SD document" if len(names) == 1 else f"{len(names)} SIMATIC SD documents"
+    message = f"{what} of the TIA Portal in this folder not read: {shown}"
+    return [Diagnostic("PG804", message, Span(str(folder)), Severity.WARNING, help=_INSTEAD_OF_SD)]
 
 
 def has_bodies(path: Path | str) -> bool:

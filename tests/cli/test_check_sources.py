@@ -206,6 +206,29 @@ def test_simatic_sd_is_told_in_one_line(plcgen, tmp_path):
         assert (result.code, shown.count("error["), "PG804" in shown, "SIMATIC SD" in shown) == (1, 1, True, True)
 
 
+def test_simatic_sd_beside_sources_is_told_in_one_warning(plcgen, tmp_path):
+    """The sources of a mixed folder are read; the documents are named, by every verb that reads folders."""
+    (tmp_path / "mixed" / "deep").mkdir(parents=True)
+    (tmp_path / "mixed" / "a.scl").write_text(GOOD)
+    for name in "ABCD":
+        (tmp_path / "mixed" / "deep" / f"{name}.s7dcl").write_text("FUNCTION_BLOCK A\nEND_FUNCTION_BLOCK\n")
+    (tmp_path / "mixed" / "deep" / "A.s7res").write_text("MultiLingualTexts:\n")
+    message = "4 SIMATIC SD documents of the TIA Portal in this folder not read: A.s7dcl, B.s7dcl, C.s7dcl, .."
+    for command in (
+        ("check", "mixed"),
+        ("check", "mixed", "--program", "--target", "tia-1500"),
+        ("layout", "mixed"),
+        ("lock", "mixed"),
+        ("diff", "mixed", "mixed"),
+        ("convert", "mixed", "--to", "xml", "--out", "made"),
+    ):
+        result = plcgen(*command)
+        shown = result.out + result.err
+        assert (result.code, shown.count(message), "export the block" in shown) == (0, 1, True), command
+    report = json.loads(plcgen("check", "mixed", "--json").out)
+    assert (report["specs"], report["diagnostics"][0]["file"]) == (["mixed/a.scl"], "mixed")
+
+
 def test_a_block_in_two_files_is_told(plcgen, tmp_path):
     """A warning at the second place, in any letter case, with a note of the first; exit code 0."""
     (tmp_path / "a.scl").write_text(GOOD)

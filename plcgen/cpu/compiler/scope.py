@@ -14,7 +14,7 @@ from plcgen.s7.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.layout import layout_members
 from plcgen.s7.shapes import Shape
 from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, Elementary, Member, NamedType, StringType
-from plcgen.scl.constants import evaluate
+from plcgen.scl.constants import evaluate, integer, is_bits_of_real
 from plcgen.scl.parser import parse_value
 
 _FIRST = {
@@ -113,6 +113,8 @@ class Scope:
                 untyped = self.untyped and not text[:1].isalpha() and isinstance(value, int)
                 untyped = untyped and not isinstance(value, bool)
                 return Val(repr(value), INT_CONST if untyped else member.type.name, value)
+            if is_bits_of_real(text, member.type.name):  # infinite, or no number: what is finite has become one
+                return Val(f"bits_real({integer(text)},{64 if member.type.name == 'LREAL' else 32})", member.type.name)
         node = parse_value(text)
         numbers = {name: value.const for name, value in known.items() if isinstance(value.const, int)}
         number = evaluate(node, numbers) if node is not None else None
