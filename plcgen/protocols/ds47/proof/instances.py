@@ -13,6 +13,7 @@ from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof import clocked, listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, cut, held, piece, value_set, values_of
+from plcgen.protocols.ds47.proof.pace import Pace
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, signals
 from plcgen.protocols.ds47.proof.rig import record_index
@@ -107,9 +108,10 @@ class Trio:
         """Start the second and third so many scans behind the first, until all have ended; yields in every scan."""
         for instance, begins in zip(self.all, (0, near, far), strict=False):
             instance.begins = begins
+        pace = Pace(self.cpu, [one.drive for one in self.all])
         for scan in range(self.patience + near + far):
             self.begin(scan)
-            self.cpu.call(self.block, 10)
+            self.cpu.call(self.block, pace.length())
             yield scan
             if self.cpu.misuses or self.cpu.faulted:
                 raise ScenarioError("misuse")

@@ -15,6 +15,7 @@ from plcgen.proof.scenario import IDLE, RUNNING, STARTED, ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
 from plcgen.protocols.ds47.proof import clocked, listed, recorded
 from plcgen.protocols.ds47.proof.contents import ValueSet, piece, value_set, values_of
+from plcgen.protocols.ds47.proof.pace import SCAN, Pace
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, shared
 from plcgen.protocols.ds47.proof.restored import CAUSE, OUTCOMES
@@ -25,7 +26,6 @@ from plcgen.protocols.ds47.proof.words import DONE, GRANT, WORDS
 from plcgen.protocols.ds47.sim.bench import build_unit
 
 SIGNALS = ("execute", "busy", "done", "error", "status")
-SCAN = 10
 MANY = 100
 """So many combinations of answers are tried where jobs send the same."""
 TELEGRAM_SCANS = 40
@@ -225,9 +225,9 @@ class Plant:
         self, wanted: Callable[[DriveJob, int], bool], scans: int, jobs: Sequence[DriveJob] | None = None
     ) -> None:
         """Run until every job, or some of them, has ended in a way that is wanted."""
-        waiting = list(self.plan.jobs if jobs is None else jobs)
+        waiting, pace = list(self.plan.jobs if jobs is None else jobs), Pace(self.cpu, self.units.values())
         for _ in range(scans):
-            self.step()
+            self.step(1, pace.length())
             left = []
             for job in waiting:
                 ended, status = self.result(job)

@@ -13,6 +13,7 @@ from plcgen.proof.scenario import IDLE, ScenarioError
 from plcgen.proof.suite import Procedure, Reads
 from plcgen.protocols.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, PlannedUnit
 from plcgen.protocols.ds47.proof.instances import Trio
+from plcgen.protocols.ds47.proof.pace import Pace
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.restored import OUTCOMES
@@ -310,8 +311,9 @@ def _again_and_again(plant: Plant) -> None:
     ended = dict.fromkeys((job.key for job in jobs), 0)
     plant.begin()
     plant.start()
+    pace = Pace(plant.cpu, plant.units.values())
     for _ in range(plant.patience * (ROUNDS + 1)):
-        plant.step()
+        plant.step(1, pace.length())
         for job in jobs:
             over, status = plant.result(job)
             if over and status != DONE:
@@ -377,8 +379,9 @@ def _then_all_is_well(plant: Plant) -> None:
     """Whatever happened: behind it every job works."""
     for job in plant.plan.jobs:
         plant.execute(job, value=False)
+    pace = Pace(plant.cpu, plant.units.values())
     for _ in range(plant.patience * 4):
-        plant.step()
+        plant.step(1, pace.length())
         if not any(plant.get(job, "busy") for job in plant.plan.jobs):
             break
     plant.fall()
