@@ -44,6 +44,8 @@ r980[1]    944          03 B0  Unsigned16 (recalled)  List of existing parameter
 r980[2]    61000        EE 48  Unsigned16 (recalled)  List of existing parameters 1
 r980[3]    0            00 00  Unsigned16 (recalled)  List of existing parameters 1
 """
+BOTH = SNAPSHOT.replace("Kommentar", "Beobachtungswert")
+"""The column that comes first is empty: nobody watches."""
 STEP7 = "Symbol\tStatus value\n" + "".join(f"x.p980[{n}]\tW#16#{v:04X}\n" for n, v in enumerate((922, 944, 61000, 0)))
 PROFILE = """\
 title: Acme
@@ -64,7 +66,18 @@ def read(text: str, tmp_path: Path) -> OwnList | None:
 
 
 @pytest.mark.parametrize(
-    "text", [WATCH, SNAPSHOT, LIVE, STEP7, "922 944 61000 0\n", "922\n944\n61000\n0\n", "922, 944,\n16#EE48,0\n"]
+    "text",
+    [
+        WATCH,
+        SNAPSHOT,
+        BOTH,
+        LIVE,
+        STEP7,
+        STEP7.replace("Symbol", "Name").replace("Status", "Actual"),
+        "922 944 61000 0\n",
+        "922\n944\n61000\n0\n",
+        "922, 944,\n16#EE48,0\n",
+    ],
 )
 def test_every_form_of_the_same_list(text: str, tmp_path: Path) -> None:
     """Watch table, snapshot of a data block, `live read`, STEP 7 V5, numbers alone."""
@@ -190,7 +203,8 @@ def test_drift_of_a_spec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         assert run(["catalogue", "drift", "list.txt", "job.yaml", "--json"]) == 1
         rows = json.loads(streams[0].getvalue())["rows"]
     assert [(row["parameter"], row["verdict"]) for row in rows] == [("P1120", "not in the list"), ("P1121", "no value")]
-    Path("list.txt").write_text("21 1121 981\n", "utf-8")
-    with CliRunner().isolation() as streams:
-        assert run(["catalogue", "drift", "list.txt", "job.yaml"]) == 1
-        assert "the list goes on in r981" in streams[1].getvalue().decode()
+    for text, where in (("21 1121 981\n", "in r981"), ("21 1121\n", "behind the last number of the file")):
+        Path("list.txt").write_text(text, "utf-8")
+        with CliRunner().isolation() as streams:
+            assert run(["catalogue", "drift", "list.txt", "job.yaml"]) == 1
+            assert f"the list goes on {where}" in streams[1].getvalue().decode()

@@ -46,9 +46,10 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
         raise click.UsageError(f'there is no drive "{drive}" in the spec, but {", ".join(keys[:8])}')
     sheets = lists.load_sheets(file)
     own = read_own_list(sheets, file)
-    if own is not None and own.continues is not None:
-        message = f"the list goes on in r{own.continues}, which is not in the file"
-        raise lists.wrong(file, message, "what is missing might be there: read it, too")
+    if own is not None and not own.ended:
+        where = "behind the last number of the file" if own.continues is None else f"in r{own.continues}"
+        message = f"the list goes on {where}: there is no 0 with which it ends"
+        raise lists.wrong(file, message, "read all of it: what is not in the file might be there")
     listed = own.parameters() if own is not None else lists.listed(sheets, file)
     rows = list(drifted(plan, drive or keys[0], {one.pnu: one for one in listed}))
     wrong = [row for row in rows if row.verdict in {DEVIATES, MISSING, OUTSIDE}]

@@ -22,9 +22,10 @@ _HEADINGS = 50
 """Rows at the top among which the headings are looked for."""
 _NAMES = ("name", "parameter", "symbol")
 _VALUES = (
-    "monitor value", "beobachtungswert", "status value", "statuswert", "snapshot", "momentaufnahme", "value", "wert",
+    "monitor value", "beobachtungswert", "status value", "statuswert", "snapshot", "momentaufnahme",
+    "actual value", "aktualwert", "value", "wert",
 )  # fmt: skip
-"""Columns of watch tables and data blocks (TIA Portal, STEP 7 V5) and of ``live read``; the first of them counts."""
+"""Columns of watch tables, data blocks (TIA Portal, STEP 7) and ``live read``; the first one with a value counts."""
 _ELEMENT = re.compile(r'(?:.*[."])?[PpRr]0*(98[0-9])\[([0-9]{1,5})\]"?\Z')
 _OTHER = re.compile(r"[PpRr](?!0*98[0-9]\b)[0-9]{1,5}(?:\[[0-9]{1,5}\])?\Z")
 _NUMBER = re.compile(r"(?:[WwUuIiNnTt]{1,4}#)?(?:16#([0-9A-Fa-f]{1,8})|([0-9]{1,10}))\Z")
@@ -88,13 +89,13 @@ def _split(cells: Sequence[str]) -> list[str]:
 
 def _named(rows: Sequence[tuple[int, list[str]]], path: Path) -> dict[int, list[_Element]]:
     """Arrays by number, out of a table whose rows are named ``p980[12]``; none if there are other parameters, too."""
-    columns = next(filter(None, (_columns(cells) for _, cells in rows[:_HEADINGS])), None)
+    columns = next(filter(None, (_columns(cells) for _, cells in rows[:_HEADINGS])), [])
     found: dict[int, dict[int, _Element]] = {}
     for line, cells in rows if columns else ():
-        name, value = (cells[at] if at < len(cells) else "" for at in columns or ())
+        name, *values = (cells[at] if at < len(cells) else "" for at in columns)
         match = _ELEMENT.match(name)
         if match:
-            element = _Element(line, _number(value, line, f"r{match[1]}[{match[2]}]", path))
+            element = _Element(line, _number(next(filter(None, values), ""), line, f"r{match[1]}[{match[2]}]", path))
             found.setdefault(int(match[1]), {})[int(match[2])] = element
         elif _OTHER.match(name):
             return {}
@@ -106,12 +107,12 @@ def _named(rows: Sequence[tuple[int, list[str]]], path: Path) -> dict[int, list[
     return {number: [elements[index] for index in sorted(elements)] for number, elements in found.items()}
 
 
-def _columns(cells: Sequence[str]) -> tuple[int, int] | None:
+def _columns(cells: Sequence[str]) -> Sequence[int]:
     """Where names and values are, if these are the headings."""
     words = [" ".join(cell.casefold().split()) for cell in cells]
     name = next((words.index(word) for word in _NAMES if word in words), None)
-    value = next((words.index(word) for word in _VALUES if word in words), None)
-    return None if name is None or value is None else (name, value)
+    values = [words.index(word) for word in _VALUES if word in words]
+    return [] if name is None or not values else [name, *values]
 
 
 def _plain(rows: Sequence[tuple[int, list[str]]], path: Path) -> dict[int, list[_Element]]:
