@@ -19,7 +19,7 @@ drives:
       p1: {type: Integer16, max: 5}
       P7: {type: Integer16, min: -3}
 jobs:
-  look: {drive: fan, read: [P1, P2, P7, {parameter: P9, type: Unsigned16}]}
+  look: {drive: fan, read: [P1, P2, P7, {parameter: P9, type: Unsigned16}, {parameter: P3, type: Integer32}]}
 """
 PROFILE = """
 title: Acme
@@ -30,11 +30,12 @@ sources: {list: "list, page 7"}
 parameters:
   P1: {title: One, type: Integer16, min: 1, max: 9, source: list}
   P2: {title: Two, type: Integer16, max: 9, facts: {type: inferred}, source: list}
+  P3: {title: Three, type: unknown, max: 7, source: list}
 """
 
 
 def test_facts_of_the_spec_rest_on_its_place(tmp_path: Path) -> None:
-    """P1 is narrowed to 5: that is the spec's, 1 is the list's; P7 is in no list, the type of P9 stands in the job."""
+    """P1 is narrowed to 5: that is the spec's, 1 is the list's; P7 is in no list; P9 and P3 get their types in the job."""
     (tmp_path / "job.yaml").write_text(SPEC, "utf-8")
     (tmp_path / "acme.yaml").write_text(PROFILE, "utf-8")
     report = Report()
@@ -56,4 +57,6 @@ def test_facts_of_the_spec_rest_on_its_place(tmp_path: Path) -> None:
         ("fan P7", "type Integer16"): (f"{place}.P7", Grade.SPEC),
         ("fan P7", "min -3"): (f"{place}.P7", Grade.SPEC),
         ("fan P9", "type Unsigned16"): ("the spec", Grade.SPEC),
+        ("fan P3", "type Integer32"): ("the spec", Grade.SPEC),
+        ("fan P3", "max 7"): ("list, page 7", Grade.MANUAL),
     }

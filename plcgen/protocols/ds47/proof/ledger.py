@@ -65,8 +65,10 @@ def _drive(plan: DrivePlan, drive: PlannedDrive) -> Iterator[Assumption]:
         parameter, name = use.parameter, f"{drive.key} {'r' if use.parameter.access == 'r' else 'P'}{use.parameter.pnu}"
         written, defined = own.get(parameter.pnu, ("", None))
         place = f"the spec, {'.'.join(map(str, drive.path))}.parameters.{written}" if written else "the spec"
+        known = drive.device.parameters.get(parameter.pnu)
+        typed = known is not None and bool(known.type)
         facts: tuple[tuple[Fact, str, bool], ...] = (
-            ("type", use.format.name, defined is not None),
+            ("type", use.format.name, defined is not None or not typed),
             ("min", _limit(parameter.minimum), defined is not None and defined.min is not None),
             ("max", _limit(parameter.maximum), defined is not None and defined.max is not None),
         )
