@@ -203,7 +203,7 @@ def test_drift_of_a_spec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         assert run(["catalogue", "drift", "list.txt", "job.yaml", "--json"]) == 1
         rows = json.loads(streams[0].getvalue())["rows"]
     assert [(row["parameter"], row["verdict"]) for row in rows] == [("P1120", "not in the list"), ("P1121", "no value")]
-    for text, where in (("21 1121 981\n", "in r981"), ("21 1121\n", "behind the last number of the file")):
+    for text, where in (("21 1121 981\n", "in r981"), ("21 1121\n", "after the last number of the file")):
         Path("list.txt").write_text(text, "utf-8")
         with CliRunner().isolation() as streams:
             assert run(["catalogue", "drift", "list.txt", "job.yaml"]) == 1

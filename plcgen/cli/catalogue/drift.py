@@ -47,7 +47,7 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
     sheets = lists.load_sheets(file)
     own = read_own_list(sheets, file)
     if own is not None and not own.ended:
-        where = "behind the last number of the file" if own.continues is None else f"in r{own.continues}"
+        where = "after the last number of the file" if own.continues is None else f"in r{own.continues}"
         message = f"the list goes on {where}: there is no 0 with which it ends"
         raise lists.wrong(file, message, "read all of it: what is not in the file might be there")
     listed = own.parameters() if own is not None else lists.listed(sheets, file)

@@ -35,7 +35,7 @@ parameters:
 
 
 def test_facts_of_the_spec_rest_on_its_place(tmp_path: Path) -> None:
-    """P1 is narrowed to 5: that is the spec's, 1 is the list's; P7 is in no list; P9 and P3 get their types in the job."""
+    """P1 is narrowed to 5: that is the spec's, 1 is the list's; P7 is in no list; the job says what P9 and P3 are."""
     (tmp_path / "job.yaml").write_text(SPEC, "utf-8")
     (tmp_path / "acme.yaml").write_text(PROFILE, "utf-8")
     report = Report()
