@@ -108,6 +108,10 @@ def _group(read: _Sources, to: Target, setting: Setting, found: Converted) -> It
     types = {block.name.upper(): block for block, _ in blocks}
     taken: dict[str, Block] = {}
     for block, place in blocks:
+        if block.safety:
+            message = f'{block.kind} "{block.name}" is of a safety program, here it would be a standard block: left out'
+            found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
+            continue
         if to == "scl":
             file = _to_text(block, place, types, found)
         else:

@@ -58,7 +58,8 @@ class Block:
     ``instance_of`` names the FB, SFB or UDT a DB is made from. ``optimized`` is None when the source does
     not say. ``attributes`` keeps every other header attribute as written. ``code`` is the text of an FB, FC or
     OB between BEGIN and its end, without the line breaks there; None if it is not SCL or was not read.
-    ``inline`` are the types that its document writes out where it uses them.
+    ``inline`` are the types that its document writes out where it uses them. ``safety`` says that it belongs to a
+    safety program, which no text source says.
     """
 
     kind: BlockKind
@@ -75,6 +76,7 @@ class Block:
     span: Span | None = None
     code: str | None = None
     inline: tuple[Block, ...] = ()
+    safety: bool = False
 
     def section(self, kind: SectionKind) -> tuple[Member, ...]:
         """Members of one section; empty if the block has none of that kind."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -200,6 +201,21 @@ def test_blocks_without_scl_are_left_out_with_a_message(tmp_path: Path) -> None:
     result = plcgen.convert(tmp_path / "lad.xml", to="scl", out=tmp_path / "scl")
     assert [(d.code, d.severity.label) for d in result.diagnostics] == [("PG815", "warning")]
     assert result.ok
+
+
+@pytest.mark.parametrize(("tag", "language"), [("GlobalDB", "F_DB"), ("FB", "F_CALL"), ("FB", "F_LAD")])
+def test_a_block_of_a_safety_program_never_becomes_a_standard_one(tag: str, language: str, tmp_path: Path) -> None:
+    """Not even where there is no network to be drawn: 27 public documents are data blocks in F_DB."""
+    data = INSTANCE.replace('"Motor"', "STRUCT\n  speed : Int;\nEND_STRUCT;")
+    plcgen.convert(*put(tmp_path, a_scl=FB, d_db=data), to="xml", out=tmp_path / "xml")
+    name = {"GlobalDB": "Motor_DB", "FB": "Motor"}[tag]
+    text = (tmp_path / f"xml/{name}.xml").read_text("utf-8-sig")
+    text = re.sub(r"<ProgrammingLanguage>\w+</", f"<ProgrammingLanguage>{language}</", text)
+    (tmp_path / "f.xml").write_text(text, "utf-8-sig")
+    result = plcgen.convert(tmp_path / "f.xml", to="scl", out=tmp_path / "scl")
+    (found,) = result.diagnostics
+    assert (found.code, found.severity.label, "safety program" in found.message) == ("PG815", "warning", True)
+    assert not result.written
 
 
 def test_constructs_of_another_target_are_refused(tmp_path: Path) -> None:

@@ -166,6 +166,7 @@ def _block(element: Element, reader: InterfaceReader, *, classic: bool | None) -
         code=_code(element, file, diagnostics) if kind in _CODE_BLOCKS else None,
         non_retain=kind is BlockKind.DB and not any(s.retain for s in sections),
         inline=tuple(reader.inline.values()),
+        safety=attributes.get("ProgrammingLanguage", "").startswith("F_"),
     )
 
 
