@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from itertools import groupby
 
 from plcgen.diagnostics import Diagnostic, Report
@@ -12,22 +12,9 @@ from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.triggers import plan_trigger
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.kinds import (
-    ACKNOWLEDGES,
-    ACTIVATES,
-    ACTIVE,
-    ALARM_COUNTER,
-    FAULT_COUNTER,
-    SAVES,
-    UTC,
-    JobKind,
-    Messages,
-    ReadItem,
-    WriteItem,
-    kind_called,
-    kinds,
-)
+from plcgen.protocols.ds47.kinds import JobKind
 from plcgen.protocols.ds47.plan import pack
+from plcgen.protocols.ds47.plan.accesses import Accesses, kind_of
 from plcgen.protocols.ds47.plan.callers import Callers, footprint
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
 from plcgen.protocols.ds47.plan.nouns import (
@@ -37,13 +24,12 @@ from plcgen.protocols.ds47.plan.nouns import (
     MessageList,
     Part,
     PlannedDrive,
+    PlannedRecipe,
     PlannedUnit,
     Use,
 )
-from plcgen.protocols.ds47.plan.readback import read_back, transaction
 from plcgen.protocols.ds47.plan.recipes import Recipes
-from plcgen.protocols.ds47.plan.references import number_of
-from plcgen.protocols.ds47.plan.steps import divided, resolved_steps
+from plcgen.protocols.ds47.plan.steps import divided
 from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.schema import BufferSettings as BufferSpec
 from plcgen.protocols.ds47.schema import DriveSections, JobEntry
@@ -53,74 +39,134 @@ from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorte
 from plcgen.s7.types import ELEMENTARY, Elementary
 
 
-def plan_jobs(
-    key: str,
-    loaded: LoadedSpec,
-    drives: tuple[PlannedDrive, ...],
-    slots: Slots,
-    resolvers: Mapping[str, UseResolver],
-    callers: Callers,
-    recipes: Recipes,
-    numbering: Numbering,
-    report: Report,
-) -> tuple[DriveJob, ...]:
-    """Plan one job of the spec: an instance for each of its drives; none if it has no usable parameter."""
-    job = loaded.sections(DriveSections).jobs[key]
-    path = ("jobs", key)
-    kind = _kind(job, key, loaded, report)
-    first = drives[0]
-    uses = _uses(job, kind, path, loaded, recipes, resolvers[first.key], report) if kind is not None else ()
-    if kind is None or not uses:
-        return ()
-    packed = _packed(uses, first, loaded, report)
-    if packed is None:
-        return ()
-    for other in drives[1:]:
-        _same_telegrams(kind, packed, first, other, loaded, path, recipes, resolvers[other.key], report)
-    if len(packed) > len(_directions(uses)) and job.split == "never":
-        _report_unsplittable(kind, path, uses, first, loaded, report)
-    reference = job.reference if job.reference is not None else 1
-    name = pascal_case(key)
-    faq = (job.names or loaded.spec.plc.names) == "faq"
-    own = _own_blocks(job, kind, len(packed), len(drives), loaded, path, report)
-    context = _Context(key, first, reference, numbering, faq=faq, many=len(packed) > 1, own=own)
-    telegrams = tuple(_telegram(index, parts, job, name, context) for index, parts in enumerate(packed, 1))
-    given = job.block.name
-    block = numbering.block("FB", given or name, (*path, "block"), job.block.number, given=bool(given))
-    if job.trigger is not None and len(drives) > 1:
-        _report_shared_flags(key, len(drives), loaded, path, report)
-    timeout = _timeout(job, uses)
-    listed = _listed(job, kind, uses, name, numbering, path)
-    recorded = tuple(use for use in uses if use.recorded)
-    recipe = recipes.of(getattr(job, kind.key), key, recorded, resolvers[first.key]) if kind.recorded else None
-    size = footprint(uses, telegrams, listed)
-    return tuple(
-        DriveJob(
-            key=key if len(drives) == 1 else f"{key}.{drive.key}",
-            member=_member(key if len(drives) == 1 else f"{key}_{drive.key}", job, numbering),
-            kind=kind.key,
-            once=any(use.writes and use.parameter.pnu in guards.TRIGGERS for use in uses),
-            shape=key,
-            slot=slots.next(drive.unit),
-            link=drive,
-            caller=callers.caller(drive.unit, size),
-            uses=uses,
-            telegrams=telegrams,
-            block=block,
-            trigger=plan_trigger(job.trigger, path, loaded, report) if drive is first else PlannedTrigger(),
-            reference=reference,
-            timeout=timeout,
-            retry_pause=job.retry_pause,
-            retries=_retries(job, job.timeout if uses[0].remembers is not None else timeout),
-            faq_names=faq,
-            listed=listed,
-            clock=_clock(kind, numbering),
-            recipe=recipe,
-            comment=job.comment or {},
-            path=path,
+class Slots:
+    """Hands out the places of each unit, from 1."""
+
+    def __init__(self) -> None:
+        self._used: dict[str, int] = {}
+
+    def next(self, unit: PlannedUnit) -> int:
+        """The next free place."""
+        self._used[unit.key] = self._used.get(unit.key, 0) + 1
+        return self._used[unit.key]
+
+
+@dataclass(slots=True)
+class DriveJobPlanner:
+    """Plans the jobs of a spec one after the other: an instance for each drive of a job."""
+
+    loaded: LoadedSpec
+    resolvers: Mapping[str, UseResolver]
+    callers: Callers
+    recipes: Recipes
+    numbering: Numbering
+    report: Report
+    slots: Slots = field(default_factory=Slots)
+
+    def job(self, key: str, drives: tuple[PlannedDrive, ...]) -> tuple[DriveJob, ...]:
+        """One job of the spec on its drives; none if it has no usable parameter."""
+        job, path, first = self.loaded.sections(DriveSections).jobs[key], ("jobs", key), drives[0]
+        kind = kind_of(job, key, self.loaded, self.report)
+        resolver = self.resolvers[first.key]
+        accesses = Accesses(job, path, self.loaded, self.recipes, resolver, self.report)
+        uses = accesses.uses(kind) if kind is not None else ()
+        if kind is None or not uses:
+            return ()
+        packed = _packed(uses, first, self.loaded, self.report)
+        if packed is None:
+            return ()
+        for other in drives[1:]:
+            self._same_telegrams(kind, packed, first, other, path)
+        if len(packed) > len(_directions(uses)) and job.split == "never":
+            _report_unsplittable(kind, path, uses, first, self.loaded, self.report)
+        if job.trigger is not None and len(drives) > 1:
+            _report_shared_flags(key, len(drives), self.loaded, path, self.report)
+        return self._instances(key, kind, uses, packed, drives)
+
+    def _instances(
+        self,
+        key: str,
+        kind: JobKind,
+        uses: tuple[Use, ...],
+        packed: list[tuple[Part, ...]],
+        drives: tuple[PlannedDrive, ...],
+    ) -> tuple[DriveJob, ...]:
+        """What all instances share, and an instance for each drive."""
+        job, first, numbering = self.loaded.sections(DriveSections).jobs[key], drives[0], self.numbering
+        path, name, given, many = ("jobs", key), pascal_case(key), job.block.name, len(drives) > 1
+        reference = job.reference if job.reference is not None else 1
+        faq = (job.names or self.loaded.spec.plc.names) == "faq"
+        own = _own_blocks(job, kind, len(packed), len(drives), self.loaded, path, self.report)
+        context = _Context(key, first, reference, numbering, faq=faq, many=len(packed) > 1, own=own)
+        telegrams = tuple(_telegram(index, parts, job, name, context) for index, parts in enumerate(packed, 1))
+        block = numbering.block("FB", given or name, (*path, "block"), job.block.number, given=bool(given))
+        timeout = _timeout(job, uses)
+        listed = _listed(job, kind, uses, name, numbering, path)
+        size = footprint(uses, telegrams, listed)
+        recipe = self._recipe(job, kind, key, uses, first)
+        return tuple(
+            DriveJob(
+                key=f"{key}.{drive.key}" if many else key,
+                member=_member(f"{key}_{drive.key}" if many else key, job, numbering),
+                kind=kind.key,
+                once=any(use.writes and use.parameter.pnu in guards.TRIGGERS for use in uses),
+                shape=key,
+                slot=self.slots.next(drive.unit),
+                link=drive,
+                caller=self.callers.caller(drive.unit, size),
+                uses=uses,
+                telegrams=telegrams,
+                block=block,
+                trigger=self._trigger(job, path) if drive is first else PlannedTrigger(),
+                reference=reference,
+                timeout=timeout,
+                retry_pause=job.retry_pause,
+                retries=_retries(job, job.timeout if uses[0].remembers is not None else timeout),
+                faq_names=faq,
+                listed=listed,
+                clock=_clock(kind, numbering),
+                recipe=recipe,
+                comment=job.comment or {},
+                path=path,
+            )
+            for drive in drives
         )
-        for drive in drives
-    )
+
+    def _trigger(self, job: JobEntry, path: SpecPath) -> PlannedTrigger:
+        return plan_trigger(job.trigger, path, self.loaded, self.report)
+
+    def _recipe(
+        self, job: JobEntry, kind: JobKind, key: str, uses: tuple[Use, ...], drive: PlannedDrive
+    ) -> PlannedRecipe | None:
+        if not kind.recorded:
+            return None
+        recorded = tuple(use for use in uses if use.recorded)
+        return self.recipes.of(getattr(job, kind.key), key, recorded, self.resolvers[drive.key])
+
+    def _same_telegrams(
+        self,
+        kind: JobKind,
+        packed: list[tuple[Part, ...]],
+        first: PlannedDrive,
+        other: PlannedDrive,
+        path: tuple[str, str],
+    ) -> None:
+        """PG222: the parameters of a job are not the same on another of its drives: one block cannot serve both."""
+        job = self.loaded.sections(DriveSections).jobs[path[1]]
+        quiet = Report()
+        resolver = self.resolvers[other.key].reporting(quiet)
+        uses = Accesses(job, path, self.loaded, self.recipes, resolver, quiet).uses(kind)
+        own = _packed(uses, other, self.loaded, quiet) if uses else None
+        if own is not None and _meanings(packed) == _meanings(own):
+            return
+        why = (
+            f"{first.key} is a {first.device.key}, {other.key} a {other.device.key}"
+            if first.device is not other.device
+            else ("their parameters are defined differently")
+        )
+        message = f'"{path[1]}" cannot be one block for {first.key} and {other.key}: {why}'
+        place = self.loaded.span((*path, "drive"))
+        self.report.add(Diagnostic("PG222", message, place, help="make a job for each kind of drive"))
 
 
 def _clock(kind: JobKind, numbering: Numbering) -> Elementary | None:
@@ -148,45 +194,6 @@ def _report_shared_flags(key: str, drives: int, loaded: LoadedSpec, path: SpecPa
     message = f'flags cannot belong to {drives} drives: "{key}" would start on all of them at once'
     help_ = "leave trigger out: every instance has its execute in DriveJobs"
     report.add(Diagnostic("PG404", message, loaded.key_span((*path, "trigger")), help=help_))
-
-
-class Slots:
-    """Hands out the places of each unit, from 1."""
-
-    def __init__(self) -> None:
-        self._used: dict[str, int] = {}
-
-    def next(self, unit: PlannedUnit) -> int:
-        """The next free place."""
-        self._used[unit.key] = self._used.get(unit.key, 0) + 1
-        return self._used[unit.key]
-
-
-def _same_telegrams(
-    kind: JobKind,
-    packed: list[tuple[Part, ...]],
-    first: PlannedDrive,
-    other: PlannedDrive,
-    loaded: LoadedSpec,
-    path: SpecPath,
-    recipes: Recipes,
-    resolver: UseResolver,
-    report: Report,
-) -> None:
-    """PG222: the parameters of a job are not the same on another of its drives, so that one block cannot serve both."""
-    job = loaded.sections(DriveSections).jobs[str(path[-1])]
-    quiet = Report()
-    uses = _uses(job, kind, path, loaded, recipes, resolver.reporting(quiet), quiet)
-    own = _packed(uses, other, loaded, quiet) if uses else None
-    if own is not None and _meanings(packed) == _meanings(own):
-        return
-    why = (
-        f"{first.key} is a {first.device.key}, {other.key} a {other.device.key}"
-        if first.device is not other.device
-        else ("their parameters are defined differently")
-    )
-    message = f'"{path[-1]}" cannot be one block for {first.key} and {other.key}: {why}'
-    report.add(Diagnostic("PG222", message, loaded.span((*path, "drive")), help="make a job for each kind of drive"))
 
 
 def _meanings(packed: list[tuple[Part, ...]]) -> list[tuple[bytes, list[tuple[object, ...]]]]:
@@ -275,180 +282,6 @@ def _packed(
         message = f"{long.label} has {long.count} elements; {device.key} takes {device.max_elements} in one telegram"
     report.add(Diagnostic("PG301", message, loaded.span(long.path), help="shorten the string"))
     return None
-
-
-def _kind(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> JobKind | None:
-    """The one kind that a job says it is; None after a diagnostic. What is read back may be saved in the same job."""
-    given = [kind for kind in kinds() if getattr(job, kind.key) is not None]
-    if len(given) == 1:
-        return given[0]
-    saved = [kind for kind in given if kind.writes and kind.poll is None]
-    if len(given) == 2 and len(saved) == 1 and _then(job, saved[0]) is not None:
-        if job.verify is not None:
-            return saved[0]
-        message = f'job "{key}" saves what it has not read back'
-        help_ = "add verify: readback, or make two jobs of it"
-        report.add(Diagnostic("PG218", message, loaded.key_span(("jobs", key)), help=help_))
-        return None
-    names = " or ".join(kind.key for kind in given)
-    what = f"either {names}, not both" if given else "what to read, what to write or what to save"
-    help_ = "make two jobs of it" if given else f"add {' or '.join(kind.example for kind in kinds())}"
-    report.add(Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help=help_))
-    return None
-
-
-def _uses(
-    job: JobEntry,
-    kind: JobKind,
-    path: SpecPath,
-    loaded: LoadedSpec,
-    recipes: Recipes,
-    resolver: UseResolver,
-    report: Report,
-) -> tuple[Use, ...]:
-    first = _own_uses(job, kind, 0, path, loaded, recipes, resolver, report)
-    then = _then(job, kind)
-    if then is None or not first:
-        return first
-    return first + _own_uses(job, then, len(first), path, loaded, recipes, resolver, report)
-
-
-def _then(job: JobEntry, kind: JobKind) -> JobKind | None:
-    """The kind of what a job does behind its own: it saves."""
-    saves = kind_called("save")
-    return saves if kind is not saves and getattr(job, saves.key) is not None else None
-
-
-def _own_uses(
-    job: JobEntry,
-    kind: JobKind,
-    before: int,
-    path: SpecPath,
-    loaded: LoadedSpec,
-    recipes: Recipes,
-    resolver: UseResolver,
-    report: Report,
-) -> tuple[Use, ...]:
-    """The uses of one kind, with ``before`` others in front of them."""
-    place: SpecPath | None = (*path, kind.key)
-    if kind.recorded:
-        place = recipes.place(getattr(job, kind.key), (*path, kind.key))
-    if place is None:
-        return ()
-    items = loaded.sections(DriveSections).items(job, kind)
-    if not items:
-        report.add(Diagnostic("PG218", f'job "{path[-1]}" names no parameter', loaded.span((*path, kind.key))))
-    if kind.key == "save" and not _savable(items[0], place, loaded, resolver, report):
-        return ()
-    if (kind.messages is not None or kind.key in {"acknowledge", "activate", "clock"}) and not _listable(
-        items, place, loaded, resolver, report
-    ):
-        return ()
-    if kind.steps is not None:
-        return resolved_steps(tuple(kind.steps(getattr(job, kind.key))), place, loaded, resolver)
-    whole = kind.poll is not None or kind.messages is not None or kind.key == "clock"
-    found = [
-        resolver.resolve(
-            item,
-            before + position,
-            place if whole else (*place, position - 1),
-            write=kind.writes and isinstance(item, WriteItem),
-        )
-        for position, item in enumerate(items, 1)
-    ]
-    uses = tuple(use for use in found if use is not None)
-    if kind.recorded:
-        uses = tuple(replace(use, recorded=True) for use in recipes.recorded(uses, resolver))
-    if job.verify is not None and kind.poll is None and len(uses) == len(items):
-        restores = job.on_error if kind.key in {"write", "write_recipe"} and _then(job, kind) is None else None
-        if restores is not None:
-            uses = transaction(uses, items, restores, path, resolver)
-        else:
-            uses = (*uses, *read_back(uses, items, resolver))
-    if kind.poll is not None and len(uses) == len(items):
-        uses = (uses[0], replace(uses[1], poll=kind.poll(getattr(job, kind.key))), *uses[2:])
-    if kind.compares:
-        uses = tuple(replace(use, compared=True) for use in uses if _comparable(use, loaded, report))
-    if kind.messages is not None:
-        uses = tuple(_columns(uses, kind.messages(getattr(job, kind.key)))) if len(uses) == len(items) else ()
-    return uses
-
-
-_LARGEST = 4
-"""Bytes of a value that a list of deviations has room for."""
-
-
-def _comparable(use: Use, loaded: LoadedSpec, report: Report) -> bool:
-    """Whether a value fits the list of deviations; PG249 if not."""
-    if not use.format.is_string and use.format.size <= _LARGEST:
-        return True
-    message = f"{use.label} is {use.format.name}: the list of deviations has numbers of 1, 2 or 4 bytes"
-    report.add(Diagnostic("PG249", message, loaded.span((*use.path, "parameter")), help="read it in another job"))
-    return False
-
-
-def _columns(uses: tuple[Use, ...], settings: Messages) -> Iterator[Use]:
-    """The accesses to a buffer of messages: the counter, columns of groups, the counter again."""
-    first, *middle, last = uses
-    yield first
-    for number, use in enumerate(middle):
-        group, column = divmod(number, len(settings.columns))
-        yield replace(use, column=settings.columns[column], group=group)
-    yield replace(last, again=first)
-
-
-def _savable(
-    item: ReadItem | WriteItem, path: SpecPath, loaded: LoadedSpec, resolver: UseResolver, report: Report
-) -> bool:
-    """Whether the parameter that saves is known with its type, and with its range where it shall save as a setting.
-
-    PG243 if not: no other is taken in its place.
-    """
-    known = resolver.known.get(number_of(item.parameter) or 0)
-    setting = item.value if isinstance(item, WriteItem) and item.value != 1 else None
-    device, name = resolver.device.key, item.parameter
-    if known is not None and known.type and setting is not None and known.maximum is None:
-        message = f"nobody has looked up whether {name} of {device} takes {setting}"
-        help_ = f"if your drive does, say so in it: parameters: {{{name}: {{type: {known.type}, max: 12}}}}"
-        report.add(Diagnostic("PG243", message, loaded.span((*path, "setting")), help=help_))
-        return False
-    if known is not None and known.type:
-        return True
-    others = [f"save: {word}" for word, pnu in SAVES.items() if pnu in resolver.known and f"P{pnu}" != name]
-    message = f"{name} is not in the catalogue of {device}: it is not known whether writing it saves anything"
-    define = f"if your drive has it, define it there: parameters: {{{name}: {{type: Unsigned16}}}}"
-    report.add(Diagnostic("PG243", message, loaded.span(path), help="; ".join((*others, define))))
-    return False
-
-
-_SCALARS = {f"r{FAULT_COUNTER}": "Unsigned16", f"r{ALARM_COUNTER}": "Unsigned16", f"P{ACKNOWLEDGES}": "Unsigned8",
-            f"P{ACTIVATES}": "Integer16", f"r{ACTIVE}": "Integer16", f"P{UTC[0]}": "Unsigned16"}  # fmt: skip
-"""Parameters of such jobs that have no index, with their type in an S120."""
-
-
-def _listable(
-    items: tuple[ReadItem | WriteItem, ...], path: SpecPath, loaded: LoadedSpec, resolver: UseResolver, report: Report
-) -> bool:
-    """Whether every parameter that the job does not name itself is known, with a type that does not come from memory.
-
-    PG248 for those that are not: a job that reads something else than it says is worse than none.
-    """
-    wanted = dict.fromkeys(item.parameter.partition("[")[0] for item in items)
-    missing = []
-    for name in wanted:
-        known = resolver.known.get(number_of(name) or 0)
-        if known is None or not known.type or known.grades.get("type", "read") == "recalled":
-            missing.append(name)
-    if not missing:
-        return True
-    names, them = ", ".join(missing), "it" if len(missing) == 1 else "them"
-    message = f"{names} of {resolver.device.key}: nobody has looked up whether the device has {them}"
-    definition = f"{missing[0]}: {{type: {_SCALARS.get(missing[0], '.., array: 64')}}}"
-    help_ = f"look it up in the list manual and define it in the drive: parameters: {{{definition}}}"
-    if not set(missing) <= set(_SCALARS) and isinstance(items[0], ReadItem):
-        help_ += "; or leave its column out"
-    report.add(Diagnostic("PG248", message, loaded.span(path), help=help_))
-    return False
 
 
 def _report_unsplittable(

@@ -12,7 +12,7 @@ from plcgen.project.spec import LoadedSpec
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Parameter, ParameterDef, parameter_from
 from plcgen.protocols.ds47.plan.callers import Callers
-from plcgen.protocols.ds47.plan.jobs import Slots, plan_jobs
+from plcgen.protocols.ds47.plan.jobs import DriveJobPlanner
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
 from plcgen.protocols.ds47.plan.recipes import Recipes
 from plcgen.protocols.ds47.plan.redefinition import merged, widened
@@ -94,7 +94,7 @@ def _jobs(
     known = {one.key for one in spec.placed()}
     by_key = {drive.key: drive for drive in drives}
     jobs: list[DriveJob] = []
-    slots = Slots()
+    planner = DriveJobPlanner(loaded, resolvers, callers, recipes, numbering, report)
     room = Room(loaded)
     for key, job in spec.jobs.items():
         for index, name in enumerate(job.drive):
@@ -107,7 +107,7 @@ def _jobs(
         chosen = tuple(by_key[name] for name in dict.fromkeys(job.drive) if name in by_key)
         if not chosen:
             continue
-        found = plan_jobs(key, loaded, chosen, slots, resolvers, callers, recipes, numbering, report)
+        found = planner.job(key, chosen)
         jobs += found
         if problem := room.problem(found):
             message, help_ = problem

@@ -1,0 +1,196 @@
+"""What a job of the spec accesses: its kind, and its uses of parameters in the order in which they travel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from plcgen.diagnostics import Diagnostic, Report
+from plcgen.project.spec import LoadedSpec, SpecPath
+from plcgen.protocols.ds47.kinds import (
+    ACKNOWLEDGES,
+    ACTIVATES,
+    ACTIVE,
+    ALARM_COUNTER,
+    FAULT_COUNTER,
+    SAVES,
+    UTC,
+    JobKind,
+    Messages,
+    ReadItem,
+    WriteItem,
+    kind_called,
+    kinds,
+)
+from plcgen.protocols.ds47.plan.nouns import Use
+from plcgen.protocols.ds47.plan.readback import read_back, transaction
+from plcgen.protocols.ds47.plan.recipes import Recipes
+from plcgen.protocols.ds47.plan.references import number_of
+from plcgen.protocols.ds47.plan.steps import resolved_steps
+from plcgen.protocols.ds47.plan.uses import UseResolver
+from plcgen.protocols.ds47.schema import DriveSections, JobEntry
+
+Items = tuple[ReadItem | WriteItem, ...]
+_SCALARS = {f"r{FAULT_COUNTER}": "Unsigned16", f"r{ALARM_COUNTER}": "Unsigned16", f"P{ACKNOWLEDGES}": "Unsigned8",
+            f"P{ACTIVATES}": "Integer16", f"r{ACTIVE}": "Integer16", f"P{UTC[0]}": "Unsigned16"}  # fmt: skip
+"""Parameters of such jobs that have no index, with their type in an S120."""
+_LARGEST = 4
+"""Bytes of a value that a list of deviations has room for."""
+
+
+def kind_of(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> JobKind | None:
+    """The one kind that a job says it is; None after a diagnostic. What is read back may be saved in the same job."""
+    given = [kind for kind in kinds() if getattr(job, kind.key) is not None]
+    if len(given) == 1:
+        return given[0]
+    saved = [kind for kind in given if kind.writes and kind.poll is None]
+    if len(given) == 2 and len(saved) == 1 and _then(job, saved[0]) is not None:
+        if job.verify is not None:
+            return saved[0]
+        message = f'job "{key}" saves what it has not read back'
+        help_ = "add verify: readback, or make two jobs of it"
+        report.add(Diagnostic("PG218", message, loaded.key_span(("jobs", key)), help=help_))
+        return None
+    names = " or ".join(kind.key for kind in given)
+    what = f"either {names}, not both" if given else "what to read, what to write or what to save"
+    help_ = "make two jobs of it" if given else f"add {' or '.join(kind.example for kind in kinds())}"
+    report.add(Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help=help_))
+    return None
+
+
+def _then(job: JobEntry, kind: JobKind) -> JobKind | None:
+    """The kind of what a job does behind its own: it saves."""
+    saves = kind_called("save")
+    return saves if kind is not saves and getattr(job, saves.key) is not None else None
+
+
+@dataclass(slots=True)
+class Accesses:
+    """What one job accesses on a drive whose parameters ``resolver`` knows."""
+
+    job: JobEntry
+    path: SpecPath
+    loaded: LoadedSpec
+    recipes: Recipes
+    resolver: UseResolver
+    report: Report
+
+    def uses(self, kind: JobKind) -> tuple[Use, ...]:
+        """All uses of the job, with those of what it does behind its own; none after a diagnostic."""
+        first = self._own(kind, 0)
+        then = _then(self.job, kind)
+        return first + self._own(then, len(first)) if then is not None and first else first
+
+    def _own(self, kind: JobKind, before: int) -> tuple[Use, ...]:
+        """The uses of one kind, with ``before`` others in front of them."""
+        place: SpecPath | None = (*self.path, kind.key)
+        given = getattr(self.job, kind.key)
+        if kind.recorded:
+            place = self.recipes.place(given, (*self.path, kind.key))
+        if place is None:
+            return ()
+        items = self.loaded.sections(DriveSections).items(self.job, kind)
+        if not items:
+            message = f'job "{self.path[-1]}" names no parameter'
+            self.report.add(Diagnostic("PG218", message, self.loaded.span((*self.path, kind.key))))
+        if kind.key == "save" and not self._savable(items[0], place):
+            return ()
+        own = kind.messages is not None or kind.key in {"acknowledge", "activate", "clock"}
+        if own and not self._listable(items, place):
+            return ()
+        if kind.steps is not None:
+            return resolved_steps(tuple(kind.steps(given)), place, self.loaded, self.resolver)
+        uses = self._resolved(kind, items, place, before)
+        if len(uses) == len(items):
+            return self._complete(kind, uses, items)
+        return uses if kind.messages is None else ()
+
+    def _resolved(self, kind: JobKind, items: Items, place: SpecPath, before: int) -> tuple[Use, ...]:
+        """The items that the drive knows."""
+        whole = kind.poll is not None or kind.messages is not None or kind.key == "clock"
+        found = []
+        for number, item in enumerate(items):
+            where = place if whole else (*place, number)
+            write = kind.writes and isinstance(item, WriteItem)
+            found.append(self.resolver.resolve(item, before + number + 1, where, write=write))
+        uses = tuple(use for use in found if use is not None)
+        if kind.recorded:
+            uses = tuple(replace(use, recorded=True) for use in self.recipes.recorded(uses, self.resolver))
+        if kind.compares:
+            uses = tuple(replace(use, compared=True) for use in uses if self._comparable(use))
+        return uses
+
+    def _complete(self, kind: JobKind, uses: tuple[Use, ...], items: Items) -> tuple[Use, ...]:
+        """What belongs to the uses of all items: read back, restored, polled, divided into columns."""
+        settings = getattr(self.job, kind.key)
+        if kind.poll is not None:
+            return (uses[0], replace(uses[1], poll=kind.poll(settings)), *uses[2:])
+        if self.job.verify is not None:
+            behind = _then(self.job, kind) is not None
+            restores = self.job.on_error if kind.key in {"write", "write_recipe"} and not behind else None
+            if restores is not None:
+                return transaction(uses, items, restores, self.path, self.resolver)
+            return (*uses, *read_back(uses, items, self.resolver))
+        return uses if kind.messages is None else tuple(_columns(uses, kind.messages(settings)))
+
+    def _comparable(self, use: Use) -> bool:
+        """Whether a value fits the list of deviations; PG249 if not."""
+        if not use.format.is_string and use.format.size <= _LARGEST:
+            return True
+        message = f"{use.label} is {use.format.name}: the list of deviations has numbers of 1, 2 or 4 bytes"
+        place = self.loaded.span((*use.path, "parameter"))
+        self.report.add(Diagnostic("PG249", message, place, help="read it in another job"))
+        return False
+
+    def _savable(self, item: ReadItem | WriteItem, path: SpecPath) -> bool:
+        """Whether the parameter that saves is known with its type, and with its range where it shall save as a setting.
+
+        PG243 if not: no other is taken in its place.
+        """
+        known = self.resolver.known.get(number_of(item.parameter) or 0)
+        setting = item.value if isinstance(item, WriteItem) and item.value != 1 else None
+        device, name = self.resolver.device.key, item.parameter
+        if known is not None and known.type and setting is not None and known.maximum is None:
+            message = f"nobody has looked up whether {name} of {device} takes {setting}"
+            help_ = f"if your drive does, say so in it: parameters: {{{name}: {{type: {known.type}, max: 12}}}}"
+            self.report.add(Diagnostic("PG243", message, self.loaded.span((*path, "setting")), help=help_))
+            return False
+        if known is not None and known.type:
+            return True
+        others = [f"save: {word}" for word, pnu in SAVES.items() if pnu in self.resolver.known and f"P{pnu}" != name]
+        message = f"{name} is not in the catalogue of {device}: it is not known whether writing it saves anything"
+        define = f"if your drive has it, define it there: parameters: {{{name}: {{type: Unsigned16}}}}"
+        self.report.add(Diagnostic("PG243", message, self.loaded.span(path), help="; ".join((*others, define))))
+        return False
+
+    def _listable(self, items: Items, path: SpecPath) -> bool:
+        """Whether every parameter that the job does not name itself is known, with a type that is not from memory.
+
+        PG248 for those that are not: a job that reads something else than it says is worse than none.
+        """
+        wanted = dict.fromkeys(item.parameter.partition("[")[0] for item in items)
+        missing = []
+        for name in wanted:
+            known = self.resolver.known.get(number_of(name) or 0)
+            if known is None or not known.type or known.grades.get("type", "read") == "recalled":
+                missing.append(name)
+        if not missing:
+            return True
+        names, them = ", ".join(missing), "it" if len(missing) == 1 else "them"
+        message = f"{names} of {self.resolver.device.key}: nobody has looked up whether the device has {them}"
+        definition = f"{missing[0]}: {{type: {_SCALARS.get(missing[0], '.., array: 64')}}}"
+        help_ = f"look it up in the list manual and define it in the drive: parameters: {{{definition}}}"
+        if not set(missing) <= set(_SCALARS) and isinstance(items[0], ReadItem):
+            help_ += "; or leave its column out"
+        self.report.add(Diagnostic("PG248", message, self.loaded.span(path), help=help_))
+        return False
+
+
+def _columns(uses: tuple[Use, ...], settings: Messages) -> Iterator[Use]:
+    """The accesses to a buffer of messages: the counter, columns of groups, the counter again."""
+    first, *middle, last = uses
+    yield first
+    for number, use in enumerate(middle):
+        group, column = divmod(number, len(settings.columns))
+        yield replace(use, column=settings.columns[column], group=group)
+    yield replace(last, again=first)
