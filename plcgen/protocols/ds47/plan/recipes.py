@@ -91,14 +91,15 @@ class Recipes:
     def unused(self, resolvers: Collection[UseResolver]) -> None:
         """PG256: a recipe that no job uses has no types, so that nothing can be made of it.
 
-        A parameter of it that none of the drives can have is reported as that of a job would be.
+        A parameter of it that none of the drives knows is reported as that of a job would be.
         """
-        told = self._report.has_errors
+        told, first, known = self._report.has_errors, list(resolvers)[:1], _known(resolvers)
         for key, entry in self._entries.items():
             if key in self._named:
                 continue
             for position, item in enumerate(kind_called("write_recipe").items(entry), 1):
-                _resolve(item, position, ("recipes", key, "parameters", position - 1), resolvers)
+                for resolver in first if _strange(item, known) else ():
+                    resolver.resolve(item, position, ("recipes", key, "parameters", position - 1), write=True)
             if not told:
                 message = f'no job uses recipe "{key}": nothing is made of it'
                 help_ = f"add a job: {{drive: .., write_recipe: {key}}}"
@@ -112,15 +113,17 @@ def _numbered(name: str) -> bool:
     return reference is not None and reference.pnu is not None
 
 
-def _resolve(item: ReadItem | WriteItem, position: int, path: SpecPath, resolvers: Collection[UseResolver]) -> None:
-    """Report what is wrong with a parameter, if it is wrong for every drive: what the first one says."""
-    for resolver in resolvers:
-        quiet = Report()
-        resolver.reporting(quiet).resolve(item, position, path, write=True)
-        if not quiet.has_errors:
-            return
-    for resolver in list(resolvers)[:1]:
-        resolver.resolve(item, position, path, write=True)
+def _known(resolvers: Collection[UseResolver]) -> set[int | str]:
+    """Numbers and names of all parameters that a drive knows."""
+    devices = {one.device.key: one.device.parameters for one in resolvers}
+    known = [parameter for one in (*devices.values(), *(one.own for one in resolvers)) for parameter in one.values()]
+    return {one.pnu for one in known} | {one.name for one in known if one.name}
+
+
+def _strange(item: ReadItem | WriteItem, known: set[int | str]) -> bool:
+    """Whether no drive knows a parameter."""
+    reference = parse_reference(item.parameter)
+    return reference is None or (reference.name if reference.pnu is None else reference.pnu) not in known
 
 
 def _meanings(uses: Sequence[Use]) -> list[tuple[object, ...]]:
