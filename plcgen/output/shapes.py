@@ -274,6 +274,7 @@ def _results() -> dict[str, Shape]:
     return {
         "audit": _headed("audit", VERIFICATION),
         "catalogue": _catalogue(),
+        "catalogue draw": _headed("catalogue draw", {"parameters": many(record(parameter=TEXT, title=TEXT))}),
         "catalogue diff": _headed("catalogue diff", {"changes": many(version)}),
         "catalogue drift": _headed("catalogue drift", FOUND, {"rows": many(drift)}),
         "catalogue import": _headed("catalogue import", {"changes": many(change), "skipped": many(TEXT)}),

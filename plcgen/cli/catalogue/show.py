@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 )
 @click.argument("parameters", nargs=-1, metavar="[PARAMETER...]")
 @click.option("--device", required=True, metavar="DEVICE", help="Device profile, or the path of one.")
-@click.option("--draw", type=click.IntRange(1, 1000), metavar="N", help="Draw N parameters for a spot check instead.")
+@click.option("--draw", type=click.IntRange(1, 1000), metavar="N", help="Draw N for a spot check: no facts.")
 @click.option("--seed", type=int, default=0, help="What the draw depends on.  [default: 0]")
 @format_option("answer")
 def command(*, parameters: tuple[str, ...], device: str, draw: int | None, seed: int, format_: OutputFormat) -> int:
@@ -38,7 +38,7 @@ def command(*, parameters: tuple[str, ...], device: str, draw: int | None, seed:
 
     found = find_device(device)
     if draw is not None:
-        return console().answer(format_, _details(found, pages.draw(found, draw, seed), ()))
+        return console().answer(format_, _drawn(pages.draw(found, draw, seed)))
     if not parameters:
         return console().answer(format_, _list(found))
     chosen, missing = _find(found, parameters)
@@ -81,6 +81,20 @@ def _details(device: Device, found: Sequence[Parameter], missing: tuple[Diagnost
         return "\n".join(page_text(pages.page(device, one), view) for one in found)
 
     return Answer({**diagnostics_data("catalogue", missing), "parameters": rows}, text, missing)
+
+
+def _drawn(found: Sequence[Parameter]) -> Answer:
+    """Numbers and titles alone: who looks them up in a manual has not seen what the catalogue says."""
+    from plcgen.display.data import head
+    from plcgen.display.results import Answer
+    from plcgen.display.table import text_table
+    from plcgen.protocols.ds47.catalogue import pages
+
+    rows = [(pages.label(one), one.title) for one in found]
+    text = "\n".join(text_table(("parameter", "title"), rows, indent=0)) + "\n"
+    listed = [{"parameter": name, "title": title} for name, title in rows]
+    shown = {**head("catalogue draw", ok=True), "parameters": listed}
+    return Answer(shown, lambda _view: text)
 
 
 def _list(device: Device) -> Answer:
