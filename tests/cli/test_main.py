@@ -241,8 +241,8 @@ def test_completion(plcgen, shell):
 @pytest.mark.parametrize(
     ("words", "current", "expected"),
     [
-        (["new", "--device"], "sinamics-s1", ["sinamics-s120"]),
-        (["encode", "read", "--device"], "sinamics-s1", ["sinamics-s120"]),
+        (["new", "--device"], "sinamics-s12", ["sinamics-s120"]),
+        (["encode", "read", "--device"], "sinamics-s12", ["sinamics-s120"]),
         (["new", "--toolchain"], "tia-v2", ["tia-v20", "tia-v21"]),
         (["explain"], "pg20", ["PG201", "PG202", "PG203", "PG204", "PG205", "PG206", "PG207", "PG208", "PG209"]),
         ([], "rev", ["review"]),
@@ -266,7 +266,7 @@ def test_powershell_completes(tmp_path):
     (tmp_path / "plcgen").write_text(f'#!/bin/sh\nexec {sys.executable} -m plcgen "$@"\n', "utf-8")
     (tmp_path / "plcgen").chmod(0o755)
     script = (
-        "plcgen completion powershell | Out-String | Invoke-Expression; $line = 'plcgen new --device sinamics-s1';"
+        "plcgen completion powershell | Out-String | Invoke-Expression; $line = 'plcgen new --device sinamics-s12';"
         "(TabExpansion2 -inputScript $line -cursorColumn $line.Length).CompletionMatches.CompletionText"
     )
     path = f"{tmp_path}{os.pathsep}{os.environ['PATH']}"

@@ -35,7 +35,8 @@ def test_check_bad(plcgen, bad):
         "  |                 ^^^^^^^^^^^^^\n"
         '  = help: did you mean "sinamics-dcm"? known devices: micromaster-4, profidrive, sinamics-dcm,\n'
         "          sinamics-dcp, sinamics-g110m, sinamics-g115d, sinamics-g120, sinamics-g120c,\n"
-        "          sinamics-g120x, sinamics-s120, sinamics-s210, sinamics-v90\n"
+        "          sinamics-g120x, sinamics-g130, sinamics-g150, sinamics-s120, sinamics-s150, sinamics-s210,\n"
+        "          sinamics-v90\n"
     )
     assert result.err == "\n1 error in bad.yaml\n"
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -115,6 +116,21 @@ def test_what_another_device_lends_decides_nothing() -> None:
     assert find_device("sinamics-g120x").parameters[1121].read("type")
 
 
+def test_one_list_has_three_devices() -> None:
+    """G130, G150 and S150: the same rows but for r0964, and the counts without them that the page tells."""
+    lists = [find_device(f"sinamics-{name}").parameters for name in ("g150", "g130", "s150")]
+    rows = [{pnu: replace(one, source="") for pnu, one in known.items()} for known in lists]
+    for other in rows[1:]:
+        assert {pnu for pnu, one in rows[0].items() if other[pnu] != one} == {964}
+        assert rows[0].keys() == other.keys()
+    others = [
+        name for name in device_names() if name[-4:] not in {"g130", "g150", "s150"} and not find_device(name).like
+    ]
+    number, some = (sum(_count(name)[column] for name in others) for column in (0, 1))
+    assert f"their {len(rows[0])} rows are the\nsame" in PAGE
+    assert f"without them {number} rows remain, {some} of them read at least in part" in PAGE
+
+
 def test_like_names_a_shipped_device(tmp_path: Path) -> None:
     """And not another file, which could lead anywhere."""
     (tmp_path / "own.yaml").write_text(ACME.replace("sources:", "like: sinamics-g121\nsources:"), "utf-8")
@@ -164,8 +180,8 @@ def test_show_for_programs_and_what_is_not_there() -> None:
 def test_the_list_of_a_device() -> None:
     """One line for each parameter, and the sum of the facts."""
     lines = CliRunner().invoke(cli, ["catalogue", "show", "--device", "sinamics-s210"]).output.splitlines()
-    assert len(lines) == 73 + 3
-    assert lines[-1].startswith("73 parameters; facts: ")
+    assert len(lines) == 74 + 3
+    assert lines[-1].startswith("74 parameters; facts: ")
 
 
 def test_draws_depend_on_the_seed_alone() -> None:
@@ -176,6 +192,17 @@ def test_draws_depend_on_the_seed_alone() -> None:
     assert first != [one.pnu for one in pages.draw(device, 10, 8)]
     assert len(set(first)) == 10
     assert len(pages.draw(device, 1000, 7)) == len(device.parameters)
+
+
+def test_a_draw_tells_no_facts() -> None:
+    """Numbers and titles: r0021 of an S210 has a type and a unit that the checker has to find in the manual."""
+    draw = ["catalogue", "show", "--device", "sinamics-s210", "--draw", "74"]
+    lines = CliRunner().invoke(cli, draw).output.splitlines()
+    assert len(lines) == 1 + 74
+    assert next(line.split() for line in lines if line.startswith("r21 ")) == ["r21", "Actual", "speed", "smoothed"]
+    rows = json.loads(CliRunner().invoke(cli, [*draw, "--json"], standalone_mode=False).output)["parameters"]
+    assert {"parameter": "r21", "title": "Actual speed smoothed"} in rows
+    assert {key for row in rows for key in row} == {"parameter", "title"}
 
 
 def test_a_parameter_that_was_not_read_is_marked_in_the_guide(acme: Path) -> None:

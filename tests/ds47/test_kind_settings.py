@@ -11,7 +11,7 @@ import pytest
 from plcgen import api
 
 HEAD = "plc: {{name: a, family: s7-1500, toolchain: tia-v19}}\ndrives: {{d: {{device: {device}, hardware_id: 270}}}}\n"
-G120, S120 = "sinamics-g120", "sinamics-s120"
+G120, G120C, S120 = "sinamics-g120", "sinamics-g120c", "sinamics-s120"
 
 
 @pytest.mark.parametrize(
@@ -29,7 +29,7 @@ G120, S120 = "sinamics-g120", "sinamics-s120"
         (G120, "save: {persist: drive_object, distance: 1s}", "PG107", "60000"),
         (G120, "save: {distance: 1min}", "PG105", "persist"),
         (G120, "save: {persist: drive_object, setting: 9}", "PG107", "10"),
-        (G120, "save: {persist: drive_object, setting: 10}", "PG243", "takes 10"),
+        (G120C, "save: {persist: drive_object, setting: 10}", "PG243", "takes 10"),
         (S120, "save: {persist: drive_object, setting: 12}", "PG209", "P971 = 12"),
         (G120, "write: {P1120: 1.0}, verify: true", "PG107", "readback"),
         (G120, "write: {P1120: 1.0}, verify: compare", "PG107", "readback"),
