@@ -55,6 +55,18 @@ def test_read():
     assert "Unsigned16" in lines[5]
 
 
+def test_what_a_drive_says_of_itself_can_be_imported(tmp_path: Path):
+    """21 = 0015h and 2941 = 0B7Dh, then the 0 with which the list ends."""
+    numbers = {(980, 1024 + at): bytes.fromhex(data) for at, data in enumerate(("00 15", "0B 7D", "00 00"))}
+    with running(DriveServer(numbers)) as where:
+        words = ("r980[0..2]", "--drive", where, "--device", "sinamics-g120")
+        (tmp_path / "list.txt").write_text(plcgen("live", "read", *words)[1], "utf-8")
+    code, out, err = plcgen("catalogue", "import", str(tmp_path / "list.txt"), "--device", "sinamics-g120", "--json")
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    assert (found["known"], found["unknown"], found["ended"]) == (["r21"], ["2941"], True)
+
+
 def test_the_drive_object_is_part_of_the_address():
     """--do 2; the type of r0021 is the same in every device that knows it, so none has to be named."""
     drive = DriveServer({(21, 2048): bytes.fromhex("44 7A 00 00")})  # 1000.0 = 1.953125 * 2 ** 9
