@@ -25,21 +25,26 @@ _PRINTED = re.compile(r"^ *print\(.+\)  # (.+)$", re.MULTILINE)
 class Session:
     """A shell, a Python and a folder for one page."""
 
-    def __init__(self, folder: Path, verdicts: Path) -> None:
-        """``folder`` is empty and becomes the current one of everything that runs; ``verdicts`` are kept for others."""
+    def __init__(self, folder: Path, verdicts: Path, tool: Path | None) -> None:
+        """``folder`` is empty and becomes the current one of everything that runs; ``verdicts`` are kept for others.
+
+        ``tool`` is the folder of the ``plcgen`` of the commands; without it, Python starts for each. Servers always
+        are what Python started.
+        """
         self._folder = folder
         self._names: dict[str, Any] = {"__name__": "page"}
         self._servers: list[subprocess.Popen[str]] = []
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             self._port = str(free.getsockname()[1])
-        tools = folder.parent / "bin"
-        tools.mkdir()
-        (tools / "plcgen").write_text(f'#!/bin/sh\nexec "{sys.executable}" -m plcgen "$@"\n')
-        (tools / "plcgen").chmod(0o755)
+        started = folder.parent / "bin"
+        started.mkdir()
+        (started / "plcgen").write_text(f'#!/bin/sh\nexec "{sys.executable}" -m plcgen "$@"\n')
+        (started / "plcgen").chmod(0o755)
+        self._paths = [f"{bin_}{os.pathsep}{os.environ['PATH']}" for bin_ in (tool or started, started)]
         self._environment = {
             **os.environ,
-            "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}",
+            "PATH": self._paths[0],
             "PYTHONPATH": str(ROOT),
             "COLUMNS": "100",
             "REPO": str(ROOT),
@@ -107,7 +112,7 @@ class Session:
         server = subprocess.Popen(
             ["bash", "-euc", f"exec {self._local(command)}"],
             cwd=self._folder,
-            env=self._environment,
+            env={**self._environment, "PATH": self._paths[1]},
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             text=True,

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import os
-import stat
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -23,12 +21,9 @@ def read(name: str) -> Any:
 
 
 @pytest.fixture
-def repository(tmp_path: Path) -> Path:
+def repository(tmp_path: Path, forks: Path) -> Path:
     """A repository of somebody who uses plcgen: a spec, its committed sources, a lock; and ``plcgen`` on the path."""
-    tool = tmp_path / "bin" / "plcgen"
-    tool.parent.mkdir()
-    tool.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m plcgen "$@"\n', "utf-8")
-    tool.chmod(tool.stat().st_mode | stat.S_IXUSR)
+    (tmp_path / "bin").symlink_to(forks)
     folder = tmp_path / "repository"
     folder.mkdir()
     (folder / "press.yaml").write_bytes(FAQ.read_bytes())

@@ -26,16 +26,19 @@ NOT_RUN = {
 
 @pytest.fixture
 def session(
-    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+    page: Path, forks: Path, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[Session]:
-    """The folder of one page; all pages of a run, in whatever process, share their verdicts."""
+    """The folder of one page; all pages of a run, in whatever process, share their verdicts.
+
+    Every command of README.md starts Python, as a reader does.
+    """
     base = tmp_path_factory.getbasetemp()
     verdicts = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "verdicts"
     folder = tmp_path / "page"
     folder.mkdir()
     monkeypatch.chdir(folder)
     monkeypatch.delenv("NO_COLOR", raising=False)
-    opened = Session(folder, verdicts)
+    opened = Session(folder, verdicts, None if page.name == "README.md" else forks)
     yield opened
     opened.close()
 
