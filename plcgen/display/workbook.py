@@ -9,7 +9,6 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Mapping, Sequence
-from xml.sax.saxutils import escape, quoteattr
 
 _SHEETS = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
 _OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/"
@@ -64,6 +63,17 @@ def _relations(targets: Sequence[tuple[str, str]]) -> str:
     return f'<Relationships xmlns="{_PACKAGE}relationships">{"".join(lines)}</Relationships>'
 
 
+def _escaped(text: str) -> str:
+    """Text of an element; ``xml.sax.saxutils`` would load an HTTP client and TLS with it."""
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+
+
+def _name(text: str) -> str:
+    """An attribute of that name."""
+    quoted = _escaped(text).replace('"', "&quot;")
+    return f'name="{quoted}"'
+
+
 def _roots(*, custom: bool) -> str:
     more = [("custom-properties", "docProps/custom.xml")] if custom else []
     return _relations([("officeDocument", "xl/workbook.xml"), *more])
@@ -75,7 +85,7 @@ def _parts(sheets: int) -> str:
 
 
 def _book(names: Sequence[str]) -> str:
-    sheets = "".join(f'<sheet name={quoteattr(name)} sheetId="{n}" r:id="rId{n}"/>' for n, name in enumerate(names, 1))
+    sheets = "".join(f'<sheet {_name(name)} sheetId="{n}" r:id="rId{n}"/>' for n, name in enumerate(names, 1))
     return f'<workbook xmlns="{_SHEETS}" xmlns:r="{_OFFICE}relationships"><sheets>{sheets}</sheets></workbook>'
 
 
@@ -98,15 +108,15 @@ def _column(number: int) -> str:
 
 
 def _strings(texts: Sequence[str]) -> str:
-    items = "".join(f'<si><t xml:space="preserve">{escape(text)}</t></si>' for text in texts)
+    items = "".join(f'<si><t xml:space="preserve">{_escaped(text)}</t></si>' for text in texts)
     return f'<sst xmlns="{_SHEETS}">{items}</sst>'
 
 
 def _custom(properties: Mapping[str, str]) -> str:
     types = f"{_OFFICE}docPropsVTypes"
     items = "".join(
-        f'<property fmtid="{_FORMAT_ID}" pid="{n}" name={quoteattr(name)}>'
-        f'<vt:lpwstr xmlns:vt="{types}">{escape(text)}</vt:lpwstr></property>'
+        f'<property fmtid="{_FORMAT_ID}" pid="{n}" {_name(name)}>'
+        f'<vt:lpwstr xmlns:vt="{types}">{_escaped(text)}</vt:lpwstr></property>'
         for n, (name, text) in enumerate(properties.items(), 2)
     )
     return f'<Properties xmlns="{_OFFICE}custom-properties">{items}</Properties>'
