@@ -14,8 +14,11 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
+from plcgen.__main__ import collect_rarely
+
 settings.register_profile("plcgen", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("plcgen")
+collect_rarely()  # as the command line does
 # A shell starts jobs in the background with SIGINT ignored, and their children inherit it.
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
