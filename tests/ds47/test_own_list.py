@@ -96,6 +96,13 @@ def test_a_workbook(tmp_path: Path) -> None:
     assert sorted(found.lines) == [922, 944, 61000]
 
 
+def test_a_workbook_with_numbers_in_front_of_a_list(tmp_path: Path) -> None:
+    """A sheet that begins with a number says nothing about the next one, the list of a tool."""
+    path = tmp_path / "list.xlsx"
+    path.write_bytes(workbook_bytes({"Info": [["2026"]], "List": [["Number", "Value"], ["p1082", "1500"]]}))
+    assert read_own_list(load_sheets(path), path) is None
+
+
 def array(number: int, *values: int) -> str:
     return "".join(f"p{number}[{index}];{value}\n" for index, value in enumerate(values))
 

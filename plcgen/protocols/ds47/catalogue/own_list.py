@@ -64,12 +64,11 @@ class _Element:
 
 def read_own_list(sheets: Sequence[Sequence[Row]], path: Path) -> OwnList | None:
     """Find the list in the rows of a file; None if the file is of another kind. Raises DiagnosticError, PG704."""
-    for rows in sheets:
-        cells = [(line, _split(row)) for line, row in rows]
-        arrays = _named(cells, path) or _plain(cells, path)
-        if arrays:
-            return _joined(arrays, path)
-    return None
+    cells = [[(line, _split(row)) for line, row in rows] for rows in sheets]
+    arrays = next(filter(None, (_named(rows, path) for rows in cells)), {})
+    if not arrays and len(cells) == 1:
+        arrays = _plain(cells[0], path)
+    return _joined(arrays, path) if arrays else None
 
 
 def inventory(device: Device, own: OwnList) -> Inventory:
