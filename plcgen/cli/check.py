@@ -159,14 +159,16 @@ def _sorted(paths: tuple[Path, ...], *, program: bool) -> tuple[list[Path], list
             specs.append(path)
             continue
         from plcgen.cli.specs import specs_below
-        from plcgen.cpu.sources import SUFFIXES, find_sources
+        from plcgen.cpu.sources import SUFFIXES, find_documents, find_sources
         from plcgen.sources.text import SD_SUFFIXES
 
         if folder or suffix in SUFFIXES | SD_SUFFIXES:
             below, inside = find_sources(path), specs_below(path) if folder and not program else []
             if not below and not inside:
                 what = "PLC source (.scl .udt .db .awl)" if program or not folder else "spec and no PLC source"
-                raise click.UsageError(f"there is no {what} below {path}")
+                documents = folder and find_documents(path)
+                better = ": plcgen convert --to scl makes sources of the documents there" if documents else ""
+                raise click.UsageError(f"there is no {what} below {path}{better}")
             specs += inside
             made = [default_folder(spec) for spec in inside]  # what plcgen made of these is for verify
             sources += [source for source in below if not any(map(source.is_relative_to, made))]
@@ -177,10 +179,13 @@ def _sorted(paths: tuple[Path, ...], *, program: bool) -> tuple[list[Path], list
 
 def _with_left_out(paths: tuple[Path, ...], subjects: list[Subject]) -> list[Subject]:
     """A warning with the first source of each folder for what lies there and is not read."""
+    folders = [path for path in paths if path.is_dir()] if subjects else []
+    if not folders:
+        return subjects
     from plcgen.cpu.sources import find_left_out
     from plcgen.sources.text import SD_SUFFIXES
 
-    for folder in (path for path in paths if path.is_dir()):
+    for folder in folders:
         for at, (file, found) in enumerate(subjects):
             if Path(file).is_relative_to(folder) and Path(file).suffix.lower() not in SD_SUFFIXES:
                 subjects[at] = (file, [*found, *find_left_out(folder)])

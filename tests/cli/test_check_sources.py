@@ -206,6 +206,17 @@ def test_simatic_sd_is_told_in_one_line(plcgen, tmp_path):
         assert (result.code, shown.count("error["), "PG804" in shown, "SIMATIC SD" in shown) == (1, 1, True, True)
 
 
+@pytest.mark.parametrize("options", [(), ("--program", "--target", "tia-1500")])
+def test_a_folder_of_documents_alone_is_told_what_to_do(plcgen, tmp_path, options):
+    """Its code is checked as the sources that convert makes of it."""
+    (tmp_path / "a.scl").write_text(GOOD)
+    assert plcgen("convert", "a.scl", "--to", "xml", "--out", "documents").code == 0
+    result = plcgen("check", "documents", *options)
+    assert (result.code, "plcgen convert --to scl makes sources of the documents there" in result.err) == (2, True)
+    assert plcgen("convert", "documents", "--to", "scl", "--out", "sources").code == 0
+    assert plcgen("check", "sources", *options).code == 0
+
+
 def test_simatic_sd_beside_sources_is_told_in_one_warning(plcgen, tmp_path):
     """The sources of a mixed folder are read; the documents are named, by every verb that reads folders."""
     (tmp_path / "mixed" / "deep").mkdir(parents=True)
