@@ -6,7 +6,7 @@ import pytest
 from ds47.vectors import tables
 
 from plcgen.protocols.ds47.wire import formats
-from plcgen.protocols.ds47.wire.formats import FormatValueError, by_code, by_name, pack_values, unpack_values
+from plcgen.protocols.ds47.wire.formats import FormatValueError, by_code, by_name, find, pack_values, unpack_values
 from plcgen.protocols.ds47.wire.model import ValueBlock
 
 ROWS = tables()["formats"]["values"]
@@ -25,8 +25,8 @@ def test_value_of_every_format(row):
 
 
 def test_table_is_complete():
-    """The table holds the 28 profile codes, 34h..36h of G120X OI p. 222, and 40h..44h, once each."""
-    profile = {*range(0x01, 0x0E), 0x0F, *range(0x34, 0x39), *range(0x71, 0x7D)}
+    """The 28 codes of the profile (OPC 30144 table 59), 34h..36h of G120X OI p. 222, and 40h..44h, once each."""
+    profile = {*range(0x01, 0x0B), 0x0C, 0x0D, 0x0F, 0x32, *range(0x34, 0x39), *range(0x71, 0x7D)}
     assert sorted(f.code for f in formats.FORMATS) == sorted({*profile, *range(0x40, 0x45)})
     assert len({f.name.lower() for f in formats.FORMATS}) == len(formats.FORMATS)
 
@@ -43,7 +43,9 @@ def test_strings_count_octets():
 
 
 def test_dates_are_octets():
-    """BinaryDate has 7 and TimeOfDay 6 octets, TimeDifference 4; with date it has 6."""
+    """BinaryDate, 32h = 50, has 7 and TimeOfDay 6 octets, TimeDifference 4; with date it has 6 (OPC 30144, table 59)."""
+    assert by_name("BinaryDate").code == 50
+    assert find(0x0B) is None
     assert by_code(0x35) is by_name("TimeDifferenceWithDate")
     assert unpack_values(by_code(0x35), 1, bytes(6)) == [bytes(6)]
     assert [by_name(n).size for n in ("BinaryDate", "TimeOfDay", "TimeDifference")] == [7, 6, 4]

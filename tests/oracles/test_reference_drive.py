@@ -25,7 +25,7 @@ from plcgen.protocols.ds47.wire.formats import FORMATS, Format, FormatKind, Valu
 
 BY_NAME = {fmt.name: fmt for fmt in FORMATS}
 NOT_THERE = {"BinaryDate", "TimeDifference"}
-"""0Bh and 0Dh: profile V4.2 has 32h (8 bytes, the last one 0) and 36h instead."""
+"""BinaryDate has 8 bytes there, the last one 0; for TimeDifference, 0Dh, profile V4.2 has 36h."""
 SHIFTED = {"Float64", "Integer64", "Unsigned64"}
 """The example answers the first byte of 8 shifted by two bits too few (``>> 54``): its mistake."""
 KINDS = [fmt for fmt in FORMATS if fmt.writable and not fmt.generic and fmt.name not in NOT_THERE]

@@ -8,8 +8,8 @@ Sizes of the date and time formats differ between documents; chosen here:
 * TimeDifference: 4 bytes, milliseconds (the MM4 guide says 32 bits);
 * TimeOfDay and TimeDifferenceWithDate: 6 bytes, BinaryDate: 7 bytes (IEC 61158 encodings with date), exchanged as
   uninterpreted octets;
-* BinaryDate has code 0Bh, as in IEC 61158. All three that print PROFIdrive's codes have 32h, of 7 octets (AC4: 8, the
-  last one for alignment), and no 0Bh: the engine does not know 32h yet;
+* BinaryDate has code 32h in all three that print PROFIdrive's codes, with 7 octets (AC4: 8, the last one for alignment);
+  none of them has 0Bh, its number in IEC 61158;
 * TimeOfDayWithoutDate, TimeDifferenceWithoutDate: 4 bytes, milliseconds. The latter is how newer firmware answers a
   TimeDifference (r0948), and is read like one.
 
@@ -88,7 +88,6 @@ _GENERIC = {1: BYTE, 2: WORD, 4: DOUBLE_WORD}
 _TABLE_4_3 = "FAQ 109750712 table 4-3"
 _MM4 = "MM4 guide part 3 table 2-2"
 _PROFILE = "PROFIdrive profile, data types, as in OPC 30144 table 59 and in Siemens' application example AC4"
-_FIELDBUS = "IEC 61158, data types; 32h in PROFIdrive"
 _G120X = "SINAMICS G120X operating instructions p. 222"
 
 FORMATS: tuple[Format, ...] = (
@@ -102,10 +101,10 @@ FORMATS: tuple[Format, ...] = (
     Format(0x08, "FloatingPoint", 4, FormatKind.FLOAT, _TABLE_4_3),
     Format(0x09, "VisibleString", 1, FormatKind.TEXT, _PROFILE),
     Format(0x0A, "OctetString", 1, FormatKind.OCTETS, _MM4),
-    Format(0x0B, "BinaryDate", 7, FormatKind.OPAQUE, _FIELDBUS),
     Format(0x0C, "TimeOfDay", 6, FormatKind.OPAQUE, _PROFILE),
     Format(0x0D, "TimeDifference", 4, FormatKind.UNSIGNED, _MM4),
     Format(0x0F, "Float64", 8, FormatKind.FLOAT, _PROFILE),
+    Format(0x32, "BinaryDate", 7, FormatKind.OPAQUE, _PROFILE),
     Format(0x34, "TimeOfDayWithoutDate", 4, FormatKind.UNSIGNED, _G120X),
     Format(0x35, "TimeDifferenceWithDate", 6, FormatKind.OPAQUE, _G120X),
     Format(0x36, "TimeDifferenceWithoutDate", 4, FormatKind.UNSIGNED, _G120X),

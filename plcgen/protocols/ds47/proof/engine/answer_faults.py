@@ -413,7 +413,7 @@ def _another(form: AnswerForm, index: int) -> Iterator[EngineScenario]:
     count = len(form.letter.parts)
     good = dict.fromkeys(range(1, count + 1), (0, 0))
     for code, number, length in (
-        (0x41, part.size, part.size), (0x43, 2, 8), (0x06, 1, 2), (0x37, 1, 8), (0x0B, 1, 7), (0x0C, 2, 12),
+        (0x41, part.size, part.size), (0x43, 2, 8), (0x06, 1, 2), (0x37, 1, 8), (0x32, 1, 7), (0x0C, 2, 12),
         (0x40, 0, 0), (0x01, 1, 1), (0x08, 0, 0), (0x08, 3, 12),
     ):  # fmt: skip
         if number == part.count and length == part.size:
