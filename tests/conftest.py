@@ -90,7 +90,7 @@ def distribution(
     """Returns what installs a distribution: a module, as text or as the folder of a package, with an entry point."""
     from plcgen.plugins import offered
     from plcgen.project.shape import spec_model
-    from plcgen.protocols.ds47.kinds import kinds
+    from plcgen.protocols.ds47.kinds.registry import kinds
     from plcgen.protocols.ds47.schema import sections
     from plcgen.protocols.registry import protocols
 

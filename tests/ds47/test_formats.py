@@ -43,7 +43,7 @@ def test_strings_count_octets():
 
 
 def test_dates_are_octets():
-    """BinaryDate, 32h = 50, has 7 and TimeOfDay 6 octets, TimeDifference 4; with date it has 6 (OPC 30144, table 59)."""
+    """BinaryDate, 32h = 50, has 7 and TimeOfDay 6 octets, TimeDifference 4; with date 6 (OPC 30144, table 59)."""
     assert by_name("BinaryDate").code == 50
     assert find(0x0B) is None
     assert by_code(0x35) is by_name("TimeDifferenceWithDate")

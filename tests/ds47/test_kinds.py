@@ -9,13 +9,13 @@ import pytest
 
 from plcgen import api
 from plcgen.diagnostics import PluginError
-from plcgen.protocols.ds47.kinds import SHIPPED, kinds
+from plcgen.protocols.ds47.kinds.registry import SHIPPED, kinds
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
 TOY = """
 from typing import Literal
 
-from plcgen.protocols.ds47.kinds import JobKind, ReadItem
+from plcgen.protocols.ds47.kinds.kind import JobKind, ReadItem
 
 KIND = JobKind(
     key="identify",

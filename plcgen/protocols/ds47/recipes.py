@@ -8,7 +8,7 @@ from pydantic import Field
 
 from plcgen.input.validation import StrictModel
 from plcgen.project.schema import COMMENT, ONE_OR_MORE, Text, Value, short_item
-from plcgen.protocols.ds47.kinds import ReadItem
+from plcgen.protocols.ds47.kinds.kind import ReadItem
 
 MOST_RECORDS = 1000
 RecordValue = Value | tuple[Value, ...]

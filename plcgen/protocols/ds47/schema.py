@@ -28,7 +28,8 @@ from plcgen.project.schema import (
 )
 from plcgen.protocols.ds47.device import Line, ParameterDef, ParameterNumber
 from plcgen.protocols.ds47.devices import named_parameters, offer_names
-from plcgen.protocols.ds47.kinds import JobKind, ReadItem, WriteItem, kinds
+from plcgen.protocols.ds47.kinds.kind import JobKind, ReadItem, WriteItem
+from plcgen.protocols.ds47.kinds.registry import kinds
 from plcgen.protocols.ds47.recipes import RecipeEntry
 from plcgen.protocols.ds47.wire.formats import format_names
 

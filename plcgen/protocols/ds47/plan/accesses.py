@@ -7,21 +7,13 @@ from dataclasses import dataclass, replace
 
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.project.spec import LoadedSpec, SpecPath
-from plcgen.protocols.ds47.kinds import (
-    ACKNOWLEDGES,
-    ACTIVATES,
-    ACTIVE,
-    ALARM_COUNTER,
-    FAULT_COUNTER,
-    SAVES,
-    UTC,
-    JobKind,
-    Messages,
-    ReadItem,
-    WriteItem,
-    kind_called,
-    kinds,
-)
+from plcgen.protocols.ds47.kinds.acknowledge import ACKNOWLEDGES
+from plcgen.protocols.ds47.kinds.activate import ACTIVATES, ACTIVE
+from plcgen.protocols.ds47.kinds.clock import UTC
+from plcgen.protocols.ds47.kinds.kind import JobKind, Messages, ReadItem, WriteItem
+from plcgen.protocols.ds47.kinds.messages import ALARM_COUNTER, FAULT_COUNTER
+from plcgen.protocols.ds47.kinds.registry import kind_called, kinds
+from plcgen.protocols.ds47.kinds.save import SAVES
 from plcgen.protocols.ds47.plan.nouns import Use
 from plcgen.protocols.ds47.plan.readback import read_back, transaction
 from plcgen.protocols.ds47.plan.recipes import Recipes

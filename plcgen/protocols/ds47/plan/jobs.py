@@ -12,7 +12,7 @@ from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.triggers import plan_trigger
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.kinds import JobKind
+from plcgen.protocols.ds47.kinds.kind import JobKind
 from plcgen.protocols.ds47.plan import pack
 from plcgen.protocols.ds47.plan.accesses import Accesses, kind_of
 from plcgen.protocols.ds47.plan.callers import Callers, footprint

@@ -14,7 +14,9 @@ from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, Plan
 from plcgen.project.spec import SpecPath
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
-from plcgen.protocols.ds47.kinds import ACTIVATES, PLACES, Awaited, Messages, Poll
+from plcgen.protocols.ds47.kinds.activate import ACTIVATES
+from plcgen.protocols.ds47.kinds.kind import Awaited, Messages, Poll
+from plcgen.protocols.ds47.kinds.messages import PLACES
 from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.schema import DriveSections, DriveSettings, JobEntry
 from plcgen.protocols.ds47.wire.formats import Format

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from plcgen.project.spec import SpecPath
-from plcgen.protocols.ds47.kinds import ReadItem, WriteItem
+from plcgen.protocols.ds47.kinds.kind import ReadItem, WriteItem
 from plcgen.protocols.ds47.plan.nouns import Use
 from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.schema import ErrorSettings

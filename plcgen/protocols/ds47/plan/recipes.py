@@ -9,7 +9,8 @@ from plcgen.diagnostics import Diagnostic, Report, Severity
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec, SpecPath
-from plcgen.protocols.ds47.kinds import ReadItem, WriteItem, kind_called
+from plcgen.protocols.ds47.kinds.kind import ReadItem, WriteItem
+from plcgen.protocols.ds47.kinds.registry import kind_called
 from plcgen.protocols.ds47.plan.nouns import PlannedRecipe, Use
 from plcgen.protocols.ds47.plan.references import parse_reference
 from plcgen.protocols.ds47.plan.types import element_type

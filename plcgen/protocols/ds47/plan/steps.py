@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.project.spec import LoadedSpec, SpecPath
-from plcgen.protocols.ds47.kinds import Awaited, StepItem, WriteItem
+from plcgen.protocols.ds47.kinds.kind import Awaited, StepItem, WriteItem
 from plcgen.protocols.ds47.plan.nouns import Part, Use
 from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.wire.formats import FormatKind, integer_range

@@ -12,7 +12,7 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
-from plcgen.protocols.ds47.kinds import ReadItem, WriteItem
+from plcgen.protocols.ds47.kinds.kind import ReadItem, WriteItem
 from plcgen.protocols.ds47.plan.nouns import Use
 from plcgen.protocols.ds47.plan.pack import MAX_TELEGRAMS
 from plcgen.protocols.ds47.plan.references import Reference, parse_reference, spelling_hint

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from plcgen.protocols.ds47.kinds import Poll
+from plcgen.protocols.ds47.kinds.kind import Poll
 from plcgen.protocols.ds47.plan.nouns import DriveJob
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
 from plcgen.protocols.ds47.proof.verifying import another

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from plcgen.protocols.ds47.kinds import Awaited
+from plcgen.protocols.ds47.kinds.kind import Awaited
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
 from plcgen.protocols.ds47.proof.points import put, value_at
 from plcgen.protocols.ds47.proof.scenario import Contents, DriveScenario, Edit

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.project.rules.places import node_at
-from plcgen.protocols.ds47.kinds import kind_called
+from plcgen.protocols.ds47.kinds.registry import kind_called
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Span
-    from plcgen.protocols.ds47.kinds import ReadItem, WriteItem
+    from plcgen.protocols.ds47.kinds.kind import ReadItem, WriteItem
     from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.kinds import UTC
+from plcgen.protocols.ds47.kinds.clock import UTC
 from plcgen.protocols.ds47.rules.places import parameter_span
 
 if TYPE_CHECKING:

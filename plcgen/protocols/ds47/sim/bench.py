@@ -8,7 +8,9 @@ from functools import partial
 
 from plcgen.protocols.ds47.device import Device
 from plcgen.protocols.ds47.device import Parameter as CatalogueParameter
-from plcgen.protocols.ds47.kinds import ACKNOWLEDGES, ACTIVATES, SAVES
+from plcgen.protocols.ds47.kinds.acknowledge import ACKNOWLEDGES
+from plcgen.protocols.ds47.kinds.activate import ACTIVATES
+from plcgen.protocols.ds47.kinds.save import SAVES
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive

@@ -8,7 +8,7 @@ from typing import Any
 from plcgen.documents.members import plain
 from plcgen.documents.nouns import CallerValue, TypeBlock
 from plcgen.documents.spelling import literal, one_line, type_text, type_words
-from plcgen.protocols.ds47.kinds import PLACES
+from plcgen.protocols.ds47.kinds.messages import PLACES
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, MessageList, Part, Use
 from plcgen.protocols.ds47.plan.pack import BLOCK_HEADER

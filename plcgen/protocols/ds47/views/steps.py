@@ -8,7 +8,7 @@ from typing import Any
 from plcgen.documents.members import plain
 from plcgen.documents.nouns import CallerValue
 from plcgen.documents.spelling import literal, type_words
-from plcgen.protocols.ds47.kinds import ACTIVATES
+from plcgen.protocols.ds47.kinds.activate import ACTIVATES
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Use
 from plcgen.protocols.ds47.plan.values import value_text

@@ -8,7 +8,7 @@ Sizes of the date and time formats differ between documents; chosen here:
 * TimeDifference: 4 bytes, milliseconds (the MM4 guide says 32 bits);
 * TimeOfDay and TimeDifferenceWithDate: 6 bytes, BinaryDate: 7 bytes (IEC 61158 encodings with date), exchanged as
   uninterpreted octets;
-* BinaryDate has code 32h in all three that print PROFIdrive's codes, with 7 octets (AC4: 8, the last one for alignment);
+* BinaryDate has code 32h in all three that print PROFIdrive's codes, of 7 octets (AC4: 8, the last one for alignment);
   none of them has 0Bh, its number in IEC 61158;
 * TimeOfDayWithoutDate, TimeDifferenceWithoutDate: 4 bytes, milliseconds. The latter is how newer firmware answers a
   TimeDifference (r0948), and is read like one.

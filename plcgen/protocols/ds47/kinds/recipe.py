@@ -1,0 +1,34 @@
+"""Jobs between the records of a recipe and a drive."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from plcgen.protocols.ds47.kinds.kind import JobKind, WriteItem
+
+
+def _members(recipe: Any) -> tuple[WriteItem, ...]:
+    """The parameters of a recipe, whatever becomes of them: what they start with is that of the records."""
+    return tuple(WriteItem(**item.model_dump(by_alias=True)) for item in recipe.parameters)
+
+
+def _recipe_kind(key: str, does: str) -> JobKind:
+    return JobKind(
+        key=f"{key}_recipe",
+        writes=key == "write",
+        shape=Annotated[str, Field(min_length=1)],
+        description=f"key of a recipe: {does}",
+        example=f"{key}_recipe: winding",
+        items=_members,
+        compares=key == "compare",
+        recorded=True,
+    )
+
+
+RECIPES = (
+    _recipe_kind("write", "the drive gets the values of a record"),
+    _recipe_kind("read", "a record gets the values of the drive"),
+    _recipe_kind("compare", "a record is held against the drive"),
+)
