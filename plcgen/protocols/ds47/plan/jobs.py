@@ -76,6 +76,8 @@ class DriveJobPlanner:
         if packed is None:
             return ()
         for other in drives[1:]:
+            if resolver.alike(self.resolvers[other.key]):
+                continue
             self._same_telegrams(kind, packed, first, other, path)
         if len(packed) > len(_directions(uses)) and job.split == "never":
             _report_unsplittable(kind, path, uses, first, self.loaded, self.report)

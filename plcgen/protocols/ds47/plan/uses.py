@@ -35,6 +35,10 @@ class UseResolver:
         self.unusable: set[int] = set()
         self.longest_name = V5_LIMIT if loaded.spec.plc.toolchain == "step7-v5" else TIA_LIMIT
 
+    def alike(self, other: UseResolver) -> bool:
+        """Whether both resolve every parameter to the same use."""
+        return self.device is other.device and self.own == other.own
+
     def reporting(self, report: Report) -> UseResolver:
         """The same resolver with another report."""
         other = copy(self)
