@@ -18,6 +18,13 @@ from plcgen.scl import ast
 SPECS = [FAQ, ROOT / "specs" / "s7-1200_s7-200_ppi.yaml"]
 
 
+@pytest.fixture(scope="module")
+def apart() -> None:
+    """What other tests left behind is not looked at: each look would take a second."""
+    gc.collect()
+    gc.freeze()
+
+
 def alive(*classes: type) -> int:
     """How many objects of these classes there are."""
     gc.collect()
@@ -25,6 +32,7 @@ def alive(*classes: type) -> int:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("apart")
 @pytest.mark.parametrize("spec", SPECS, ids=lambda path: path.stem)
 def test_no_cache_keeps_a_project(spec: Path, tmp_path: Path) -> None:
     """Whoever forgets a project and what was made of it gets its memory back."""
@@ -45,6 +53,7 @@ def test_no_cache_keeps_a_project(spec: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("apart")
 def test_no_cache_keeps_sources(tmp_path: Path) -> None:
     """Another run over other sources of the same size leaves no more blocks and statements behind."""
     text = (

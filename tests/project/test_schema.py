@@ -92,7 +92,7 @@ def test_defaults_are_written_as_in_a_file() -> None:
     assert VALIDATOR.schema["$defs"]["Job"]["properties"]["retry_pause"]["default"] == "200ms"
 
 
-class _Editor(yaml.SafeLoader):
+class _Editor(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
     """YAML as an editor reads it, to which a number in the spelling of STEP 7 is a text."""
 
 
