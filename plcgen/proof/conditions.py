@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from plcgen.proof.values import ANYTHING, FALSE, TRUE, Env, Values, calculated, joined, narrowed
 from plcgen.scl import ast
 from plcgen.scl.constants import evaluate
-from plcgen.scl.logic import demands
 
 MIRRORED = {"<": ">", ">": "<", "<=": ">=", ">=": "<=", "=": "=", "<>": "<>"}
 OPPOSITE = {"<": ">=", ">=": "<", ">": "<=", "<=": ">", "=": "<>", "<>": "="}
@@ -153,15 +152,14 @@ class Names:
             return self.compare("=", node, ast.Literal(0, 0, "TRUE", "bool"), env)
         return env, env
 
-    def deciding(self, node: ast.Expression, env: Env) -> Iterator[tuple[ast.Expression, bool]]:
-        """Operands of a condition that may decide, with the value: the others may let it through."""
-        for operand, others in demands(node):
-            for value in (True, False):
-                found: Env | None = env
-                for one, wanted in ((operand, value), *others):
-                    found = None if found is None else self.split(one, found)[not wanted]
-                if found is not None:
-                    yield operand, value
+    def decides(
+        self, operand: ast.Expression, others: Sequence[tuple[ast.Expression, bool]], env: Env, *, value: bool
+    ) -> bool:
+        """Whether an operand may have a value and decide with it: the others may let it through."""
+        found: Env | None = env
+        for one, wanted in ((operand, value), *others):
+            found = None if found is None else self.split(one, found)[not wanted]
+        return found is not None
 
     def compare(
         self, operator: str, left: ast.Expression, right: ast.Expression, env: Env

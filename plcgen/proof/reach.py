@@ -30,12 +30,14 @@ from plcgen.proof.values import (
 )  # fmt: skip
 from plcgen.scl import ast
 from plcgen.scl.constants import evaluate
-from plcgen.scl.logic import DECIDES, decisions
+from plcgen.scl.logic import DECIDES, decisions, demands
 
 KINDS = ("statement", "branch", "else", "loop", "pass", *DECIDES.values())
 Place: TypeAlias = tuple[int, str]
 """Offset of a node, and what about it: one of ``KINDS``."""
 Loop: TypeAlias = ast.For | ast.While | ast.Repeat
+Demand: TypeAlias = tuple[ast.Expression, list[tuple[ast.Expression, bool]], bool]
+"""An operand, what the others must be so that it decides, and with which value."""
 
 
 def reachable(unit: ast.Unit, premises: Sequence[Premise] = (), opened: Iterable[str] = ()) -> frozenset[Place]:
@@ -62,7 +64,8 @@ class _Execution:
         self.named: dict[int, frozenset[str]] = {}
         self.known: dict[tuple[int, frozenset[tuple[str, Values]]], list[Env]] = {}
         self.written: dict[int, frozenset[str]] = {}
-        self.decisions: dict[int, tuple[ast.Expression, ...]] = {}
+        self.undecided: dict[int, list[Demand]] = {}
+        self.deciding = False
         self.limits: dict[str, list[float]] = {}
         """Where a variable that is calculated may stop counting."""
         compared = scope.compared()
@@ -86,9 +89,10 @@ class _Execution:
                 if grown != before:
                     starts[after] = grown
                     waiting += [after] if after not in waiting else []
-        for _ in range(2):  # back from "forever" to what the conditions let through
+        for last in (False, True):  # back from "forever" to what the conditions let through
             self.reached.clear()
             self.known.clear()
+            self.deciding = last
             for state in starts:
                 known = [end[state] for end in (first, *ends.values()) if state in end]
                 ends[state] = self.call(all_joined(known))
@@ -165,12 +169,19 @@ class _Execution:
         return [{**outer, **after} for after in self.known[key]]
 
     def decide(self, node: ast.Node, env: Env) -> None:
-        """Keep which operands of the conditions in an expression may decide."""
-        if id(node) not in self.decisions:
-            self.decisions[id(node)] = tuple(decisions(node))
-        for condition in self.decisions[id(node)]:
-            found = self.scope.deciding(condition, env)
-            self.reached.update((operand.start, DECIDES[value]) for operand, value in found)
+        """Keep which operands of the conditions in an expression may decide, once; only what is reached last counts."""
+        if not self.deciding:
+            return
+        if id(node) not in self.undecided:
+            found = [demand for condition in decisions(node) for demand in demands(condition)]
+            self.undecided[id(node)] = [(*demand, value) for demand in found for value in (True, False)]
+        left = []
+        for operand, others, value in self.undecided[id(node)]:
+            if self.scope.decides(operand, others, env, value=value):
+                self.reached.add((operand.start, DECIDES[value]))
+            else:
+                left.append((operand, others, value))
+        self.undecided[id(node)] = left
 
     def compound(self, node: ast.Statement, env: Env) -> list[Env]:
         """Run a statement with statements in it; ``env`` has only what it names."""
