@@ -30,6 +30,11 @@ from plcgen.project.ownership import is_owned
 from plcgen.sources.generated import ATTRIBUTES, JOURNAL, MANIFEST, known_files
 
 STAGE = ".plcgen-stage-"
+_REMEDIES = {
+    errno.ENOSPC: "free some space; nothing was changed",
+    errno.EEXIST: "a file has the name of the folder: choose another one",
+    errno.ENOTDIR: "a file has the name of a folder above it: choose another one",
+}
 _MAX_JOURNAL = 256 * 1024 * 1024
 MAX_DIFF = 400_000
 """Bytes of a file, old and new, up to which its lines are compared."""
@@ -393,9 +398,7 @@ def _obsolete(wanted: set[str], folder: Path, known: dict[str, str]) -> tuple[di
 
 def _cannot_write(problem: OSError, folder: Path) -> Diagnostic:
     why = problem.strerror or str(problem)
-    help_ = (
-        "free some space; nothing was changed" if problem.errno == errno.ENOSPC else "check the folder's permissions"
-    )
+    help_ = _REMEDIES.get(problem.errno or 0, "check the folder's permissions")
     return Diagnostic("PG503", f"cannot write the output: {why}", Span(str(problem.filename or folder)), help=help_)
 
 

@@ -27,7 +27,7 @@ def read_text(path: Path, file: str | None = None) -> str:
     if len(data) > MAX_BYTES:
         message = f"larger than {MAX_BYTES // 1024 // 1024} MiB"
         raise DiagnosticError([Diagnostic("PG109", message, Span(name), help="split the file")])
-    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) or _two_bytes_each(data):
         message = "the file is UTF-16, not UTF-8"
         raise DiagnosticError([Diagnostic("PG102", message, Span(name, 1, 1, 1, 2), help="save the file as UTF-8")])
     try:
@@ -54,10 +54,15 @@ def decoded(data: bytes) -> str:
     """
     if data[:2] in {codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE}:
         return data.decode("utf-16", "replace")
-    head = data[:200]
-    if len(head) > 3 and head[1::2].count(0) > len(head) // 3:
+    if _two_bytes_each(data):
         return data.decode("utf-16-le", "replace")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         return data.decode("cp1252", "replace")
+
+
+def _two_bytes_each(data: bytes) -> bool:
+    """Whether every other byte at the beginning is 0: UTF-16 without a mark."""
+    head = data[:200]
+    return len(head) > 3 and head[1::2].count(0) > len(head) // 3

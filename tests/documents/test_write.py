@@ -333,6 +333,17 @@ def test_a_failure_half_way_is_completed_by_the_next_run(tmp_path: Path, monkeyp
     assert tree(tmp_path) == {f.path: f.data.decode() for f in new}
 
 
+def test_a_file_where_the_folder_should_be(tmp_path: Path) -> None:
+    """The remedy is another name, not permissions."""
+    (tmp_path / "file").write_text("mine", "utf-8")
+    for folder, what in ((tmp_path / "file", "the folder"), (tmp_path / "file" / "below", "a folder above it")):
+        with pytest.raises(DiagnosticError) as error:
+            write_folder(files(a="1"), folder)
+        assert codes(error) == ["PG503"]
+        assert error.value.diagnostics[0].help == f"a file has the name of {what}: choose another one"
+    assert (tmp_path / "file").read_text("utf-8") == "mine"
+
+
 def test_a_loop_of_links_is_a_diagnostic(tmp_path: Path) -> None:
     """--out that points at itself ends in PG503, not in a traceback."""
     (tmp_path / "loop").symlink_to("loop")

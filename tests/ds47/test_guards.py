@@ -103,7 +103,9 @@ def test_a_neighbouring_number_is_never_offered(number, tmp_path):
     """A number that looks like a known one is another parameter: following such a hint writes the wrong one."""
     case = {"drive": "sinamics-dcm, parameters: {P1120: {type: FloatingPoint}}", "write": f"{{parameter: {number}}}"}
     told = [d for d in api.check(write(tmp_path, case)).diagnostics if d.code == "PG204"]
-    assert [d.help for d in told] == ["give its type: {type: FloatingPoint}"]
+    written = {"p1119": "P1119", "R946": "r946"}.get(number, number)
+    define = f"or define it in the drive: parameters: {{{written}: {{type: ..}}}}"
+    assert [d.help for d in told] == [f"give its type: {{type: FloatingPoint}}; {define}"]
 
 
 def test_a_similar_name_is_offered(tmp_path):

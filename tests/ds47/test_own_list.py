@@ -215,3 +215,23 @@ def test_drift_of_a_spec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         with CliRunner().isolation() as streams:
             assert run(["catalogue", "drift", "list.txt", "job.yaml"]) == 1
             assert f"the list goes on {where}" in streams[1].getvalue().decode()
+
+
+def test_drift_says_nothing_of_the_lists_themselves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The job that read the list is in the spec, and 980 to 989 are in no such list (docs/devices.md)."""
+    monkeypatch.chdir(tmp_path)
+    Path("job.yaml").write_text(
+        "plc: {name: A, family: s7-1500, toolchain: tia-v19}\n"
+        "drives: {axis: {device: sinamics-s120, hardware_id: 281, drive_object: 3}}\n"
+        "jobs:\n"
+        "  read_list: {drive: axis, read: [r980[0..299], r981[0..299]]}\n"
+        "  ramps: {drive: axis, write: {P1120: 10.0}}\n",
+        "utf-8",
+    )
+    Path("list.txt").write_text("21 1121 0\n", "utf-8")
+    with CliRunner().isolation() as streams:
+        assert run(["catalogue", "drift", "list.txt", "job.yaml", "--json"]) == 1
+        told = json.loads(streams[0].getvalue())
+    verdicts = {row["parameter"]: row["verdict"] for row in told["rows"]}
+    assert verdicts == {"r980[0..299]": "no value", "r981[0..299]": "no value", "P1120": "not in the list"}
+    assert [one["message"] for one in told["diagnostics"]] == ["P1120 of ramps: not in the list"]

@@ -115,6 +115,19 @@ jobs:
     assert api.check(path).project is None
 
 
+def test_a_drive_that_is_not_there_beside_one_that_cannot_be_read(tmp_path: Path) -> None:
+    """No list of drives is offered that has none in it."""
+    path = tmp_path / "spec.yaml"
+    path.write_text(
+        "plc: {name: a, family: s7-1500, toolchain: tia-v19}\n"
+        "drives: {d: {device: sinamics-g120, hardware_id: 270000}}\n"
+        "jobs: {j: {drive: x, read: [P1120]}}\n",
+        "utf-8",
+    )
+    (told,) = (one for one in api.check(path).diagnostics if one.code == "PG202")
+    assert told.help == "the spec has no drive that can be read"
+
+
 def test_an_alias_and_a_list_of_drives(tmp_path: Path) -> None:
     """A drive that cannot be read is in a list that two jobs share: the second job has another mistake, which waits."""
     path = tmp_path / "spec.yaml"

@@ -36,7 +36,7 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
     from plcgen.protocols.ds47.catalogue import lists
     from plcgen.protocols.ds47.catalogue.drift import DEVIATES, MISSING, OUTSIDE
     from plcgen.protocols.ds47.catalogue.drift import drift as drifted
-    from plcgen.protocols.ds47.catalogue.own_list import read_own_list
+    from plcgen.protocols.ds47.catalogue.own_list import LISTS, read_own_list
 
     plan = drive_plan(spec)
     keys = [one.key for one in plan.drives]
@@ -51,11 +51,12 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
         message = f"the list goes on {where}: there is no 0 with which it ends"
         raise lists.wrong(file, message, "read all of it: what is not in the file might be there")
     listed = own.parameters() if own is not None else lists.listed(sheets, file)
-    rows = list(drifted(plan, drive or keys[0], {one.pnu: one for one in listed}))
+    silent = LISTS if own is not None else ()
+    rows = list(drifted(plan, drive or keys[0], {one.pnu: one for one in listed}, silent))
     wrong = [row for row in rows if row.verdict in {DEVIATES, MISSING, OUTSIDE}]
     problems = [
-        Diagnostic("PG707", f"{row.parameter} of {row.job}: {row.verdict}: {row.listed or 'nothing'}, not {row.wanted}"
-                   if row.wanted else f"{row.parameter} of {row.job}: {row.verdict}", Span(str(file)))
+        Diagnostic("PG707", f"{row.parameter} of {row.job}: {row.verdict}: {row.listed}, not {row.wanted}"
+                   if row.wanted and row.listed else f"{row.parameter} of {row.job}: {row.verdict}", Span(str(file)))
         for row in wrong
     ]  # fmt: skip
     header = ("parameter", "job", "wanted", "list", "verdict")

@@ -166,9 +166,12 @@ def _comments(project: Project) -> Iterator[tuple[SpecPath, str]]:
 
 
 def _texts(project: Project, path: SpecPath, texts: dict[str, str]) -> Iterator[tuple[SpecPath, str]]:
+    """A text of the spec with its places; what it leaves out is plcgen's own, which has a language that fits."""
     node = node_at(project, path)
+    if node is None:
+        return
     for language, text in texts.items():
-        yield ((*path, language) if node is not None and node.kind == "map" else path), text
+        yield ((*path, language) if node.kind == "map" else path), text
 
 
 def _first_bad(text: str, encoding: str) -> str | None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Container, Iterator, Mapping
+from dataclasses import dataclass, replace
 
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.catalogue.lists import ListedParameter
@@ -63,17 +63,22 @@ def _told(fact: tuple[object, str]) -> str:
     return f"{text} ({grade})" if grade else ""
 
 
-def drift(plan: DrivePlan, drive: str, listed: Mapping[int, ListedParameter]) -> Iterator[DriftRow]:
+def drift(
+    plan: DrivePlan, drive: str, listed: Mapping[int, ListedParameter], silent: Container[int] = ()
+) -> Iterator[DriftRow]:
     """Every parameter that a job accesses in a drive, against the list of that drive.
 
-    A list has values of index 0 alone, and rounds them; enumerations and sources are no numbers in it.
+    A list has values of index 0 alone, and rounds them; enumerations and sources are no numbers in it. Of ``silent``
+    numbers it says nothing.
     """
     for job in plan.jobs:
         if job.drive.key != drive:
             continue
         for use in job.uses:
             if use.verifies is None and use.poll is None and use.remembers is None and not use.state:
-                yield _row(job, use, listed.get(use.parameter.pnu))
+                row = _row(job, use, listed.get(use.parameter.pnu))
+                unsaid = row.verdict == MISSING and use.parameter.pnu in silent
+                yield replace(row, verdict=UNKNOWN) if unsaid else row
 
 
 def _row(job: DriveJob, use: Use, one: ListedParameter | None) -> DriftRow:

@@ -23,9 +23,10 @@ from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.schema import DriveSections, JobEntry
 
 Items = tuple[ReadItem | WriteItem, ...]
-_SCALARS = {f"r{FAULT_COUNTER}": "Unsigned16", f"r{ALARM_COUNTER}": "Unsigned16", f"P{ACKNOWLEDGES}": "Unsigned8",
-            f"P{ACTIVATES}": "Integer16", f"r{ACTIVE}": "Integer16", f"P{UTC[0]}": "Unsigned16"}  # fmt: skip
-"""Parameters of such jobs that have no index, with their type in an S120."""
+_OTHERS = {f"r{FAULT_COUNTER}": "Unsigned16", f"r{ALARM_COUNTER}": "Unsigned16", f"P{ACKNOWLEDGES}": "Unsigned8",
+            f"P{ACTIVATES}": "Integer16", f"r{ACTIVE}": "Integer16", f"P{UTC[0]}": "Unsigned16",
+            f"P{UTC[1]}": "Integer16", f"P{UTC[2]}": "Unsigned32, array: 2"}  # fmt: skip
+"""Parameters of such jobs that are no columns of messages, as an S120 has them."""
 _LARGEST = 4
 """Bytes of a value that a list of deviations has room for."""
 
@@ -170,9 +171,9 @@ class Accesses:
             return True
         names, them = ", ".join(missing), "it" if len(missing) == 1 else "them"
         message = f"{names} of {self.resolver.device.key}: nobody has looked up whether the device has {them}"
-        definition = f"{missing[0]}: {{type: {_SCALARS.get(missing[0], '.., array: 64')}}}"
-        help_ = f"look it up in the list manual and define it in the drive: parameters: {{{definition}}}"
-        if not set(missing) <= set(_SCALARS) and isinstance(items[0], ReadItem):
+        definitions = ", ".join(f"{name}: {{type: {_OTHERS.get(name, '.., array: 64')}}}" for name in missing)
+        help_ = f"look {them} up in the list manual and define {them} in the drive: parameters: {{{definitions}}}"
+        if not set(missing) <= set(_OTHERS) and isinstance(items[0], ReadItem):
             help_ += "; or leave its column out"
         self.report.add(Diagnostic("PG248", message, self.loaded.span(path), help=help_))
         return False

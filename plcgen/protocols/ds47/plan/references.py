@@ -14,12 +14,13 @@ _TYPE = re.compile(r"\s*([A-Za-z][A-Za-z0-9]*)\s*(?:\[\s*([0-9]{1,4})\s*\])?\s*\
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A parameter as written: number or name, and the first and last index if there is one."""
+    """A parameter as written: number or name, the first and last index if there is one, whether with an r."""
 
     pnu: int | None
     name: str
     first: int | None
     last: int | None
+    read_only: bool = False
 
 
 def parse_reference(text: str) -> Reference | None:
@@ -30,7 +31,8 @@ def parse_reference(text: str) -> Reference | None:
     number = _NUMBER.match(match[1])
     first = int(match[2]) if match[2] else None
     last = int(match[3]) if match[3] else first
-    return Reference(int(number[1]) if number else None, "" if number else match[1], first, last)
+    read_only = match[1][0] in "rR"
+    return Reference(int(number[1]) if number else None, "" if number else match[1], first, last, read_only)
 
 
 _NEARLY = re.compile(

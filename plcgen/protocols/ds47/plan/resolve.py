@@ -100,7 +100,8 @@ def _jobs(
         for index, name in enumerate(job.drive):
             place = loaded.span(("jobs", key, "drive") if len(job.drive) == 1 else ("jobs", key, "drive", index))
             if name not in known:
-                hint = did_you_mean(name, known) or f"drives of this spec: {', '.join(sorted(known))}"
+                those = f"drives of this spec: {', '.join(sorted(known))}" if known else ""
+                hint = did_you_mean(name, known) or those or "the spec has no drive that can be read"
                 report.add(Diagnostic("PG202", f'unknown drive "{name}"', place, help=hint))
             elif name in job.drive[:index]:
                 report.add(Diagnostic("PG202", f'drive "{name}" is named twice', place, help="name every drive once"))

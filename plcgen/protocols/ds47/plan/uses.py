@@ -123,12 +123,11 @@ class UseResolver:
         known = self.known.get(reference.pnu)
         if known is None and given is None:
             # no number that looks like it is offered: the neighbour of a parameter is another parameter
-            self.problem(
-                "PG204",
-                f"P{reference.pnu} is not in the catalogue of {self.device.key}: its data type is missing",
-                place,
-                "give its type: {type: FloatingPoint}",
-            )
+            written = f"{'r' if reference.read_only else 'P'}{reference.pnu}"
+            message = f"{written} is not in the catalogue of {self.device.key}: its data type is missing"
+            define = f"parameters: {{{written}: {{type: ..}}}}"
+            help_ = f"give its type: {{type: FloatingPoint}}; or define it in the drive: {define}"
+            self.problem("PG204", message, place, help_)
             return None
         if known is None:
             access = "r" if reference.pnu in guards.READ_ONLY else "rw"

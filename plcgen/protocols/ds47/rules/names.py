@@ -38,14 +38,15 @@ def names(plan: DrivePlan) -> Iterator[Named]:
 
 
 def texts(plan: DrivePlan) -> Iterator[tuple[SpecPath, dict[str, str]]]:
-    """Comments of drives, jobs and values."""
+    """Comments of drives, jobs, values and recipes."""
     for drive in plan.drives:
         yield (*drive.path, "comment"), drive.comment
     for job in plan.shapes:
         yield (*job.path, "comment"), job.comment
         for use in job.uses:
-            if use not in job.saving:  # that of a save is not the spec's
-                yield (*use.path, "comment"), use.comment
+            yield (*use.path, "comment"), use.comment
+    for recipe in plan.recipes:
+        yield ("recipes", recipe.key, "comment"), recipe.comment
 
 
 def plain(plan: DrivePlan) -> Iterator[tuple[SpecPath, str]]:
