@@ -24,11 +24,15 @@ _ROUNDS = 12
 
 @dataclass(frozen=True, slots=True)
 class Salvaged(Generic[Model]):
-    """A file without its mistakes; regions of which nothing is told any more, and parts of these that are sound."""
+    """A file without its mistakes; regions of which nothing is told any more, and parts of these that are sound.
+
+    ``whole`` says whether nothing was left out: keys and values were replaced or forgotten alone.
+    """
 
     loaded: Loaded[Model]
     doubtful: tuple[Span, ...]
     sound: tuple[Span, ...]
+    whole: bool
 
     def told(self, diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
         """The diagnostics that do not follow from what was left out."""
@@ -75,7 +79,8 @@ def salvage(
                 return None
         else:
             mending.doubt_names()
-            return Salvaged(Loaded(valid, root), tuple(mending.doubtful), tuple(mending.sound))
+            whole = not (mending.gone or mending.names)
+            return Salvaged(Loaded(valid, root), tuple(mending.doubtful), tuple(mending.sound), whole)
     return None
 
 
@@ -115,6 +120,7 @@ class _Mending(Generic[Model]):
     doubtful: list[Span] = field(default_factory=list)
     sound: list[Span] = field(default_factory=list)
     names: set[str] = field(default_factory=set)
+    gone: bool = False
 
     def model(self) -> type[Model]:
         chosen = self.shape.model
@@ -128,6 +134,7 @@ class _Mending(Generic[Model]):
         out = [self.leaves_out(self.steps(path)) for path in paths]
         if not all(out):
             return False
+        self.gone = True
         for container, value in filter(None, out):
             container.items = [item for item in container.items if item is not value]
             container.pairs = {key: pair for key, pair in container.pairs.items() if pair[1] is not value}

@@ -67,7 +67,7 @@ def _found_besides(path: Path) -> Iterator[Diagnostic]:
         return
     report = Report()
     try:
-        loaded = LoadedSpec(path.as_posix(), "", part.loaded.model, part.loaded.root)
+        loaded = LoadedSpec(path.as_posix(), "", part.loaded.model, part.loaded.root, whole=part.whole)
         apply_rules(resolve(loaded, report), report)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)

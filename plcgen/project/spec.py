@@ -33,6 +33,8 @@ class LoadedSpec:
     """The included files, each with its text."""
     uses: tuple[VariableUse, ...] = ()
     """Where variables were used."""
+    whole: bool = True
+    """Whether nothing was left out because it cannot be read."""
 
     @property
     def digest(self) -> str:

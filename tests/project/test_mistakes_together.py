@@ -128,6 +128,23 @@ def test_a_drive_that_is_not_there_beside_one_that_cannot_be_read(tmp_path: Path
     assert told.help == "the spec has no drive that can be read"
 
 
+@pytest.mark.parametrize("device", ["{zz: [1]}", "sinamics-g12"])
+def test_a_recipe_that_no_job_uses_beside_a_drive_that_cannot_be_read(device: str, tmp_path: Path) -> None:
+    """That drive has its parameter: nothing follows from the mistake."""
+    path = tmp_path / "spec.yaml"
+    path.write_text(
+        "plc: {name: a, family: s7-1500, toolchain: tia-v19}\n"
+        "drives:\n"
+        "  d: {device: sinamics-g120, hardware_id: 270}\n"
+        f"  e: {{device: {device}, hardware_id: 271, parameters: {{P9999: {{type: Unsigned16}}}}}}\n"
+        "recipes: {winding: {parameters: [P9999], records: 2}}\n"
+        "jobs: {j: {drive: d, read: P1120}}\n",
+        "utf-8",
+    )
+    (told,) = api.check(path).diagnostics
+    assert (told.span.line, told.code < "PG202") == (4, True)
+
+
 def test_an_alias_and_a_list_of_drives(tmp_path: Path) -> None:
     """A drive that cannot be read is in a list that two jobs share: the second job has another mistake, which waits."""
     path = tmp_path / "spec.yaml"

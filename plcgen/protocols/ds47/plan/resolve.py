@@ -37,7 +37,8 @@ def plan_drives(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, re
     resolvers = _resolvers(loaded, drives, report)
     recipes = Recipes(loaded, numbering, report)
     jobs = _jobs(loaded, drives, resolvers, callers, recipes, numbering, report)
-    recipes.unused(resolvers.values())
+    if loaded.whole and len(drives) == len([*spec.placed()]):  # a drive that cannot be read may have its parameters
+        recipes.unused(resolvers.values())
     used = {job.drive.unit.key for job in jobs}
     first, *others = callers.found
     blocks = [*engine.blocks(), first.block, first.instance, *(unit.db for unit in units if unit.key in used)]
