@@ -36,8 +36,8 @@ def command(*, paths: tuple[Path, ...], folder: Path, culture: str, format_: Out
 
     One file per block, named after it; comments and layout of the code are kept. Name the sources of all types
     and function blocks together: an instance DB needs its function block. Networks in LAD, FBD or STL have no
-    SCL: their blocks are left out with a message. All files are written or none; with --keep-going those that can
-    be, and the exit code is 1 if something was left out.
+    SCL: their blocks are left out with a warning, as those of a safety program are. All files are written or none;
+    with --keep-going those that can be, and the exit code is still 1 if there is an error.
     """
     from plcgen import api
 

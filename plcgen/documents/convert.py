@@ -155,7 +155,7 @@ def _without_value(problem: Diagnostic) -> Diagnostic:
 
 def _laid_out(block: Block, found: Converted) -> Block:
     """The block with the access that is meant where its document says none: those of S7-300/400 never do."""
-    if block.optimized is not None or block.kind is BlockKind.UDT or block.instance_of:
+    if block.optimized is not None or block.kind is BlockKind.UDT or block.instance_of or block.safety:
         return block
     message = f'{block.kind} "{block.name}" has no MemoryLayout: its access is taken as optimized, as on S7-1200/1500'
     help_ = "for blocks of an S7-300/400: --classic"

@@ -270,7 +270,7 @@ class _Teller:
         return [self.one(group) for group in by_value.values()]
 
     def one(self, group: list[Any]) -> Diagnostic:
-        error = group[0]
+        error = next((e for e in group if e["type"] not in _EXPECTED), group[0])  # the alternative of the right kind
         path: Path = tuple(error["loc"])
         if error["type"] == "extra_forbidden":
             return self.unknown_key(path)
@@ -295,7 +295,8 @@ class _Teller:
         if error["type"] in {"literal_error", "enum"}:
             options = [option.strip(" '") for option in error["ctx"]["expected"].replace(" or ", ",").split(",")]
             hint = did_you_mean(str(node.value), options)
-            help_ = f"{hint} allowed: {', '.join(options)}".strip()
+            others = dict.fromkeys(_EXPECTED[e["type"]] for e in group if e["type"] in _EXPECTED)
+            help_ = f"{hint} allowed: {', '.join((*options, *others))}".strip()
             shown = f'"{node.raw}"' if node.kind == "scalar" else _shown(node)
             return Diagnostic("PG107", f'{shown} is not a value of "{self.key(path)}"', node.span, help=help_)
         code = "PG107" if error["type"].startswith(_RANGE_ERRORS) else "PG106"
