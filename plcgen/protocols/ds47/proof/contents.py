@@ -220,6 +220,8 @@ def odd(use: Use, count: int, turn: int, *, given: bool = False) -> list[Value]:
     if fmt.kind is FormatKind.FLOAT:
         tried: tuple[float, ...] = (-0.0, float(2**31), -1.0)
         low, high = _limits(use, -math.inf, math.inf) if given else (-math.inf, math.inf)
+        if math.isfinite(high):
+            tried += (float(_inside(fmt, high, high=True)),)  # neighbours differ also where only zero fits
     elif fmt.kind in _NUMERIC and range_ is not None:
         tried = (-1, 2 ** (8 * fmt.size - 1), 2**15)
         low, high = _limits(use, *range_) if given else range_
