@@ -225,7 +225,8 @@ def test_drift_says_nothing_of_the_lists_themselves(tmp_path: Path, monkeypatch:
         "drives: {axis: {device: sinamics-s120, hardware_id: 281, drive_object: 3}}\n"
         "jobs:\n"
         "  read_list: {drive: axis, read: [r980[0..299], r981[0..299]]}\n"
-        "  ramps: {drive: axis, write: {P1120: 10.0}}\n",
+        "  ramps: {drive: axis, write: {P1120: 10.0}}\n"
+        "  look: {drive: axis, faults: {columns: [code]}}\n",
         "utf-8",
     )
     Path("list.txt").write_text("21 1121 0\n", "utf-8")
@@ -233,5 +234,8 @@ def test_drift_says_nothing_of_the_lists_themselves(tmp_path: Path, monkeypatch:
         assert run(["catalogue", "drift", "list.txt", "job.yaml", "--json"]) == 1
         told = json.loads(streams[0].getvalue())
     verdicts = {row["parameter"]: row["verdict"] for row in told["rows"]}
-    assert verdicts == {"r980[0..299]": "no value", "r981[0..299]": "no value", "P1120": "not in the list"}
-    assert [one["message"] for one in told["diagnostics"]] == ["P1120 of ramps: not in the list"]
+    lists = {"r980[0..299]": "no value", "r981[0..299]": "no value"}
+    assert verdicts == lists | dict.fromkeys(("P1120", "r944", "r945[0..7]"), "not in the list")
+    assert [one["message"] for one in told["diagnostics"]] == [
+        f"{access}: not in the list" for access in ("P1120 of ramps", "r944 of look", "r945[0..7] of look")
+    ]  # the counter is read twice and told once

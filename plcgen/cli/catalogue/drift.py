@@ -52,7 +52,7 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
         raise lists.wrong(file, message, "read all of it: what is not in the file might be there")
     listed = own.parameters() if own is not None else lists.listed(sheets, file)
     silent = LISTS if own is not None else ()
-    rows = list(drifted(plan, drive or keys[0], {one.pnu: one for one in listed}, silent))
+    rows = list(dict.fromkeys(drifted(plan, drive or keys[0], {one.pnu: one for one in listed}, silent)))
     wrong = [row for row in rows if row.verdict in {DEVIATES, MISSING, OUTSIDE}]
     problems = [
         Diagnostic("PG707", f"{row.parameter} of {row.job}: {row.verdict}: {row.listed}, not {row.wanted}"
