@@ -90,7 +90,7 @@ def explain(key: str) -> Page | None:
 
 def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
     """Return the requests of all jobs of a spec, or of one job, with their start values."""
-    from plcgen.diagnostics.suggest import jobs_meant
+    from plcgen.diagnostics.suggest import did_you_mean
     from plcgen.project.opening import open_spec
 
     opened = open_spec(Path(spec))
@@ -99,7 +99,7 @@ def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
     jobs = [planned for planned in opened.project.jobs if job in {None, planned.key}]
     if not jobs:
         names = [planned.key for planned in opened.project.jobs]
-        hint = jobs_meant(job or "", names)
+        hint = f"{did_you_mean(job or '', names)} jobs of this spec: {', '.join(names)}".strip()
         span = opened.project.loaded.key_span(("jobs",))
         unknown = Diagnostic("PG703", f'the spec has no job "{job}"', span, help=hint)
         return EncodeResult((), (*opened.diagnostics, unknown))

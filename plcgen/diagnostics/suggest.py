@@ -27,12 +27,3 @@ def did_you_mean(word: str, candidates: Iterable[str]) -> str:
     """``did you mean "x"?`` or an empty string."""
     hits = near(word, candidates)
     return f'did you mean "{hits[0]}"?' if hits else ""
-
-
-def jobs_meant(word: str, jobs: Iterable[str]) -> str:
-    """What to write instead of ``word``, which is no job: one of its instances, a near name, any of them."""
-    jobs = list(jobs)
-    instances = [one for one in jobs if one.startswith(f"{word}.")]
-    if instances:
-        return f"it has an instance for each drive: {', '.join(instances)}"
-    return f"{did_you_mean(word, jobs)} jobs of this spec: {', '.join(jobs)}".strip()

@@ -10,7 +10,7 @@ from typing import Literal, cast
 from plcgen.cpu.cpu import Family, Misuse
 from plcgen.cpu.system.bus import Periphery
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
-from plcgen.diagnostics.suggest import jobs_meant
+from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import usage
 from plcgen.proof.standins import stand_ins
 from plcgen.trace.face import PartnerOptions, Recorded, Recording
@@ -102,7 +102,8 @@ def _chosen(recordings: Sequence[Recording], names: Sequence[str], spec: Path) -
         raise usage(str(spec), "there is no job to be simulated", "plcgen verify runs the jobs of every protocol")
     for name in names:
         if name not in known:
-            raise usage(f"--job {name}", f'the spec has no job "{name}"', jobs_meant(name, known))
+            text = f"{did_you_mean(name, known)} jobs of this spec: {', '.join(known)}".strip()
+            raise usage(f"--job {name}", f'the spec has no job "{name}"', text)
     return [(number, key) for key, number in known.items() if not names or key in names]
 
 

@@ -68,15 +68,6 @@ def test_wrong_arguments(plcgen, arguments, start):
     assert result.err.startswith(start)
 
 
-def test_a_job_with_several_instances(plcgen):
-    """Its instances are named, not all jobs of the plant, of which a terminal shows the first and the last."""
-    spec = ROOT / "specs" / "s7-1500_plant.yaml"
-    assert plcgen("generate", spec, "--out", "plant").code == 0
-    result = plcgen("simulate", spec, "--out", "plant", "--job", "read_fault")
-    assert result.code == 2
-    assert "it has an instance for each drive: read_fault.fan01," in result.err
-
-
 def test_own_source_that_does_not_compile(plcgen, tmp_path):
     """Every error of the user's file at its place, exit code 1, no traceback."""
     path = tmp_path / "own.scl"

@@ -91,15 +91,3 @@ def test_two_versions_of_a_profile() -> None:
         ("P2", "parameter", "", "Two"),
     ]
     assert "0 facts differ" in plcgen("catalogue", "diff", "sinamics-g120", "sinamics-g120")[1]
-
-
-@pytest.mark.usefixtures("folder")
-def test_a_slip_in_the_name_of_a_drive() -> None:
-    """A slip of the pen is seen as such; of many drives the first ones are named, with dots."""
-    drives = "".join(f"  fan{n}: {{device: sinamics-g120, address: {256 + 4 * n}}}\n" for n in range(9))
-    Path("job.yaml").write_text(SPEC.replace("  fan: {device: sinamics-g120, address: 256}\n", drives)
-                                .replace("drive: fan,", "drive: fan0,"), "utf-8")  # fmt: skip
-    assert "fan6, fan7, ..: --drive says" in plcgen("catalogue", "drift", "list.csv", "job.yaml")[2]
-    code, _, err = plcgen("catalogue", "drift", "list.csv", "job.yaml", "--drive", "fna3")
-    assert (code, 'no drive "fna3" in the spec, did you mean "fan3"?' in err) == (2, True)
-    assert "but fan0, fan1" in plcgen("catalogue", "drift", "list.csv", "job.yaml", "--drive", "pump")[2]

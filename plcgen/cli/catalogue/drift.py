@@ -28,7 +28,7 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
     Constants have to be in the drive and within its limits, and what is read or written has to exist. Exit code 1 if
     something has drifted.
     """
-    from plcgen.cli.live.specs import drive_plan, no_drive, some
+    from plcgen.cli.live.specs import drive_plan
     from plcgen.diagnostics import Diagnostic, Span
     from plcgen.display.data import diagnostics_data
     from plcgen.display.results import Answer
@@ -41,9 +41,9 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
     plan = drive_plan(spec)
     keys = [one.key for one in plan.drives]
     if drive is None and len(keys) != 1:
-        raise click.UsageError(f"the spec has the drives {some(keys)}: --drive says which one the list is of")
+        raise click.UsageError(f"the spec has the drives {', '.join(keys[:8])}: --drive says which one the list is of")
     if drive is not None and drive not in keys:
-        raise no_drive(drive, keys)
+        raise click.UsageError(f'there is no drive "{drive}" in the spec, but {", ".join(keys[:8])}')
     sheets = lists.load_sheets(file)
     own = read_own_list(sheets, file)
     if own is not None and not own.ended:

@@ -52,17 +52,15 @@ def command(*, spec: Path, given: tuple[str, ...], timeout: float, format_: Outp
 
 def _by_drive(plan: DrivePlan, given: tuple[str, ...]) -> dict[str, str]:
     """Addresses by the key of the drive; one without a key if the spec has one drive."""
-    from plcgen.cli.live.specs import no_drive, some
-
     keys = [drive.key for drive in plan.drives]
     found: dict[str, str] = {}
     for text in given:
         key, equals, host = text.rpartition("=")
         if not equals:
             if len(keys) != 1:
-                raise click.UsageError(f"the spec has the drives {some(keys)}: write --drive {keys[0]}={text}")
+                raise click.UsageError(f"the spec has the drives {', '.join(keys[:8])}: write --drive {keys[0]}={text}")
             key = keys[0]
         if key not in keys:
-            raise no_drive(key, keys)
+            raise click.UsageError(f'there is no drive "{key}" in the spec, but {", ".join(keys[:8])}')
         found[key] = host
     return found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,15 +25,3 @@ def drive_plan(spec: Path) -> DrivePlan:
     if plan is None:
         raise click.UsageError(f"{spec} has no drive jobs")
     return plan
-
-
-def some(keys: Sequence[str]) -> str:
-    """The first names of drives, with dots if there are more."""
-    return ", ".join(keys[:8]) + (", .." if len(keys) > 8 else "")
-
-
-def no_drive(key: str, keys: Sequence[str]) -> click.UsageError:
-    """The spec has no such drive, but others."""
-    from plcgen.diagnostics.suggest import did_you_mean
-
-    return click.UsageError(f'there is no drive "{key}" in the spec, {did_you_mean(key, keys) or f"but {some(keys)}"}')

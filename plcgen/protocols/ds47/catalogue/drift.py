@@ -75,7 +75,7 @@ def drift(
         if job.drive.key != drive:
             continue
         for use in job.uses:
-            if use.verifies is None and use.poll is None and use.remembers is None and not use.state:
+            if use.verifies is None and use.poll is None and not use.precedes and not use.state:
                 row = _row(job, use, listed.get(use.parameter.pnu))
                 unsaid = row.verdict == MISSING and use.parameter.pnu in silent
                 yield replace(row, verdict=UNKNOWN) if unsaid else row
@@ -88,6 +88,9 @@ def _row(job: DriveJob, use: Use, one: ListedParameter | None) -> DriftRow:
         return DriftRow(use.label, job.key, shown, "", MISSING)
     bounds = "" if one.minimum is None and one.maximum is None else f" ({_limit(one.minimum)}..{_limit(one.maximum)})"
     told = ("" if one.value is None else f"{one.value:g}") + bounds
+    if use.bits:
+        shown = ", ".join(str(int(any(bit.data))) for bit in use.bits if bit.constant)
+        return DriftRow(use.label, job.key, shown, told.strip(), _of_bits(use, one.value))
     if wanted is None:
         return DriftRow(use.label, job.key, "", told.strip(), EQUAL)
     low, high = one.minimum, one.maximum
@@ -99,9 +102,24 @@ def _row(job: DriveJob, use: Use, one: ListedParameter | None) -> DriftRow:
     return DriftRow(use.label, job.key, shown, told.strip(), EQUAL if same else DEVIATES)
 
 
+def _of_bits(use: Use, value: float | None) -> str:
+    """Whether a number of a list has those bits that are constants."""
+    wanted = [(bit.bit or 0, any(bit.data)) for bit in use.bits if bit.constant]
+    if not wanted:
+        return EQUAL
+    if value is None or use.subindex or not value.is_integer():
+        return UNKNOWN
+    return EQUAL if all(bool(int(value) >> number & 1) is on for number, on in wanted) else DEVIATES
+
+
 def _constant(use: Use) -> float | None:
     """The first value that a job writes or wants, if it is a number and not an input."""
-    if not ((use.writes or use.compared) and use.constant) or use.format.kind not in _NUMERIC or use.sources:
+    if (
+        use.bits
+        or not ((use.writes or use.compared) and use.constant)
+        or use.format.kind not in _NUMERIC
+        or use.sources
+    ):
         return None
     value = unpack_values(use.format, 1, use.data[: use.format.size])[0]
     return value if isinstance(value, int | float) else None

@@ -47,11 +47,23 @@ def _use(job: DriveJob, use: Use, reader: Reader) -> Iterator[LiveRow]:
     indexes = range(use.subindex, use.subindex + use.count)
     for at, found in enumerate(read_parameter(reader, use.parameter, indexes, job.drive.drive_object)):
         data = use.data[at * step : (at + 1) * step]
+        if use.bits:
+            yield from _bits(job, use, found)
+            continue
         wanted = decoded(use.parameter, found.index, data).text or data.hex(" ").upper()
         label = use.label.partition("[")[0] + (f"[{found.index}]" if use.first is not None else "")
         verdict = _verdict(use, data, found)
         shown = found.text or found.data.hex(" ").upper()
         yield LiveRow(f"{job.drive.key} {label}", job.key, wanted, shown, verdict, found.doubt)
+
+
+def _bits(job: DriveJob, use: Use, found: Reading) -> Iterator[LiveRow]:
+    """A row for each bit that is written: the others are nobody's business."""
+    for one in use.bits:
+        wanted, there = any(one.data), bool(int.from_bytes(found.data) >> (one.bit or 0) & 1)
+        verdict = UNREAD if found.doubt else INPUT if not one.constant else EQUAL if wanted == there else DEVIATES
+        shown = str(int(there)) if not found.doubt else found.text or found.data.hex(" ").upper()
+        yield LiveRow(f"{job.drive.key} {one.label}", job.key, str(int(wanted)), shown, verdict, found.doubt)
 
 
 def _verdict(use: Use, wanted: bytes, found: Reading) -> str:

@@ -14,13 +14,14 @@ from plcgen.protocols.ds47.kinds.kind import JobKind, Messages, ReadItem, WriteI
 from plcgen.protocols.ds47.kinds.messages import ALARM_COUNTER, FAULT_COUNTER
 from plcgen.protocols.ds47.kinds.registry import kind_called, kinds
 from plcgen.protocols.ds47.kinds.save import SAVES
+from plcgen.protocols.ds47.plan.bits import BitResolver, has_bits, in_front
 from plcgen.protocols.ds47.plan.nouns import Use
 from plcgen.protocols.ds47.plan.readback import read_back, transaction
 from plcgen.protocols.ds47.plan.recipes import Recipes
 from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.plan.steps import resolved_steps
 from plcgen.protocols.ds47.plan.uses import UseResolver
-from plcgen.protocols.ds47.schema import DriveSections, JobEntry
+from plcgen.protocols.ds47.schema import DriveSections, ErrorSettings, JobEntry
 
 Items = tuple[ReadItem | WriteItem, ...]
 _OTHERS = {f"r{FAULT_COUNTER}": "Unsigned16", f"r{ALARM_COUNTER}": "Unsigned16", f"P{ACKNOWLEDGES}": "Unsigned8",
@@ -93,6 +94,8 @@ class Accesses:
             return ()
         if kind.steps is not None:
             return resolved_steps(tuple(kind.steps(given)), place, self.loaded, self.resolver)
+        if kind.key == "write" and has_bits(items):
+            return self._with_bits(kind, items, place)
         uses = self._resolved(kind, items, place, before)
         if len(uses) == len(items):
             return self._complete(kind, uses, items)
@@ -113,18 +116,34 @@ class Accesses:
             uses = tuple(replace(use, compared=True) for use in uses if self._comparable(use))
         return uses
 
+    def _with_bits(self, kind: JobKind, items: Items, place: SpecPath) -> tuple[Use, ...]:
+        """Items of which some are bits of words, which are read in front of the write; none after a diagnostic."""
+        found = BitResolver(self.resolver)
+        found.add(items, place)
+        if not found.complete:
+            return ()
+        uses, words = tuple(found.uses), tuple(found.items)
+        if self._restores(kind) is None:  # else all old values are read
+            uses, words = in_front(uses, words, self.resolver)
+        return self._complete(kind, uses, words)
+
     def _complete(self, kind: JobKind, uses: tuple[Use, ...], items: Items) -> tuple[Use, ...]:
         """What belongs to the uses of all items: read back, restored, polled, divided into columns."""
         settings = getattr(self.job, kind.key)
         if kind.poll is not None:
             return (uses[0], replace(uses[1], poll=kind.poll(settings)), *uses[2:])
         if self.job.verify is not None:
-            behind = _then(self.job, kind) is not None
-            restores = self.job.on_error if kind.key in {"write", "write_recipe"} and not behind else None
+            restores = self._restores(kind)
             if restores is not None:
                 return transaction(uses, items, restores, self.path, self.resolver)
             return (*uses, *read_back(uses, items, self.resolver))
         return uses if kind.messages is None else tuple(_columns(uses, kind.messages(settings)))
+
+    def _restores(self, kind: JobKind) -> ErrorSettings | None:
+        """How old values are written back; None if they are not."""
+        saves = _then(self.job, kind) is not None
+        can = self.job.verify is not None and kind.key in {"write", "write_recipe"} and not saves
+        return self.job.on_error if can else None
 
     def _comparable(self, use: Use) -> bool:
         """Whether a value fits the list of deviations; PG249 if not."""

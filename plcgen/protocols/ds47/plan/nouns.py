@@ -81,6 +81,8 @@ class Use:
     ``step`` is that of a sequence, from 1; ``awaited`` says how the value is compared with ``data``.
     ``remembers`` is the use that is restored if the job fails: this one reads its old value in front of it. ``state``
     says that the value is the word in which the drive reports whether it runs.
+    ``bits`` are what is changed of a word: uses of a Boolean each, with its number as ``bit``, in no telegram of their
+    own. ``modifies`` is the use with bits of which this one reads the word in front of it.
     """
 
     position: int
@@ -107,11 +109,25 @@ class Use:
     awaited: Awaited | None = None
     remembers: Use | None = None
     state: bool = False
+    bits: tuple[Use, ...] = ()
+    bit: int | None = None
+    modifies: Use | None = None
 
     @property
     def subindex(self) -> int:
         """First subindex; 0 without an index."""
         return self.first or 0
+
+    @property
+    def precedes(self) -> bool:
+        """Whether it reads the old value of what is written."""
+        return self.remembers is not None or self.modifies is not None
+
+    @property
+    def mask(self) -> bytes:
+        """The bits of its values that are written: all of them, or those of a word that are named."""
+        size = self.count * self.format.size
+        return sum(1 << (one.bit or 0) for one in self.bits).to_bytes(size) if self.bits else b"\xff" * size
 
     @property
     def divisible(self) -> bool:
@@ -120,7 +136,13 @@ class Use:
 
     @property
     def label(self) -> str:
-        """``P50303``, ``r945[0]`` or ``P2155[1..2]``, as messages and comments write it."""
+        """``P50303``, ``r945[0]``, ``P2155[1..2]`` or ``P1200.3``, as messages and comments write it."""
+        numbers = (str(one.bit) for one in (self.bits or (self,)) if one.bit is not None)
+        return ".".join((self.place, ", .".join(numbers))).removesuffix(".")
+
+    @property
+    def place(self) -> str:
+        """The same without bits."""
         base = f"{'r' if self.parameter.access == 'r' else 'P'}{self.parameter.pnu}"
         if self.first is None:
             return base
@@ -316,7 +338,8 @@ class DriveJob(PlannedJob):
         """The values that are inputs or taken from a record: no constants, nothing that the block makes of a time."""
         if self.clock is not None:
             return ()
-        return tuple(use for use in self.uses if (use.writes or use.compared) and not use.constant)
+        uses = (one for use in self.uses for one in (use.bits or (use,)))
+        return tuple(use for use in uses if (use.writes or use.compared) and not use.constant)
 
     @property
     def inputs(self) -> tuple[Use, ...]:
@@ -372,6 +395,10 @@ class DriveJob(PlannedJob):
     def verified(self) -> bool:
         """Whether it reads back what it has written."""
         return any(use.verifies is not None for use in self.uses)
+
+    def old(self, word: Use) -> Use:
+        """What reads the word of which a use writes bits."""
+        return next(use for use in self.uses if use.modifies is word or use.remembers is word)
 
     @property
     def restores(self) -> bool:

@@ -35,6 +35,15 @@ def parse_reference(text: str) -> Reference | None:
     return Reference(int(number[1]) if number else None, "" if number else match[1], first, last, read_only)
 
 
+_BIT = re.compile(r"(.*\S)\s*\.\s*([0-9]{1,2})\s*\Z")
+
+
+def split_bit(text: str) -> tuple[str, int] | None:
+    """Split ``P1200.3`` into the parameter as written and the bit; None if the text is no bit of a parameter."""
+    match = _BIT.match(text)
+    return (match[1], int(match[2])) if match and parse_reference(match[1]) is not None else None
+
+
 _NEARLY = re.compile(
     r"\s*([A-Za-z_]\w*|[0-9]+)\s*[\[({]\s*([0-9]{1,6})\s*(\.{1,4}|…|–|-|:|,|;|\s+to\s+)\s*([0-9]{1,6})\s*[\])}]?\s*\Z"
 )

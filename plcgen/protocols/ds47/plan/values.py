@@ -16,6 +16,8 @@ def value_text(use: Use, where: Target) -> str:
     """The literals of its values, the first four of many; octets as hexadecimal digits."""
     from plcgen.s7.literals import format_literal
 
+    if use.bits:
+        return "; ".join(f"bit {one.bit} = {_bit_text(one)}" for one in use.bits)
     type_ = interface_type(use.format, use.count, use.subindex, where)
     element = type_.element if isinstance(type_, ArrayType) else type_
     if not isinstance(element, Elementary):
@@ -26,3 +28,8 @@ def value_text(use: Use, where: Target) -> str:
     if use.sources:
         texts = (str(read_bico(int.from_bytes(piece))) for piece in pieces[:_SHOWN])
     return ", ".join(texts) + (", .." if len(pieces) > _SHOWN else "")
+
+
+def _bit_text(one: Use) -> str:
+    value = str(int(any(one.data)))
+    return value if one.constant else f"input {one.member}, {value} if nothing is connected"

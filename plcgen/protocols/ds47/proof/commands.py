@@ -116,6 +116,13 @@ def _said(use: Use, text: str) -> bool:
     """Whether a text names the value of a use; values that are no single number are not compared."""
     if use.recorded:
         return text.startswith("record of ")
+    if use.bits:
+        return text == "; ".join(
+            f"bit {one.bit} = {any(one.data):d}"
+            if one.constant
+            else f"bit {one.bit} = input {one.member}, {any(one.data):d} if nothing is connected"
+            for one in use.bits
+        )
     if text.startswith("input, ") == use.constant:
         return False
     if use.count != 1 or use.format.is_string or use.sources:
@@ -159,6 +166,8 @@ def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterat
         if use.member in found:
             entry = locate(layout, f"{prefix}{use.member}")
             held = start[entry.byte : entry.byte + len(use.data)]
+            if entry.size == 1:
+                held = bytes((held[0] >> entry.bit & 1,))
             if held != use.data:
                 said = f"the spec says {use.data.hex(' ').upper()}"
                 yield f"{prefix}{use.member} starts with {held.hex(' ').upper()}, {said}"

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from plcgen.proof.runner import Run
 from plcgen.proof.scenario import ScenarioError
+from plcgen.protocols.ds47.proof.contents import with_bits
 from plcgen.protocols.ds47.proof.course import Course
 from plcgen.protocols.ds47.proof.end import check_end, check_errors, check_refused
 from plcgen.protocols.ds47.proof.fence import Fence
 from plcgen.protocols.ds47.proof.listed import fill
 from plcgen.protocols.ds47.proof.pace import Pace
-from plcgen.protocols.ds47.proof.restored import CAUSE, Restoration
+from plcgen.protocols.ds47.proof.restored import CAUSE, OLD, Restoration
 from plcgen.protocols.ds47.proof.rig import SLOT, JobRig
 from plcgen.protocols.ds47.proof.saved import check_saved
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
@@ -186,6 +189,8 @@ class JobConduct:
             longest = max(len(request) for request in self.requests)
             telegram = self.course.number(rig.unit.bytes("telegram", longest), self.requests)
         if job.restores:
+            if telegram == OLD:
+                self._begin_anew()
             request = self.restoration.hand_over(telegram)
             self.requests[max(telegram - 1, 3) :] = [request] if telegram > 3 else []
         number = min(telegram, len(self.requests))
@@ -214,6 +219,16 @@ class JobConduct:
             if word != right:
                 shown = f"16#{word.hex().upper()}, not 16#{right.hex().upper()}"
                 raise ScenarioError(f"what is expected of {part.use.label} in telegram {telegram} is {shown}")
+
+    def _begin_anew(self) -> None:
+        """Words of which bits are written are made of those that the drive has now: it may have been another start."""
+        rig = self.rig
+        if any(use.bits for use in rig.job.uses):
+            there = rig.drive.objects[rig.drive_object].parameters
+            held = {pnu: there[pnu].values for pnu in rig.values.held}
+            rig.values = with_bits(rig.job, replace(rig.values, held=held))
+            self.restoration.requests = self.requests = rig.requests()
+            self.restoration.given = rig.values.given
 
     def end(self, run: Run[DriveScenario], status: int) -> None:
         """Values, errors, wire."""
@@ -248,7 +263,7 @@ class JobConduct:
                 raise ScenarioError(f"still {self.where()} when it is done once more")
         if run.seen != (False, True, False, DONE):
             raise ScenarioError(f"done once more, it ends with 16#{run.seen[-1]:04X}")
-        if self.rig.job.in_steps or self.rig.job.restores:
+        if self.rig.job.in_steps or any(use.precedes for use in self.rig.job.uses):
             self.before = self.rig.delivered()  # what a step waits for may have come differently; old values are others
 
     def rest(self, run: Run[DriveScenario]) -> None:

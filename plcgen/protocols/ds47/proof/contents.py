@@ -25,6 +25,8 @@ from plcgen.protocols.ds47.wire.formats import (
     unpack_values,
 )
 
+SEARCHED = 4096
+"""Words that are tried until one is found in which bits may be written."""
 ERROR = 0x44
 """A block of an answer that is an error."""
 _NUMERIC = {FormatKind.SIGNED, FormatKind.UNSIGNED}
@@ -63,8 +65,50 @@ class ValueSet:
 def value_set(job: DriveJob, drive: Drive, drive_object: int, kind: Contents, seed: str, turn: int = 0) -> ValueSet:
     """Values of one kind; ``seed`` tells the random ones apart, ``turn`` says with which odd one to begin."""
     draw = random.Random(seed)  # noqa: S311 - test values
-    found = _value_set(job, drive, drive_object, kind, draw, turn)
+    found = with_bits(job, _value_set(job, drive, drive_object, kind, draw, turn))
     return found if not job.timed else found.at(job, _moment(kind, draw))
+
+
+def with_bits(job: DriveJob, values: ValueSet) -> ValueSet:
+    """The same with words as they must be written: what the drive has, in which only the bits are others.
+
+    Where limits do not allow such a word, the drive has another one.
+    """
+    held, given = {pnu: list(there) for pnu, there in values.held.items()}, dict(values.given)
+    for use in job.uses:
+        if not use.bits:
+            continue
+        low, high = _limits(use, *(integer_range(use.format) or (0, 0)))
+        there = held[use.parameter.pnu]
+        for old in (there[use.subindex], *range(int(low), int(min(high, low + SEARCHED)))):
+            there[use.subindex] = old
+            given[use.position] = written(use, cut(use, there), given)
+            if low <= int(unpack_values(use.format, 1, given[use.position])[0]) <= high:
+                break
+    return ValueSet(held, given)
+
+
+def written(word: Use, old: bytes, given: Mapping[int, bytes]) -> bytes:
+    """A word in which bits are written: bit 0 is the last one of the last octet."""
+    digits = list(f"{int.from_bytes(old):0{8 * len(old)}b}")
+    for one in word.bits:
+        digits[-1 - (one.bit or 0)] = "1" if given.get(one.position, one.data) == b"\x01" else "0"
+    return int("".join(digits), 2).to_bytes(len(old))
+
+
+def masked(data: bytes, mask: bytes) -> bytes:
+    """Those bits that are in a mask."""
+    return bytes(octet & own for octet, own in zip(data, mask, strict=True))
+
+
+def alike(telegram: DriveTelegram, sent: bytes, wanted: bytes) -> bool:
+    """Whether a request is the wanted one; its reference and, beside bits that are written, other bits do not count."""
+    if not any(part.use.bits for part in telegram.parts):
+        return sent[1:] == wanted[1:]
+    mask = b"\0" + b"\xff" * (3 + 6 * len(telegram.parts))
+    for part in telegram.parts:
+        mask += b"\xff\xff" + (part.use.mask if part.use.bits else b"\xff" * part.size) + b"\xff" * (part.size % 2)
+    return len(sent) == len(wanted) == len(mask) and masked(sent, mask) == masked(wanted, mask)
 
 
 def _moment(kind: Contents, draw: random.Random) -> clocked.Moment:
@@ -82,7 +126,7 @@ def _value_set(
     uses = {use.parameter.pnu: use for use in job.uses}
     if kind == "factory":
         held = {pnu: list(parameters[pnu].defaults) for pnu in uses}
-        return ValueSet(held, {use.position: use.data for use in job.uses})
+        return ValueSet(held, {use.position: use.data for use in (*job.uses, *job.supplied)})
     if kind == "odd":
         held = {pnu: odd(use, len(parameters[pnu].values), turn) for pnu, use in uses.items()}
         given = {
@@ -90,13 +134,8 @@ def _value_set(
         }
         return ValueSet(held, {use.position: use.data for use in job.uses} | given)
     held = {pnu: sample(use, len(parameters[pnu].values), draw, kind) for pnu, use in uses.items()}
-    inputs = {use.position for use in job.supplied}
-    given = {
-        use.position: pack_values(use.format, sample(use, _elements(use), draw, kind))
-        if use.position in inputs
-        else use.data
-        for use in job.uses
-    }
+    given = {use.position: use.data for use in job.uses}
+    given |= {use.position: pack_values(use.format, sample(use, _elements(use), draw, kind)) for use in job.supplied}
     return ValueSet(held, given)
 
 
@@ -220,8 +259,6 @@ def odd(use: Use, count: int, turn: int, *, given: bool = False) -> list[Value]:
     if fmt.kind is FormatKind.FLOAT:
         tried: tuple[float, ...] = (-0.0, float(2**31), -1.0)
         low, high = _limits(use, -math.inf, math.inf) if given else (-math.inf, math.inf)
-        if math.isfinite(high):
-            tried += (float(_inside(fmt, high, high=True)),)  # neighbours differ also where only zero fits
     elif fmt.kind in _NUMERIC and range_ is not None:
         tried = (-1, 2 ** (8 * fmt.size - 1), 2**15)
         low, high = _limits(use, *range_) if given else range_

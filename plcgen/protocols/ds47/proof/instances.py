@@ -12,7 +12,7 @@ from plcgen.proof.rig import Members
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof import clocked, listed
-from plcgen.protocols.ds47.proof.contents import ValueSet, cut, held, piece, value_set, values_of
+from plcgen.protocols.ds47.proof.contents import ValueSet, alike, cut, held, masked, piece, value_set, values_of
 from plcgen.protocols.ds47.proof.pace import Pace
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, signals
@@ -137,20 +137,23 @@ class Trio:
                 if use.writes and (use in self.job.saving or overwritten(self.job, use)):
                     continue  # it has returned to 0, or has another value in a later step
                 there = held(one.drive, one.drive_object, use)
-                if use.remembers is not None:
+                if use.precedes:
                     if self._shared(one):
                         continue  # which of them was first is not known
                     there = cut(use, one.values.held[use.parameter.pnu])
                 if use.verifies is not None:
                     there = one.values.given[use.verifies.position]
                 here = one.values.given[use.position] if use.writes else one.db.bytes(use.member, len(there))
+                if use.verifies is not None and use.verifies.bits and self._shared(one):
+                    here, there = (masked(data, use.verifies.mask) for data in (here, there))
                 if here != there and not (use.writes and self._shared(one)):
                     raise ScenarioError(
                         f"{use.label} is {here.hex(' ')} at instance {one.key}, {there.hex(' ')} in its drive"
                     )
-            requests = {exchange.data[1:] for exchange in one.drive.journal if exchange.direction == "write"}
-            for request in one.values.requests(self.job, one.drive_object):
-                if request[1:] not in requests:
+            requests = {exchange.data for exchange in one.drive.journal if exchange.direction == "write"}
+            wanted = one.values.requests(self.job, one.drive_object)
+            for telegram, request in zip(self.job.telegrams, wanted, strict=True):
+                if not any(alike(telegram, sent, request) for sent in requests):
                     raise ScenarioError(
                         f"instance {one.key} does not send {request.hex(' ').upper()} (reference aside)"
                     )

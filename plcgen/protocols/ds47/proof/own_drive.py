@@ -11,7 +11,7 @@ from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.proof import listed
-from plcgen.protocols.ds47.proof.contents import held
+from plcgen.protocols.ds47.proof.contents import held, masked
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.words import DONE, DRAIN_MS, MEANINGS
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -61,10 +61,12 @@ def _run(rig: JobRig, drive: Drive) -> int:
         if rig.records.shown() != rig.records.wanted(there):
             raise ScenarioError("the record is not what your drive has")
     for use in job.uses:
-        if (use.writes and use in job.saving) or job.whole or use.remembers is not None:
+        if (use.writes and use in job.saving) or job.whole or use.precedes:
             continue  # it has returned to 0, or the drive has another value by now
         expected = held(drive, number, use)
         found = use.data if use.writes else rig.db.bytes(use.member, len(expected))
+        if use.bits:
+            expected, found = (masked(data, use.mask) for data in (expected, found))
         if found != expected:
             raise ScenarioError(f"{use.label} is {found.hex(' ')}, your drive has {expected.hex(' ')}")
     return scans

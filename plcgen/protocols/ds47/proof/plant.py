@@ -14,7 +14,7 @@ from plcgen.proof.rig import Members
 from plcgen.proof.scenario import IDLE, RUNNING, STARTED, ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
 from plcgen.protocols.ds47.proof import clocked, listed, recorded
-from plcgen.protocols.ds47.proof.contents import ValueSet, piece, value_set, values_of
+from plcgen.protocols.ds47.proof.contents import ValueSet, alike, piece, value_set, values_of
 from plcgen.protocols.ds47.proof.pace import SCAN, Pace
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, shared
@@ -300,7 +300,7 @@ class Plant:
         requests = self.values[job.key].requests(job, job.drive.drive_object)
         behind = 0
         for telegram, request in zip(job.telegrams, requests, strict=True):
-            places = [n for n, (sent, _) in enumerate(exchanges) if n >= behind and sent[1:] == request[1:]]
+            places = [n for n, (sent, _) in enumerate(exchanges) if n >= behind and alike(telegram, sent, request)]
             answers = [exchanges[n][1] for n in places]
             if places and job.verified and telegram.writes:
                 behind = places[0]  # what is read back is not what another job has read before
@@ -310,7 +310,7 @@ class Plant:
                 raise ScenarioError(f"{job.key} does not send {request.hex(' ').upper()} (reference aside)")
             if telegram.parts[0].use in job.saving:
                 answers = answers[-1:]  # asked again and again: the last one counts
-            elif job.verified and not telegram.parts[0].use.remembers:
+            elif job.verified and not telegram.parts[0].use.precedes:
                 answers = answers[:1]
             if not telegram.writes and not job.whole:
                 self.check_outputs(job, telegram, answers)

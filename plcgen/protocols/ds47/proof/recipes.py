@@ -9,7 +9,6 @@ from plcgen.protocols.ds47.plan.nouns import DriveJob, Use
 from plcgen.protocols.ds47.proof.recorded import members
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.words import WORDS
-from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 from plcgen.protocols.ds47.wire.formats import Format, FormatKind, integer_range, pack_values
 
 NOT_FINITE = {
@@ -21,14 +20,6 @@ NOT_FINITE = {
 
 def recipes(job: DriveJob, count: int) -> Iterator[DriveScenario]:
     """All of them; the recipe has so many records."""
-    yield DriveScenario(
-        name="the drive says more about its refusal, then the start is refused",
-        faults=(Fault(FaultKind.ERROR, number=0x11, position=1, words=2, info=7),),
-        status=(WORDS["PARAMETER_ERROR"],),
-        telegram=1,
-        errors={(1, 1): (0x8011, 7)},
-        follow=False,
-    )
     for number in (0, -1, count + 1, -32768, 32767):
         yield DriveScenario(
             name=f"record {number}",

@@ -173,7 +173,9 @@ class DriveJobWatch:
         word, info = _element(errors, use.position), _element(infos, use.position)
         number = word & 0xFF if word & 0xFF00 == 0x8000 else None
         value: Value | None = None
-        if (use.writes or use.compared) and use.constant:
+        if use.bits:
+            value = None  # what the word is besides its bits, the old one says
+        elif (use.writes or use.compared) and use.constant:
             values = [_octets(item) for item in unpack_values(use.format, use.count, use.data)]
             value = plain(values[0] if len(values) == 1 else values)
         elif use.again is None and (use.writes or use.compared or (finished and word in {0, ERROR_DEVIATES})):

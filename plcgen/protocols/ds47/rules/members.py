@@ -55,7 +55,8 @@ def interface_members(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG406: a value of a job has the name of another value or of a member the block needs itself."""
     for job in plan.shapes:
         first: dict[str, Use] = {}
-        for use in job.uses:
+        uses = (one for use in job.uses for one in (use.bits or (use,)))
+        for use in uses:
             span = member_span(plan, use)
             own = _OWN if job.deviations is None else _OWN | _LISTED
             own = own | {"cause"} if job.restores else own

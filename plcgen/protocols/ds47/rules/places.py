@@ -43,6 +43,9 @@ def given_start(plan: DrivePlan, job: DriveJob, use: Use) -> bool:
 def _item(plan: DrivePlan, job: DriveJob, use: Use) -> ReadItem | WriteItem | None:
     """What the spec says of a use; old values stand in front of those that are written."""
     items = plan.spec.items(plan.entry(job), kind_called(job.kind))
+    if any(one.bits for one in job.uses):
+        at = use.path[-1]
+        return items[at] if (use.writes or use.bit is not None) and isinstance(at, int) else None
     front = next(n for n, one in enumerate(job.uses) if one.writes) if job.restores else 0
     at = use.position - 1 - front
     return items[at] if 0 <= at < len(items) else None

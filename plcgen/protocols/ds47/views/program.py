@@ -19,6 +19,7 @@ from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
 from plcgen.protocols.ds47.plan.pack import BLOCK_HEADER
 from plcgen.protocols.ds47.plan.types import element_type
+from plcgen.protocols.ds47.views.bits import bit_inputs, merges
 from plcgen.protocols.ds47.views.clock import clock_view, time_inputs
 from plcgen.protocols.ds47.views.deviations import deviation_values, deviations_view, right_answer
 from plcgen.protocols.ds47.views.engine import names, versions
@@ -118,7 +119,7 @@ def title(plan: DrivePlan, job: DriveJob) -> str:
     if job.in_steps:
         text = f"Sequence of {job.uses[-1].step} steps"
         return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
-    uses = [use for use in job.uses if use.poll is None and use.verifies is None]
+    uses = [use for use in job.uses if use.poll is None and use.verifies is None and use.modifies is None]
     then = ""
     if job.restores:
         uses, then = [use for use in uses if use.writes], ", or restore"
@@ -152,7 +153,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "use_count": len(job.uses),
         "in_a_row": len(job.uses) > _UNROLLED,
         "recipe": None if job.recipe is None else recipe_view(plan, job, job.recipe),
-        "supplied": bool(job.supplied or job.timed),
+        "supplied": any(use.bit is None for use in job.supplied) or bool(job.timed),
         "inputs": [
             *(value.member for value in recipe_inputs(plan, job)),
             *(interface_row(plan, use, start=True) for use in job.inputs),
@@ -170,6 +171,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
             if not job.pinned
             for copy in _copies(plan, job, telegram, aligned=aligned, response=False)
         ],
+        "bit_inputs": list(bit_inputs(job)),
         "own_writes": _own_writes(plan, job) if job.pinned else [],
     }
 
@@ -328,6 +330,7 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "once": telegram.once,
         "awaited": telegram.awaited,
         "closes": closes,
+        "merges": list(merges(job, telegram)),
         "keeps": not telegram.writes and not closes and job.deviations is None,
         "wanted": _bytes(right_answer(telegram), v5=plan.target.v5) if job.deviations is not None else "",
         "asks_for_inputs": any(part.use.compared and not part.use.constant for part in telegram.parts),

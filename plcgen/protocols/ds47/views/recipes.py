@@ -110,7 +110,7 @@ def recipe_view(plan: DrivePlan, job: DriveJob, recipe: PlannedRecipe) -> dict[s
         "type": recipe.type.name,
         "db": recipe.db.name,
         "count": recipe.count,
-        "checks": list(_indexed(checks[::-1])),
+        "checks": checks[::-1],
         "stores": job.stores,
         "writes": job.writes,
         "statuses": [
@@ -119,14 +119,6 @@ def recipe_view(plan: DrivePlan, job: DriveJob, recipe: PlannedRecipe) -> dict[s
             if checks or name != "STATUS_OUTSIDE"
         ],
     }
-
-
-def _indexed(checks: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Says of each whether it states the index: without, it is 0 as long as nothing before has another one."""
-    other = False
-    for check in checks:
-        other |= check["loop"] or check["index"] > 0
-        yield {**check, "indexed": other}
 
 
 def _suffix(job: DriveJob, number: int) -> str:
