@@ -91,3 +91,15 @@ def test_two_versions_of_a_profile() -> None:
         ("P2", "parameter", "", "Two"),
     ]
     assert "0 facts differ" in plcgen("catalogue", "diff", "sinamics-g120", "sinamics-g120")[1]
+
+
+@pytest.mark.parametrize(("value", "verdict"), [("8", "equal"), ("24", "equal"), ("9", "deviates"), ("16", "deviates")])
+@pytest.mark.usefixtures("folder")
+def test_bits_that_are_written(value: str, verdict: str) -> None:
+    """Bit 3 is 8, bit 0 is 1, bit 4 is 16: wanted are bit 3 and not bit 0; bit 4 is nobody's, bit 5 an input."""
+    write = "{P1030.3: 1, P1030.0: 0, P1030.5: null}"
+    Path("job.yaml").write_text(f"{SPEC.partition('jobs:')[0]}jobs: {{j: {{drive: fan, write: {write}}}}}\n", "utf-8")
+    Path("list.csv").write_text(f"{LIST.partition('p1120')[0]}p1030;MOP;{value};;;\n", "utf-8")
+    code, out, _ = plcgen("catalogue", "drift", "list.csv", "job.yaml", "--json")
+    assert [row["verdict"] for row in json.loads(out)["rows"]] == [verdict]
+    assert code == (verdict != "equal")

@@ -7,6 +7,8 @@ from pathlib import Path
 from ds47.proof.playing import job_of, sent, status_of
 
 from plcgen import api
+from plcgen.protocols.ds47.live.comparison import compare_drives
+from plcgen.protocols.ds47.live.connection import Reader
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.sheet import review_sheet
@@ -135,3 +137,33 @@ def test_dangerous_numbers_need_a_sign_off(tmp_path: Path) -> None:
         own = f", parameters: {{{word.partition('.')[0]}: {{type: Unsigned16}}}}" if word[0] == "P" else ""
         spec.write_text(f"{HEAD}{own}}}}}\njobs: {{j: {{drive: axis, write: {{{word}: 1}}}}}}\n", "utf-8")
         assert code in [one.code for one in api.check(spec).diagnostics], word
+
+
+def test_the_files_say_the_start_values_of_inputs(generate) -> None:
+    """Inputs of one bit that share a byte of the control DB are told apart: 0 and 1."""
+    made = generate(SPEC, "t15")
+    result = api.verify(made.folder.parent / "job.yaml", made.folder, faults="none")
+    assert [check.verdict for check in result.checks() if check.outcome.value == "error"] == []
+
+
+class Answers(Reader):
+    """A drive with one value for every parameter."""
+
+    def __init__(self, data: bytes) -> None:
+        self.data = data
+
+    def read(self, db: int, start: int, size: int) -> bytes:
+        """The value."""
+        del db, start
+        return self.data[:size]
+
+
+def test_live_compares_bits_alone(generate) -> None:
+    """8A5Fh has bit 3: of the job that sets it nothing deviates, 8A57h does not have it."""
+    made = generate(SPEC, "t15")
+    for data, verdict in (("8a5f0000", "equal"), ("8a570000", "deviates")):
+        rows = list(compare_drives(made.plan, {"axis": Answers(bytes.fromhex(data))}))
+        one = [row for row in rows if row.place == "one"]
+        assert [(row.subject, row.wanted, row.verdict) for row in one] == [("axis P2900.3", "1", verdict)]
+        inputs = [row.verdict for row in rows if row.subject == "axis P2901[2].31"]
+        assert inputs == ["input"]
