@@ -24,7 +24,7 @@ class ReadItem(StrictModel):
 class WriteItem(StrictModel):
     """One parameter to write or to compare; without a value it becomes an input of the block."""
 
-    parameter: str = Field(description="P50304, p2155[1..2] or a catalogue name")
+    parameter: str = Field(description="P50304, p2155[1..2], a bit (P1030.3) or a catalogue name")
     value: Value | tuple[Value, ...] | None = Field(None, description="constant; absent: block input")
     as_: str | None = Field(None, alias="as", description="name of the block's input")
     type: str | None = Field(None, description="DS47 data type if the catalogue has none")
