@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from ds47.proof.playing import job_of, sent, status_of
 
 from plcgen import api
@@ -167,3 +168,20 @@ def test_live_compares_bits_alone(generate) -> None:
         assert [(row.subject, row.wanted, row.verdict) for row in one] == [("axis P2900.3", "1", verdict)]
         inputs = [row.verdict for row in rows if row.subject == "axis P2901[2].31"]
         assert inputs == ["input"]
+
+
+SMALL = """
+drives:
+  axis: {device: sinamics-s210, ID: 270, parameters: {P2901: {type: Unsigned32, array: 4}}}
+jobs:
+  bits: {drive: axis, write: {"P2901[2].31": {as: enable, start: 1}, "P2901[2].3": 1, "P2901[2].0": null}}
+"""
+
+
+@pytest.mark.slow
+def test_every_scenario(generate, target: str) -> None:
+    """Whatever a drive had, and whatever goes wrong: no other bit is changed; every statement was executed."""
+    made = generate(SMALL, target)
+    result = api.verify(made.folder.parent / "job.yaml", made.folder, faults="full")
+    assert result.ok
+    assert [check.verdict for check in result.checks() if check.outcome.value in {"error", "warning"}] == []
