@@ -48,6 +48,26 @@ def test_second_run_changes_nothing(tmp_path: Path) -> None:
     assert {p: p.stat().st_mtime_ns for p in (tmp_path / "out").rglob("*")} == before
 
 
+def test_another_project_is_not_written_over(tmp_path: Path) -> None:
+    """The folder of one plant given for another: nothing is lost before somebody says --force."""
+    text = "plc: {{name: {}, family: s7-1500, toolchain: tia-v19}}\n"
+    text += "drives: {{fan: {{device: sinamics-g120, hardware_id: 270}}}}\n"
+    for name in ("North", "South"):
+        (tmp_path / f"{name}.yaml").write_text(
+            text.format(name) + f"jobs: {{{name.lower()}: {{drive: fan, read: [P1120]}}}}\n", "utf-8"
+        )
+    out = tmp_path / "out"
+    assert api.generate(tmp_path / "North.yaml", out).ok
+    before = tree(out)
+    found = api.generate(tmp_path / "South.yaml", out)
+    assert [(d.code, d.message) for d in found.diagnostics if d.code.startswith("PG5")] == [
+        ("PG501", 'the folder has the files of another project, "North"')
+    ]
+    assert tree(out) == before
+    assert api.generate(tmp_path / "South.yaml", out, force=True).ok
+    assert not (out / "scl" / "North.scl").exists()
+
+
 def test_files_no_longer_generated_are_removed_unless_changed(tmp_path: Path) -> None:
     """A dropped job takes its own files with it, but not one that somebody edited."""
     write_folder(files(a="1", sub__b="2", c="3"), tmp_path)

@@ -54,7 +54,7 @@ G120, G120C, S120 = "sinamics-g120", "sinamics-g120c", "sinamics-s120"
         (S120, "clock: local", "PG107", "utc"),
         (S120, "clock: utc, activate: true", "PG218", "activate or clock"),
         (S120, "activate: maybe", "PG107", "no state of a drive object"),
-        (S120, "activate: 2", "PG106", "mapping"),
+        (S120, "activate: 2", "PG107", "write true, false, not_present or input"),
         (S120, "activate: {limit: 2s}", "PG105", "state"),
         (S120, "activate: {state: true, limit: 1s, interval: 2s}", "PG107", "the first question comes after the limit"),
         (S120, "activate: true, buffers: db", "PG223", "2 telegrams"),
