@@ -252,7 +252,7 @@ MISTAKES = [
     ("PG107", 24, 12, '"bussy" is not a value of "kind"'),
     ("PG105", 25, 5, 'a fault of the kind status lacks the key "status"'),
     ("PG107", 26, 24, "bytes are hexadecimal text"),
-    ("PG106", 27, 25, 'expected a whole number instead of "never"'),
+    ("PG107", 27, 25, '"never" is not a value of "times"'),  # a whole number or forever
     ("PG107", 27, 39, '"after": must be greater than or equal to 0, not "-1"'),
 ]
 """Written by hand, next to the text: code, line, column, how the message begins."""
