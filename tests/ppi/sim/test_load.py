@@ -186,7 +186,7 @@ MISTAKES = [
     ("PG107", 24, 32, '"station": must be less than or equal to 126, not "127"'),
     ("PG107", 25, 12, '"slow" is not a value of "kind"'),
     ("PG105", 26, 5, 'faults.2 lacks the key "kind"'),
-    ("PG106", 26, 13, 'expected a whole number instead of "twice"'),
+    ("PG107", 26, 13, '"twice" is not a value of "times"'),  # a whole number or forever
     ("PG107", 27, 24, "the return code of an item is 1 to 254, not 255"),
     ("PG107", 27, 35, '"item": must be less than or equal to 19, not "20"'),
     ("PG106", 28, 27, "expected hexadecimal text in quotes instead of a list"),

@@ -99,10 +99,11 @@ class BitResolver:
     def _complete(self, word: Use) -> Use:
         """A word with all its bits: where it starts from; PG259 if they lead beyond what it may be."""
         limit = word.parameter.maximum
-        highest = sum(1 << (one.bit or 0) for one in word.bits if not one.constant or any(one.data))
+        set_ = [one for one in word.bits if not one.constant or any(one.data)]
+        highest = sum(1 << (one.bit or 0) for one in set_)
         _, most = integer_range(word.format) or (0, 0)
         if limit is not None and limit < highest <= most:
-            place, message = (*word.path, "parameter"), f"{word.label} may be {highest}, and P{word.parameter.pnu}"
+            place, message = (*set_[-1].path, "parameter"), f"{word.label} may be {highest}, and P{word.parameter.pnu}"
             self._problem(f"{message} is {limit:g} at most", place, "the drive would answer error 02h")
             self.complete = False
         low = word.parameter.minimum
