@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import gc
 import importlib
-import marshal
+import json
 import os
 import pkgutil
 import select
@@ -25,15 +25,15 @@ import plcgen
 ROOT = Path(__file__).parents[2]
 TOOL = """\
 #!{python} -IS
-import marshal, os, socket, sys
+import json, os, socket, sys
 
-asked = marshal.dumps((sys.argv[1:], os.getcwd(), dict(os.environ)))
+asked = json.dumps((sys.argv[1:], os.getcwd(), dict(os.environ))).encode()
 os.chdir({tools!r})  # the path of a socket must be short
 with socket.socket(socket.AF_UNIX) as call:
     call.connect("calls")
     socket.send_fds(call, [asked], [0, 1, 2])
     call.shutdown(socket.SHUT_WR)
-    code = marshal.loads(call.recv(99))
+    code = json.loads(call.recv(99))
 if code < 0:
     os.kill(os.getpid(), -code)
 sys.exit(code)
@@ -90,7 +90,7 @@ def answer(call: socket.socket) -> None:
     text, streams, *_ = socket.recv_fds(call, 1 << 20, len(STREAMS))
     while more := call.recv(1 << 20):
         text += more
-    arguments, folder, environment = marshal.loads(text)  # noqa: S302 - from our own tool
+    arguments, folder, environment = json.loads(text)
     own, theirs = (
         {name: value for name, value in variables.items() if name.startswith(READ_AT_THE_START)}
         for variables in (os.environ, environment)
@@ -100,7 +100,7 @@ def answer(call: socket.socket) -> None:
     if child == 0:
         call.close()
         run(arguments, folder, environment, streams)
-    call.sendall(marshal.dumps(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])))
+    call.sendall(json.dumps(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])).encode())
     os._exit(0)
 
 

@@ -78,9 +78,9 @@ def _wait(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> dict[str, 
 
 def _told(job: DriveJob) -> str:
     """The last byte of the value that the first telegram writes."""
-    field = next(one for one in job.telegrams[0].request.fields if one.role == "value" and one.part is not None)
-    assert field.part is not None  # noqa: S101 - chosen so
-    return f"statRequest1[{field.offset + field.part.size - 1}]"
+    fields = job.telegrams[0].request.fields
+    last = next(one.offset + one.part.size - 1 for one in fields if one.role == "value" and one.part is not None)
+    return f"statRequest1[{last}]"
 
 
 def _comparison(plan: DrivePlan, field: DriveField, member: str) -> dict[str, Any]:
