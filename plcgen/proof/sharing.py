@@ -11,8 +11,9 @@ import hashlib
 import pickle
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
+from concurrent.futures import BrokenExecutor, Executor, Future
 from dataclasses import dataclass, field
+from queue import SimpleQueue
 from typing import Protocol
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, PlcgenError, Severity, Span
@@ -135,17 +136,22 @@ class Sharing:
         """Wait for all parts; one whose worker is lost is begun again."""
         waiting = {submit(executor, index): index for index in indexes}
         total, attempts = len(waiting), dict.fromkeys(waiting.values(), 1)
+        ended: SimpleQueue[Future[Result]] = SimpleQueue()  # a generator (as_completed) that is left can swallow Ctrl-C
         found: dict[int, Result] = {}
         try:
+            for future in waiting:
+                future.add_done_callback(ended.put)
             while waiting:
-                future = next(as_completed(waiting))
+                future = ended.get()
                 index = waiting.pop(future)
                 try:
                     found[index] = future.result()
                 except BrokenExecutor as problem:
                     self._lost(str(problem), again=attempts[index] < ATTEMPTS)
                     attempts[index] += 1
-                    waiting[self._again(submit, executor, index)] = index
+                    repeated = self._again(submit, executor, index)
+                    waiting[repeated] = index
+                    repeated.add_done_callback(ended.put)
                     continue
                 self._tell(len(found), total)
         except BaseException:

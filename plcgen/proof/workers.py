@@ -239,8 +239,11 @@ def _serve(task: object, pieces: IO[bytes], answers: IO[bytes]) -> NoReturn:
             answer = pickle.dumps(("diagnostics", problem.diagnostics))
         except Exception:  # noqa: BLE001 - the parent raises it
             answer = pickle.dumps(("bug", traceback.format_exc()))
-        answers.write(answer)
-        answers.flush()
+        try:
+            answers.write(answer)
+            answers.flush()
+        except OSError:  # the parent has ended
+            os._exit(0)
 
 
 def _listen(pieces: IO[bytes], waiting: SimpleQueue[bytes]) -> None:

@@ -9,10 +9,12 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial
+from itertools import count
 from pathlib import Path
+from threading import Condition
 from typing import Any
 
 import pytest
@@ -190,3 +192,51 @@ def test_no_process_is_left(code: str, ending: signal.Signals) -> None:
             raise
     assert process.returncode == -ending
     assert errors.count("Traceback") == (ending == signal.SIGINT)
+
+
+@posix
+def test_a_worker_whose_parent_is_gone_ends_silently() -> None:
+    """Its answer finds nobody: the process ends, and no traceback gets into the terminal."""
+    code = (
+        "import os, pickle; from plcgen.proof import workers; (told, piece), (heard, answer) = os.pipe(), os.pipe(); "
+    )
+    code += "os.write(piece, pickle.dumps(pickle.dumps((len, ('abc',), {})))); os.close(heard); "
+    code += "workers._serve(None, os.fdopen(told, 'rb'), os.fdopen(answer, 'wb'))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+class Interrupted(Condition):
+    """A lock whose owner is interrupted the ``left``-th time that it takes it."""
+
+    left = 0
+
+    def __enter__(self) -> bool:
+        Interrupted.left -= 1
+        if Interrupted.left == 0:
+            raise KeyboardInterrupt
+        return super().__enter__()
+
+
+class Immediate(Executor):
+    """Does everything at once; Ctrl-C comes when a lock of its futures is taken."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """A future that is done."""
+        future: Future[Any] = Future()
+        future._condition = Interrupted()
+        future.set_result(fn(*args, **kwargs))
+        return future
+
+
+def test_ctrl_c_is_never_lost() -> None:
+    """At whatever lock it comes: the caller hears of it."""
+    for moment in count(1):
+        Interrupted.left = moment
+        try:
+            task: Any = operator.index
+            assert list(Sharing(executor=Immediate()).results("test", task, 3)) == [0, 1, 2]
+        except KeyboardInterrupt:
+            continue
+        assert Interrupted.left > 0, f"swallowed at {moment}"
+        break
