@@ -273,7 +273,9 @@ def test_what_no_run_can_show_is_a_list(works: dict[str, EngineWork]) -> None:
     files = {file for file, _ in engine.sources}
     probes = engine.program.probes
     reasons = dict(argued(engine, [probe for probe in probes if probe.file in files]))
-    assert sorted(reasons.values()) == sorted(ARGUED.values())  # one place each
+    assert sorted(reasons.values()) == sorted(one.why for one in ARGUED)  # one place each
+    for other_target in (works["t3"].engine, works["v5"].engine):
+        assert len(dict(argued(other_target, other_target.program.probes))) == len(ARGUED)
 
     def troubles(hidden: Collection[Probe]) -> list[str]:
         counts = [int(probe not in hidden) for probe in probes]
@@ -288,8 +290,19 @@ def test_what_no_run_can_show_is_a_list(works: dict[str, EngineWork]) -> None:
     page = (Path(__file__).parents[2] / "docs/testing.md").read_text("utf-8")
     rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| `")]
     told = {(side, why.removesuffix(" |")) for _, side, why in (row for row in rows if len(row) == 3)}
-    assert told >= {(side.removeprefix("decides "), why) for (side, _), why in ARGUED.items()}
-    assert [operand for _, operand in ARGUED if f"| `{operand}" not in page] == []
+    assert told >= {(one.kind.removeprefix("decides "), one.why) for one in ARGUED}
+    assert [
+        one for one in ARGUED if f"| `{one.condition}`" not in page and f"| `{one.condition}` at REQ" not in page
+    ] == []
+
+
+def test_a_condition_that_reads_alike_is_not_argued(works: dict[str, EngineWork]) -> None:
+    """What is argued is one whole condition of the channel, not the words that it begins with."""
+    engine = works["t15"].engine
+    more = changed(
+        engine, "ELSIF #tempError AND #tempTemporary THEN", "ELSIF #tempError AND #tempTemporary AND #tempBusy THEN"
+    )
+    assert len(list(argued(engine, engine.program.probes))) == len(list(argued(more, more.program.probes))) + 1
 
 
 def test_some_of_every_group(works: dict[str, EngineWork]) -> None:

@@ -10,9 +10,12 @@ import pytest
 from projects import ROOT
 
 PACKAGE = ROOT / "plcgen"
-ENGINE = sorted((PACKAGE / "proof").glob("*.py"))
-PROTOCOLS = sorted(PACKAGE.glob("protocols/*/proof/*.py"))
+ENGINE = sorted((PACKAGE / "proof").rglob("*.py"))
+PROTOCOLS = sorted(PACKAGE.glob("protocols/*/proof/**/*.py"))
 GENERATOR = re.compile(r"plcgen\.(documents|templates)\b|plcgen\.protocols\.\w+\.(views|words|documents)\b")
+PLANNING = re.compile(r"plcgen\.protocols\.\w+\.(plan|kinds)\b")
+NOUN = re.compile(r"[A-Z]\w*[a-z]\w*")
+
 
 
 def imported(path: Path) -> set[str]:
@@ -30,6 +33,14 @@ def imported(path: Path) -> set[str]:
 def test_nothing_comes_from_the_generator(path: Path) -> None:
     """Status words, states, times and names of files are stated a second time."""
     assert {module for module in imported(path) if GENERATOR.match(module)} == set()
+
+
+@pytest.mark.parametrize("path", PROTOCOLS, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_of_the_plan_only_nouns_are_taken(path: Path) -> None:
+    """A project is what the proof is about; functions and figures of what plans and packs it are the generator's."""
+    tree = ast.walk(ast.parse(path.read_text("utf-8")))
+    froms = [node for node in tree if isinstance(node, ast.ImportFrom) and PLANNING.match(node.module or "")]
+    assert [name.name for node in froms for name in node.names if not NOUN.fullmatch(name.name)] == []
 
 
 @pytest.mark.parametrize("path", ENGINE, ids=lambda path: path.name)

@@ -3,26 +3,68 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from plcgen.cpu.linkage import Probe
 from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
-from plcgen.scl.logic import DECIDES
+from plcgen.scl import ast
+from plcgen.scl.logic import DECIDES, decisions, leaves
+from plcgen.scl.parser import parse_value
 
-ARGUED: dict[tuple[str, str], str] = {
-    (DECIDES[True], "tempAsk.want <= 0 OR"): "a number of 0 or less is another one than that of the job, too",
-    (DECIDES[False], "statState = STATE_WRITE AND NOT"): "WRREC is called only in this state or while it is active",
-    (DECIDES[False], "statState = STATE_READ AND NOT"): "RDREC is called only in this state or while it is active",
-    (DECIDES[False], "tempError AND tempCode = 181"): "only an end has a code, and a good one was asked before",
-    (DECIDES[False], "tempError AND tempTemporary"): "only a code says that it passes: only an error has one here",
-}
-"""By the side that no run shows, and how the line goes on from the operand."""
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """The first operand of one whole condition of the channel: the kind of probe that no run can show."""
+
+    condition: str
+    kind: str
+    why: str
+
+    @property
+    def shape(self) -> list[tuple[type, str]]:
+        """The condition without its spelling. Raises ValueError if it is none."""
+        node = parse_value(self.condition)
+        if node is None:
+            raise ValueError(self.condition)
+        return _shape(node)
+
+
+ARGUED = (
+    Argument("tempAsk.want <= 0 OR tempAsk.want <> statTicket OR statStill >= LEASE OR tempGrant = 0", DECIDES[True],
+             "a number of 0 or less is another one than that of the job, too"),
+    Argument("statState = STATE_WRITE AND NOT statWriteActive", DECIDES[False],
+             "WRREC is called only in this state or while it is active"),
+    Argument("statState = STATE_READ AND NOT statReadActive", DECIDES[False],
+             "RDREC is called only in this state or while it is active"),
+    Argument("tempError AND tempCode = 181 AND (statForeign OR statSilent >= statOrder.timeout / 3)", DECIDES[False],
+             "only an end has a code, and a good one was asked before"),
+    Argument("tempError AND tempTemporary", DECIDES[False],
+             "only a code says that it passes: only an error has one here"),
+)  # fmt: skip
 
 
 def argued(engine: DriveEngine, probes: Sequence[Probe]) -> Iterator[tuple[Probe, str]]:
-    """Those probes that there is a reason for, with it."""
-    lines = {file: text.splitlines() for file, text in engine.sources}
+    """Those probes that there is a reason for, with it: by the place of the operand in the parsed condition."""
+    entry = engine.program.link.find(engine.names["channel"])
+    if entry is None:
+        return
+    position = entry.result.tokens.position
+    reasons: dict[tuple[int, int, str], str] = {}
+    for node in decisions(entry.tree):
+        shape = _shape(node)
+        for one in ARGUED:
+            if one.shape == shape:
+                reasons[*position(leaves(node)[0].start), one.kind] = one.why
     for probe in probes:
-        behind = lines[probe.file][probe.line - 1][probe.column - 1 :].replace("#", "")
-        for (side, operand), why in ARGUED.items():
-            if probe.kind == side and behind.startswith(operand):
-                yield probe, why
+        why = reasons.get((probe.line, probe.column, probe.kind))
+        if why is not None and probe.file == entry.result.tokens.file:
+            yield probe, why
+
+
+def _shape(node: ast.Node) -> list[tuple[type, str]]:
+    """Nodes from left to right with what is written in them: the same in every dialect."""
+    written = (
+        getattr(each, "operator", "") or getattr(each, "name", "") or getattr(each, "text", "")
+        for each in ast.walk(node)
+    )
+    return [(type(each), "/" if text == "DIV" else text) for each, text in zip(ast.walk(node), written, strict=True)]

@@ -221,7 +221,7 @@ def coverage_checks(engine: DriveEngine, counts: list[int], seen: frozenset[Step
         found = covered(engine, name, counts, steps)
         told.update(why for _, why in found.explained)
         yield coverage_check(block, found)
-    for why in ARGUED.values():
+    for why in (one.why for one in ARGUED):
         if why not in told:
             message = f"an operand has decided although {why}: it is not to be argued"
             yield failed("engine.argued", "engine operands", "", Diagnostic("PG622", message, Span("")))
