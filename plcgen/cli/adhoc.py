@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from plcgen.cli.arguments import Argument
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.protocols.ds47.plan.references import Reference, parse_reference, parse_type
+from plcgen.protocols.ds47.references import Reference, parse_reference, parse_type
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.bico import Layout, parse_bico
 from plcgen.protocols.ds47.wire.formats import Format, FormatKind, FormatValueError, Value

@@ -193,7 +193,7 @@ def test_field_names_follow_the_models() -> None:
 @pytest.mark.parametrize("key", catalog.device_names())
 def test_device_profiles_are_complete(key: str) -> None:
     """Every profile names its source, a record index that exists, and parameters with known types and sources."""
-    from plcgen.protocols.ds47.plan.references import parse_type
+    from plcgen.protocols.ds47.references import parse_type
     from plcgen.protocols.ds47.wire.formats import by_name
 
     device = catalog.find_device(key)

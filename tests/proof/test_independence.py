@@ -17,7 +17,6 @@ PLANNING = re.compile(r"plcgen\.protocols\.\w+\.(plan|kinds)\b")
 NOUN = re.compile(r"[A-Z]\w*[a-z]\w*")
 
 
-
 def imported(path: Path) -> set[str]:
     """Modules that a file imports, inside functions too."""
     found = set()

@@ -50,7 +50,7 @@ def _find(device: Device, words: tuple[str, ...]) -> tuple[list[Parameter], tupl
     """Parameters by number or name; a number that is not there is not guessed at."""
     from plcgen.cli.arguments import arguments
     from plcgen.diagnostics.suggest import did_you_mean
-    from plcgen.protocols.ds47.plan.references import parse_reference
+    from plcgen.protocols.ds47.references import parse_reference
 
     chosen: list[Parameter] = []
     missing: list[Diagnostic] = []

@@ -67,7 +67,7 @@ def _wanted(word: Argument, device: Device | None) -> tuple[Parameter, Sequence[
 
     from plcgen.protocols.ds47.device import Parameter
     from plcgen.protocols.ds47.live.parameters import OBJECT_STEP
-    from plcgen.protocols.ds47.plan.references import parse_reference, spelling_hint
+    from plcgen.protocols.ds47.references import parse_reference, spelling_hint
     from plcgen.protocols.ds47.types import TypeTextError, read_type
 
     text, _, type_ = word.text.partition(":")

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, Field
 from plcgen.input.validation import StrictModel, problem
 from plcgen.project.schema import Value
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.plan.references import parse_reference
+from plcgen.protocols.ds47.references import parse_reference
 
 if TYPE_CHECKING:
     from plcgen.protocols.ds47.wire.bico import Layout
@@ -89,6 +89,24 @@ class Parameter:
     def read(self, fact: Fact) -> bool:
         """Whether a fact was read in its source."""
         return self.grades.get(fact) == "read"
+
+
+def facts(parameter: Parameter) -> dict[Fact, tuple[Any, Grade]]:
+    """Every fact that is stated, with its grade; also those that decide nothing."""
+    values: dict[Fact, Any] = {
+        "title": parameter.title,
+        "type": parameter.type,
+        "unit": parameter.unit,
+        "access": parameter.access,
+        "array": parameter.array or parameter.indexes.removeprefix(UNKNOWN),
+        "min": parameter.minimum,
+        "max": parameter.maximum,
+        "default": parameter.default,
+        "bico": parameter.bico or None,
+    }
+    values |= parameter.doubted
+    stated = {fact: value for fact, value in values.items() if value not in {None, ""}}
+    return {fact: (value, parameter.grades.get(fact, "read")) for fact, value in stated.items()}
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,8 +17,7 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.files import below
 from plcgen.input.text import read_text
 from plcgen.plugins import plugins
-from plcgen.protocols.ds47.catalogue.pages import facts
-from plcgen.protocols.ds47.device import UNKNOWN, Device, Parameter, parameter_from
+from plcgen.protocols.ds47.device import UNKNOWN, Device, Parameter, facts, parameter_from
 from plcgen.resources import specs_dir
 
 GROUP = "plcgen.devices"

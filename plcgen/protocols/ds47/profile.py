@@ -33,7 +33,7 @@ from plcgen.protocols.ds47.device import (
     ParameterNumber,
     parameter_from,
 )
-from plcgen.protocols.ds47.plan.references import number_of, parse_reference
+from plcgen.protocols.ds47.references import number_of, parse_reference
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.bico import Layout, parse_bico

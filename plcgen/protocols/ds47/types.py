@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from plcgen.diagnostics import PlcgenError
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.protocols.ds47.plan.references import parse_type
+from plcgen.protocols.ds47.references import parse_type
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.formats import Format
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.catalogue.lists import ListedParameter
-from plcgen.protocols.ds47.catalogue.pages import facts, label
-from plcgen.protocols.ds47.device import Device
+from plcgen.protocols.ds47.catalogue.pages import label
+from plcgen.protocols.ds47.device import Device, facts
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.wire.formats import FormatKind, unpack_values
 

@@ -11,8 +11,8 @@ from typing import Any
 from plcgen.input.yaml import Scalar
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.catalogue.lists import ListedParameter, one_line
-from plcgen.protocols.ds47.catalogue.pages import facts, label
-from plcgen.protocols.ds47.device import UNKNOWN, Device, Fact, Grade, Parameter
+from plcgen.protocols.ds47.catalogue.pages import label
+from plcgen.protocols.ds47.device import UNKNOWN, Device, Fact, Grade, Parameter, facts
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.formats import Format, FormatKind, FormatValueError

@@ -8,27 +8,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, get_args
 
 from plcgen.display.page import Page
-from plcgen.protocols.ds47.device import UNKNOWN, Device, Fact, Grade, Parameter
+from plcgen.protocols.ds47.device import Device, Fact, Grade, Parameter, facts
 
 GRADES: tuple[Grade, ...] = get_args(Grade)
-
-
-def facts(parameter: Parameter) -> dict[Fact, tuple[Any, Grade]]:
-    """Every fact that is stated, with its grade; also those that decide nothing."""
-    values: dict[Fact, Any] = {
-        "title": parameter.title,
-        "type": parameter.type,
-        "unit": parameter.unit,
-        "access": parameter.access,
-        "array": parameter.array or parameter.indexes.removeprefix(UNKNOWN),
-        "min": parameter.minimum,
-        "max": parameter.maximum,
-        "default": parameter.default,
-        "bico": parameter.bico or None,
-    }
-    values |= parameter.doubted
-    stated = {fact: value for fact, value in values.items() if value not in {None, ""}}
-    return {fact: (value, parameter.grades.get(fact, "read")) for fact, value in stated.items()}
 
 
 def counts(device: Device) -> Counter[Grade]:

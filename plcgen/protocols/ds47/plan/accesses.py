@@ -18,9 +18,9 @@ from plcgen.protocols.ds47.plan.bits import BitResolver, has_bits, in_front
 from plcgen.protocols.ds47.plan.nouns import Use
 from plcgen.protocols.ds47.plan.readback import read_back, transaction
 from plcgen.protocols.ds47.plan.recipes import Recipes
-from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.plan.steps import resolved_steps
 from plcgen.protocols.ds47.plan.uses import UseResolver
+from plcgen.protocols.ds47.references import number_of
 from plcgen.protocols.ds47.schema import DriveSections, ErrorSettings, JobEntry
 
 Items = tuple[ReadItem | WriteItem, ...]

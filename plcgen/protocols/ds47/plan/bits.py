@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from plcgen.project.spec import SpecPath
 from plcgen.protocols.ds47.kinds.kind import ReadItem, WriteItem
 from plcgen.protocols.ds47.plan.nouns import Use
-from plcgen.protocols.ds47.plan.references import split_bit
 from plcgen.protocols.ds47.plan.uses import UseResolver
+from plcgen.protocols.ds47.references import split_bit
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.formats import FormatKind, integer_range
 from plcgen.s7.names import shorten

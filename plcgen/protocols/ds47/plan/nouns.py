@@ -17,7 +17,7 @@ from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.protocols.ds47.kinds.activate import ACTIVATES
 from plcgen.protocols.ds47.kinds.kind import Awaited, Messages, Poll
 from plcgen.protocols.ds47.kinds.messages import PLACES
-from plcgen.protocols.ds47.plan.references import number_of
+from plcgen.protocols.ds47.references import number_of
 from plcgen.protocols.ds47.schema import DriveSections, DriveSettings, JobEntry
 from plcgen.protocols.ds47.wire.formats import Format
 from plcgen.protocols.ds47.words import VARIANTS, Variant

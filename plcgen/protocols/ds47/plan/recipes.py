@@ -12,10 +12,10 @@ from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.protocols.ds47.kinds.kind import ReadItem, WriteItem
 from plcgen.protocols.ds47.kinds.registry import kind_called
 from plcgen.protocols.ds47.plan.nouns import PlannedRecipe, Use
-from plcgen.protocols.ds47.plan.references import parse_reference
 from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.recipes import RecipeEntry
+from plcgen.protocols.ds47.references import parse_reference
 from plcgen.protocols.ds47.schema import DriveSections
 from plcgen.s7.names import pascal_case
 

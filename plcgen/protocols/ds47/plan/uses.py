@@ -15,7 +15,7 @@ from plcgen.protocols.ds47.device import Device, Parameter
 from plcgen.protocols.ds47.kinds.kind import ReadItem, WriteItem
 from plcgen.protocols.ds47.plan.nouns import Use
 from plcgen.protocols.ds47.plan.pack import MAX_TELEGRAMS
-from plcgen.protocols.ds47.plan.references import Reference, parse_reference, spelling_hint
+from plcgen.protocols.ds47.references import Reference, parse_reference, spelling_hint
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.bico import parse_bico

@@ -8,8 +8,8 @@ from plcgen.oracles.documents import device
 from plcgen.proof.ledger import Assumption, Grade
 from plcgen.protocols.ds47.device import Device, Fact
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
-from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.proof.published import Form
+from plcgen.protocols.ds47.references import number_of
 from plcgen.protocols.ds47.wire import formats
 
 _GRADES = {"read": Grade.MANUAL, "inferred": Grade.SECOND, "recalled": Grade.GENERAL}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from plcgen.diagnostics import Diagnostic, Note, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
-from plcgen.protocols.ds47.plan.references import parse_reference
+from plcgen.protocols.ds47.references import parse_reference
 from plcgen.protocols.ds47.rules.places import member_span, parameter_span
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Severity
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.plan.references import number_of
 from plcgen.protocols.ds47.plan.types import element_type
+from plcgen.protocols.ds47.references import number_of
 from plcgen.protocols.ds47.rules.places import parameter_span, spelling
 
 if TYPE_CHECKING:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from plcgen.proof.scenario import ScenarioError
-from plcgen.protocols.ppi.plan.nouns import LEAD
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import PpiScenario
 from plcgen.protocols.ppi.proof.tables import check_tables
-from plcgen.protocols.ppi.proof.words import DONE, WORDS
+from plcgen.protocols.ppi.proof.words import DONE, LEAD, WORDS
 from plcgen.protocols.ppi.wire.areas import Function
 from plcgen.protocols.ppi.wire.fdl import examine_frame
 from plcgen.protocols.ppi.wire.model import FCB, FIRST, FixedFrame, VariableFrame

@@ -6,8 +6,9 @@ Both are littered before the job, so a copy that is missing shows.
 from __future__ import annotations
 
 from plcgen.proof.scenario import ScenarioError
-from plcgen.protocols.ppi.plan.nouns import LEAD, PpiJob, PpiTelegram
+from plcgen.protocols.ppi.plan.nouns import PpiJob, PpiTelegram
 from plcgen.protocols.ppi.proof.rig import MasterRig
+from plcgen.protocols.ppi.proof.words import LEAD
 from plcgen.protocols.ppi.wire.fdl import examine_frame
 from plcgen.protocols.ppi.wire.model import ReadReply, VariableFrame, WriteReply
 from plcgen.protocols.ppi.wire.pdu import examine_pdu

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
-from plcgen.protocols.ppi.plan.nouns import LEAD, PlannedMaster, PpiPlan, PpiTelegram
+from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiPlan, PpiTelegram
+from plcgen.protocols.ppi.proof.words import LEAD
 from plcgen.protocols.ppi.wire.errors import PpiError
 from plcgen.protocols.ppi.wire.fdl import decode_frame
 from plcgen.protocols.ppi.wire.model import (

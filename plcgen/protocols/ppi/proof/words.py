@@ -36,6 +36,8 @@ WORDS = {
 }  # fmt: skip
 """Status words by name: ``WORDS["TIMEOUT"]``."""
 
+LEAD = 1
+"""Bytes of a table in front of its telegram: the length (docs/ppi-master.md)."""
 DONE = WORDS["DONE"]
 DRAIN_MS = 5000
 """DRAIN_LIMIT: that long a job may last beyond its timeout if the module hangs."""
