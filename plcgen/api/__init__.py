@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from plcgen.api.sources import (
         SPEC_SUFFIXES,
         ConvertResult,
-        Family,
         audit,
         check_lock,
         convert,
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
         explain,
     )
     from plcgen.review.layout.tables import LayoutResult
+    from plcgen.s7.families import Family
 
 __all__ = [
     "SPEC_SUFFIXES",
@@ -77,14 +77,16 @@ __all__ = [
     "verify_shard",
 ]
 
-_SOURCES = frozenset(
-    {"SPEC_SUFFIXES", "ConvertResult", "Family", "audit", "check_lock", "convert", "diff", "layout", "lock"}
-)
+_SOURCES = frozenset({"SPEC_SUFFIXES", "ConvertResult", "audit", "check_lock", "convert", "diff", "layout", "lock"})
 _TELEGRAMS = frozenset(
     {"EncodeResult", "EncodedTelegram", "decode", "decode_status", "encode", "encode_read", "encode_write", "explain"}
 )
 
-_ELSEWHERE = {"LayoutResult": "plcgen.review.layout.tables", "schema": "plcgen.api.schemas"}
+_ELSEWHERE = {
+    "Family": "plcgen.s7.families",
+    "LayoutResult": "plcgen.review.layout.tables",
+    "schema": "plcgen.api.schemas",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -3,11 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Literal, get_args
-
-Faults = Literal["none", "quick", "full"]
-"""How much of the fault matrix runs: nothing, everything once, or every combination."""
-FAULTS: tuple[Faults, ...] = get_args(Faults)
 
 
 def expect(name: str, value: str | None, words: Iterable[str]) -> None:

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from plcgen.api.arguments import FAULTS, Faults, expect
+from plcgen.api.arguments import expect
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
+from plcgen.proof.effort import FAULTS, Faults
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

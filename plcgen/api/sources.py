@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Literal
 
 from plcgen.api.arguments import expect
 from plcgen.api.project import problems_of
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.review.layout.tables import BlockTable, LayoutResult
+from plcgen.s7.families import FAMILIES, Family
 
 if TYPE_CHECKING:
     from plcgen.proof.checks import Verification
@@ -18,9 +19,6 @@ if TYPE_CHECKING:
     from plcgen.review.compare.model import Comparison
 
 SPEC_SUFFIXES = frozenset({".yaml", ".yml"})
-
-
-Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +50,7 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
     from plcgen.input.hashes import path_hashes
     from plcgen.review.layout.planned import project_tables
 
-    expect("family", family, get_args(Family))
+    expect("family", family, FAMILIES)
     tables: list[BlockTable] = []
     report = Report()
     sources: list[Path] = []

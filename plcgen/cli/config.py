@@ -9,12 +9,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from plcgen.api.arguments import Faults
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.input.files import below
 from plcgen.input.text import read_text
 from plcgen.input.toml import parse_toml
 from plcgen.input.validation import FileShape, StrictModel, validate
+from plcgen.proof.effort import Faults
 
 NAME = "plcgen.toml"
 

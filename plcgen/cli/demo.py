@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.api import default_folder
-from plcgen.api.arguments import FAULTS, Faults
 from plcgen.cli.options import PATH, console, verb
 from plcgen.cli.output import OK, PROBLEMS, Console
+from plcgen.proof.effort import FAULTS, Faults
 
 if TYPE_CHECKING:
     from plcgen.api import GenerateResult

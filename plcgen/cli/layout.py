@@ -9,6 +9,7 @@ import click
 
 from plcgen.cli.options import PATH, console, format_option, verb
 from plcgen.cli.output import OK, PROBLEMS
+from plcgen.s7.families import FAMILIES
 
 if TYPE_CHECKING:
     from plcgen.api import Family
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 @click.option("--expand", is_flag=True, help="Every element of every array, not only the first.")
 @click.option(
     "--family",
-    type=click.Choice(["s7-300", "s7-400", "s7-1200", "s7-1500"]),
+    type=click.Choice(FAMILIES),
     metavar="FAMILY",
     help="Whose WRREC, RDREC and TON lie in the blocks: s7-300, s7-400, s7-1200 or s7-1500.",
 )

@@ -10,7 +10,8 @@ import click
 from plcgen.cli.completed import devices, toolchains
 from plcgen.cli.options import PATH, console, verb
 from plcgen.cli.output import OK, PROBLEMS, OutputError, error_line, help_line
-from plcgen.cli.starter import FAMILIES, RECIPES, starter, usable
+from plcgen.cli.starter import RECIPES, starter, usable
+from plcgen.s7.families import FAMILIES
 
 if TYPE_CHECKING:
     from plcgen.protocols.ds47.device import Device

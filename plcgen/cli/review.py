@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.api.arguments import FAULTS, Faults
 from plcgen.cli.options import PATH, console, folder_option, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS, USAGE
+from plcgen.proof.effort import FAULTS, Faults
 
 if TYPE_CHECKING:
     from plcgen.output.registry import OutputFormat

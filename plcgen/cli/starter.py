@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plcgen.s7.families import FAMILIES
+
 if TYPE_CHECKING:
     from plcgen.protocols.ds47.device import Device, Parameter
 
-FAMILIES = ("s7-300", "s7-400", "s7-1200", "s7-1500")
 
 _HEAD = """\
 # A job spec of plcgen. Check it with    plcgen check {file}

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from plcgen.cli.convert import is_culture
 from plcgen.cli.options import PATH, console, tia_option, verb
 from plcgen.cli.output import OK
-
-if TYPE_CHECKING:
-    from plcgen.protocols.ds47.wire.errors import Table
+from plcgen.protocols.ds47.wire.errors import TABLES, Table
 
 FORMATS = ("xlsx", "xml", "csv")
 DEFAULT = ("en-US", "de-DE", "zh-CN")
@@ -31,7 +28,7 @@ DEFAULT = ("en-US", "de-DE", "zh-CN")
 @tia_option("TIA Portal version that xml names")
 @click.option(
     "--errors",
-    type=click.Choice(("sinamics", "profidrive")),
+    type=click.Choice(TABLES),
     default="sinamics",
     show_default=True,
     help="Error numbers: those of SINAMICS too, or what PROFIdrive says alone.",

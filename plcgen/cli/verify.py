@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from plcgen.api import default_folder
-from plcgen.api.arguments import FAULTS, Faults
 from plcgen.cli.options import PATH, console, folder_option, format_option, output_option, strict_option, verb
 from plcgen.cli.watch import watch_option
+from plcgen.proof.effort import FAULTS, Faults
 
 if TYPE_CHECKING:
     from plcgen.output.registry import OutputFormat

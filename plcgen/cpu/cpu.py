@@ -28,10 +28,10 @@ from plcgen.cpu.system.timers import counter, edge, timer
 from plcgen.diagnostics import DiagnosticError
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.errors import UnknownPathError
+from plcgen.s7.families import Family
 from plcgen.s7.image import Tree
 from plcgen.s7.layout import layout_block
 
-Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
 AREA_SIZE = 65536
 LOOP_LIMIT = 1_000_000
 MAX_MISUSES = 1000

@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from plcgen.cpu.cpu import Cpu, Family
+from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.folder import load_folder
 from plcgen.cpu.program import Program, Source
 from plcgen.cpu.system.bus import Periphery, RecordServer
 from plcgen.cpu.type_rules import IecCheck
 from plcgen.diagnostics import DiagnosticError, PlcgenError
+from plcgen.s7.families import Family
 from plcgen.scl.dialect import BY_NAME, Dialect
 
 

@@ -14,8 +14,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, Wit
 from plcgen.input.validation import StrictModel, problem
 from plcgen.input.variables import NAME
 from plcgen.project.editor import DURATION
+from plcgen.s7.families import Family
 
-Family = Literal["s7-300", "s7-400", "s7-1200", "s7-1500"]
 Toolchain = Literal[
     "step7-v5", "tia-v13sp1", "tia-v14", "tia-v14sp1", "tia-v15", "tia-v15.1",
     "tia-v16", "tia-v17", "tia-v18", "tia-v19", "tia-v20", "tia-v21",

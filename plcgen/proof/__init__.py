@@ -9,10 +9,11 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
 from plcgen.proof.checks import CheckGroup, Verification
+from plcgen.proof.effort import Faults
 
 if TYPE_CHECKING:
     from plcgen.project.nouns import Project
@@ -48,7 +49,7 @@ class Asked:
     spec: Path
     folder: Path
     drive: Path | None = None
-    faults: Literal["none", "quick", "full"] = "quick"
+    faults: Faults = "quick"
     engine: bool = False
     dissector: bool = False
 

@@ -20,9 +20,10 @@ from pydantic import BaseModel
 
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import PlcgenError
+from plcgen.proof.effort import Faults
 from plcgen.proof.fingerprint import fingerprint
 from plcgen.proof.rig import ProgramBench
-from plcgen.proof.suite import Level, Procedure, Reads, Suite, WorkPart
+from plcgen.proof.suite import Procedure, Reads, Suite, WorkPart
 from plcgen.s7.blocks import BlockKind
 from plcgen.scl.lexer import ADDRESS, LOCAL, STRING, tokenize
 
@@ -38,7 +39,7 @@ class ExecutionParts(Protocol):
         """The project and its program."""
 
     @property
-    def level(self) -> Level:
+    def level(self) -> Faults:
         """How many faults."""
 
     @property

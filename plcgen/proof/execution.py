@@ -15,13 +15,14 @@ from plcgen.project.ownership import is_owned
 from plcgen.proof.checks import Check, Outcome, Trial
 from plcgen.proof.coverage import Coverage, cover
 from plcgen.proof.dependence import part_keys
+from plcgen.proof.effort import Faults
 from plcgen.proof.idle import idle_check
 from plcgen.proof.results import Result, added
 from plcgen.proof.rig import ProgramBench
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, ScenarioError, Statistics, diagnostic
 from plcgen.proof.sharing import Sharing
-from plcgen.proof.suite import CodeBlock, Level, Procedure, Suite, WorkPart
+from plcgen.proof.suite import CodeBlock, Procedure, Suite, WorkPart
 from plcgen.scl.logic import DECIDES
 
 MAX_FAILURES = 3
@@ -30,10 +31,10 @@ MAX_FAILURES = 3
 class Work:
     """Every job of every suite, and what they do together, as parts of work."""
 
-    def __init__(self, bench: ProgramBench, level: Level) -> None:
+    def __init__(self, bench: ProgramBench, level: Faults) -> None:
         self.bench, self.level = bench, level
 
-    def __reduce__(self) -> tuple[type[Work], tuple[ProgramBench, Level]]:
+    def __reduce__(self) -> tuple[type[Work], tuple[ProgramBench, Faults]]:
         """A worker makes the suites again."""
         return Work, (self.bench, self.level)
 
@@ -70,7 +71,7 @@ class Work:
 def check_execution(
     project: Project,
     folder: Path,
-    level: Level = "quick",
+    level: Faults = "quick",
     share: Sharing | None = None,
     partner: Path | None = None,
     *,
@@ -128,7 +129,7 @@ def main_coverage(project: Project, program: Program, counts: list[int]) -> Iter
 # --- running ----------------------------------------------------------------------------------------------
 
 
-def run_job(suite: Suite[Any], program: Program, job: PlannedJob, level: Level, most: int = MAX_FAILURES) -> Result:
+def run_job(suite: Suite[Any], program: Program, job: PlannedJob, level: Faults, most: int = MAX_FAILURES) -> Result:
     """First run, nominal run and matrix of one job; the matrix ends with the ``most``-th failure."""
     try:
         runner = suite.runner(program, job)
@@ -158,7 +159,7 @@ def run_matrix(
     runner: Runner[Any],
     result: Result,
     scans: int,
-    level: Level,
+    level: Faults,
     most: int,
 ) -> Runner[Any]:
     """Every fault; behind a failure on another CPU. Returns the last runner."""
@@ -250,7 +251,7 @@ def failed(name: str, subject: str, text: str, found: Diagnostic, verdict: str =
     return Check(name, subject, text, Outcome.ERROR, verdict or found.message, found)
 
 
-def job_checks(suite: Suite[Any], key: str, result: Result, level: Level) -> Iterator[Check]:
+def job_checks(suite: Suite[Any], key: str, result: Result, level: Faults) -> Iterator[Check]:
     """The checks of one job: nominal run and matrix."""
     name, subject = f"run.{suite.prefix}{key}", f"run {key}"
     if result.broken:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
@@ -14,14 +14,13 @@ from plcgen.project.nouns import Buffer, BufferField, PlannedJob
 from plcgen.proof.checks import Check, CheckGroup
 from plcgen.proof.conditions import Premise
 from plcgen.proof.coverage import Step
+from plcgen.proof.effort import Faults
 from plcgen.proof.folder import Folder
 from plcgen.proof.ledger import Assumption
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Scenario, Statistics
 from plcgen.proof.sharing import Sharing
 
-Level = Literal["none", "quick", "full"]
-"""How much of the fault matrix runs: nothing, everything once, or every combination."""
 Progress = Callable[[str, int, int], None]
 S = TypeVar("S", bound=Scenario)
 
@@ -138,13 +137,13 @@ class Suite(Protocol[S]):
     def shown(self, runner: Runner[S], scans: int) -> tuple[str, str]:
         """What the report says about the nominal run, and about the values."""
 
-    def matrix(self, runner: Runner[S], scans: int, level: Level) -> Iterator[S]:
+    def matrix(self, runner: Runner[S], scans: int, level: Faults) -> Iterator[S]:
         """Every fault; ``scans`` is how long a good run takes."""
 
     def behind(self, program: Program, runner: Runner[S]) -> Iterator[tuple[Failure | None, Runner[S]]]:
         """What a job goes through behind the matrix, on its own or another CPU."""
 
-    def faults(self, job: Any, level: Level, kinds: int) -> str:
+    def faults(self, job: Any, level: Faults, kinds: int) -> str:
         """What the report says about a matrix with so many scenarios."""
 
     def procedures(self, program: Program) -> Iterator[Procedure]:

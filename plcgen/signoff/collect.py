@@ -7,13 +7,14 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, cast
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
 from plcgen.project.nouns import Project
 from plcgen.project.opening import open_spec
 from plcgen.proof import Asked, verify
+from plcgen.proof.effort import Faults
 from plcgen.review.compare.lock import DEFAULT, check_lock
 from plcgen.review.compare.lockread import read_lock
 from plcgen.review.compare.model import Comparison
@@ -49,7 +50,7 @@ def collect(request: ReviewRequest, progress: Progress | None = None) -> Review:
 
 
 def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress | None) -> Review:
-    faults = cast("Literal['none', 'quick', 'full']", request.faults)
+    faults = cast("Faults", request.faults)
     verification = verify(Asked(request.spec, request.folder, faults=faults), progress)
     project = _project(request.spec)
     sheet = _sheet(project)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from plcgen.cpu.cpu import Cpu, Family
+from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.memory import Memory, Reference
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery
@@ -16,6 +16,7 @@ from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.cpu.system.point_to_point import PortBlock, Receiver
 from plcgen.cpu.system.record import RecordBlock
 from plcgen.s7.errors import UnfitValueError
+from plcgen.s7.families import Family
 from plcgen.s7.layout import layout_block, locate
 from plcgen.s7.types import ArrayType, DataType, Elementary
 from plcgen.s7.values import SIGNED, UNSIGNED

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, cast
 
-from plcgen.cpu.cpu import Family, Misuse
+from plcgen.cpu.cpu import Misuse
 from plcgen.cpu.system.bus import Periphery
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import usage
 from plcgen.proof.standins import stand_ins
+from plcgen.s7.families import Family
 from plcgen.trace.face import PartnerOptions, Recorded, Recording
 from plcgen.trace.jobs import JobWatch
 from plcgen.trace.model import BlockCall, CallShape, Contact, Kind, Signal, Step, Trace, Value

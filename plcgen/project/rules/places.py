@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
+
+from pydantic import BaseModel
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -14,7 +16,6 @@ if TYPE_CHECKING:
     from plcgen.project.spec import SpecPath
 
 _IMPORTANCE = {"FB": 0, "DB": 1, "UDT": 2}
-_OWNERS = frozenset({"drives", "jobs", "ppi", "stations"})
 _NUMBER_KEYS = {"request": "db", "response": "db", "block": "number", "instance": "number"}
 
 
@@ -45,8 +46,20 @@ def key_or_value(project: Frame, path: SpecPath) -> Span:
 
 def owner_span(project: Frame, path: SpecPath) -> Span:
     """Find the key of the job, drive or station a path belongs to, else the section's key."""
-    depth = 4 if len(path) > 3 and path[2] in _OWNERS else 2 if path[0] in _OWNERS else 1
-    return project.loaded.key_span(path[:depth])
+    shape: type[BaseModel] = type(project.loaded.spec)
+    depth = 0
+    while depth + 1 < len(path) and (inner := _named(shape, path[depth])) is not None:
+        depth, shape = depth + 2, inner
+    return project.loaded.key_span(path[: depth or 1])
+
+
+def _named(shape: type[BaseModel], key: str | int) -> type[BaseModel] | None:
+    """What a section has by name, as ``jobs`` has jobs; None if its keys are not chosen by whoever writes the spec."""
+    field = shape.model_fields.get(str(key))
+    kinds = get_args(field.annotation) if field is not None else ()
+    if len(kinds) == 2 and isinstance(kinds[1], type) and issubclass(kinds[1], BaseModel):
+        return kinds[1]
+    return None
 
 
 def name_span(project: Frame, block: BlockRef) -> Span:

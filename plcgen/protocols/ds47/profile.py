@@ -37,6 +37,7 @@ from plcgen.protocols.ds47.references import number_of, parse_reference
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.bico import Layout, parse_bico
+from plcgen.protocols.ds47.wire.errors import Table
 from plcgen.protocols.ds47.wire.formats import Format, FormatKind, FormatValueError
 from plcgen.protocols.ds47.wire.model import MAX_ELEMENTS, MAX_PARAMETERS, RECORD_LIMIT
 
@@ -231,7 +232,7 @@ class DeviceProfile(StrictModel):
         (), description="numbers of limits and references: an input of a job needs a start value for them"
     )
     bico: Layout = Field("drive-object", description="BICO values carry the drive object, or zeros in its place")
-    error_table: Literal["sinamics", "profidrive"] = Field("sinamics", description="meaning of error numbers")
+    error_table: Table = Field("sinamics", description="meaning of error numbers")
     like: Line | None = Field(
         None, description="a shipped device whose parameters this one has too, as far as anybody knows"
     )

@@ -13,13 +13,14 @@ from plcgen.project.nouns import BufferField
 from plcgen.proof.checks import Check, CheckGroup, Outcome
 from plcgen.proof.conditions import Premise
 from plcgen.proof.coverage import NO_OTHER
+from plcgen.proof.effort import Faults
 from plcgen.proof.folder import Folder
 from plcgen.proof.ledger import Assumption
 from plcgen.proof.rig import value_text
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
 from plcgen.proof.sharing import Sharing
-from plcgen.proof.suite import CodeBlock, LaidOut, Level, Procedure, Progress, Reads
+from plcgen.proof.suite import CodeBlock, LaidOut, Procedure, Progress, Reads
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof import stimulus
 from plcgen.protocols.ds47.proof.commands import check_commands, check_guide
@@ -198,7 +199,7 @@ class DriveSuite:
         tail = f", RDREC B5 x{count}" if count else ""
         return f"{scans} scans, WRREC busy 3{tail}", ", ".join(shown[:SHOWN_VALUES]) + more
 
-    def matrix(self, runner: Runner[DriveScenario], scans: int, level: Level) -> Iterator[DriveScenario]:
+    def matrix(self, runner: Runner[DriveScenario], scans: int, level: Faults) -> Iterator[DriveScenario]:
         """What is the job's own."""
         rig = rig_of(runner)
         return matrix(rig.job, scans, rig.longest)
@@ -209,7 +210,7 @@ class DriveSuite:
         """Nothing."""
         return iter(())
 
-    def faults(self, job: DriveJob, level: Level, kinds: int) -> str:
+    def faults(self, job: DriveJob, level: Faults, kinds: int) -> str:
         """Scenarios."""
         return f"{kinds} scenarios of values, errors, signals"
 

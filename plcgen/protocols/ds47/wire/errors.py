@@ -10,9 +10,10 @@ import tomllib
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 Table: TypeAlias = Literal["sinamics", "profidrive"]
+TABLES: tuple[Table, ...] = get_args(Table)
 
 MANUFACTURER_FIRST = 0x65
 

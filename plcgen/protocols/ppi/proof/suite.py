@@ -10,13 +10,14 @@ from plcgen.project.nouns import BufferField
 from plcgen.proof.checks import Check, CheckGroup, Outcome
 from plcgen.proof.conditions import STATE, Premise
 from plcgen.proof.coverage import NO_OTHER
+from plcgen.proof.effort import Faults
 from plcgen.proof.folder import Folder
 from plcgen.proof.ledger import Assumption
 from plcgen.proof.rig import value_text
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
 from plcgen.proof.sharing import Sharing
-from plcgen.proof.suite import CodeBlock, LaidOut, Level, Procedure, Progress, Reads
+from plcgen.proof.suite import CodeBlock, LaidOut, Procedure, Progress, Reads
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.protocols.ppi.proof.calls import cpu_scenarios
 from plcgen.protocols.ppi.proof.conduct import MasterConduct
@@ -182,13 +183,13 @@ class PpiSuite:
         more = f", .. ({len(texts)})" if len(texts) > SHOWN else ""
         return f"{scans} scans, {frames}", ", ".join(texts[:SHOWN]) + more
 
-    def matrix(self, runner: Runner[PpiScenario], scans: int, level: Level) -> Iterator[PpiScenario]:
+    def matrix(self, runner: Runner[PpiScenario], scans: int, level: Faults) -> Iterator[PpiScenario]:
         """All of it, or what depends on the job itself and one of each kind of the rest."""
         job = rig_of(runner).job
         for scenario in self.everything(job, scans, level):
             yield in_time(self.master, job, scenario)
 
-    def everything(self, job: PpiJob, scans: int, level: Level) -> Iterator[PpiScenario]:
+    def everything(self, job: PpiJob, scans: int, level: Faults) -> Iterator[PpiScenario]:
         """All scenarios of a job, as if it had all the time in the world."""
         master, target, every = self.master, self.plan.target, level == "full"
         if not every and job is not next(j for j in self.jobs if SHAPES[j.kind] == SHAPES[job.kind]):
@@ -205,7 +206,7 @@ class PpiSuite:
         """Nothing: many jobs in a row are a matter of all jobs."""
         yield from ()
 
-    def faults(self, job: PpiJob, level: Level, kinds: int) -> str:
+    def faults(self, job: PpiJob, level: Faults, kinds: int) -> str:
         """How many."""
         return f"{kinds} faults of line, module and CPU"
 

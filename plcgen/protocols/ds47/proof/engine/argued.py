@@ -13,7 +13,7 @@ from plcgen.scl.parser import parse_value
 
 
 @dataclass(frozen=True, slots=True)
-class Argument:
+class ArguedOperand:
     """The first operand of one whole condition of the channel: the kind of probe that no run can show."""
 
     condition: str
@@ -30,15 +30,15 @@ class Argument:
 
 
 ARGUED = (
-    Argument("tempAsk.want <= 0 OR tempAsk.want <> statTicket OR statStill >= LEASE OR tempGrant = 0", DECIDES[True],
-             "a number of 0 or less is another one than that of the job, too"),
-    Argument("statState = STATE_WRITE AND NOT statWriteActive", DECIDES[False],
+    ArguedOperand("tempAsk.want <= 0 OR tempAsk.want <> statTicket OR statStill >= LEASE OR tempGrant = 0",
+             DECIDES[True], "a number of 0 or less is another one than that of the job, too"),
+    ArguedOperand("statState = STATE_WRITE AND NOT statWriteActive", DECIDES[False],
              "WRREC is called only in this state or while it is active"),
-    Argument("statState = STATE_READ AND NOT statReadActive", DECIDES[False],
+    ArguedOperand("statState = STATE_READ AND NOT statReadActive", DECIDES[False],
              "RDREC is called only in this state or while it is active"),
-    Argument("tempError AND tempCode = 181 AND (statForeign OR statSilent >= statOrder.timeout / 3)", DECIDES[False],
-             "only an end has a code, and a good one was asked before"),
-    Argument("tempError AND tempTemporary", DECIDES[False],
+    ArguedOperand("tempError AND tempCode = 181 AND (statForeign OR statSilent >= statOrder.timeout / 3)",
+             DECIDES[False], "only an end has a code, and a good one was asked before"),
+    ArguedOperand("tempError AND tempTemporary", DECIDES[False],
              "only a code says that it passes: only an error has one here"),
 )  # fmt: skip
 
