@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any, TypeVar
 
@@ -21,12 +22,21 @@ def plugins(group: str, shape: type[Plugin]) -> dict[str, Plugin]:
     for point in sorted(offered(tuple(sys.path)).select(group=group), key=lambda point: (point.name, point.value)):
         try:
             loaded = point.load()
-        except Exception as problem:  # code of others: whatever it raises is told
+        except (Exception, SystemExit) as problem:  # code of others: whatever it raises is told
             raise PluginError(f"the plug-in {point.name} ({point.value}) cannot be loaded: {problem}") from problem
         if not isinstance(loaded, shape):
             raise PluginError(f"{point.value} in {group} is no {shape.__name__}")
         found[point.name] = loaded
     return found
+
+
+def expect_free(group: str, names: Iterable[str], taken: Iterable[str]) -> None:
+    """Raise PluginError if a plug-in brings a name that something else has already."""
+    known = set(taken)
+    for name in names:
+        if name in known:
+            raise PluginError(f'a plug-in in {group} brings "{name}", which is taken')
+        known.add(name)
 
 
 @lru_cache(maxsize=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from projects import ROOT, SPECS
 
 import plcgen
 from plcgen import api
+from plcgen.diagnostics import PluginError
 from plcgen.project.nouns import Plan
 from plcgen.protocols.base import Protocol
 from plcgen.protocols.registry import SHIPPED, protocols
@@ -73,6 +75,27 @@ def test_a_toy_stands_beside_drives(toy: Path, tmp_path: Path) -> None:
     assert api.verify(toy, tmp_path / "out", faults="none").ok
     main = (tmp_path / "out" / "scl" / "Main.scl").read_text("latin-1")
     assert main.index("DriveCalls_DB") < main.index("Red_DB")
+
+
+@pytest.mark.parametrize(("old", "new"), [('key = "beacon"', 'key = "ppi"'), ('("beacons",)', '("jobs",)')])
+def test_a_protocol_takes_no_name_that_something_has(distribution, tmp_path: Path, old: str, new: str) -> None:
+    """Keys and sections of the shipped protocols stay theirs: the plug-in is named, plcgen is not to blame."""
+    folder = tmp_path / "beacon"
+    shutil.copytree(ROOT / "tests" / "toys" / "beacon", folder, ignore=shutil.ignore_patterns("__pycache__"))
+    code = (folder / "__init__.py").read_text("utf-8")
+    assert old in code
+    (folder / "__init__.py").write_text(code.replace(old, new), "utf-8")
+    distribution("beacon", "plcgen.protocols", "beacon = beacon:PROTOCOL", folder)
+    with pytest.raises(PluginError, match=f'brings "{new.split(chr(34))[1]}", which is taken'):
+        protocols()
+
+
+def test_a_clash_is_shown_at_the_thing_that_clashes(toy: Path) -> None:
+    """Not at the section: a rule finds out from the schema what has a name."""
+    toy.write_text(toy.read_text("utf-8").replace("green", "Red"), "utf-8")
+    found = [d for d in api.check(toy).diagnostics if d.code in {"PG405", "PG406"}]
+    assert [(d.span.line, d.span.column > 12) for d in found] == [(3, True)] * len(found)
+    assert found
 
 
 def plans() -> list[tuple[str, Plan]]:

@@ -103,6 +103,9 @@ def test_entry_points_that_are_no_format(toy, plcgen):
     refused = plcgen("check", "--help")
     assert (refused.code, refused.out) == (1, "")
     assert refused.err == ("error: the plug-in other (toy_format:FORMAT) cannot be loaded: No module named 'nowhere'\n")
+    sys.modules.pop("toy_format", None)
+    toy("raise SystemExit(3)\n", "other = toy_format:FORMAT")
+    assert plcgen("check", "--help").err == "error: the plug-in other (toy_format:FORMAT) cannot be loaded: 3\n"
     toy(TOY, "json = toy_format:FORMAT")
     assert registry.find("json").layout is not None
 

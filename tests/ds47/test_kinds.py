@@ -83,6 +83,29 @@ def test_what_is_no_kind_is_told(distribution) -> None:
         kinds()
 
 
+@pytest.mark.parametrize(("key", "told"), [("read", '"read", which is taken'), ("drive", '"drive", which is taken')])
+def test_a_kind_takes_no_key_that_something_has(distribution, tmp_path: Path, key: str, told: str) -> None:
+    """A shipped kind and the keys that every job has stay what they are."""
+    code = TOY.replace('"identify"', f'"{key}"')
+    assert code != TOY
+    distribution("toy_kind", "plcgen.kinds", "other = toy_kind:KIND", code)
+    spec = tmp_path / "job.yaml"
+    spec.write_text(SPEC, "utf-8")
+    with pytest.raises(PluginError, match=told):
+        api.check(spec)
+
+
+def test_what_a_kind_raises_is_not_a_bug_of_plcgen(distribution, tmp_path: Path) -> None:
+    """It is told by its name."""
+    code = TOY + "\n\ndef broken(value):\n    raise KeyError(value)\n\n\n"
+    code += "from dataclasses import replace\nKIND = replace(KIND, items=broken)\n"
+    distribution("toy_kind", "plcgen.kinds", "identify = toy_kind:KIND", code)
+    spec = tmp_path / "job.yaml"
+    spec.write_text(SPEC, "utf-8")
+    with pytest.raises(PluginError, match=r"the kind of job identify cannot be planned: KeyError\(True\)"):
+        api.check(spec)
+
+
 def test_without_others_there_are_the_shipped_kinds() -> None:
     """All of them, in the order of the table in docs/spec.md."""
     shipped = ["read", "write", "compare", "save", "faults", "alarms", "acknowledge", "sequence", "activate", "clock"]

@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, create_model, model_validator
 
 from plcgen.input.validation import StrictModel, problem
+from plcgen.plugins import expect_free
 from plcgen.project.editor import offered
 from plcgen.project.schema import (
     COMMENT,
@@ -29,7 +30,7 @@ from plcgen.project.schema import (
 from plcgen.protocols.ds47.device import Line, ParameterDef, ParameterNumber
 from plcgen.protocols.ds47.devices import named_parameters, offer_names
 from plcgen.protocols.ds47.kinds.kind import JobKind, ReadItem, WriteItem
-from plcgen.protocols.ds47.kinds.registry import kinds
+from plcgen.protocols.ds47.kinds.registry import GROUP, kinds
 from plcgen.protocols.ds47.recipes import RecipeEntry
 from plcgen.protocols.ds47.wire.formats import format_names
 
@@ -246,7 +247,11 @@ class DriveSections(StrictModel):
 
 @functools.cache
 def sections(*, alone: bool) -> type[DriveSections]:
-    """Shape of drives and jobs with every kind of job; both may be missing beside another protocol."""
+    """Shape of drives and jobs with every kind of job; both may be missing beside another protocol.
+
+    Raises PluginError if a kind has a key that every job has.
+    """
+    expect_free(GROUP, (kind.key for kind in kinds()), [*JobTarget.model_fields, *JobEntry.model_fields])
     shapes: dict[str, Any] = {
         kind.key: (kind.shape | None, Field(None, description=kind.description)) for kind in kinds()
     }

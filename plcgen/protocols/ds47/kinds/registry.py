@@ -6,13 +6,16 @@ A kind is a ``JobKind`` in ``SHIPPED``, or one that another distribution brings 
 
 from __future__ import annotations
 
-from functools import cache
+from dataclasses import replace
+from functools import cache, partial
+from typing import Any
 
-from plcgen.plugins import plugins
+from plcgen.diagnostics import PluginError
+from plcgen.plugins import expect_free, plugins
 from plcgen.protocols.ds47.kinds.acknowledge import ACKNOWLEDGE
 from plcgen.protocols.ds47.kinds.activate import ACTIVATE
 from plcgen.protocols.ds47.kinds.clock import CLOCK
-from plcgen.protocols.ds47.kinds.kind import JobKind
+from plcgen.protocols.ds47.kinds.kind import JobKind, ReadItem, WriteItem
 from plcgen.protocols.ds47.kinds.messages import ALARM_LIST, FAULT_LIST
 from plcgen.protocols.ds47.kinds.recipe import RECIPES
 from plcgen.protocols.ds47.kinds.save import SAVE
@@ -25,8 +28,18 @@ SHIPPED = (READ, WRITE, COMPARE, SAVE, FAULT_LIST, ALARM_LIST, ACKNOWLEDGE, SEQU
 
 @cache
 def kinds() -> tuple[JobKind, ...]:
-    """Every kind: the shipped ones first, then others by name."""
-    return (*SHIPPED, *plugins(GROUP, JobKind).values())
+    """Every kind: the shipped ones first, then others by name. Raises PluginError."""
+    brought = [replace(kind, items=partial(_items, kind)) for kind in plugins(GROUP, JobKind).values()]
+    expect_free(GROUP, (kind.key for kind in brought), [kind.key for kind in SHIPPED])
+    return (*SHIPPED, *brought)
+
+
+def _items(kind: JobKind, value: Any) -> tuple[ReadItem | WriteItem, ...]:
+    """What a kind of somebody else makes of a value: whatever it raises is not a bug of plcgen."""
+    try:
+        return tuple(kind.items(value))
+    except Exception as problem:
+        raise PluginError(f"the kind of job {kind.key} cannot be planned: {problem!r}") from problem
 
 
 def kind_called(key: str) -> JobKind:
