@@ -34,8 +34,13 @@ ODD = {
     r"\bdoes no harm\b": "is harmless",
     r"\bas people have\b": "in any common form",
     r"(?-i:\bblanks?\b)": "space",
-    r"\bstands? (at|beside|behind|in a)\b": "is",
+    r"\bstands? (at|on|below|beside|behind|in a)\b": "is",
     r"\bgoes wrong on\b": "fails on",
+    r"\b(makes?|made) an error of\b": "is an error, causes an error",
+    r"\bhangs? together\b": "depend on each other",
+    r"\brepeats? itself\b": "is repeated, recurs",
+    r"\bfrom one hand\b": "by the same author",
+    r"\bspoke against\b|\bspeaks? against\b": "the argument against",
     r"\bbehind (BEGIN|it|them|its?|this|an?|the (last|first|value|name|colon|point|end|header|block))\b": "after",
 }
 """What was found so far, with what is meant."""
