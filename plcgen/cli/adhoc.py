@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from plcgen.protocols.ds47.device import Device
 
 
-def find_device(key: str | None) -> Device | None:
+def device_named(key: str | None) -> Device | None:
     """Return the profile of ``--device``, a name or a file. Raises DiagnosticError if there is none."""
     from plcgen.protocols.ds47 import devices
 

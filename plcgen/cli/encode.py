@@ -90,7 +90,7 @@ def _telegram(verb: str, words: tuple[str, ...], drive_object: int | None, refer
     from plcgen.cli import adhoc
     from plcgen.cli.arguments import arguments
 
-    device = adhoc.find_device(key)
+    device = adhoc.device_named(key)
     target = drive_object if drive_object is not None else device.drive_object if device else 1
     if verb == "read":
         addresses = [adhoc.address(argument, argument.text, device) for argument in arguments(words)]

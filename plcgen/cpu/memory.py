@@ -89,13 +89,13 @@ def write_bytes(memory: bytearray, offset: int, data: bytes, size: int) -> None:
     memory[offset : offset + size] = data[:size].ljust(size, b"\0")
 
 
-def read_text(memory: bytearray, offset: int) -> str:
+def read_string(memory: bytearray, offset: int) -> str:
     """Read a STRING."""
     length = min(memory[offset], memory[offset + 1])
     return memory[offset + 2 : offset + 2 + length].decode("latin-1")
 
 
-def write_text(memory: bytearray, offset: int, room: int, value: str) -> None:
+def write_string(memory: bytearray, offset: int, room: int, value: str) -> None:
     """Store a STRING of ``room`` characters; what does not fit is cut off."""
     data = value.encode("latin-1", "replace")[:room]
     memory[offset] = room
@@ -132,5 +132,5 @@ def codec_functions() -> dict[str, Callable[..., Any]]:
         compiled = struct.Struct(f">{letter}")
         found[f"r_{letter}"] = compiled.unpack_from
         found[f"w_{letter}"] = compiled.pack_into
-    found |= {"r_s": read_text, "w_s": write_text, "r_ws": read_wide, "w_ws": write_wide}
+    found |= {"r_s": read_string, "w_s": write_string, "r_ws": read_wide, "w_ws": write_wide}
     return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from plcgen.documents.nouns import MemberRow, StartAssignment, WatchRow
-from plcgen.documents.spelling import culture, elements, literal, one_line, type_text, type_words
+from plcgen.documents.spelling import culture, declared_type, elements, literal, one_line, type_words
 from plcgen.documents.voice import voice_of
 from plcgen.project.nouns import BlockRef, BufferField, Frame
 from plcgen.s7.types import ArrayType, DataType, Elementary
@@ -82,7 +82,7 @@ def buffer_member(
         subs = tuple(elements(type_, field.data, v5=v5))
     return MemberRow(
         name=field.name,
-        type=type_text(type_, tia=not v5),
+        type=declared_type(type_, tia=not v5),
         text=text,
         start=start,
         subs=subs,

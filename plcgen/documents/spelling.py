@@ -32,14 +32,14 @@ def type_words(*, tia: bool) -> dict[str, str]:
 
 
 @lru_cache(maxsize=4096)
-def type_text(type_: DataType, *, tia: bool) -> str:
+def declared_type(type_: DataType, *, tia: bool) -> str:
     """Declaration text of a buffer member's type."""
     words = type_words(tia=tia)
     if isinstance(type_, Elementary):
         return words[type_.name]
     if isinstance(type_, ArrayType):
         bounds = ", ".join(f"{low}..{high}" for low, high in type_.bounds)
-        return f"{words['ARRAY']}[{bounds}] {words['OF']} {type_text(type_.element, tia=tia)}"
+        return f"{words['ARRAY']}[{bounds}] {words['OF']} {declared_type(type_.element, tia=tia)}"
     raise TypeError(f"buffers hold no {type_!r}")
 
 

@@ -10,7 +10,7 @@ from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
-from plcgen.proof.inventory import inventory, manifest_of, owned_files
+from plcgen.proof.inventory import inventory, listed_files, owned_files
 from plcgen.scl.dialect import Dialect
 from plcgen.simaticml.reading.invariants import check_invariants
 from plcgen.sources.generated import generated_documents, generated_sources
@@ -24,7 +24,7 @@ _DIALECTS = {
 
 def check_files(project: Project, folder: Folder) -> Iterator[Check]:
     """Checks of the group ``files``."""
-    known, problems = manifest_of(folder.path)
+    known, problems = listed_files(folder.path)
     problems += inventory(project, folder.path, known)
     yield _check("files.manifest", "files", f"{len(known)} files", problems, "complete, unchanged, nothing else")
     owned = owned_files(project, folder.path, known)

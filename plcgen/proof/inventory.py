@@ -16,7 +16,7 @@ MOST_FILES = 200_000
 """Files that are listed in a folder."""
 
 
-def manifest_of(folder: Path) -> tuple[dict[str, str], list[Diagnostic]]:
+def listed_files(folder: Path) -> tuple[dict[str, str], list[Diagnostic]]:
     """Hash of every file by its path, and what is wrong with the manifest itself."""
     path = folder / MANIFEST
     try:

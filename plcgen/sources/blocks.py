@@ -18,7 +18,7 @@ from plcgen.simaticml.reading.xml import load, parse_xml
 from plcgen.sources.code import Code, document_code, statement_list_code, unit_code
 from plcgen.sources.files import XML_SUFFIXES, Files, read_files
 from plcgen.sources.networks import NetworkCall, document_calls
-from plcgen.sources.text import read_text
+from plcgen.sources.text import parse_source
 
 STATEMENT_LISTS = frozenset({".awl", ".stl"})
 _KEYWORDS = {
@@ -81,7 +81,7 @@ def read_texts(texts: Iterable[tuple[str, str]]) -> Sources:
     parsed: list[ParseResult] = []
     files = Files()
     for name, text in texts:
-        blocks, found = read_text(text, name, keep=parsed.append)
+        blocks, found = parse_source(text, name, keep=parsed.append)
         files.blocks += blocks
         files.types.update((block.name.upper(), block) for block in blocks)
         files.diagnostics += found

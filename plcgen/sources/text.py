@@ -68,7 +68,7 @@ def read_source(
     if isinstance(loaded, Diagnostic):
         return [], [loaded]
     text, refused = loaded
-    found, diagnostics = read_text(text, str(path), dialect, bodies=has_bodies(path), constants=constants, keep=keep)
+    found, diagnostics = parse_source(text, str(path), dialect, bodies=has_bodies(path), constants=constants, keep=keep)
     return found, [*refused, *diagnostics]
 
 
@@ -113,7 +113,7 @@ def is_binary(data: bytes) -> bool:
     return b"\0" in data and not any(data.startswith(mark) for mark, _ in _BOMS) and not _unmarked_utf16(data)
 
 
-def read_text(
+def parse_source(
     text: str,
     file: str,
     dialect: Dialect | None = None,

@@ -21,7 +21,7 @@ from plcgen.review.layout.grid import grid, title
 from plcgen.review.layout.planned import project_tables
 from plcgen.review.layout.tables import LayoutResult, letter, size_text
 from plcgen.s7.evidence import RULES
-from plcgen.sources.text import read_text
+from plcgen.sources.text import parse_source
 
 HEAD = "DATA_BLOCK DB 3\n{ S7_Optimized_Access := 'FALSE' }\nSTRUCT\n"
 TAIL = "END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n"
@@ -33,7 +33,7 @@ def show(format_, blocks, view=PLAIN):
 
 
 def tables(members: str, *, head: str = HEAD, tail: str = TAIL, expand: bool = False):
-    blocks, problems = read_text(head + members + tail, "x.db")
+    blocks, problems = parse_source(head + members + tail, "x.db")
     assert problems == []
     found, problems = block_tables(blocks, {b.name.upper(): b for b in blocks}, expand=expand)
     assert problems == []
@@ -144,7 +144,7 @@ class _Tags(html.parser.HTMLParser):
 
 
 def hostile():
-    blocks, problems = read_text(HOSTILE, "x.db")
+    blocks, problems = parse_source(HOSTILE, "x.db")
     assert problems == []
     return block_tables(blocks, {})[0]
 
@@ -173,7 +173,7 @@ def test_the_picture_is_well_formed_and_stands_alone():
 
 def test_control_characters_never_reach_the_xml():
     head = 'DATA_BLOCK "a\x01\x02b\uffffc"\nSTRUCT\n'
-    blocks, _ = read_text(f'{head} "\x07x" : INT;\n{TAIL}', "x.db")
+    blocks, _ = parse_source(f'{head} "\x07x" : INT;\n{TAIL}', "x.db")
     found, _ = block_tables(blocks, {})
     etree.fromstring(show("svg", found).encode())
     assert not re.search("[\x00-\x08\uffff]", show("html", found))
@@ -271,7 +271,7 @@ def test_folded_elements_with_start_values_of_their_own_are_not_called_the_same(
 )
 def test_a_line_behind_begin_that_does_not_fit_is_a_warning(line, words):
     """The layout is right all the same; a constant from elsewhere is no mistake."""
-    blocks, _ = read_text(
+    blocks, _ = parse_source(
         f"{HEAD}a : ARRAY[0..9] OF INT;\n i : INT;\nEND_STRUCT;\nBEGIN\n {line}\nEND_DATA_BLOCK\n", "x.db"
     )
     found, problems = block_tables(blocks, {})

@@ -10,7 +10,7 @@ from plcgen.diagnostics import Severity
 from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import parse
-from plcgen.sources.text import read_text
+from plcgen.sources.text import parse_source
 
 DIALECTS = {"V5": Dialect.STEP7_V5, "T3": Dialect.TIA_300_400, "T15": Dialect.TIA_1200_1500}
 
@@ -41,14 +41,14 @@ def test_idioms_of_public_sources_are_read(case: dict) -> None:
     frame = f'FUNCTION_BLOCK "a"\nVAR\n{case.get("vars", "")}\nEND_VAR\nBEGIN\n{case.get("code")}\nEND_FUNCTION_BLOCK'
     text = case.get("source", frame)
     for dialect in (None, *(DIALECTS[name] for name in case.get("targets", []))):
-        _, diagnostics = read_text(text, "t.scl", dialect)
+        _, diagnostics = parse_source(text, "t.scl", dialect)
         assert [short(d) for d in diagnostics if d.severity is Severity.ERROR] == []
 
 
 @pytest.mark.parametrize("case", [pytest.param(c, id=c["name"]) for c in load("typos")])
 def test_typical_mistakes_get_one_helpful_message_each(case: dict) -> None:
     """Place, message and help of what engineers mistype; no mistake causes a second message."""
-    _, diagnostics = read_text(case["source"], "t.scl")
+    _, diagnostics = parse_source(case["source"], "t.scl")
     assert case["expected"] == [short(d) + (f" | {d.help}" if d.help else "") for d in diagnostics]
 
 
@@ -56,7 +56,7 @@ def test_typical_mistakes_get_one_helpful_message_each(case: dict) -> None:
 def test_errors_come_together_with_their_places(case: dict) -> None:
     """Every mistake of a file is reported once, at its line and column, and nothing else is."""
     dialect = Dialect(case["dialect"]) if "dialect" in case else None
-    _, diagnostics = read_text(case["source"], "t.scl", dialect)
+    _, diagnostics = parse_source(case["source"], "t.scl", dialect)
     assert_begins(case["expected"], [short(d) for d in diagnostics])
 
 

@@ -9,11 +9,11 @@ from plcgen.s7.blocks import Assignment, Block, BlockKind, SectionKind
 from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, NamedType, StringType, StructType
 from plcgen.scl.constants import integer
 from plcgen.scl.parser import parse
-from plcgen.sources.text import read_text
+from plcgen.sources.text import parse_source
 
 
 def _blocks(text: str) -> list[Block]:
-    blocks, diagnostics = read_text(text, "t.scl")
+    blocks, diagnostics = parse_source(text, "t.scl")
     assert diagnostics == []
     return blocks
 
@@ -173,7 +173,7 @@ def test_constant_expressions_divide_like_the_compiler(text: str, high: int) -> 
 @pytest.mark.parametrize("text", ["2 ** 1000000000", "1 DIV 0", "1 MOD 0", "2 ** 63 * 4", "1.5", "f(1)", "NOT 1"])
 def test_what_is_no_integer_constant_is_no_bound(text: str) -> None:
     """Powers without end, divisions by zero and other values are refused, quickly."""
-    _, diagnostics = read_text(f"TYPE a STRUCT x : ARRAY[0..{text}] OF INT; END_STRUCT; END_TYPE", "t.scl")
+    _, diagnostics = parse_source(f"TYPE a STRUCT x : ARRAY[0..{text}] OF INT; END_STRUCT; END_TYPE", "t.scl")
     assert [d.code for d in diagnostics] == ["PG801"]
 
 
@@ -224,7 +224,7 @@ def test_a_title_is_free_to_the_end_of_its_line() -> None:
 
 def test_blocks_survive_errors_in_their_neighbourhood() -> None:
     """What could be read is there although other declarations are wrong."""
-    blocks, diagnostics = read_text("TYPE a STRUCT x : ; y : INT; END_STRUCT; END_TYPE", "t.scl")
+    blocks, diagnostics = parse_source("TYPE a STRUCT x : ; y : INT; END_STRUCT; END_TYPE", "t.scl")
     assert [m.name for m in blocks[0].section(SectionKind.STATIC)] == ["y"]
     assert [d.code for d in diagnostics] == ["PG801"]
 

@@ -11,7 +11,7 @@ from scl.support import source
 
 from plcgen.scl.cursor import MAX_ERRORS
 from plcgen.scl.dialect import Dialect
-from plcgen.sources.text import read_text
+from plcgen.sources.text import parse_source
 
 FB = "FUNCTION_BLOCK a\nBEGIN\n"
 SOURCES = [source("job_v5.scl"), source("job_t15.scl"), source("faq_buffers.db")]
@@ -49,7 +49,7 @@ def test_damaged_sources_give_diagnostics_only(
         else:
             parts[at : at + length] = piece[::-1]
     lines = "".join(parts).count("\n") + 2
-    _, diagnostics = read_text("".join(parts), "t.scl", dialect, bodies=bodies)
+    _, diagnostics = parse_source("".join(parts), "t.scl", dialect, bodies=bodies)
     assert len(diagnostics) <= 5 * MAX_ERRORS
     assert all(d.span.line is not None and 0 <= d.span.line <= lines for d in diagnostics)
 
@@ -78,5 +78,5 @@ def test_damaged_sources_give_diagnostics_only(
 @pytest.mark.parametrize("bodies", [True, False])
 def test_long_lines_are_read_in_linear_time(text: str, bodies: bool) -> None:
     """A megabyte of any one thing ends in diagnostics, not in a search that grows with its square."""
-    _, diagnostics = read_text(text, "t.scl", Dialect.TIA_1200_1500, bodies=bodies)
+    _, diagnostics = parse_source(text, "t.scl", Dialect.TIA_1200_1500, bodies=bodies)
     assert len(diagnostics) <= 5 * MAX_ERRORS

@@ -14,7 +14,7 @@ from plcgen.scl import ast, parser
 from plcgen.scl.cursor import MAX_ERRORS, MAX_NESTING
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import parse
-from plcgen.sources.text import read_text
+from plcgen.sources.text import parse_source
 
 FB = "FUNCTION_BLOCK a\nBEGIN\n"
 WORDS = st.sampled_from(
@@ -130,7 +130,7 @@ def test_an_open_statement_is_noted() -> None:
 def test_nesting_is_bounded(text: str) -> None:
     """Depth and chains beyond the limit give one PG802 and never a RecursionError."""
     limit = sys.getrecursionlimit()
-    _, diagnostics = read_text(text, "t.scl")
+    _, diagnostics = parse_source(text, "t.scl")
     assert [d.code for d in diagnostics] == ["PG802"]
     assert sys.getrecursionlimit() == limit
 
@@ -168,7 +168,7 @@ def test_the_number_of_refusals_and_unknown_types_is_bounded() -> None:
     found = parse(FB + "#x := 1;\n" * 500 + "END_FUNCTION_BLOCK", "t.scl", Dialect.STEP7_V5).diagnostics
     assert len(found) == MAX_ERRORS
     members = "".join(f"m{i} : Unknown{i};\n" for i in range(500))
-    _, diagnostics = read_text(f"TYPE a STRUCT {members} END_STRUCT; END_TYPE", "t.scl", Dialect.TIA_1200_1500)
+    _, diagnostics = parse_source(f"TYPE a STRUCT {members} END_STRUCT; END_TYPE", "t.scl", Dialect.TIA_1200_1500)
     assert len(diagnostics) == MAX_ERRORS
 
 
@@ -189,7 +189,7 @@ def test_walk_visits_everything_in_source_order() -> None:
 
 def survives(text: str, dialect: Dialect | None) -> None:
     """Units and diagnostics with places inside the text, never an exception."""
-    blocks, diagnostics = read_text(text, "t.scl", dialect)
+    blocks, diagnostics = parse_source(text, "t.scl", dialect)
     lines = len(text.splitlines()) + 1
     assert all(0 <= d.span.line <= lines for d in diagnostics)
     assert all(d.code.startswith("PG80") for d in diagnostics)

@@ -12,9 +12,8 @@ from plcgen.display.cells import cut
 from plcgen.display.data import diagnostics_data
 from plcgen.display.results import Answer
 from plcgen.display.view import View
-from plcgen.protocols.decoded import DecodedTelegram, TelegramField
+from plcgen.protocols.decoded import DecodedTelegram, TelegramField, telegram_text
 from plcgen.protocols.decoded import telegram_data as plain_data
-from plcgen.protocols.decoded import telegram_text as plain_text
 from plcgen.protocols.ppi.wire.areas import ITEM_LIMIT
 from plcgen.protocols.ppi.wire.description import frame_text
 from plcgen.protocols.ppi.wire.dissect import dissect, title
@@ -128,9 +127,9 @@ def _kind(data: bytes, pdu: Pdu | None) -> str:
     return title(data) if pdu is None else f"{title(data)}, reference {pdu.reference}"
 
 
-def telegram_text(telegram: DecodedFrame, view: View) -> str:
+def decoded_text(telegram: DecodedFrame, view: View) -> str:
     """Table of all fields; ``!`` marks the wrong ones."""
-    return plain_text(telegram.table, view)
+    return telegram_text(telegram.table, view)
 
 
 def short_text(telegrams: Sequence[DecodedFrame], view: View) -> str:
@@ -163,7 +162,7 @@ def telegrams_answer(
 
 
 def _text(telegrams: Sequence[DecodedFrame], view: View) -> str:
-    return "\n".join(telegram_text(telegram, view) for telegram in telegrams)
+    return "\n".join(decoded_text(telegram, view) for telegram in telegrams)
 
 
 def _violation(violation: Violation) -> dict[str, Any]:

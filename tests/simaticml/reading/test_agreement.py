@@ -7,7 +7,7 @@ from simaticml.reading.documents import FB_SECTIONS, document, function_block, g
 from plcgen.s7.image import image
 from plcgen.s7.layout import layout_block
 from plcgen.simaticml.reading.documents import read_simaticml
-from plcgen.sources.text import read_text
+from plcgen.sources.text import parse_source
 
 SOURCE = """
 FUNCTION_BLOCK "Job"
@@ -60,7 +60,7 @@ def test_text_and_xml_give_the_same_offsets_and_bytes():
         '</Member><Member Name="flags" Datatype="Array[0..9] of Bool" /></Member>'
         '<Member Name="value" Datatype="Real"><StartValue>10.0</StartValue></Member>'
     )
-    from_text, diagnostics = read_text(SOURCE, "x.scl")
+    from_text, diagnostics = parse_source(SOURCE, "x.scl")
     assert diagnostics == []
     documents = (document(function_block(sections(**groups))), document(global_db(buffer, name="Buffer")))
     from_xml = [read_simaticml(data)[0][0] for data in documents]

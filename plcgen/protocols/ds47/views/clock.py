@@ -6,7 +6,7 @@ from typing import Any
 
 from plcgen.documents.members import plain
 from plcgen.documents.nouns import MemberRow
-from plcgen.documents.spelling import type_text
+from plcgen.documents.spelling import declared_type
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.words import CLOCK_WORDS
 
@@ -18,7 +18,7 @@ def time_inputs(plan: DrivePlan, job: DriveJob) -> list[MemberRow]:
     """The time that the drive is to have, if the job sets a clock."""
     if job.clock is None:
         return []
-    return [plain(plan, TIME, type_text(job.clock, tia=not plan.target.v5), "time that the drive is to have, UTC")]
+    return [plain(plan, TIME, declared_type(job.clock, tia=not plan.target.v5), "time that the drive is to have, UTC")]
 
 
 def clock_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any] | None:
@@ -26,7 +26,7 @@ def clock_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any] | None:
     if job.clock is None:
         return None
     return {
-        "type": type_text(job.clock, tia=not plan.target.v5),
+        "type": declared_type(job.clock, tia=not plan.target.v5),
         "parts": job.clock.name == "DTL",
         "members": [f"statRequestView.{use.member}" for use in job.timed],
         "converted": "DINT_TO_UDINT" if plan.target.t15 else "DINT_TO_DWORD",

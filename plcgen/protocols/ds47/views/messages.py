@@ -7,7 +7,7 @@ from typing import Any
 
 from plcgen.documents.members import plain
 from plcgen.documents.nouns import CallerValue, TypeBlock
-from plcgen.documents.spelling import literal, one_line, type_text, type_words
+from plcgen.documents.spelling import declared_type, literal, one_line, type_words
 from plcgen.protocols.ds47.kinds.messages import PLACES
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, MessageList, Part, Use
@@ -46,7 +46,7 @@ def entry_types(plan: DrivePlan) -> Iterator[TypeBlock]:
 
 
 def _column_type(plan: DrivePlan, use: Use) -> str:
-    return type_text(interface_type(use.format, 1, 0, plan.target), tia=not plan.target.v5)
+    return declared_type(interface_type(use.format, 1, 0, plan.target), tia=not plan.target.v5)
 
 
 def _column_text(use: Use) -> str:

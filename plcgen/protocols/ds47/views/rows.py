@@ -6,7 +6,7 @@ from functools import partial
 
 from plcgen.documents.members import assignments, buffer_member, display_format, initializer, plain
 from plcgen.documents.nouns import DataBlock, MemberRow, TypeBlock
-from plcgen.documents.spelling import comment_text, literal, one_line, type_text
+from plcgen.documents.spelling import comment_text, declared_type, literal, one_line
 from plcgen.project.nouns import BlockRef, Buffer
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, Use
@@ -35,7 +35,7 @@ def interface_row(plan: DrivePlan, use: Use, *, start: bool) -> MemberRow:
     if use.awaited is not None:
         own = f"{own or 'value'}, as last read in step {use.step}"
     return plain(
-        plan, use.member, type_text(type_, tia=not where.v5), one_line(f"{use.label} {own}{unit}"), start=initial
+        plan, use.member, declared_type(type_, tia=not where.v5), one_line(f"{use.label} {own}{unit}"), start=initial
     )
 
 

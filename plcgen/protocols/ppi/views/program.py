@@ -7,7 +7,7 @@ from typing import Any
 from plcgen.documents.control import signals
 from plcgen.documents.members import initializer, plain
 from plcgen.documents.nouns import CallerValue, Command, DataBlock, FunctionBlock, LibraryInstance, MemberRow
-from plcgen.documents.spelling import clean_title, comment_text, type_text, type_words
+from plcgen.documents.spelling import clean_title, comment_text, declared_type, type_words
 from plcgen.protocols.ppi.plan.fields import value_length
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue, WireItem
 from plcgen.protocols.ppi.plan.times import GAP_BITS
@@ -106,7 +106,7 @@ def _interface(plan: PpiPlan, job: PpiJob, value: PpiValue) -> MemberRow:
     """Declaration of a value at the block and in the control DB."""
     v5 = plan.target.v5
     start = initializer(value.type, value.data, v5=v5) if job.kind == "write" and any(value.data) else ""
-    return plain(plan, value.member, type_text(value.type, tia=not v5), value_text(plan, value), start=start)
+    return plain(plan, value.member, declared_type(value.type, tia=not v5), value_text(plan, value), start=start)
 
 
 def _frames(plan: PpiPlan) -> list[MemberRow]:
