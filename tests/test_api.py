@@ -113,12 +113,17 @@ def test_nothing_is_printed(tmp_path, capsys):
         (lambda: plcgen.convert("x.scl", to="xml", out="y", version="V99"), "version is 'V99'; there are V14 SP1"),
         (lambda: plcgen.layout("x.scl", family="s7-100"), "family is 's7-100'; there are s7-300"),
         (lambda: plcgen.decode(b"", kind="reqest"), "kind is 'reqest'; there are request, response"),
+        (lambda: plcgen.decode_status(-1), "-1 is no STATUS"),
+        (lambda: plcgen.decode_status(1 << 32), "4294967296 is no STATUS"),
+        (lambda: plcgen.schema("specs"), "specs"),
+        (lambda: plcgen.verify_shard("x.yaml", "3/2"), "a shard is one of"),
     ],
 )
 def test_a_word_that_an_argument_does_not_know(call, words):
     """Nothing less is done instead: faults="Full" was a quick run once."""
-    with pytest.raises(ValueError, match=words):
+    with pytest.raises(ValueError, match=words) as raised:
         call()
+    assert isinstance(raised.value, plcgen.PlcgenError)
 
 
 def test_decode_and_encode():

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from plcgen.diagnostics import ArgumentError
+
 
 def expect(name: str, value: str | None, words: Iterable[str]) -> None:
-    """Raise ValueError unless an argument is None or one of its words: nothing is done less thoroughly than asked."""
+    """Raise ArgumentError unless an argument is None or one of its words: nothing less is done instead."""
     known = tuple(words)
     if value is not None and value not in known:
-        raise ValueError(f"{name} is {value!r}; there are {', '.join(known)}")
+        raise ArgumentError(f"{name} is {value!r}; there are {', '.join(known)}")

@@ -273,7 +273,7 @@ def verify(
     all of them.
 
     Raises:
-        ValueError: if ``faults`` or ``oracle`` is another word.
+        ArgumentError: if ``faults`` or ``oracle`` is another word.
     """
     from plcgen.proof import Asked, Means
     from plcgen.proof import verify as run
@@ -324,7 +324,7 @@ def verify_shard(
     What it returns goes to a file as ``data()``; :func:`verify` with the files of all ``shards`` does the rest.
 
     Raises:
-        ValueError: if there is no such shard, or ``faults`` is another word.
+        ArgumentError: if there is no such shard, or ``faults`` is another word.
     """
     from plcgen.proof import Asked, Means
     from plcgen.proof import verify_shard as run
@@ -382,7 +382,7 @@ def review(
 
     Raises:
         DiagnosticError: PG901 if there is nothing of that name, or ``fault`` makes no sense.
-        ValueError: if ``faults`` is another word.
+        ArgumentError: if ``faults`` is another word.
     """
     from plcgen.signoff.collect import collect
     from plcgen.signoff.model import ReviewRequest

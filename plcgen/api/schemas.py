@@ -6,6 +6,8 @@ import json
 from collections.abc import Callable
 from typing import Any
 
+from plcgen.diagnostics import ArgumentError
+
 VERSION = 1
 """Of files without a version of their own."""
 
@@ -119,8 +121,8 @@ def schema(kind: str = "spec") -> dict[str, Any]:
     """JSON schema (draft 2020-12) of a kind of file, or of the results of ``--format json``; see ``SCHEMAS``.
 
     Raises:
-        ValueError: there is no such kind.
+        ArgumentError: there is no such kind.
     """
     if kind not in SCHEMAS:
-        raise ValueError(f"there is no schema of {kind}; there are {', '.join(SCHEMAS)}")
+        raise ArgumentError(f"there is no schema of {kind}; there are {', '.join(SCHEMAS)}")
     return SCHEMAS[kind]()

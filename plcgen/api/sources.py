@@ -45,7 +45,7 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
     name or number (``DB3``), ``expand`` shows every element of every array.
 
     Raises:
-        ValueError: if ``family`` is another word.
+        ArgumentError: if ``family`` is another word.
     """
     from plcgen.input.hashes import path_hashes
     from plcgen.review.layout.planned import project_tables
@@ -121,7 +121,7 @@ def convert(
     ``keep_going`` says to leave that out, or if a file exists and ``force`` is not given.
 
     Raises:
-        ValueError: if ``to`` or ``version`` is another word.
+        ArgumentError: if ``to`` or ``version`` is another word.
     """
     from plcgen.documents.convert import convert as run
     from plcgen.documents.writing import add_files

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from plcgen.api.arguments import expect
-from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.diagnostics import ArgumentError, Diagnostic, Severity
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -66,7 +66,7 @@ def decode(
     """Take a telegram apart, as far as it goes; ``request`` gives a response its context.
 
     Raises:
-        ValueError: if ``kind`` is another word.
+        ArgumentError: if ``kind`` is another word.
     """
     from plcgen.protocols.ds47.texts import dissect
 
@@ -75,7 +75,9 @@ def decode(
 
 
 def decode_status(value: int) -> Status:
-    """Explain a STATUS double word of WRREC or RDREC."""
+    """Explain a STATUS double word of WRREC or RDREC. Raises ArgumentError if the value has more than 32 bits."""
+    if not 0 <= value <= 0xFFFFFFFF:
+        raise ArgumentError(f"{value} is no STATUS: a double word has 32 bits")
     from plcgen.protocols.ds47.wire.status import explain
 
     return explain(value)

@@ -4,6 +4,7 @@
 """
 
 from plcgen.diagnostics.model import (
+    ArgumentError,
     Diagnostic,
     DiagnosticError,
     Note,
@@ -14,4 +15,14 @@ from plcgen.diagnostics.model import (
     Span,
 )
 
-__all__ = ["Diagnostic", "DiagnosticError", "Note", "PlcgenError", "PluginError", "Report", "Severity", "Span"]
+__all__ = [
+    "ArgumentError",
+    "Diagnostic",
+    "DiagnosticError",
+    "Note",
+    "PlcgenError",
+    "PluginError",
+    "Report",
+    "Severity",
+    "Span",
+]

@@ -84,6 +84,10 @@ class PlcgenError(Exception):
     """Root of every exception that plcgen raises on purpose: what the caller gave cannot be used."""
 
 
+class ArgumentError(PlcgenError, ValueError):
+    """An argument of a function of the API is not one of its words, or out of its range."""
+
+
 class PluginError(PlcgenError):
     """What another distribution registers under an entry point cannot be used; the message names it."""
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from plcgen._version import __version__
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.diagnostics import ArgumentError, Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
 from plcgen.proof.results import Result
 from plcgen.proof.sharing import Shard
@@ -73,13 +73,13 @@ class ShardResult:
 
 
 def parse_shard(text: str) -> Shard:
-    """``3/10``. Raises ValueError."""
+    """``3/10``. Raises ArgumentError."""
     number, slash, of = text.partition("/")
     if not (slash and number.isascii() and number.isdecimal() and of.isascii() and of.isdecimal() and len(text) < 10):
-        raise ValueError("a shard is written as 3/10, the third of ten")
+        raise ArgumentError("a shard is written as 3/10, the third of ten")
     shard = Shard(int(number), int(of))
     if not 1 <= shard.number <= shard.of <= MAX_SHARDS:
-        raise ValueError(f"a shard is one of 1/n to n/n, with n up to {MAX_SHARDS}")
+        raise ArgumentError(f"a shard is one of 1/n to n/n, with n up to {MAX_SHARDS}")
     return shard
 
 

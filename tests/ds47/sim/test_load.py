@@ -121,6 +121,12 @@ HEAD = "objects:\n  - number: 1\n    parameters:\n"
         (HEAD + "      - {pnu: 1, type: Unsigned8, value: 256}\n", "PG107", 4, "from 0 to 255, not 256"),
         (HEAD + "      - {pnu: 1, type: Unsigned8, value: 1, high: 256}\n", "PG107", 4, "from 0 to 255"),
         (
+            HEAD + "      - {pnu: 1, type: Unsigned8, value: 1, low: 5, high: 2}\n",
+            "PG107",
+            4,
+            "limit 2 is below the lower limit 5",
+        ),
+        (
             HEAD + "      - {pnu: 1, type: Unsigned8, value: 1, low: x}\n",
             "PG106",
             4,

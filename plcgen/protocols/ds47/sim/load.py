@@ -7,9 +7,17 @@ problem, each at its place.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BeforeValidator, Field, PlainValidator, ValidationInfo, WithJsonSchema, field_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    PlainValidator,
+    ValidationInfo,
+    WithJsonSchema,
+    field_validator,
+)
 
 from plcgen.input.validation import FileShape, Octets, Problems, StrictModel, load_document, problem, unique
 from plcgen.protocols.ds47 import guards
@@ -112,11 +120,21 @@ def _value(fmt: Format, value: Any) -> Value:
     return found
 
 
+def _not_below(high: float | None, info: ValidationInfo) -> float | None:
+    low = info.data.get("low")
+    if high is not None and low is not None and high < low:
+        raise problem(f"the upper limit {high:g} is below the lower limit {low:g}", help_="no value fits")
+    return high
+
+
+UpperLimit: TypeAlias = Annotated[float | None, AfterValidator(_not_below)]
+
+
 class LimitsKeys(StrictModel):
     """Keys ``low`` and ``high``."""
 
     low: float | None = Field(None, description="lower limit")
-    high: float | None = Field(None, description="upper limit")
+    high: UpperLimit = Field(None, description="upper limit")
 
     def limits(self) -> ValueLimits:
         """Build the limits."""
@@ -157,7 +175,7 @@ class ParameterKeys(StrictModel):
     )
     array: bool | None = Field(None, description="whether the parameter is indexed; true by default with values")
     low: float | None = Field(None, description="lower limit: 02h")
-    high: float | None = Field(None, description="upper limit: 02h")
+    high: UpperLimit = Field(None, description="upper limit: 02h")
     state_limits: dict[str, LimitsKeys] = Field(
         default_factory=dict, description="narrower limits in a state: C8h, C9h"
     )
