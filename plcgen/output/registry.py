@@ -27,7 +27,7 @@ Result = TypeVar("Result")
 Renderer: TypeAlias = Callable[[Result, View], str]
 
 GROUP = "plcgen.outputs"
-"""Group of the entry points: name of the format = object of class Format."""
+"""Group of the entry points: name of the format = object of class OutputFormat."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
