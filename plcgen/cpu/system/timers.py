@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from struct import Struct
 
 from plcgen.cpu.memory import Memory
 from plcgen.cpu.system.interfaces import SystemFb
@@ -50,6 +51,9 @@ def timer(system: SystemFb, shape: Shape, clock: list[int]) -> Runner:
     unit, whole = (1_000_000 if bits == 64 else 1), (1 << bits) - 1
     r_byte, r_mask = fields.flag("R") if kind == "TONR" else (0, 0)
     step = {"TON": _on, "TOF": _off, "TP": _pulse, "TONR": _sum}[kind]
+    number = Struct(">q" if bits == 64 else ">i")  # PT, ET and the start have one type
+    read, write = number.unpack_from, number.pack_into
+    pt_byte, start_byte, wrap = fields.places["PT"][0], fields.places[start][0], (1 << bits - 1)
 
     def run(memory: Memory, offset: int) -> None:
         active = bool(memory[offset + in_byte] & in_mask)
@@ -63,16 +67,14 @@ def timer(system: SystemFb, shape: Shape, clock: list[int]) -> Runner:
             memory[offset + running[0]] &= 255 - running[1]
             memory[offset + et_byte : offset + et_byte + len(zero)] = zero
         now = clock[0] * unit
-        preset = fields.number(memory, offset, "PT")
         was_active = bool(memory[offset + old[0]] & old[1])
         was_running = bool(memory[offset + running[0]] & running[1])
-        begun = fields.number(memory, offset, start) & whole
-        elapsed = fields.number(memory, offset, "ET")
-        passed = (now - begun) & whole
+        passed = (now - read(memory, offset + start_byte)[0]) & whole
+        elapsed, preset = read(memory, offset + et_byte)[0], read(memory, offset + pt_byte)[0]
         is_running, q, et, restart = step(active, was_active, was_running, passed, elapsed, preset)
         if restart:
-            fields.put(memory, offset, start, now)
-        fields.put(memory, offset, "ET", et)
+            write(memory, offset + start_byte, (now + wrap & whole) - wrap)
+        write(memory, offset + et_byte, et)
         for (byte, mask), value in ((running, is_running), ((q_byte, q_mask), q), (old, active)):
             memory[offset + byte] = memory[offset + byte] | mask if value else memory[offset + byte] & (255 - mask)
 
