@@ -105,6 +105,9 @@ class Assignments:
         type_ = scalar_name(place.shape)
         if value.type == UNKNOWN or self.context.link.is_opaque(place.shape):
             return
+        if type_ == "VARIANT" and not (place.local and value.type == type_):
+            self.point(value, node)
+            return
         if type_ in {"ANY", "POINTER"} and value.place is not None and value.type != type_:
             self.context.error("PG827", f"the soft CPU does not assign a variable to a pointer of type {type_}", node)
             return
@@ -114,6 +117,17 @@ class Assignments:
             self.access.store(place, code, const)
             return
         self.copy(place, value, node)
+
+    def point(self, value: Val, node: ast.Expression) -> None:
+        """Assign to a VARIANT: it takes no variable outside of a call (help of the TIA Portal, "Initializing VARIANT").
+
+        Nothing says so of NULL, another pointer and a reference; they are not executed.
+        """
+        if self.places.pointer_type(value):
+            self.context.error("PG827", "the soft CPU does not assign to a VARIANT", node)
+            return
+        help_ = "hand the variable to a VARIANT parameter in a call"
+        self.context.error("PG821", f"{self.context.text(node)} is not assigned to a VARIANT", node, help_)
 
     def copy(self, place: MemoryPlace, value: Val, node: ast.Expression) -> None:
         """Copy a structure or array byte by byte."""

@@ -13,9 +13,9 @@ from plcgen.cpu.compiler.functions import Functions
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.references import References
 from plcgen.cpu.compiler.scope import scalar_name
-from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Val, unknown
+from plcgen.cpu.compiler.values import MemoryPlace, Val, unknown
 from plcgen.cpu.memory import CODECS
-from plcgen.cpu.type_rules import BITS, INT_CONST
+from plcgen.cpu.type_rules import BITS, INT_CONST, INTEGERS
 from plcgen.s7.types import ArrayType
 from plcgen.scl import ast
 
@@ -183,8 +183,12 @@ class Moves:
         position = self.places.place(bound["POS"])
         value = self.expressions.value(variable)
         place = self.places.place(variable) if reading else value.place
-        if position is None or value.type not in CODECS or (reading and place is None):
-            return self.functions.refuse(node, name, value) if value.type != UNKNOWN else value
+        if value.type not in CODECS:
+            return self.functions.refuse(node, name, value)
+        if position is None or (reading and place is None) or self.context.link.is_opaque(position.shape):
+            return unknown()
+        if scalar_name(position.shape) not in {*INTEGERS, *BITS}:
+            return self.functions.refuse(node, name, Val("", scalar_name(position.shape)))
         order = "big" if name.endswith("BIG") else "little"
         codec = CODECS[value.type]
         result = self.out.temporary()
