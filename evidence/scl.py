@@ -13,8 +13,9 @@ from __future__ import annotations
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -84,6 +85,8 @@ class Figures:
     """What the IEC check of the target adds, by verdict; ``check`` compiles where it is off."""
     compiled: Counter[str] = field(default_factory=Counter)
     unjudged: list[tuple[str, str, Diagnostic]] = field(default_factory=list)
+    ended: dict[tuple[str, str], str] = field(default_factory=dict)
+    """Files that plcgen could not check, because of a mistake of its own, and what that was."""
     seeded: Counter[str] = field(default_factory=Counter)
     missed: list[tuple[str, str, str]] = field(default_factory=list)
     documents: Counter[str] = field(default_factory=Counter)
@@ -125,7 +128,10 @@ def measure(place: Path, judged: Judged, figures: Figures) -> None:
         _programs(place, chosen, target, judged, figures)
     for path in own:
         if path not in refused:
-            _seed(path, targets[path], place, figures)
+            try:
+                _seed(path, targets[path], place, figures)
+            except Exception as problem:  # noqa: BLE001 - see _problems
+                _told(place, path.relative_to(place).as_posix(), problem, figures)
 
 
 def measure_documents(place: Path, judged: Judged, figures: Figures) -> None:
@@ -138,7 +144,11 @@ def measure_documents(place: Path, judged: Judged, figures: Figures) -> None:
         made = [file for file in convert(paths, "scl", keep_going=True).files if file.path.endswith(".scl")]
         texts = [(file.path, file.data.decode("utf-8-sig")) for file in made]
         beside = Surroundings.read(paths, Dialect.TIA_1200_1500)
-        program = Program.load(texts, Dialect.TIA_1200_1500, beside=beside)
+        try:
+            program = Program.load(texts, Dialect.TIA_1200_1500, beside=beside)
+        except Exception as problem:  # noqa: BLE001 - see _problems
+            _told(place, f"documents in {folder or '.'}", problem, figures)
+            continue
         figures.documents[name] += len(texts)
         for problem in _chosen(program.diagnostics):
             verdict = judged.verdicts.get((name, problem.span.file, problem.span.line, problem.code), ("", ""))[0]
@@ -185,11 +195,12 @@ def _programs(place: Path, paths: list[Path], target: Dialect, judged: Judged, f
     tags: Tags = {}
     for table in sorted(path for path in place.rglob("*") if path.suffix.lower() in SUFFIXES):
         tags |= read_tag_file(table)
+    checked = partial(check_program, target=target, tags=tags, documents=documents)
     rest = paths
     while rest:
         program, rest = _without_twins(rest)
         strict, free = (
-            _problems(check_program(program, target, tags, iec_check=check, documents=documents))
+            _problems(place, program, figures, partial(checked, iec_check=check))
             for check in (IecCheck.AS_STATED, IecCheck.OFF)
         )
         said = {(d.span, d.code, d.message) for d in free}
@@ -224,8 +235,31 @@ def _without_twins(paths: list[Path]) -> tuple[list[Path], list[Path]]:
     return together, again
 
 
-def _problems(check: SourceCheck) -> list[Diagnostic]:
-    return _chosen(check.diagnostics)
+def _problems(
+    place: Path, paths: list[Path], figures: Figures, check: Callable[[list[Path]], SourceCheck]
+) -> list[Diagnostic]:
+    """What is said about files that belong together; those that end the check are left out and told."""
+    try:
+        return _chosen(check(paths).diagnostics)
+    except Exception as problem:  # noqa: BLE001 - a mistake of plcgen in one file must not end the measurement
+        ending = [path for path in paths if _ends(path, check)] or paths
+        for path in ending:
+            _told(place, path.relative_to(place).as_posix(), problem, figures)
+        rest = [path for path in paths if path not in ending]
+        return _problems(place, rest, figures, check) if rest else []
+
+
+def _ends(path: Path, check: Callable[[list[Path]], SourceCheck]) -> bool:
+    """Whether a file alone ends a check."""
+    try:
+        check([path])
+    except Exception:  # noqa: BLE001 - see above
+        return True
+    return False
+
+
+def _told(place: Path, what: str, problem: Exception, figures: Figures) -> None:
+    figures.ended[place.name.replace("+", "/"), what] = f"{type(problem).__name__}: {problem}"
 
 
 def _chosen(found: Iterable[Diagnostic]) -> list[Diagnostic]:
@@ -260,6 +294,10 @@ def _lines(figures: Figures) -> Iterator[str]:
     reasons = Counter(why for _, _, why in figures.refused)
     yield f"  refused: {len(figures.refused)}, {reasons[OPEN]} of them valid as far as anybody knows"
     for repository, path, why in figures.refused:
+        yield f"    {repository} {path}: {why}"
+    if figures.ended:
+        yield f"  not checked, a mistake of plcgen: {len(figures.ended)}"
+    for (repository, path), why in figures.ended.items():
         yield f"    {repository} {path}: {why}"
     yield f"  names that no file declares: {sum(figures.names.values())}"
     for verdict, count in figures.names.most_common():

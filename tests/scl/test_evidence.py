@@ -65,6 +65,25 @@ def test_what_is_counted(corpus: Path) -> None:
     assert "  seeded type faults: 6 of 6 found, 100.0 %" in lines
 
 
+def test_a_file_that_breaks_the_check_ends_nothing(corpus: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mistake of plcgen in one file is told with its place; the others are measured as before."""
+    before = list(scl.report(corpus))
+    (corpus / "you+yours" / "breaks.scl").write_text(GOOD.replace('"Pump"', '"Breaks"'))
+    load = Program.load.__func__  # type: ignore[attr-defined]
+
+    def breaking(cls: type[Program], sources: object, *arguments: object, **options: object) -> Program:
+        given = list(sources)  # type: ignore[call-overload]
+        if any("breaks.scl" in str(source) for source in given):
+            raise KeyError("VARIANT")
+        return load(cls, given, *arguments, **options)  # type: ignore[no-any-return]
+
+    monkeypatch.setattr(Program, "load", classmethod(breaking))
+    lines = list(scl.report(corpus))
+    told = lines.index("  not checked, a mistake of plcgen: 1")
+    assert lines[told + 1] == "    you/yours breaks.scl: KeyError: 'VARIANT'"
+    assert [*lines[2:told], *lines[told + 2 :]] == before[2:]
+
+
 def test_the_code_of_documents_is_counted(tmp_path: Path) -> None:
     """An export without IEC check may put a WORD into an INT, but no BOOL; a tag that nobody declares is a name."""
     place = tmp_path / "me+mine"
