@@ -18,6 +18,7 @@ from plcgen.scl import ast
 from plcgen.scl.constants import integer
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult, parse
+from plcgen.scl.unknown_names import UnknownNames
 
 _NUMBERED = re.compile(r"(?:DB|FB|FC|OB|SFB|SFC|UDT)[0-9]{1,5}", re.ASCII)
 ENO = re.compile(r"\b(?:ENO|OK)\b", re.IGNORECASE)
@@ -111,7 +112,7 @@ class Linkage:
 
     ``stated`` says of single blocks whether their IEC check is on, ``iec_check`` of all others.
     ``opaque`` are the types that nobody declares: they are reported once, and nothing is said about what they hold.
-    ``unknown`` are the names that were reported as unknown, with the code; ``guessed_bounds`` says that an array has a
+    ``unknown`` are the names that were reported as unknown; ``guessed_bounds`` says that an array has a
     bound whose value stands elsewhere: then one of a single element may have more.
     """
 
@@ -136,7 +137,7 @@ class Linkage:
     literals: dict[str, str] = field(default_factory=dict)
     numbers: dict[str, int] = field(default_factory=dict)
     opaque: set[str] = field(default_factory=set)
-    unknown: set[tuple[str, str]] = field(default_factory=set)
+    unknown: UnknownNames = field(default_factory=UnknownNames)
     guessed_bounds: bool = False
 
     def add_constants(self, constants: Mapping[str, int], user_constants: Mapping[str, tuple[str, str]]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import groupby
@@ -15,7 +15,7 @@ from plcgen.cpu.start_values import unfit_constants, with_constants
 from plcgen.cpu.surroundings import Surroundings
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.cpu.type_rules import IecCheck
-from plcgen.cpu.unknown_types import add_unknown_types
+from plcgen.cpu.unknown_types import add_unknown_types, without_refused
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.image import StartValueError, image
@@ -124,9 +124,7 @@ class Program:
         program.check_recursion()
         known = {file for file, _ in beside.interfaces}
         unique = dict.fromkeys([*beside.diagnostics, *(d for d in program.diagnostics if d.span.file not in known)])
-        refused = {(d.span.file, d.span.line) for d in unique if d.code == "PG803"}
-        said = (d for d in unique if OPEN_ARRAY not in d.message or (d.span.file, d.span.line) not in refused)
-        program.diagnostics = sorted(said, key=lambda d: d.sort_key)
+        program.diagnostics = sorted(_without_refused(unique), key=lambda d: d.sort_key)
         return program
 
     def report(self, code: str, message: str, span: Span | None = None, text: str = "") -> None:
@@ -146,14 +144,16 @@ class Program:
     def keep(self, result: ParseResult) -> None:
         """Add the blocks of a source that is parsed already."""
         self.diagnostics += result.diagnostics
-        declared, problems = declared_blocks(result, self.link.dialect, self.link.numbers)
+        link = self.link
+        declared, problems = declared_blocks(result, link.dialect, link.numbers, link.unknown)
         self.diagnostics += problems
-        link, kept = self.link, replace(result, units=(), tokens=result.tokens.text_alone())
+        kept = replace(result, units=(), tokens=result.tokens.text_alone())
         link.guessed_bounds = link.guessed_bounds or any(
             problem.code == "PG806" and problem.severity is Severity.WARNING for problem in problems
         )
         for unit, written in zip(result.units, declared, strict=True):
-            block, elsewhere = with_constants(written, self.link.literals, self.link.dialect)
+            block, elsewhere = with_constants(written, link.literals, link.dialect)
+            block = without_refused(block, link.dialect) if link.classic else block
             self.diagnostics += elsewhere
             key = block.name.upper()
             if key in self.link.blocks:
@@ -313,6 +313,17 @@ class Program:
     def start_up(self) -> ProgramBlock | None:
         """The start-up OB, if there is one."""
         return self.link.find("OB100") or self.link.find("Startup")
+
+
+def _without_refused(found: Collection[Diagnostic]) -> Iterator[Diagnostic]:
+    """Leave out that an array has no bounds or that there is no function, where PG803 says what the target lacks."""
+    places = {(d.span.file, d.span.line, d.span.column) for d in found if d.code == "PG803"}
+    lines = {place[:2] for place in places}
+    for problem in found:
+        span = problem.span
+        again = problem.code == "PG820" and (span.file, span.line, span.column) in places
+        if not again and (OPEN_ARRAY not in problem.message or (span.file, span.line) not in lines):
+            yield problem
 
 
 def unfit_start_values(results: Iterable[ParseResult], dialect: Dialect) -> list[Diagnostic]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 
 from plcgen.cpu.linkage import Linkage
 from plcgen.diagnostics import Diagnostic, Span
@@ -11,7 +12,19 @@ from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import NO_MEMORY
 from plcgen.s7.system import system_block
-from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, Member, NamedType, StructType, elementary
+from plcgen.s7.types import (
+    ELEMENTARY,
+    ArrayType,
+    DataType,
+    Elementary,
+    Member,
+    NamedType,
+    StringType,
+    StructType,
+    elementary,
+)
+from plcgen.scl.dialect import Dialect
+from plcgen.scl.dialects_tree import is_refused
 from plcgen.scl.instructions import INSTRUCTIONS
 from plcgen.scl.system_types import SYSTEM_TYPES
 
@@ -34,17 +47,41 @@ def add_unknown_types(link: Linkage) -> list[Diagnostic]:
     for block in [entry.block for entry in link.blocks.values()]:
         for type_, span, library in _used(block):
             key = type_.name.upper()
-            if key in link.opaque or _is_known(type_, link):
+            refused = _is_refused(type_, link.dialect)
+            if key in link.opaque or (_is_known(type_, link) and not refused):
                 continue
             link.opaque.add(key)
             link.types[key] = Block(BlockKind.UDT, type_.name, ())
-            found.append(_report(type_, span or block.span or Span(""), link, library=library))
+            if not refused and link.unknown.add("PG806", key):
+                found.append(_report(type_, span or block.span or Span(""), link, library=library))
     for _, spelled in link.tags.values():
         key = spelled.strip('"')
         if key != spelled and key not in link.types:
             link.opaque.add(key)
             link.types[key] = Block(BlockKind.UDT, key, ())
     return found
+
+
+def without_refused(block: Block, dialect: Dialect) -> Block:
+    """The block with the types that its target does not have as names of unknown types: PG803 has told of them."""
+    sections = tuple(replace(part, members=_without_refused(part.members, dialect)) for part in block.sections)
+    return block if sections == block.sections else replace(block, sections=sections)
+
+
+def _without_refused(members: tuple[Member, ...], dialect: Dialect) -> tuple[Member, ...]:
+    return tuple(replace(member, type=_told(member.type, dialect)) for member in members)
+
+
+def _told(type_: DataType, dialect: Dialect) -> DataType:
+    if isinstance(type_, ArrayType):
+        return replace(type_, element=_told(type_.element, dialect))
+    if isinstance(type_, StructType):
+        return replace(type_, members=_without_refused(type_.members, dialect))
+    return NamedType(type_.name) if _is_refused(type_, dialect) else type_
+
+
+def _is_refused(type_: NamedType | Elementary | StringType, dialect: Dialect) -> bool:
+    return not (isinstance(type_, NamedType) and type_.quoted) and is_refused(type_.name, dialect)
 
 
 def _is_known(type_: NamedType, link: Linkage) -> bool:

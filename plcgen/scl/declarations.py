@@ -28,6 +28,7 @@ from plcgen.scl.cursor import MAX_ERRORS
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult
 from plcgen.scl.system_types import SYSTEM_TYPES
+from plcgen.scl.unknown_names import UnknownNames, keys_of
 
 _NUMBERED = re.compile(r"(?i:(UDT|S?FB|S?FC|DB|OB)0*([0-9]{1,5}))")
 _KINDS = {
@@ -52,14 +53,18 @@ _BOUND_HELP = "write the number: without it the memory layout of the block is un
 
 
 def blocks(
-    result: ParseResult, dialect: Dialect | None = None, constants: Mapping[str, int] | None = None
+    result: ParseResult,
+    dialect: Dialect | None = None,
+    constants: Mapping[str, int] | None = None,
+    unknown: UnknownNames | None = None,
 ) -> tuple[list[Block], list[Diagnostic]]:
     """Every unit as a block, and PG805..PG807 about them; syntax errors are in ``result`` already.
 
-    ``constants`` are the whole numbers among those of the project, for bounds and lengths.
+    ``constants`` are the whole numbers among those of the project, for bounds and lengths. Of ``unknown``
+    names of a program, none is reported again; without it each is, where it stands.
     """
     declared = {unit.name.upper() for unit in result.units}
-    builder = _Builder(result, declared, dialect, project_names(constants or {}))
+    builder = _Builder(result, declared, dialect, project_names(constants or {}), unknown)
     found = [builder.block(unit) for unit in result.units]
     return found, builder.diagnostics + list(recursive_types(found))
 
@@ -68,7 +73,12 @@ class _Builder:
     """One file: its text, its own types, and the diagnostics about its declarations."""
 
     def __init__(
-        self, result: ParseResult, declared: set[str], dialect: Dialect | None, project: dict[str, int]
+        self,
+        result: ParseResult,
+        declared: set[str],
+        dialect: Dialect | None,
+        project: dict[str, int],
+        unknown: UnknownNames | None,
     ) -> None:
         self.result = result
         self.source = result.tokens.source
@@ -79,6 +89,8 @@ class _Builder:
         self.project = project
         self.constants: Mapping[str, int] = {}
         self.unresolved: set[str] = set()
+        self.unknown = unknown
+        self.name = ""
         self.compared = 0
         self.instruction = False
         self.standard = False
@@ -99,6 +111,7 @@ class _Builder:
         attributes = {a.name: a.value for a in unit.attributes}
         optimized = attributes.pop("S7_Optimized_Access", None)
         self.standard = optimized is not None and optimized.upper() == "FALSE"
+        self.name = unit.name
         self.constants = self.block_constants(unit)
         sections = self.sections(unit)
         instance_of = None
@@ -264,16 +277,17 @@ class _Builder:
             or _NUMBERED.fullmatch(upper)
         )
         if not known:
-            self.unknown(spec)
+            self.report_unknown(spec)
         return NamedType(spec.name)
 
-    def unknown(self, spec: ast.TypeName) -> None:
+    def report_unknown(self, spec: ast.TypeName) -> None:
         """STEP 7 V5 allows symbols without quotes: there only what looks like a typing error is one."""
         if len(self.diagnostics) >= MAX_ERRORS or not (self.strict or self.is_misspelt(spec.name)):
             return
         candidates = [*ELEMENTARY, *ALIASES, "STRING", "WSTRING", *SYSTEM_TYPES, *self.declared]
         text = did_you_mean(spec.name, candidates) or "put the name of a user type in quotes"
-        self.error("PG806", f"unknown type {spec.name}", spec, text)
+        if self.unknown is None or self.unknown.add("PG806", spec.name):
+            self.error("PG806", f"unknown type {spec.name}", spec, text)
 
     def is_misspelt(self, name: str) -> bool:
         """Whether the name of a type is about one letter away from an elementary one; a few names per file."""
@@ -286,7 +300,7 @@ class _Builder:
         """One dimension; a bound that is no constant of this block counts as its neighbour."""
         values = [evaluate(low, self.constants), evaluate(high, self.constants)]
         for node, value in zip((low, high), values, strict=True):
-            if value is None and not self.is_elsewhere(node):
+            if value is None and not self.is_elsewhere(node) and self.is_news(node):
                 self.error(
                     "PG801", f"the array bound {self.text(node)} is no constant of this block", node, _BOUND_HELP
                 )
@@ -307,10 +321,19 @@ class _Builder:
             if isinstance(inner, ast.Name) and (inner.scope == "quoted" or inner.name.upper() in self.unresolved):
                 message = f"the constant {self.text(inner)} has its value outside this source"
                 span = self.result.span(inner)
-                if len(self.diagnostics) < MAX_ERRORS:
+                if len(self.diagnostics) < MAX_ERRORS and self.is_news(inner):
                     self.diagnostics.append(Diagnostic("PG806", message, span, Severity.WARNING, help=_CONSTANT_HELP))
                 return True
         return False
+
+    def is_news(self, node: ast.Expression) -> bool:
+        """Whether none of the names without a value has been reported; now they have."""
+        if self.unknown is None:
+            return True
+        names = (name for name in ast.walk(node) if isinstance(name, ast.Name))
+        unknown = [name for name in names if evaluate(name, self.constants) is None]
+        news = [self.unknown.add("PG820", *keys_of(name, self.name)) for name in unknown]
+        return all(news)
 
     def length(self, spec: ast.StringSpec) -> int:
         """Return the declared length of a string, 254 without one."""
@@ -320,6 +343,8 @@ class _Builder:
         if value is None and self.is_elsewhere(spec.length):
             return _DEFAULT_STRING
         limit = _DEFAULT_STRING if spec.name.upper() == "STRING" else 16382
+        if value is None and not self.is_news(spec.length):
+            return _DEFAULT_STRING
         if value is None or not 0 < value <= limit:
             self.error("PG801", f"{spec.name.upper()} needs a constant length from 1 to {limit}", spec.length)
             return _DEFAULT_STRING

@@ -23,6 +23,7 @@ _WIDE_TYPES = frozenset(
     """LWORD LINT ULINT LREAL LTIME LTOD LTIME_OF_DAY LDT DATE_AND_LTIME DTL SINT USINT UINT UDINT
     WCHAR WSTRING VARIANT HW_IO HW_ANY HW_DEVICE HW_SUBMODULE HW_INTERFACE PORT DB_ANY""".split()  # noqa: SIM905
 )
+"""Types that the S7-300/400 do not have."""
 _PEEKS = frozenset({"PEEK", "PEEK_BOOL", "PEEK_BYTE", "PEEK_WORD", "PEEK_DWORD", "POKE", "POKE_BOOL", "POKE_BLK"})
 _MEMORY = frozenset(
     area + width
@@ -193,11 +194,16 @@ def _is_standard(unit: ast.Unit) -> bool:
 
 def _type(node: ast.TypeName | ast.StringSpec, dialect: Dialect) -> Iterator[Refusal]:
     quoted = isinstance(node, ast.TypeName) and node.quoted
-    if dialect in _CLASSIC and not quoted and node.name.upper() in _WIDE_TYPES:
+    if not quoted and is_refused(node.name, dialect):
         yield node.start, node.end, f"the type {node.name}", "", Severity.ERROR
     if dialect is _T15 and not quoted and _SYSTEM_BLOCK.fullmatch(node.name.upper()):
         text = _instruction_of(node.name.upper())
         yield node.start, node.end, f"the type {node.name}", text, Severity.ERROR
+
+
+def is_refused(type_name: str, dialect: Dialect) -> bool:
+    """Whether a target does not have a type of the language."""
+    return dialect in _CLASSIC and type_name.upper() in _WIDE_TYPES
 
 
 def _instruction_of(number: str) -> str:

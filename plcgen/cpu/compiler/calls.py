@@ -173,7 +173,7 @@ class Calls:
             self.context.error("PG827", f"the soft CPU does not execute {target.name}", node)
         else:
             near = self.near_block(target.name)
-            self.context.unknown("PG825", f"there is no block {target.name}", target.name, node, near)
+            self.context.unknown("PG825", f"there is no block {target.name}", (target.name,), node, near)
         self.arguments.look_at(node)
 
     def discard(self, value: Val) -> None:
@@ -194,7 +194,7 @@ class Calls:
         if found is None or found.shape is None or found.block.kind is not BlockKind.DB:
             near = self.near_block(target.name)
             message = f"there is no instance data block {target.name}"
-            self.context.unknown("PG825", message, target.name, node, near)
+            self.context.unknown("PG825", message, (target.name,), node, near)
             self.arguments.look_at(node)
             return
         own = self.context.link.instance_type(found)

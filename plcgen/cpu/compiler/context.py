@@ -126,12 +126,10 @@ class Context:
         if len(self.diagnostics) - self.names < MAX_DIAGNOSTICS:
             self.diagnostics.append(Diagnostic(code, message, self.span(node), severity, help=text))
 
-    def unknown(self, code: str, message: str, name: str, node: ast.Node, text: str = "") -> None:
-        """Report a name that nobody knows, at the first of its uses in the program."""
-        key = code, name.upper()
-        if key in self.link.unknown:
+    def unknown(self, code: str, message: str, names: tuple[str, ...], node: ast.Node, text: str = "") -> None:
+        """Report a name that nobody knows, with its keys, at the first of its uses in the program."""
+        if not self.link.unknown.add(code, *names):
             return
-        self.link.unknown.add(key)
         if self.names < MAX_DIAGNOSTICS:  # many unknown tags hide no mistake of another kind
             self.names += 1
             self.diagnostics.append(Diagnostic(code, message, self.span(node), help=text))

@@ -285,7 +285,7 @@ class Functions:
                 self.expressions.value(expression)
             return Val("0", target)
         if (source, target) not in conversions(classic=self.context.classic):
-            self.context.unknown("PG820", f"{self.context.link.dialect.label} has no function {name}", name, node)
+            self.context.unknown("PG820", f"{self.context.link.dialect.label} has no function {name}", (name,), node)
             for _, expression in self.several(node):
                 self.expressions.value(expression)
             return unknown()

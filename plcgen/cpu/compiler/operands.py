@@ -12,6 +12,7 @@ from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.references import References
 from plcgen.cpu.compiler.values import Val, unknown
 from plcgen.scl import ast
+from plcgen.scl.dialects_tree import is_refused
 
 
 @dataclass(slots=True, eq=False)
@@ -48,6 +49,8 @@ class Operands:
             self.context.error("PG824", f"{node.text} is no constant", node)
             return unknown()
         type_, value = found
+        if is_refused(type_, self.context.link.dialect):
+            return unknown()  # PG803 has told of it
         return Val(source_of(value), type_, value)
 
     def slice(self, node: ast.Slice) -> Val:

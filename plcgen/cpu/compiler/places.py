@@ -23,6 +23,7 @@ from plcgen.s7.blocks import BlockKind, SectionKind
 from plcgen.s7.shapes import Shape
 from plcgen.s7.types import ELEMENTARY, ArrayType, Member, NamedType, StringType
 from plcgen.scl import ast
+from plcgen.scl.unknown_names import keys_of
 
 _TYPES = frozenset({BlockKind.UDT, BlockKind.FB})
 _TYPE = re.compile(rf"{'|'.join(TEXTS)}|TO_\w+")
@@ -146,9 +147,8 @@ class Places:
         if node.scope == "quoted":
             known = [block.name for block in self.context.link.blocks.values()]
             near = did_you_mean(node.name, [*known, *self.context.link.tags])
-        # a local name is another one in every block
-        key = f"{self.context.owner.name}#{node.name}" if node.scope == "local" else node.name
-        self.context.unknown("PG820", f"{node.name} is not defined", key, node, near)
+        keys = keys_of(node, self.context.owner.name)
+        self.context.unknown("PG820", f"{node.name} is not defined", keys, node, near)
 
     def data_block(self, block: ProgramBlock) -> MemoryPlace:
         """Whole memory of a data block."""
@@ -192,7 +192,7 @@ class Places:
         message = f"there is no member {name}"
         type_ = base.shape.type
         if isinstance(type_, NamedType):
-            self.context.unknown("PG820", f"{message} in {type_.name}", f"{type_.name}.{name}", node, near)
+            self.context.unknown("PG820", f"{message} in {type_.name}", (f"{type_.name}.{name}",), node, near)
         else:
             self.context.error("PG820", message, node, near)
 
@@ -303,7 +303,7 @@ class Places:
             block = self.context.link.data_block(address.db or 0)
             if block is None or block.shape is None:
                 text = "give the number of the data block"
-                self.context.unknown("PG825", f"there is no DB{address.db}", f"DB{address.db}", node, text)
+                self.context.unknown("PG825", f"there is no DB{address.db}", (f"DB{address.db}",), node, text)
                 return None
             base = self.data_block(block)
             if address.offset + address.width_bits > block.shape.bits:
