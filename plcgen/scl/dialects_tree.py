@@ -9,7 +9,7 @@ from plcgen.diagnostics import Severity
 from plcgen.s7.types import elementary
 from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
-from plcgen.scl.instructions import BY_NUMBER
+from plcgen.scl.instructions import BY_NUMBER, ON_S7_1500
 from plcgen.scl.lexer import KEYWORDS, QUOTED, Tokens
 from plcgen.scl.system_types import SYSTEM_TYPES
 
@@ -262,6 +262,7 @@ def _function(target: ast.Name, dialect: Dialect) -> Iterator[Refusal]:
     if dialect.is_tia and _SYSTEM_FUNCTION.fullmatch(upper):
         name = BY_NUMBER.get(upper)
         text = f"write {name}(..)" if name else "write the name of the instruction"
+        text = ON_S7_1500.get(name or "", text) if dialect is _T15 else text
         yield target.start, target.end, target.name, text, Severity.ERROR
     source, _, result = upper.partition("_TO_")
     modern = upper in _MODERN or (bool(result) and not {source, result}.isdisjoint(_WIDE_TYPES))

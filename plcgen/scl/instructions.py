@@ -51,3 +51,16 @@ BY_NUMBER = {
 
 Source: "System Software for S7-300/400, System and Standard Functions", lists of the SFCs and SFBs.
 """
+_OTHERS = "its parameters are others"
+ON_S7_1500 = {
+    "SET_CLK": f"write WR_SYS_T(..): {_OTHERS}",
+    "READ_CLK": f"write RD_SYS_T(..): {_OTHERS}",
+    "CREAT_DB": f"write CREATE_DB(..): {_OTHERS}",
+    "RDSYSST": "there is none; GET_DIAG, DeviceStates and ModuleStates read some of what it reads",
+    "WR_USMSG": "there is none, and none replaces it",
+}
+"""What to do about those of them that the S7-1200/1500 do not have.
+
+Source: help of the TIA Portal, lists of the extended instructions of both families, and "Migrating PLC programs to a
+S7-1500 CPU".
+"""

@@ -267,3 +267,22 @@ def test_a_system_block_by_number_is_named_by_its_instruction(code: str, help_: 
     (found,) = parse(f"FUNCTION_BLOCK a\n{code}\nEND_FUNCTION_BLOCK", "t.scl", Dialect.TIA_1200_1500).diagnostics
     assert found.code == "PG803"
     assert help_ in found.help
+
+
+@pytest.mark.parametrize(
+    ("number", "classic", "modern"),
+    [
+        ("SFC0", "SET_CLK", "WR_SYS_T"),
+        ("SFC1", "READ_CLK", "RD_SYS_T"),
+        ("SFC22", "CREAT_DB", "CREATE_DB"),
+        ("SFC51", "RDSYSST", ""),
+        ("SFC52", "WR_USMSG", ""),
+        ("SFC20", "BLKMOV", "BLKMOV"),
+    ],
+)
+def test_the_instruction_is_one_of_the_target(number: str, classic: str, modern: str) -> None:
+    """Help of the TIA Portal: the S7-1200/1500 have other clocks, other data blocks and no system status list."""
+    text = f"FUNCTION_BLOCK a\nBEGIN\n#n := {number}();\nEND_FUNCTION_BLOCK"
+    for dialect, name in ((Dialect.TIA_300_400, classic), (Dialect.TIA_1200_1500, modern)):
+        (found,) = parse(text, "t.scl", dialect).diagnostics
+        assert found.help.startswith(f"write {name}(..)" if name else "there is none")
