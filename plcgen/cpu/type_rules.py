@@ -56,7 +56,7 @@ _ALWAYS_IN_SCL = {"BOOL": "BYTE WORD DWORD", "DINT": "REAL"}
 The help of the TIA Portal has them neither with nor without IEC check.
 """
 _UNCHECKED_CLASSIC = {
-    "BYTE": "DINT CHAR",
+    "BYTE": "INT DINT CHAR",
     "WORD": "BYTE INT DINT S5TIME DATE",
     "DWORD": "BYTE WORD DINT TIME TIME_OF_DAY",
     "INT": "WORD",
@@ -67,6 +67,11 @@ _UNCHECKED_CLASSIC = {
     "TIME_OF_DAY": "DWORD",
     "CHAR": "BYTE",
 }
+"""Help of the TIA Portal, "Implicit conversions (S7-300, S7-400)".
+
+Its table has BYTE to DINT and not BYTE to INT; its overview says of SCL that bit strings go into every type that is no
+shorter and no floating-point number.
+"""
 _STAMPS_CHECKED = {"DATE_AND_TIME": "LDT DTL", "LDT": "DTL", "DTL": "LDT"}
 _UNCHECKED = {
     "WORD": "S5TIME DATE",

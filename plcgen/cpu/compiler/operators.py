@@ -228,6 +228,9 @@ class Operators:
         left, right = self.counted(left, right.type, node.left), self.counted(right, left.type, node.right)
         common = common_type(left.type, right.type, self.context.rules)
         if common in BITS and self.context.rules.dialect.is_tia and not self.context.rules.checked:
+            if common == "BYTE" and self.context.classic:  # it counts as USINT, says the help, a type they do not have
+                self.context.error("PG827", "the soft CPU does not compute with BYTE as S7-300/400 do", node)
+                return unknown()
             common = whole_number(common, classic=self.context.classic)
         if common in HARDWARE and WIDTHS[common] == WIDTHS["UINT"] and not self.context.rules.checked:
             common = "UINT"  # the number of a connection that a library counts up
