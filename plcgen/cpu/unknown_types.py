@@ -52,8 +52,9 @@ def add_unknown_types(link: Linkage) -> list[Diagnostic]:
                 continue
             link.opaque.add(key)
             link.types[key] = Block(BlockKind.UDT, type_.name, ())
-            if not refused and link.unknown.add("PG806", key):
-                found.append(_report(type_, span or block.span or Span(""), link, library=library))
+            problem = _report(type_, span or block.span or Span(""), link, library=library)
+            if not refused and (problem.code != "PG806" or link.unknown.add(key)):
+                found.append(problem)
     for _, spelled in link.tags.values():
         key = spelled.strip('"')
         if key != spelled and key not in link.types:

@@ -286,7 +286,7 @@ class _Builder:
             return
         candidates = [*ELEMENTARY, *ALIASES, "STRING", "WSTRING", *SYSTEM_TYPES, *self.declared]
         text = did_you_mean(spec.name, candidates) or "put the name of a user type in quotes"
-        if self.unknown is None or self.unknown.add("PG806", spec.name):
+        if self.unknown is None or self.unknown.add(spec.name):
             self.error("PG806", f"unknown type {spec.name}", spec, text)
 
     def is_misspelt(self, name: str) -> bool:
@@ -332,7 +332,7 @@ class _Builder:
             return True
         names = (name for name in ast.walk(node) if isinstance(name, ast.Name))
         unknown = [name for name in names if evaluate(name, self.constants) is None]
-        news = [self.unknown.add("PG820", *keys_of(name, self.name)) for name in unknown]
+        news = [self.unknown.add(*keys_of(name, self.name)) for name in unknown]
         return all(news)
 
     def length(self, spec: ast.StringSpec) -> int:

@@ -9,13 +9,13 @@ from plcgen.scl import ast
 
 @dataclass(slots=True)
 class UnknownNames:
-    """What has been reported, as code and upper-case key."""
+    """What has been reported, whatever it was taken for: a type, a tag, a constant, a block."""
 
-    reported: set[tuple[str, str]] = field(default_factory=set)
+    reported: set[str] = field(default_factory=set)
 
-    def add(self, code: str, *names: str) -> bool:
+    def add(self, *names: str) -> bool:
         """Whether none of the keys of a name has been reported; now they have."""
-        keys = {(code, name.upper()) for name in names}
+        keys = {name.upper() for name in names}
         if not self.reported.isdisjoint(keys):
             return False
         self.reported |= keys

@@ -128,7 +128,7 @@ class Context:
 
     def unknown(self, code: str, message: str, names: tuple[str, ...], node: ast.Node, text: str = "") -> None:
         """Report a name that nobody knows, with its keys, at the first of its uses in the program."""
-        if not self.link.unknown.add(code, *names):
+        if not self.link.unknown.add(*names):
             return
         if self.names < MAX_DIAGNOSTICS:  # many unknown tags hide no mistake of another kind
             self.names += 1
