@@ -120,13 +120,18 @@ def test_what_another_device_lends_decides_nothing() -> None:
     assert find_device("sinamics-g120x").parameters[1121].read("type")
 
 
+POSITIONER = {2640, 2641, 2649}
+"""They name VECTOR, but not VECTOR_G, among their objects."""
+
+
 def test_one_list_has_three_devices() -> None:
-    """G130, G150 and S150: the same rows but for r0964, and the counts without them that the page tells."""
+    """G130, G150 and S150: the same rows but for r0964 and the positioner, and the counts that the page tells."""
     lists = [find_device(f"sinamics-{name}").parameters for name in ("g150", "g130", "s150")]
     rows = [{pnu: replace(one, source="") for pnu, one in known.items()} for known in lists]
     for other in rows[1:]:
         assert {pnu for pnu, one in rows[0].items() if other[pnu] != one} == {964}
-        assert rows[0].keys() == other.keys()
+    assert rows[0].keys() == rows[1].keys() == rows[2].keys() - POSITIONER
+    assert rows[2].keys() >= POSITIONER
     others = [
         name for name in device_names() if name[-4:] not in {"g130", "g150", "s150"} and not find_device(name).like
     ]
@@ -140,10 +145,27 @@ def test_like_names_a_shipped_device(tmp_path: Path) -> None:
     (tmp_path / "own.yaml").write_text(ACME.replace("sources:", "like: sinamics-g121\nsources:"), "utf-8")
     with pytest.raises(DiagnosticError, match='there is no shipped device "sinamics-g121"') as wrong:
         find_device(str(tmp_path / "own.yaml"))
-    assert wrong.value.diagnostics[0].help.startswith('did you mean "sinamics-g120"?')
+    (told,) = wrong.value.diagnostics
+    assert told.help.startswith('did you mean "sinamics-g120"?')
+    assert (told.code, told.span.line, told.span.column) == ("PG201", 5, 7)
     (tmp_path / "own.yaml").write_text(ACME.replace("sources:", "like: sinamics-g120\nsources:"), "utf-8")
     found = find_device(str(tmp_path / "own.yaml"))
     assert (found.parameters[1].title, found.parameters[1120].name) == ("Read", "ramp_up_time")
+
+
+def test_a_wrong_like_hides_no_other_mistake(tmp_path: Path) -> None:
+    """It is told in the same run as they are, and so is a display that is made writable against the device."""
+    wrong = ACME.replace("sources:", "like: sinamics-g200\nsources:").replace("type: Integer16, max: 9", "type: Real")
+    (tmp_path / "own.yaml").write_text(wrong, "utf-8")
+    with pytest.raises(DiagnosticError) as found:
+        find_device(str(tmp_path / "own.yaml"))
+    assert [(d.code, d.span.line) for d in found.value.diagnostics] == [("PG201", 5), ("PG205", 10)]
+    for like, code in (("sinamics-s120", "PG207"), ("12", "PG106")):
+        text = ACME.replace("sources:", f"like: {like}\nsources:") + "  P21: {type: FloatingPoint, access: rw}\n"
+        (tmp_path / "own.yaml").write_text(text, "utf-8")
+        with pytest.raises(DiagnosticError) as found:
+            find_device(str(tmp_path / "own.yaml"))
+        assert [d.code for d in found.value.diagnostics] == [code]
 
 
 def test_no_row_is_without_a_source_of_its_own() -> None:

@@ -23,18 +23,18 @@ drives:
     drive_object: 3
     comment: "<script>alert(1)</script>"
     parameters:
-      P2900: {{type: FloatingPoint, name: long_one, title: "<img src=x onerror=alert(2)> | *marks*", unit: "</td>"}}
+      P2890: {{type: FloatingPoint, name: long_one, title: "<img src=x onerror=alert(2)> | *marks*", unit: "</td>"}}
       P2901: {{type: Unsigned16, array: 20}}
 jobs:
   write_it_all:
     drive: axis_of_the_conveyor_in_front_of_the_oven
     comment: "]]> --> </script> &amp;"
     write:
-      - {{parameter: P2900, as: {LONG}}}
+      - {{parameter: P2890, as: {LONG}}}
       - {{parameter: "P2901[0..19]"}}
   read_it_all:
     drive: axis_of_the_conveyor_in_front_of_the_oven
-    read: [P2900, "P2901[0..9]"]
+    read: [P2890, "P2901[0..9]"]
 """
 
 

@@ -80,21 +80,25 @@ def read_profile(path: Path, key: str) -> Device:
         DiagnosticError: with every problem of the file, each at its place.
     """
     from plcgen.input.validation import load_document
-    from plcgen.protocols.ds47.profile import PROFILE
+    from plcgen.protocols.ds47.profile import LENDERS, PROFILE
 
     file = path.as_posix()
-    model = load_document(read_text(path, file), file, PROFILE).model
+    lenders = {name: functools.partial(_shipped_device, name) for name in _shipped() if name != key}
+    model = load_document(read_text(path, file), file, PROFILE, {LENDERS: lenders}).model
     device = model.device(key)
     if model.like is None:
         return device
-    if model.like not in _shipped() or model.like == key:
-        help_ = f"{did_you_mean(model.like, _shipped())} shipped devices: {', '.join(_shipped())}".strip()
-        raise DiagnosticError(
-            [Diagnostic("PG201", f'like: there is no shipped device "{model.like}"', Span(file), help=help_)]
-        )
     base = _shipped_device(model.like)
     lent = {pnu: _lent(one, base) for pnu, one in base.parameters.items()}
-    return replace(device, like=model.like, parameters={**lent, **device.parameters})
+    own = {pnu: _guarded(one, lent.get(pnu)) for pnu, one in device.parameters.items()}
+    return replace(device, like=model.like, parameters={**lent, **own})
+
+
+def _guarded(one: Parameter, lent: Parameter | None) -> Parameter:
+    """A parameter of a profile: what can do harm, or can only be read, in the device that it is like stays so."""
+    if lent is None:
+        return one
+    return replace(one, dangerous=one.dangerous or lent.dangerous, access="r" if lent.access == "r" else one.access)
 
 
 def _lent(one: Parameter, base: Device) -> Parameter:

@@ -19,6 +19,7 @@ from pydantic import (
     field_validator,
 )
 
+from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.validation import FileShape, Problems, StrictModel, problem
 from plcgen.project.schema import Value
 from plcgen.protocols.ds47 import guards
@@ -40,6 +41,9 @@ from plcgen.protocols.ds47.wire.bico import Layout, parse_bico
 from plcgen.protocols.ds47.wire.errors import Table
 from plcgen.protocols.ds47.wire.formats import Format, FormatKind, FormatValueError
 from plcgen.protocols.ds47.wire.model import MAX_ELEMENTS, MAX_PARAMETERS, RECORD_LIMIT
+
+LENDERS = "lenders"
+"""In the context of a validation: the shipped devices that a profile may be like, by name, each as what reads it."""
 
 RecordIndex = Annotated[int, Field(ge=1, le=0xFFFF)]
 DriveObject = Annotated[int, Field(ge=0, le=255)]
@@ -239,10 +243,21 @@ class DeviceProfile(StrictModel):
     sources: dict[str, Line] = Field(default_factory=dict, description="sources by a short name, for parameters")
     parameters: dict[ParameterNumber, ParameterEntry] = Field(default_factory=dict, description="the catalogue")
 
+    @field_validator("like")
+    @classmethod
+    def _is_shipped(cls, like: str | None, info: ValidationInfo) -> str | None:
+        lenders = (info.context or {}).get(LENDERS, {})
+        if like is not None and like not in lenders:
+            help_ = f"{did_you_mean(like, lenders)} shipped devices: {', '.join(lenders)}".strip()
+            raise problem(f'like: there is no shipped device "{like}"', code="PG201", help_=help_)
+        return like
+
     @field_validator("parameters", mode="wrap")
     @classmethod
-    def _are_different(cls, given: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+    def _are_different(cls, given: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
         """Numbers and names are compared as they were given, so that other mistakes do not hide them."""
+        like = info.data.get("like")
+        lent = info.context[LENDERS][like]().parameters if like is not None and info.context else {}
         problems, numbers, names, parameters = Problems(), dict[int, str](), dict[str, str](), None
         try:
             parameters = handler(given)
@@ -257,7 +272,7 @@ class DeviceProfile(StrictModel):
             named = names.setdefault(name, key) if isinstance(name, str) else key
             if named != key:
                 problems.add(problem(f'{named} has the name "{name}" as well'), key, "name")
-            reason = guards.why_read_only(key, pnu)
+            reason = guards.why_read_only(key, pnu, catalogued=lent[pnu].access if pnu in lent else "")
             if reason and isinstance(entry, dict) and entry.get("access") in {"w", "rw"}:
                 problems.add(problem(f"{key} cannot be written: {reason}", code="PG207"), key, "access")
         problems.raise_any()

@@ -51,9 +51,10 @@ def _instance(job: DriveJob) -> JobInstance:
 
 
 def _write(plan: DrivePlan, shape: DriveJob, use: Use) -> WriteEntry:
-    jobs = [job for job in plan.jobs if job.shape == shape.shape]
-    parameter = use.parameter
-    danger = shape.drive.device.danger(parameter.pnu)
+    jobs, parameter = plan.instances(shape), use.parameter
+    kinds = plan.drive_kinds(shape)
+    danger = next((why for job in kinds if (why := job.drive.device.danger(parameter.pnu))), "")
+    at = shape.uses.index(use)
     triggers = [_trigger(job) for job in jobs]
     source = _source(shape, use)
     return WriteEntry(
@@ -71,7 +72,7 @@ def _write(plan: DrivePlan, shape: DriveJob, use: Use) -> WriteEntry:
         danger=danger,
         signed=(plan.sign_off(shape, parameter.pnu) or "") if danger else "",
         safety=parameter.pnu in guards.SAFETY,
-        doubts=tuple(_doubts(parameter)),
+        doubts=tuple(dict.fromkeys(doubt for job in kinds for doubt in _doubts(job.own[at].parameter))),
     )
 
 

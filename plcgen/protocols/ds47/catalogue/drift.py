@@ -74,7 +74,7 @@ def drift(
     for job in plan.jobs:
         if job.drive.key != drive:
             continue
-        for use in job.uses:
+        for use in job.own:
             if use.verifies is None and use.poll is None and not use.precedes and not use.state:
                 row = _row(job, use, listed.get(use.parameter.pnu))
                 unsaid = row.verdict == MISSING and use.parameter.pnu in silent

@@ -37,7 +37,7 @@ def compare_drives(plan: DrivePlan, readers: Mapping[str, Reader]) -> Iterator[L
         reader = readers.get(job.drive.key)
         if reader is None:
             continue
-        for use in job.uses:
+        for use in job.own:
             if (use.writes or use.compared) and use.parameter.pnu not in guards.SET_BACK and not use.format.is_string:
                 yield from _use(job, use, reader)
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from itertools import groupby
+from itertools import chain, groupby
 
-from plcgen.diagnostics import Diagnostic, Report
+from plcgen.diagnostics import Diagnostic, Note, Report
 from plcgen.project.nouns import BlockRef, Buffer, PlannedTrigger
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec, SpecPath
@@ -75,26 +75,24 @@ class DriveJobPlanner:
         packed = _packed(uses, first, self.loaded, self.report)
         if packed is None:
             return ()
-        for other in drives[1:]:
-            if resolver.alike(self.resolvers[other.key]):
-                continue
-            self._same_telegrams(kind, packed, first, other, path)
+        own = self._own_uses(kind, uses, packed, drives, path)
         if len(packed) > len(_directions(uses)) and job.split == "never":
             _report_unsplittable(kind, path, uses, first, self.loaded, self.report)
         if job.trigger is not None and len(drives) > 1:
             _report_shared_flags(key, len(drives), self.loaded, path, self.report)
-        return self._instances(key, kind, uses, packed, drives)
+        return self._instances(key, kind, own, packed, drives)
 
     def _instances(
         self,
         key: str,
         kind: JobKind,
-        uses: tuple[Use, ...],
+        uses_of: Mapping[str, tuple[Use, ...]],
         packed: list[tuple[Part, ...]],
         drives: tuple[PlannedDrive, ...],
     ) -> tuple[DriveJob, ...]:
-        """What all instances share, and an instance for each drive."""
+        """What all instances share, and an instance for each drive, with its own uses."""
         job, first, numbering = self.loaded.sections(DriveSections).jobs[key], drives[0], self.numbering
+        uses = uses_of[first.key]
         path, name, given, many = ("jobs", key), pascal_case(key), job.block.name, len(drives) > 1
         reference = job.reference if job.reference is not None else 1
         faq = (job.names or self.loaded.spec.plc.names) == "faq"
@@ -117,6 +115,7 @@ class DriveJobPlanner:
                 link=drive,
                 caller=self.callers.caller(drive.unit, size),
                 uses=uses,
+                own=uses_of[drive.key],
                 telegrams=telegrams,
                 block=block,
                 trigger=self._trigger(job, path) if drive is first else PlannedTrigger(),
@@ -145,6 +144,30 @@ class DriveJobPlanner:
         recorded = tuple(use for use in uses if use.recorded)
         return self.recipes.of(getattr(job, kind.key), key, recorded, self.resolvers[drive.key])
 
+    def _own_uses(
+        self,
+        kind: JobKind,
+        uses: tuple[Use, ...],
+        packed: list[tuple[Part, ...]],
+        drives: tuple[PlannedDrive, ...],
+        path: tuple[str, str],
+    ) -> dict[str, tuple[Use, ...]]:
+        """The uses as each drive knows its parameters; those of drives that know them alike are found once.
+
+        PG222 where the telegrams would not be the same or would not mean the same: one block cannot serve both.
+        """
+        first = drives[0]
+        seen = [(self.resolvers[first.key], uses)]
+        found = {first.key: uses}
+        for drive in drives[1:]:
+            resolver = self.resolvers[drive.key]
+            known = next((own for other, own in seen if other.alike(resolver)), None)
+            if known is None:
+                known = self._same_telegrams(kind, packed, first, drive, path) or uses
+                seen.append((resolver, known))
+            found[drive.key] = known
+        return found
+
     def _same_telegrams(
         self,
         kind: JobKind,
@@ -152,23 +175,27 @@ class DriveJobPlanner:
         first: PlannedDrive,
         other: PlannedDrive,
         path: tuple[str, str],
-    ) -> None:
-        """PG222: the parameters of a job are not the same on another of its drives: one block cannot serve both."""
+    ) -> tuple[Use, ...] | None:
+        """The uses of another drive; None after PG222."""
         job = self.loaded.sections(DriveSections).jobs[path[1]]
         quiet = Report()
         resolver = self.resolvers[other.key].reporting(quiet)
         uses = Accesses(job, path, self.loaded, self.recipes, resolver, quiet).uses(kind)
         own = _packed(uses, other, self.loaded, quiet) if uses else None
-        if own is not None and _meanings(packed) == _meanings(own):
-            return
+        same = own is not None and _meanings(packed) == _meanings(own)
+        units = _units(packed, own) if own is not None and same else ""
+        if same and not units:
+            return uses
         why = (
             f"{first.key} is a {first.device.key}, {other.key} a {other.device.key}"
             if first.device is not other.device
-            else ("their parameters are defined differently")
+            else "their parameters are defined differently"
         )
-        message = f'"{path[1]}" cannot be one block for {first.key} and {other.key}: {why}'
+        message = f'"{path[1]}" cannot be one block for {first.key} and {other.key}: {units or why}'
+        notes = tuple(Note(f"{other.key}: {one.message}", one.span) for one in quiet)
         place = self.loaded.span((*path, "drive"))
-        self.report.add(Diagnostic("PG222", message, place, help="make a job for each kind of drive"))
+        self.report.add(Diagnostic("PG222", message, place, help="make a job for each kind of drive", notes=notes))
+        return None
 
 
 def _clock(kind: JobKind, numbering: Numbering) -> Elementary | None:
@@ -206,6 +233,15 @@ def _meanings(packed: list[tuple[Part, ...]]) -> list[tuple[bytes, list[tuple[ob
 def _meaning(use: Use, data: bytes) -> tuple[object, ...]:
     limits = (use.parameter.minimum, use.parameter.maximum) if use.recorded else ()
     return use.format.code, data if use.compared else b"", *limits
+
+
+def _units(packed: list[tuple[Part, ...]], other: list[tuple[Part, ...]]) -> str:
+    """Which parameter has another unit on the other drive; empty if none has."""
+    for one, its in zip(chain.from_iterable(packed), chain.from_iterable(other), strict=True):
+        here, there = one.use.parameter.unit, its.use.parameter.unit
+        if here and there and here.lower() != there.lower():
+            return f"{one.use.label} is in {here} and in {there}"
+    return ""
 
 
 def _own_blocks(

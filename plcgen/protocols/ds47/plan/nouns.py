@@ -303,7 +303,9 @@ class DriveJob(PlannedJob):
     """A parameter job on one drive: an instance of a function block that it shares with the same job on other drives.
 
     ``shape`` is the job's key in the spec, ``slot`` its place in the unit, from 1; ``caller`` calls it; ``once`` says
-    that a change is never sent again without knowing what became of it.
+    that a change is never sent again without knowing what became of it. ``uses`` are those of the block, as its first
+    drive knows the parameters, ``own`` the same accesses as this drive knows them: what it says of access, danger and
+    grades. Instances whose drives know them alike have the same ``own``.
     ``clock`` is the type of the time at its input, if it sets a clock.
     """
 
@@ -314,6 +316,7 @@ class DriveJob(PlannedJob):
     shape: str
     slot: int
     uses: tuple[Use, ...]
+    own: tuple[Use, ...]
     block: BlockRef
     reference: int
     retry_pause: int
@@ -455,9 +458,24 @@ class DrivePlan(Plan):
     @cached_property
     def shapes(self) -> tuple[DriveJob, ...]:
         """One job for each function block: the first of those that share it."""
-        first: dict[str, DriveJob] = {}
+        return tuple(jobs[0] for jobs in self._instances.values())
+
+    def instances(self, shape: DriveJob) -> tuple[DriveJob, ...]:
+        """The jobs that share a function block, one for each drive."""
+        return self._instances[shape.shape]
+
+    @cached_property
+    def _instances(self) -> dict[str, tuple[DriveJob, ...]]:
+        found: dict[str, list[DriveJob]] = {}
         for job in self.jobs:
-            first.setdefault(job.shape, job)
+            found.setdefault(job.shape, []).append(job)
+        return {shape: tuple(jobs) for shape, jobs in found.items()}
+
+    def drive_kinds(self, shape: DriveJob) -> tuple[DriveJob, ...]:
+        """One of the instances for each kind of drive: the first of those whose drives know the parameters alike."""
+        first: dict[tuple[str, int], DriveJob] = {}
+        for job in self.instances(shape):
+            first.setdefault((job.drive.device.key, id(job.own)), job)
         return tuple(first.values())
 
     @cached_property

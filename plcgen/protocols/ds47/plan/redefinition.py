@@ -37,6 +37,8 @@ def widened(known: Parameter, own: ParameterDef) -> Iterator[tuple[str, str]]:
     """Each key of a definition that contradicts what was read, with what was read."""
     if known.read("type") and own.type.lower() != known.type.lower():
         yield "type", f"is {known.type}, not {own.type}"
+    if known.read("unit") and own.unit and own.unit.lower() != known.unit.lower():
+        yield "unit", f"is in {known.unit}, not {own.unit}"
     if own.min is not None and known.minimum is not None and own.min < known.minimum:
         yield "min", f"begins at {known.minimum:g}, not {own.min:g}"
     if own.max is not None and known.maximum is not None and own.max > known.maximum:

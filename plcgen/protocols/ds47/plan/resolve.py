@@ -172,6 +172,7 @@ def _own_parameters(
         own[reference.pnu] = found if known is None else merged(known, found)
         for key, told in widened(known, definition) if known is not None else ():
             message = f"P{reference.pnu} {told}: {known.source}" if known is not None else ""
-            help_ = f"remove {key}, or narrow it; a device that differs gets a profile of its own (docs/devices.md)"
+            narrow = "" if key == "unit" else ", or narrow it"
+            help_ = f"remove {key}{narrow}; a device that differs gets a profile of its own (docs/devices.md)"
             report.add(Diagnostic("PG229", message, loaded.span((*path, key)), help=help_))
     return own

@@ -58,7 +58,7 @@ def _drive(plan: DrivePlan, drive: PlannedDrive) -> Iterator[Assumption]:
     uses: dict[int, Use] = {}
     for job in plan.jobs:
         if job.drive is drive:
-            for use in job.uses:
+            for use in job.own:
                 uses.setdefault(use.parameter.pnu, use)
     own = {number_of(text): (text, one) for text, one in plan.settings(drive).parameters.items()}
     for use in uses.values():

@@ -86,7 +86,7 @@ class Plant:
         uses: dict[int, list[Use]] = {drive.drive_object: [] for drive in self.plan.drives if drive.unit is unit}
         for job in self.plan.jobs:
             if job.drive.unit is unit:
-                uses[job.drive.drive_object] += job.uses
+                uses[job.drive.drive_object] += job.own
         return ScriptedDrive(build_unit(unit.device, uses))
 
     def fresh(self, name: str = "") -> Plant:

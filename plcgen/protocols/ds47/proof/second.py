@@ -163,7 +163,7 @@ def second_drive(plan: DrivePlan, drive: PlannedDrive, first: Drive) -> profidri
     """The drive of the documents with the values of the simulated one."""
     said = device(drive.device.key)
     by_size = said.by_size if said is not None else drive.device.answer_format == "size"
-    uses = [use for job in plan.jobs if job.drive is drive for use in job.uses]
+    uses = [use for job in plan.jobs if job.drive is drive for use in job.own]
     parameters: dict[int, profidrive.HeldParameter] = {}
     for use in uses:
         held = first.objects[drive.drive_object].parameters[use.parameter.pnu]

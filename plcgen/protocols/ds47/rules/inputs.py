@@ -19,7 +19,7 @@ _SHOWN = 4
 def unconnected(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG226: a limit or reference without a value: what is written if nobody connects the input is nobody's choice."""
     for shape in plan.shapes:
-        instances = [job for job in plan.jobs if job.shape == shape.shape]
+        instances = plan.instances(shape)
         for use in shape.supplied:
             found = next((job for job in instances if use.parameter.pnu in job.drive.device.bases), None)
             if found is not None and use.writes and not given_start(plan, shape, use):
@@ -56,7 +56,7 @@ def _written(plan: DrivePlan, use: Use) -> str:
 
 
 def _drives(plan: DrivePlan, shape: DriveJob) -> str:
-    names = [job.drive.key for job in plan.jobs if job.shape == shape.shape]
+    names = [job.drive.key for job in plan.instances(shape)]
     return names[0] if len(names) == 1 else f"{names[0]} .. {names[-1]} ({len(names)} drives)"
 
 

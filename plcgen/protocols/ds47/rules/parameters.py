@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Severity
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.references import number_of
-from plcgen.protocols.ds47.rules.places import parameter_span, spelling
+from plcgen.protocols.ds47.rules.places import of_drive, on_any_drive, parameter_span, spelling
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,24 +22,24 @@ _OPAQUE = frozenset({"BinaryDate", "TimeOfDay", "TimeDifferenceWithDate"})
 
 def access(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG207: a job writes what can only be read, or reads what can only be written."""
-    for job in plan.shapes:
-        for use in job.uses:
-            name = _title(use.parameter)
-            span = parameter_span
-            if use.writes and use.parameter.access == "r":
-                message = f"{name} can only be read"
-                help_ = "the drive would answer error 01h: remove it from write, or read it in another job"
-            elif use.writes and not use.parameter.source and spelling(plan, job, use).strip()[:1] in {"r", "R"}:
-                if use.parameter.pnu in own_numbers(plan, job):
-                    continue
-                message = f"{name} is written with r, which marks a parameter that can only be read"
-                help_ = f"write P{use.parameter.pnu} if the drive accepts values for it"
-            elif not use.writes and use.parameter.access == "w" and use.verifies is None and use.remembers is None:
-                message = f"{name} can only be written"
-                help_ = f"remove it from {job.kind}"
-            else:
-                continue
-            yield Diagnostic("PG207", message, span(plan, use), help=help_)
+    for job, use, (what, help_) in on_any_drive(plan, partial(_no_access, plan)):
+        title = _title(use.parameter)
+        yield Diagnostic("PG207", f"{title}{of_drive(plan, job)} {what}", parameter_span(plan, use), help=help_)
+
+
+def _no_access(plan: DrivePlan, job: DriveJob, use: Use) -> tuple[str, str] | None:
+    """What is wrong, and what helps."""
+    if use.writes and use.parameter.access == "r":
+        help_ = "the drive would answer error 01h: remove it from write, or read it in another job"
+        return "can only be read", help_
+    if use.writes and not use.parameter.source and spelling(plan, job, use).strip()[:1] in {"r", "R"}:
+        if use.parameter.pnu in own_numbers(plan, job):
+            return None
+        what = "is written with r, which marks a parameter that can only be read"
+        return what, f"write P{use.parameter.pnu} if the drive accepts values for it"
+    if not use.writes and use.parameter.access == "w" and use.verifies is None and use.remembers is None:
+        return "can only be written", f"remove it from {job.kind}"
+    return None
 
 
 def own_numbers(plan: DrivePlan, job: DriveJob) -> set[int | None]:
@@ -84,20 +85,17 @@ def _last(use: Use) -> int:
 
 def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG219: a write that can do harm is not signed off, or a sign-off names nothing."""
+    for job, use, reason in on_any_drive(plan, partial(_danger, plan)):
+        pnu = use.parameter.pnu
+        key = "allow_safety" if pnu in guards.SAFETY else "allow"
+        yield Diagnostic(
+            "PG219",
+            f"writing {_title(use.parameter)}{of_drive(plan, job)} needs a sign-off: {reason}",
+            parameter_span(plan, use),
+            help=f"if this is intended, add {key}: {{P{pnu}: why}} to the job",
+        )
     for job in plan.shapes:
         spec = plan.entry(job)
-        for use in job.uses:
-            if not use.writes:
-                continue
-            reason, pnu = job.drive.device.danger(use.parameter.pnu), use.parameter.pnu
-            if reason and plan.sign_off(job, pnu) is None:
-                key = "allow_safety" if pnu in guards.SAFETY else "allow"
-                yield Diagnostic(
-                    "PG219",
-                    f"writing {_title(use.parameter)} needs a sign-off: {reason}",
-                    parameter_span(plan, use),
-                    help=f"if this is intended, add {key}: {{P{pnu}: why}} to the job",
-                )
         written = {use.parameter.pnu for use in job.uses if use.writes}
         for key in ("allow", "allow_safety"):
             for text in getattr(spec, key):
@@ -109,6 +107,13 @@ def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
                         Severity.WARNING,
                         help=f"remove it from {key}",
                     )
+
+
+def _danger(plan: DrivePlan, job: DriveJob, use: Use) -> str:
+    """Why a write needs the sign-off that the job does not give."""
+    pnu = use.parameter.pnu
+    reason = job.drive.device.danger(pnu) if use.writes else ""
+    return reason if reason and plan.sign_off(job, pnu) is None else ""
 
 
 def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:
@@ -135,20 +140,22 @@ def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:
 def unknown_types(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG228: nobody has looked up of which type a parameter is; a wrong one is refused, or read as another value."""
     told = set()
-    for job in plan.shapes:
-        for use in job.uses:
-            known = (job.drive.device.key, use.parameter.pnu)
-            if use.parameter.pnu in own_numbers(plan, job):
-                continue
-            if use.parameter.grades.get("type") == "recalled" and known not in told:
-                told.add(known)
-                yield Diagnostic(
-                    "PG228",
-                    f"{use.label} is {use.format.name} by general knowledge: nobody has looked it up",
-                    parameter_span(plan, use),
-                    Severity.WARNING,
-                    help=f"look it up, then define it in the drive: parameters: {{P{use.parameter.pnu}: {{type: ..}}}}",
-                )
+    for job, use, _ in on_any_drive(plan, partial(_recalled, plan)):
+        known = (job.drive.device.key, use.parameter.pnu)
+        if known not in told:
+            told.add(known)
+            yield Diagnostic(
+                "PG228",
+                f"{use.label}{of_drive(plan, job)} is {use.format.name} by general knowledge: nobody has looked it up",
+                parameter_span(plan, use),
+                Severity.WARNING,
+                help=f"look it up, then define it in the drive: parameters: {{P{use.parameter.pnu}: {{type: ..}}}}",
+            )
+
+
+def _recalled(plan: DrivePlan, job: DriveJob, use: Use) -> bool:
+    recalled = use.parameter.grades.get("type") == "recalled"
+    return recalled and use.parameter.pnu not in own_numbers(plan, job)
 
 
 def definitions(plan: DrivePlan) -> Iterator[Diagnostic]:

@@ -2,15 +2,41 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from plcgen.project.rules.places import node_at
 from plcgen.protocols.ds47.kinds.registry import kind_called
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
     from plcgen.diagnostics import Span
     from plcgen.protocols.ds47.kinds.kind import ReadItem, WriteItem
     from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
+
+Found = TypeVar("Found")
+
+
+def on_any_drive(
+    plan: DrivePlan, find: Callable[[DriveJob, Use], Found | None]
+) -> Iterator[tuple[DriveJob, Use, Found]]:
+    """Every use of which a rule finds something, with the first drive of the job of which it does: told once for all.
+
+    A rule about parameters looks at them as every drive of a job knows them, never at those of the first drive alone.
+    """
+    for shape in plan.shapes:
+        told: set[int] = set()
+        for job in plan.drive_kinds(shape):
+            for use in job.own:
+                found = None if use.position in told else find(job, use)
+                if found:
+                    told.add(use.position)
+                    yield job, use, found
+
+
+def of_drive(plan: DrivePlan, job: DriveJob) -> str:
+    """Names the drive of an instance, unless it is the first of its job."""
+    return "" if job is plan.instances(job)[0] else f" of {job.drive.key}"
 
 
 def parameter_span(plan: DrivePlan, use: Use) -> Span:

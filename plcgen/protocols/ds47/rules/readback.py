@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from plcgen.diagnostics import Diagnostic
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.kinds.clock import UTC
-from plcgen.protocols.ds47.rules.places import parameter_span
+from plcgen.protocols.ds47.rules.places import of_drive, on_any_drive, parameter_span
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -18,16 +18,13 @@ if TYPE_CHECKING:
 
 def readable(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG246: what is written cannot be read, or is not what the drive has afterwards."""
-    for job in plan.shapes:
-        for use in job.uses:
-            why = "" if use.verifies is None else _why_not(use.parameter)
-            if why:
-                yield Diagnostic(
-                    "PG246",
-                    f"{use.label} cannot be read back: {why}",
-                    parameter_span(plan, use),
-                    help="write it in a job of its own, without verify",
-                )
+    for job, use, why in on_any_drive(plan, lambda _, use: "" if use.verifies is None else _why_not(use.parameter)):
+        yield Diagnostic(
+            "PG246",
+            f"{use.label}{of_drive(plan, job)} cannot be read back: {why}",
+            parameter_span(plan, use),
+            help="write it in a job of its own, without verify",
+        )
 
 
 def _why_not(parameter: Parameter) -> str:

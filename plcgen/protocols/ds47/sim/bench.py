@@ -25,7 +25,7 @@ SAVING_MS = 300
 
 def build_drive(plan: DrivePlan, drive: PlannedDrive, faults: Iterable[Fault] = (), *, distinct: bool = False) -> Drive:
     """A drive with the profile's behaviour. ``distinct`` gives every value another content."""
-    uses = [use for job in plan.jobs if job.drive is drive for use in job.uses]
+    uses = [use for job in plan.jobs if job.drive is drive for use in job.own]
     return build_unit(drive.device, {drive.drive_object: uses}, faults, distinct=distinct)
 
 

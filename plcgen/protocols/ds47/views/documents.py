@@ -54,7 +54,7 @@ def _programs(plan: DrivePlan) -> Iterator[FunctionBlock]:
     yield from engine_programs(plan)
     commands = []
     for shape in plan.shapes:
-        instances = [job for job in plan.jobs if job.shape == shape.shape]
+        instances = plan.instances(shape)
         made = program(plan, shape, instances)
         commands += list(zip(instances, made.commands, strict=True))
         yield made
@@ -67,7 +67,7 @@ def _guide(plan: DrivePlan) -> tuple[list[GuidePart], list[GuidePart]]:
     numbered = [
         buffer.db for job in plan.shapes for telegram in job.telegrams for buffer in telegram.buffers if buffer.db
     ]
-    writes = [_write_row(plan, job, use) for job in plan.jobs for use in job.uses if use.writes]
+    writes = [_write_row(plan, job, use) for job in plan.jobs for use in job.own if use.writes]
     before: list[GuidePart] = [("ds47/import_drives.md.j2", _identifiers(plan))]
     if numbered:
         before.append(("ds47/import.md.j2", {"numbered": numbered}))
