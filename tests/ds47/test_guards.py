@@ -10,6 +10,7 @@ import pytest
 from yaml_files import read_yaml
 
 from plcgen import api
+from plcgen.protocols.ds47.devices import device_names, find_device
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.load import load_drive
@@ -26,15 +27,17 @@ parameters:
 
 
 def write(folder: Path, case: dict[str, Any], sign: str | None = None) -> Path:
-    """The spec of a case, and its profile."""
+    """The spec of a case, and its profile; with another drive in front of its own if it names one."""
     if "profile" in case:
-        (folder / "acme.yaml").write_text(f"{PROFILE}  {case['profile']}\n", "utf-8")
-    job = f"drive: d, write: [{case['write']}]"
+        like = f"like: {case['like']}\n" if "like" in case else ""
+        (folder / "acme.yaml").write_text(f"{like}{PROFILE}  {case['profile']}\n", "utf-8")
+    front = f"front: {{device: {case['front']}, address: 300}}, " if "front" in case else ""
+    job = f"drive: {'[front, d]' if front else 'd'}, write: [{case['write']}]"
     sign = sign or case.get("sign")
     path = folder / "job.yaml"
     path.write_text(
         "plc: {name: a, family: s7-300, toolchain: tia-v16}\n"
-        f"drives: {{d: {{device: {case.get('drive', './acme.yaml')}, address: 256}}}}\n"
+        f"drives: {{{front}d: {{device: {case.get('drive', './acme.yaml')}, address: 256}}}}\n"
         f"jobs: {{j: {{{job}{', ' + sign if sign else ''}}}}}\n",
         "utf-8",
     )
@@ -42,8 +45,10 @@ def write(folder: Path, case: dict[str, Any], sign: str | None = None) -> Path:
 
 
 def test_the_list_is_long_enough():
-    """At least 60 of them, all different."""
+    """At least 60 of them, all different, and every number that a shipped profile calls dangerous is among them."""
     assert len({str({**case, "name": ""}) for case in DANGEROUS}) == len(DANGEROUS) >= 60
+    known = {f"P{one.pnu}" for name in device_names() for one in find_device(name).parameters.values() if one.dangerous}
+    assert known <= {case["says"] for case in SIGNABLE}
 
 
 @pytest.mark.parametrize("case", DANGEROUS, ids=lambda case: case["name"])
@@ -64,7 +69,8 @@ def test_refused(case, tmp_path):
 @pytest.mark.parametrize("case", SIGNABLE, ids=lambda case: case["name"])
 def test_a_sign_off_is_all_that_is_missing(case, tmp_path):
     """The number and a reason, under the key for its kind."""
-    safety = 9500 <= int(case["says"][1:]) <= 9999
+    number = int(case["says"][1:])
+    safety = 9300 <= number <= 9399 or 9500 <= number <= 10299 or number in {3117, 60022}
     path = write(tmp_path, case, f"{'allow_safety' if safety else 'allow'}: {{{case['says']}: agreed with QA}}")
     assert api.check(path).ok
 

@@ -7,8 +7,11 @@ general knowledge, and are guarded all the same.
 
 from __future__ import annotations
 
-SAFETY = range(9500, 10_000)
-"""Safety Integrated: monitoring limits, acknowledgement, checksums, passwords."""
+SAFETY = frozenset({3117, *range(9300, 9400), *range(9500, 10_300), 60_022})
+"""Safety Integrated: monitoring limits in both channels, terminals, brake test, checksums, passwords, PROFIsafe.
+
+Source: lists of parameters in the TIA Portal information system (VECTOR, S210): SI in the title, or the group.
+"""
 
 READ_ONLY = frozenset({944, 945, 947, 948, 949, 964, 965, 975})
 """Fault buffer, identification of the device, the profile and the drive object: displays in every family."""
