@@ -201,6 +201,12 @@ def _to_text(block: Block, place: Span, types: dict[str, Block], found: Converte
         message = f'{block.kind} "{block.name}" has no SCL code: it is not converted'
         found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
         return None
+    if block.kind is not BlockKind.DB and block.assignments:
+        first, more = block.assignments[0].path, len(block.assignments) - 1
+        message = f'{block.kind} "{block.name}": the start value of {first} is not converted'
+        message += f", nor those of {more} more members" if more else ""
+        help_ = "a source has no place for values of single elements and inside of user types, except in data blocks"
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING, help=help_))
     text = source(block, types)
     problem = _wrong(text, block)
     if problem:

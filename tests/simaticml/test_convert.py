@@ -284,6 +284,18 @@ END_DATA_BLOCK
     assert validate_islands(tmp_path / "xml" / "Recs.xml", "V16") == []
 
 
+def test_start_values_that_a_source_of_a_function_block_cannot_state_are_told(tmp_path: Path) -> None:
+    """A document has values of its own inside user types; a source only behind BEGIN of a data block."""
+    udt = 'TYPE "Q"\nVERSION : 0.1\nSTRUCT\n  w : Int;\nEND_STRUCT;\nEND_TYPE\n'
+    fb = FB.replace("speed : Int := 5", 'speed : "Q" := (w := 5);\n  more : Array[0..1] of "Q" := [(w := 1), (w := 2)]')
+    files = put(tmp_path, a_scl=fb.replace("#speed := 1", ""), b_udt=udt)
+    assert plcgen.convert(*files, to="xml", out=tmp_path / "xml").diagnostics == ()
+    back = plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl")
+    assert [(d.code, d.severity.label, d.message) for d in back.diagnostics] == [
+        ("PG815", "warning", 'FB "Motor": the start value of speed.w is not converted, nor those of 2 more members')
+    ]
+
+
 CALLER = """FUNCTION_BLOCK "Caller"
 VERSION : 0.1
 BEGIN

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,6 +17,9 @@ from yaml_files import read_yaml
 
 from plcgen import api
 from plcgen.diagnostics import Severity
+from plcgen.s7.image import image
+from plcgen.s7.layout import layout_block
+from plcgen.s7.types import ELEMENTARY
 from plcgen.scl.declarations import blocks
 from plcgen.scl.lexer import ERROR, tokenize
 from plcgen.scl.parser import parse
@@ -353,8 +358,6 @@ END_DATA_BLOCK
     assert lost == []
     found, diagnostics = read_simaticml(written.encode())
     assert diagnostics == []
-    from plcgen.s7.image import image
-
     assert image(found[0], {"U": udt}) == image(db, {"U": udt})
     again = block_of(source(found[0]))
     assert image(again, {"U": udt}) == image(db, {"U": udt})
@@ -377,6 +380,101 @@ END_DATA_BLOCK
     written, lost = document(block_of(text), SETTING)
     assert lost == []
     assert re.findall(r'Path="([^"]*)">\s*<StartValue>(\d)', written) == [("0,1", "5"), ("1,0,4", "6")]
+
+
+LISTS = """  us : Array[0..1] of STRUCT
+    q : Array[0..2] of Int := [1, 2, 3];
+    one : Int := 7;
+    r : STRUCT
+      z : Array[4..5, 0..0] of Int := [2(4)];
+    END_STRUCT;
+  END_STRUCT;
+"""
+
+
+def test_a_list_inside_an_array_is_written_for_each_of_its_elements() -> None:
+    """Exports name the indices of all arrays: us[0] and us[1] have three values of q and two of z, one value of one."""
+    block = block_of(f'DATA_BLOCK "D"\nNON_RETAIN\nVAR\n{LISTS}END_VAR\nBEGIN\n  us[1].q[2] := 9;\nEND_DATA_BLOCK\n')
+    written, lost = document(block, SETTING)
+    assert lost == []
+    assert re.findall(r'Path="([^"]*)">\s*<StartValue>(\d)', written) == [
+        ("0,0", "1"), ("0,1", "2"), ("0,2", "3"), ("1,0", "1"), ("1,1", "2"), ("1,2", "9"),
+        ("0,4,0", "4"), ("0,5,0", "4"), ("1,4,0", "4"), ("1,5,0", "4"),
+    ]  # fmt: skip
+    assert re.findall(r'Name="one" [^>]*>\s*<StartValue>(.*)</StartValue>', written) == ["7"]
+    found, diagnostics = read_simaticml(written.encode())
+    assert diagnostics == []
+    assert image(found[0], {}) == image(block, {})
+
+
+def test_lists_inside_an_array_of_a_function_block_and_of_its_instance_come_back() -> None:
+    """An FB has no lines behind BEGIN: what all elements have is a list again; the instance adds what differs."""
+    fb = """FUNCTION_BLOCK "F"\n{ S7_Optimized_Access := 'FALSE' }\nVERSION : 0.1\n"""
+    fb += f"VAR\n{LISTS}END_VAR\n\nBEGIN\n;\n"
+    block = block_of(f"{fb}END_FUNCTION_BLOCK\n")
+    written, lost = document(block, SETTING, network(";"))
+    again, diagnostics = read_simaticml(written.encode())
+    assert (lost, diagnostics) == ([], [])
+    assert source(again[0]) == f"{fb}END_FUNCTION_BLOCK\n"
+    db = 'DATA_BLOCK "D"\n{ S7_Optimized_Access := \'FALSE\' }\nVERSION : 0.1\nNON_RETAIN\n"F"\nBEGIN\n'
+    db += "  us[0].q[1] := 8;\n  us[1].one := 3;\nEND_DATA_BLOCK\n"
+    instance = replace(block_of(db), sections=block.sections)
+    written, lost = document(instance, SETTING, types={"F": block})
+    again, diagnostics = read_simaticml(written.encode(), classic=True)
+    assert (lost, diagnostics) == ([], [])
+    assert source(again[0], {"F": block}) == db
+
+
+def test_lists_inside_absurd_arrays_are_bounded() -> None:
+    """Start values of more elements than 100,000 are left out, with a word; it takes no time."""
+    for bounds in ("0..1999999999", "0..40000, 0..40000"):
+        inner = f"q : Array[{bounds}] of Int := [1, 2, 3]; "
+        text = (
+            f'DATA_BLOCK "D"\nVAR\n us : Array[{bounds}] of STRUCT {inner}END_STRUCT;\nEND_VAR\nBEGIN\nEND_DATA_BLOCK\n'
+        )
+        written, lost = document(blocks(parse(text, "x"))[0][0], SETTING)
+        assert lost == ["start values: the block has more than 100000"]
+        assert written.count("<Subelement") == 100_000
+
+
+values = st.integers(0, 2).map(str)
+lists = st.lists(values, min_size=1, max_size=3).map(", ".join)
+declared = st.recursive(
+    st.one_of(
+        values.map(lambda value: f"Int := {value};"),
+        lists.map(lambda listed: f"Array[1..3] of Int := [{listed}];"),
+        st.tuples(lists, values).map(lambda p: f"Array[0..1, 4..6] of Int := [3({p[1]}), {p[0]}];"),
+        st.just("Array[0..1] of Bool;"),
+    ),
+    lambda inner: st.tuples(
+        st.sampled_from(["", "Array[0..1] of ", "Array[-1..0, 1..2] of "]), st.lists(inner, min_size=1, max_size=3)
+    ).map(lambda p: f"{p[0]}STRUCT {' '.join(f'm{n} : {m}' for n, m in enumerate(p[1]))} END_STRUCT;"),
+    max_leaves=8,
+)
+
+
+@given(st.lists(declared, min_size=1, max_size=3), st.data())
+def test_any_start_values_come_back(members: list[str], data: st.DataObject) -> None:
+    """Lists in structures in arrays, with other values behind BEGIN: the same bytes, and nothing that differs."""
+    head = "DATA_BLOCK \"D\"\n{ S7_Optimized_Access := 'FALSE' }\nVAR\n"
+    head += "".join(f"m{n} : {member}\n" for n, member in enumerate(members)) + "END_VAR\nBEGIN\n"
+    places = [
+        e.path for e in layout_block(block_of(f"{head}END_DATA_BLOCK\n"), {}).entries if e.type == ELEMENTARY["INT"]
+    ]
+    chosen = data.draw(st.lists(st.tuples(st.sampled_from(places), values), max_size=4)) if places else []
+    text = head + "".join(f"{path} := {value};\n" for path, value in chosen) + "END_DATA_BLOCK\n"
+    block = block_of(text)
+    written, lost = document(block, SETTING)
+    found, diagnostics = read_simaticml(written.encode())
+    assert (lost, diagnostics) == ([], [])
+    again = block_of(source(found[0]))
+    assert image(found[0], {}) == image(again, {}) == image(block, {})
+    with tempfile.TemporaryDirectory() as folder:
+        for name, content in (("old.db", text), ("new.xml", written), ("again.db", source(found[0]))):
+            (Path(folder) / name).write_text(content, "utf-8-sig")
+        for new in ("new.xml", "again.db"):
+            changes = api.diff(Path(folder) / "old.db", Path(folder) / new).changes
+            assert [c for c in changes if c.kind == "start-value"] == []
 
 
 def test_the_whole_of_a_code_is_written_by_elements_of_offsets() -> None:

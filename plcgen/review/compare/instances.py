@@ -5,12 +5,14 @@ A text lists behind BEGIN what differs; a document repeats every member, with th
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from plcgen.review.compare.starts import literal_start, plain
 from plcgen.s7.blocks import Block, SectionKind
-from plcgen.s7.types import ArrayType, DataType, Member, StructType
-from plcgen.simaticml.writing.starts import Starts
+from plcgen.s7.types import DataType, Member, StructType
+from plcgen.simaticml.datatypes import innermost
+from plcgen.simaticml.writing.starts import single_values
 
 _LOCALS = frozenset({SectionKind.TEMP, SectionKind.CONSTANT})
 
@@ -36,39 +38,29 @@ def instance_starts(block: Block, owner: Block | None) -> tuple[tuple[str, str],
 
 def _values(block: Block) -> dict[str, str]:
     """Literals by path: of declarations, single values of arrays by their index; lines behind BEGIN replace them."""
-    starts = Starts()
-    found: dict[str, str] = {}
-    for path, member in _leaves(block):
-        if member.start is not None:
-            here = tuple(path.split("."))
-            starts.declare(member, here)
-            found |= {_indexed(path, index): literal for index, literal in starts.of(here).items()}
+    members = (m for s in block.sections if s.kind not in _LOCALS for m in s.members)
+    found = {".".join(name.upper() + index for name, index in way): literal for way, literal in single_values(members)}
     for assignment in block.assignments:
         found["".join(assignment.path.split()).replace('"', "").upper()] = assignment.literal
     return found
 
 
-def _indexed(path: str, index: str) -> str:
-    return f"{path}[{index}]" if index else path
-
-
 def _leaves(block: Block) -> Iterator[tuple[str, Member]]:
-    """Members with upper-case paths, those of structures too."""
+    """Members with upper-case paths, those of structures too, and of arrays of them."""
     pending = [("", m) for s in block.sections if s.kind not in _LOCALS for m in s.members]
     while pending:
         prefix, member = pending.pop()
         path = f"{prefix}{member.name.upper()}"
         yield path, member
-        if isinstance(member.type, StructType):
-            pending += [(f"{path}.", inner) for inner in member.type.members]
+        inside = innermost(member.type)
+        if isinstance(inside, StructType):
+            pending += [(f"{path}.", inner) for inner in inside.members]
 
 
 def _canonical(literal: str, type_: DataType | None) -> str:
     """The same text for every spelling of a value; empty for the default of its type."""
-    while isinstance(type_, ArrayType):
-        type_ = type_.element
-    return plain(literal) if type_ is None else literal_start(Member("", type_, literal))
+    return plain(literal) if type_ is None else literal_start(Member("", innermost(type_), literal))
 
 
 def _without_indices(path: str) -> str:
-    return path.partition("[")[0] if path.endswith("]") else path
+    return re.sub(r"\[[^\]]*\]", "", path)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-from itertools import product
+from collections import Counter
+from itertools import islice, product
 from typing import TYPE_CHECKING
 
 from plcgen.s7.image import default_bytes
 from plcgen.s7.literals import LiteralError, pack_literal
 from plcgen.s7.spelling import spell
-from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, Elementary, Member, StringType
+from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, Elementary, Member, StringType, StructType
 from plcgen.s7.values import unpack_value
 
 if TYPE_CHECKING:
@@ -70,12 +71,13 @@ def array_start(data: bytes, shape: Shape) -> str:
     """Start values of an array whose bytes are ``data``; empty if every element has the default of its type.
 
     ``[1, 2, 14(0)]``, row by row, if the elements are values; ``[2].speed := 5.0, [3].on := TRUE`` if they are
-    structures: what differs from the type, wherever it lies. A digest of that if it is long.
+    structures: what differs from the type, wherever it lies; of an array that declares its structure, what differs from
+    most elements, for what all have is as well declared as assigned to each. A digest of that if it is long.
     """
     element = shape.element
     if element is None or not isinstance(shape.type, ArrayType):
         return ""
-    blank = default_bytes(element)
+    blank = _usual(data, shape) if isinstance(element.type, StructType) else default_bytes(element)
     places = list(_differing(data, shape, blank))
     if not places:
         return ""
@@ -96,6 +98,12 @@ def _offsets(shape: Shape) -> Iterator[tuple[str, int]]:
     for index in product(*(range(low, high + 1) for low, high in bounds)):
         steps = zip(index, bounds, shape.strides, strict=True)
         yield ",".join(map(str, index)), sum((i - low) * stride for i, (low, _), stride in steps)
+
+
+def _usual(data: bytes, shape: Shape) -> bytes:
+    """The most frequent contents of an element, of equally frequent ones the first."""
+    size = 0 if shape.element is None else shape.element.bits // 8
+    return Counter(data[at // 8 : at // 8 + size] for _, at in _offsets(shape)).most_common(1)[0][0]
 
 
 def _differing(data: bytes, shape: Shape, blank: bytes) -> Iterator[tuple[str, int]]:
@@ -126,7 +134,10 @@ def _value(data: bytes, shape: Shape, at: int) -> str:
 def _entries(data: bytes, element: Shape, blank: bytes, places: list[tuple[str, int]]) -> Iterator[str]:
     """Members of structured elements whose value is not that of the type."""
     left = _MOST_VALUES
-    leaves = list(_leaves(element, 0, ""))
+    leaves = list(islice(_leaves(element, 0, ""), _MOST_VALUES + 1))
+    if len(leaves) > _MOST_VALUES:
+        yield hashlib.sha256(data).hexdigest()
+        return
     for index, start in places:
         for path, leaf, at in leaves:
             value, usual = _value(data, leaf, start + at), _value(blank, leaf, at)
@@ -145,8 +156,12 @@ def _leaves(shape: Shape, at: int, prefix: str) -> Iterator[tuple[str, Shape, in
         if field.member.at is not None:
             continue
         path = f"{prefix}{field.member.name}"
+        inner = field.shape.element
         if field.shape.fields:
             yield from _leaves(field.shape, at + field.offset, f"{path}.")
+        elif inner is not None and isinstance(inner.type, StructType):
+            for index, offset in _offsets(field.shape):
+                yield from _leaves(inner, at + field.offset + offset, f"{path}[{index}].")
         else:
             yield path, field.shape, at + field.offset
 

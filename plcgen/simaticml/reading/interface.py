@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import re
+from collections import Counter
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind
@@ -25,7 +27,7 @@ from plcgen.simaticml.reading.values import SINGLE, is_start_value
 from plcgen.simaticml.reading.xml import TAGS, child, children, namespace, parts, span, text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from lxml.etree import _Element as Element
 
@@ -44,16 +46,25 @@ LOOK_BACK = 1024
 MAX_PROBLEMS = 1000
 """Problems of one document that are told."""
 
-Steps = tuple[tuple[str, int], ...]
-"""The way to a member: names, and how many dimensions each has."""
+Bounds = tuple[tuple[int, int], ...]
+Steps = tuple[tuple[str, Bounds | None], ...]
+"""The way to a member: names, and the bounds of the arrays that each is, None if nobody knows them."""
 
 _INHERITED = frozenset({"Base"})
 """What a GRAPH block takes over from its base type, which has no memory of its own."""
 
 _CONSTANT_HELP = "name the tag table with the constant, or the folder of the PLC"
 _SECTIONS = {kind.value: kind for kind in SectionKind} | {"None": SectionKind.STATIC}
-_UNKNOWN = -1_000_000
 _PLAIN = re.compile(r"[^\W\d]\w*")
+_INDEX = re.compile(r"\s*-?[0-9]{1,10}\s*").fullmatch
+
+
+class _Single(NamedTuple):
+    """Start value of one element: its indices in all arrays around, the value, where it stands."""
+
+    indices: tuple[str, ...]
+    literal: str
+    element: Element
 
 
 @dataclass(slots=True)
@@ -112,7 +123,7 @@ class InterfaceReader:
     def groups(self, section: Element, kind: SectionKind, depth: int = 0) -> list[Section]:
         """Members of one section; a source declares retentive ones in a section of their own, with their views."""
         groups: list[tuple[str, list[Member]]] = []
-        above = (("", 0),) * depth
+        above = (("", ()),) * depth
         for element in section.iterchildren("{*}Member"):
             member = self.member(element, above)
             if member is None:
@@ -162,7 +173,7 @@ class InterfaceReader:
             else:
                 rest.setdefault(tag, []).append(sub)
         if rest or not isinstance(type_, Elementary):
-            type_, literal = self.inside(type_, literal, rest, (*parents, (name, _dimensions(type_))))
+            type_, literal = self.inside(type_, literal, rest, (*parents, (name, _bounds(type_))))
         at, attributes = _attributes(version, listed, type_) if version or listed is not None else (None, ())
         return Member(name, type_, literal, comment, at, place, attributes)
 
@@ -199,15 +210,12 @@ class InterfaceReader:
             if _is_user_type(type_):
                 self._expanded(rest["Sections"], path)
         if "Subelement" in rest:
-            if (
-                _dimensions(type_) > 0
-                and isinstance(type_, ArrayType)
-                and literal is None
-                and not any(dimensions for _, dimensions in path[:-1])
-            ):
-                literal = self._listed(rest["Subelement"], type_, path)
+            single = list(self._singles(rest["Subelement"], path))
+            own = _bounds(type_)
+            if own and isinstance(type_, ArrayType) and not isinstance(type_.element, ArrayType) and literal is None:
+                literal = self._listed(single, type_, path)
             else:
-                self._subelements(rest["Subelement"], path)
+                self._assigned(single, path)
         return type_, literal
 
     def _written_out(self, type_: DataType, groups: Sequence[Element], depth: int) -> None:
@@ -247,63 +255,76 @@ class InterfaceReader:
         name, type_ = element.get("Name"), parse_datatype(element.get("Datatype", ""))
         if not name or type_ is None or len(parents) >= MAX_DEPTH:
             return
-        path = (*parents, (name, _dimensions(type_)))
+        path = (*parents, (name, _bounds(type_)))
         inside = parts(element)
         start = inside.get("StartValue")
         literal = self.value(start[0]) if start else None
-        if literal and not any(dimensions for _, dimensions in path):
+        if literal and not any(bounds != () for _, bounds in path):
             self._assign(path, (), literal, element)
-        self._subelements(inside.get("Subelement", ()), path)
+        self._assigned(self._singles(inside.get("Subelement", ()), path), path)
         for inner in inside.get("Member", ()):
             self._expanded_member(inner, path)
         if "Sections" in inside and _is_user_type(type_):
             self._expanded(inside["Sections"], path)
 
-    def _subelements(self, found: Sequence[Element], path: Steps) -> None:
+    def _singles(self, found: Sequence[Element], path: Steps) -> Iterator[_Single]:
         """Start values of single elements: a Path has the indices of all arrays from the outermost in."""
+        around = [bounds for _, bounds in path if bounds is not None]
         for sub in found:
             start = child(sub, "StartValue")
             literal = self.value(start) if start is not None else None
-            indices = sub.get("Path", "").replace(";", ",").split(",")
-            if not literal:
+            indices = tuple(sub.get("Path", "").replace(";", ",").split(","))
+            if not literal or len(around) < len(path):
                 continue
-            expected = sum(dimensions for _, dimensions in path)
-            if expected < 0:
-                continue
-            if len(indices) != expected:
+            if len(indices) != sum(map(len, around)):
                 self.report(f"Subelement Path {sub.get('Path')} does not fit the arrays of {path[-1][0]}", sub)
                 continue
-            self._assign(path, indices, literal, sub)
+            yield _Single(indices, literal, sub)
+
+    def _assigned(self, found: Iterable[_Single], path: Steps) -> None:
+        for single in found:
+            self._assign(path, single.indices, single.literal, single.element)
 
     def _assign(self, path: Steps, indices: Sequence[str], literal: str, at: Element) -> None:
         left = iter(indices)
-        places = (f"[{','.join(islice(left, dimensions))}]" if dimensions else "" for _, dimensions in path)
+        places = (f"[{','.join(islice(left, len(bounds)))}]" if bounds else "" for _, bounds in path)
         steps = (_quote(name) + place for (name, _), place in zip(path, places, strict=True))
         self.assignments.append(Assignment(".".join(steps), literal, span(at, self.file)))
 
-    def _listed(self, found: Sequence[Element], type_: ArrayType, path: Steps) -> str | None:
-        """Start values of single elements as one list ``[1, 0, 3]``; too many gaps become assignments."""
-        values: dict[int, str] = {}
-        for sub in found:
-            start = child(sub, "StartValue")
-            literal = self.value(start) if start is not None else None
-            position = _position(sub.get("Path", ""), type_)
-            if not literal:
-                continue
+    def _listed(self, found: Sequence[_Single], type_: ArrayType, path: Steps) -> str | None:
+        """Start values of single elements as one list ``[1, 0, 3]``; what is no list becomes assignments.
+
+        An array inside of arrays has a list if each of its elements there has values; of different ones the most
+        frequent counts, and what the others have instead is assigned. Too many gaps are no list.
+        """
+        around = tuple(pair for _, bounds in path[:-1] for pair in bounds or ())
+        size = math.prod(high - low + 1 for low, high in type_.bounds)
+        lists: dict[int, dict[int, _Single]] = {}
+        for single in found:
+            position = _position(single.indices, (*around, *type_.bounds))
             if position is None:
-                self.report(f"Subelement Path {sub.get('Path')} is outside the array {path[-1][0]}", sub)
+                indices = ",".join(single.indices)
+                self.report(f"Subelement Path {indices} is outside the array {path[-1][0]}", single.element)
                 continue
-            values[position] = literal
-        if not values:
+            lists.setdefault(position // size, {})[position % size] = single
+        if not lists:
             return None
-        if max(values) >= MAX_LISTED:
-            self._subelements(found, path)
+        length, elements = max(map(max, lists.values())) + 1, math.prod(high - low + 1 for low, high in around)
+        gaps = length * elements - len(found)
+        if length > MAX_LISTED or len(lists) < elements or gaps > MAX_LISTED:
+            self._assigned(found, path)
             return None
         default = default_literal(type_.element)
-        listed = [values.get(n, default) for n in range(max(values) + 1)]
-        if len(listed) > 1 and len(set(listed)) == 1:
-            return f"[{len(listed)}({listed[0]})]"
-        return f"[{', '.join(listed)}]"
+        written = [[v[n].literal if n in v else default for n in range(length)] for v in lists.values()]
+        usual = Counter(map(tuple, written)).most_common(1)[0][0]
+        others = [v for v, values in zip(lists.values(), written, strict=True) if tuple(values) != usual]
+        if any(n not in values and literal != default for values in others for n, literal in enumerate(usual)):
+            self._assigned(found, path)
+            return None
+        self._assigned((s for v in others for n, s in sorted(v.items()) if s.literal != usual[n]), path)
+        if length > 1 and len(set(usual)) == 1:
+            return f"[{length}({usual[0]})]"
+        return f"[{', '.join(usual)}]"
 
     def report(self, message: str, element: Element) -> None:
         """Add one PG812, up to a bound."""
@@ -341,20 +362,22 @@ def whole_number(literal: str) -> int | None:
     return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 
-def _dimensions(type_: DataType) -> int:
-    """How many indices an element of an array has; 0 if the type is none, far below 0 if nobody knows."""
-    if isinstance(type_, ArrayType) and not type_.bounds:
-        return _UNKNOWN
-    return len(type_.bounds) + _dimensions(type_.element) if isinstance(type_, ArrayType) else 0
+def _bounds(type_: DataType) -> Bounds | None:
+    """Bounds of an array and of the arrays in it; empty if the type is none, None if nobody knows them."""
+    found: Bounds = ()
+    while isinstance(type_, ArrayType):
+        if not type_.bounds:
+            return None
+        found, type_ = (*found, *type_.bounds), type_.element
+    return found
 
 
-def _position(path: str, type_: ArrayType) -> int | None:
-    """Place of an element counted through the array, the last index fastest; None if it is outside."""
-    parts = path.split(",")
-    if len(parts) != len(type_.bounds) or not all(re.fullmatch(r"\s*-?[0-9]{1,10}\s*", part) for part in parts):
+def _position(indices: Sequence[str], bounds: Bounds) -> int | None:
+    """Place of an element counted through its arrays, the last index fastest; None if it is outside."""
+    if not all(map(_INDEX, indices)):
         return None
     position = 0
-    for part, (low, high) in zip(parts, type_.bounds, strict=True):
+    for part, (low, high) in zip(indices, bounds, strict=True):
         if not low <= int(part) <= high:
             return None
         position = position * (high - low + 1) + int(part) - low

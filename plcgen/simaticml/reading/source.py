@@ -12,7 +12,7 @@ from plcgen.s7.types import ArrayType, Member, StructType
 from plcgen.scl import lexer
 from plcgen.simaticml.datatypes import datatype, default_literal, innermost
 from plcgen.simaticml.writing.scope import is_system
-from plcgen.simaticml.writing.starts import Path, Starts
+from plcgen.simaticml.writing.starts import Path, Starts, single_values
 
 SUFFIXES = MappingProxyType(
     {BlockKind.UDT: ".udt", BlockKind.DB: ".db", BlockKind.FB: ".scl", BlockKind.FC: ".scl", BlockKind.OB: ".scl"}
@@ -198,29 +198,15 @@ def _bare(member: Member, path: Path, assigned: list[Assignment]) -> Member:
 
 def _differences(block: Block, of: Block | None) -> Iterator[str]:
     """Start values of an instance DB that its function block has otherwise."""
-    own, declared = _entries(block), _entries(of) if of is not None else {}
-    for path, values in own.items():
-        for index, literal in values.items():
-            if declared.get(path, {}).get(index) != literal:
-                steps = ".".join(plain(name) for name in path)
-                yield f"  {steps}{f'[{index}]' if index else ''} := {_one_line(literal)};"
-    for assignment in block.assignments:
-        yield f"  {_one_line(assignment.path)} := {_one_line(assignment.literal)};"
+    declared = _values(of) if of is not None else {}
+    for key, (path, literal) in _values(block).items():
+        if declared.get(key, ("", ""))[1] != literal:
+            yield f"  {path} := {literal};"
 
 
-def _entries(block: Block) -> dict[Path, dict[str, str]]:
-    """Start values of the first level and of structures, by path in the spelling of the declaration."""
-    found: dict[Path, dict[str, str]] = {}
-    pending: list[tuple[Path, Member]] = [
-        ((m.name,), m) for s in block.sections for m in s.members if s.kind is not SectionKind.CONSTANT
-    ]
-    while pending:
-        path, member = pending.pop(0)
-        if isinstance(member.type, StructType):
-            pending += [((*path, inner.name), inner) for inner in member.type.members]
-        starts = Starts()
-        starts.declare(member, ())
-        values = {index: text for index, text in starts.of(()).items() if ";" not in index}
-        if values:
-            found[path] = values
-    return found
+def _values(block: Block) -> dict[str, tuple[str, str]]:
+    """Start values one by one with their paths, by path without quotes and case; assigned ones replace others."""
+    members = (m for s in block.sections if s.kind is not SectionKind.CONSTANT for m in s.members)
+    found = [(".".join(plain(name) + index for name, index in way), value) for way, value in single_values(members)]
+    found += [(_one_line(assignment.path), assignment.literal) for assignment in block.assignments]
+    return {path.replace('"', "").upper(): (path, _one_line(literal)) for path, literal in found}

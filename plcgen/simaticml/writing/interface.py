@@ -7,10 +7,10 @@ from functools import lru_cache
 from types import MappingProxyType
 
 from plcgen.s7.blocks import Block, BlockKind, SectionKind, is_retentive
-from plcgen.s7.types import DataType, Elementary, Member, NamedType, StringType, StructType
+from plcgen.s7.types import ArrayType, DataType, Elementary, Member, NamedType, StringType, StructType
 from plcgen.simaticml.datatypes import datatype, innermost
 from plcgen.simaticml.escape import attribute, content
-from plcgen.simaticml.writing.starts import Path, Starts
+from plcgen.simaticml.writing.starts import Path, Starts, arrays
 
 _INPUT, _OUTPUT, _IN_OUT = SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT
 _STATIC, _TEMP, _CONSTANT, _RETURN = SectionKind.STATIC, SectionKind.TEMP, SectionKind.CONSTANT, SectionKind.RETURN
@@ -82,9 +82,10 @@ def member(
     path: Path = (),
     pad: str = PAD,
     *,
+    around: Sequence[ArrayType] = (),
     retain: bool = False,
 ) -> str:
-    """One Member with everything inside, a line each."""
+    """One Member with everything inside, a line each; ``around`` are the arrays that it lies in."""
     simple = declared.start is None or declared.start[0] not in "[("
     if simple and not path and isinstance(declared.type, _LEAVES) and (starts is None or not starts.assigned):
         start = declared.start if starts is not None else None
@@ -98,7 +99,7 @@ def member(
             texts(declared.comment),
             retain=retain,
         )
-    return _member(declared, texts, starts, path, pad, retain=retain)
+    return _member(declared, texts, starts, path, pad, around, retain=retain)
 
 
 @lru_cache(maxsize=16384)
@@ -115,14 +116,23 @@ def _leaf(
 ) -> str:
     """A member without members: the same ones occur in block after block."""
     declared = Member(name, type_, start, comment, at, None, attributes)
-    return _member(declared, lambda _: texts, Starts(), (), PAD, retain=retain)
+    return _member(declared, lambda _: texts, Starts(), (), PAD, (), retain=retain)
 
 
-def _member(declared: Member, texts: TextsOf, starts: Starts | None, path: Path, pad: str, *, retain: bool) -> str:
+def _member(
+    declared: Member,
+    texts: TextsOf,
+    starts: Starts | None,
+    path: Path,
+    pad: str,
+    around: Sequence[ArrayType],
+    *,
+    retain: bool,
+) -> str:
     name = declared.name
     here = (*path, name.upper())
     if starts is not None:
-        starts.declare(declared, here)
+        starts.declare(declared, here, around)
     version, pairs = _attributes(declared)
     head = f'{pad}<Member Name="{attribute(name)}" Datatype="{attribute(datatype(declared.type))}"'
     head += f' Version="{attribute(version)}"' if version else ""
@@ -136,7 +146,8 @@ def _member(declared: Member, texts: TextsOf, starts: Starts | None, path: Path,
         parts.append(f"{inner}<Comment>\n{lines}{inner}</Comment>\n")
     element = innermost(declared.type)
     if isinstance(element, StructType):
-        parts += [member(m, texts, starts, here, inner) for m in element.members]
+        around = (*around, *arrays(declared.type))
+        parts += [member(m, texts, starts, here, inner, around=around) for m in element.members]
     elif isinstance(element, NamedType) and starts is not None and starts.below(here):
         parts.append(_expanded(starts.members(element), starts, here, inner))
     if starts is not None:

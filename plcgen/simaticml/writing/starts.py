@@ -7,14 +7,14 @@ assign single elements behind BEGIN; both become the same entries here.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from itertools import product
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from plcgen.s7.blocks import Block, SectionKind
 from plcgen.s7.initializers import Group, InitialItem, Node, flatten, parse_initializer
 from plcgen.s7.literals import LiteralError
 from plcgen.s7.types import ArrayType, DataType, Member, NamedType, StructType
+from plcgen.simaticml.datatypes import innermost
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,6 +26,9 @@ _STEP = re.compile(r'\s*(?:"([^"\n]+)"|#?([^\W\d]\w*))\s*((?:\[[^\]]*\]\s*)*)(\.
 _INDEX = re.compile(r"\[([^\]]*)\]")
 
 Path = tuple[str, ...]
+Steps = tuple[tuple[str, str], ...]
+"""The way to one value: every name with its indices in brackets."""
+_Way = tuple[tuple[str, tuple[ArrayType, ...]], ...]
 
 
 class Starts:
@@ -43,20 +46,32 @@ class Starts:
         self.lost: list[str] = []
         self.count = 0
 
-    def declare(self, member: Member, path: Path) -> None:
-        """Take the start value of a declaration apart."""
+    def declare(self, member: Member, path: Path, around: Sequence[ArrayType] = (), *, apart: bool = False) -> None:
+        """Take the start value of a declaration apart; ``around`` are the arrays that the member lies in.
+
+        Every element of those has a list, or the members of a structure, of its own; a single value is stated once for
+        all of them unless ``apart``.
+        """
         if member.start is None:
             return
         type_ = member.type
         if not isinstance(type_, ArrayType | StructType) and not member.start.lstrip().startswith("("):
-            self._add(path, (), member.start)
+            self._each(type_, member.start, path, around if apart else ())
             return
         try:
             items = parse_initializer(member.start)
         except LiteralError:
             self.lost.append(f"the start value {member.start} of {member.name}")
             return
-        self._spread(type_, items, path, ())
+        self._each(type_, Group("", items), path, around)
+
+    def _each(self, type_: DataType, node: Node, path: Path, around: Sequence[ArrayType]) -> None:
+        """Give a value to the member in every element of the arrays around it."""
+        for groups in _groups(around):
+            before = self.count
+            self._node(type_, node, path, groups)
+            if self.count == before or self.count > MAX_VALUES:
+                return
 
     def assign(self, path: str, literal: str, members: Sequence[Member]) -> None:
         """Take one line behind BEGIN: it replaces what was declared."""
@@ -94,7 +109,7 @@ class Starts:
 
     def _inside(self, type_: DataType, groups: int, names: Sequence[str], members: Sequence[Member]) -> DataType:
         """Type of what the indices of a path have chosen: the arrays above are counted from the front."""
-        above = sum(_depth(self._type(members, names[:n])) for n in range(1, len(names)))
+        above = sum(len(arrays(self._type(members, names[:n]))) for n in range(1, len(names)))
         for _ in range(groups - above):
             type_ = type_.element if isinstance(type_, ArrayType) else type_
         return type_
@@ -131,8 +146,7 @@ class Starts:
         if isinstance(type_, ArrayType):
             if len(items) == 1 and isinstance(items[0].value, Group) and items[0].value.kind == "[":
                 items = items[0].value.items
-            indices = _indices(type_)
-            for index, node in zip(indices, flatten(tuple(items), MAX_VALUES), strict=False):
+            for index, node in zip(_indices(type_.bounds), flatten(tuple(items), MAX_VALUES), strict=False):
                 self._node(type_.element, node, path, (*groups, index))
             return
         inner = self.members(type_)
@@ -153,16 +167,54 @@ class Starts:
         if isinstance(node, str):
             self._add(path, groups, node)
         else:
-            self._spread(type_, (InitialItem(node),), path, groups)
+            self._spread(type_, node.items if not node.kind else (InitialItem(node),), path, groups)
 
 
-def _indices(type_: ArrayType) -> Iterator[str]:
-    ranges = (range(low, high + 1) for low, high in type_.bounds)
-    return (",".join(map(str, index)) for index in product(*ranges))
+def single_values(members: Iterable[Member]) -> Iterator[tuple[Steps, str]]:
+    """Every value that declarations state, with the way to it; those of arrays and structures one by one."""
+    starts = Starts()
+    for way, member in _declared(members, ()):
+        path = tuple(name for name, _ in way)
+        starts.declare(member, path, [array for _, own in way[:-1] for array in own], apart=True)
+        for index, literal in starts.of(path).items():
+            groups = iter(index.split(";"))
+            yield tuple((name, "".join(f"[{next(groups)}]" for _ in own)) for name, own in way), literal
 
 
-def _depth(type_: DataType | None) -> int:
-    depth = 0
+def _declared(members: Iterable[Member], above: _Way) -> Iterator[tuple[_Way, Member]]:
+    """Members and those of structures in them, with the names and arrays on the way."""
+    for member in members:
+        way = (*above, (member.name, arrays(member.type)))
+        yield way, member
+        inner = innermost(member.type)
+        if isinstance(inner, StructType):
+            yield from _declared(inner.members, way)
+
+
+def arrays(type_: DataType | None) -> tuple[ArrayType, ...]:
+    """An array and the arrays that are its elements, from the outermost in."""
+    found = []
     while isinstance(type_, ArrayType):
-        depth, type_ = depth + 1, type_.element
-    return depth
+        found.append(type_)
+        type_ = type_.element
+    return tuple(found)
+
+
+def _groups(around: Sequence[ArrayType]) -> Iterator[tuple[str, ...]]:
+    """Indices of every element of arrays in arrays; one by one, for bounds may be anything."""
+    if not around:
+        yield ()
+        return
+    for index in _indices(around[0].bounds):
+        for inner in _groups(around[1:]):
+            yield (index, *inner)
+
+
+def _indices(bounds: Sequence[tuple[int, int]]) -> Iterator[str]:
+    """Indices of every element of one array, the last counting fastest."""
+    (low, high), *rest = bounds
+    for index in range(low, high + 1):
+        if rest:
+            yield from (f"{index},{inner}" for inner in _indices(rest))
+        else:
+            yield str(index)
