@@ -17,8 +17,8 @@ from plcgen.scl.parser import parse
 from plcgen.simaticml.reading.documents import read_simaticml
 from plcgen.simaticml.reading.source import KEYWORDS, SUFFIXES, source
 from plcgen.simaticml.versions import VERSIONS
-from plcgen.simaticml.writing.documents import Setting, document
-from plcgen.simaticml.writing.scope import BlockScope, is_system
+from plcgen.simaticml.writing.documents import Setting, document, library_element
+from plcgen.simaticml.writing.scope import BlockScope
 from plcgen.simaticml.writing.structured_text import elements, numbered
 from plcgen.sources.files import SourceFile, project_constants, source_files
 from plcgen.sources.plcs import by_plc, plc_names
@@ -247,7 +247,10 @@ def _to_document(
         if unknown:
             return None
     elif block.instance_of:
-        block = _instance(block, place, types, found)
+        whole = _instance(block, place, types, found)
+        if whole is None:
+            return None
+        block = whole
     text, lost = document(block, setting, code, types)
     if is_retentive(block) and (block.instance_of or not any(s.members for s in block.sections)):
         message = f'{block.kind} "{block.name}": that it is retentive is not converted'
@@ -259,12 +262,16 @@ def _to_document(
     return RenderedFile(file_name(block.name) + ".xml", text.encode("utf-8-sig", "replace"))
 
 
-def _instance(block: Block, place: Span, types: dict[str, Block], found: Converted) -> Block:
-    """An instance DB with the interface of what it is made from."""
+def _instance(block: Block, place: Span, types: dict[str, Block], found: Converted) -> Block | None:
+    """An instance DB with the interface of what it is made from; None, with an error, if nobody knows that."""
     of = types.get((block.instance_of or "").upper())
+    if of is None and not library_element(block):
+        message = (
+            f'{block.kind} "{block.name}" is made from "{block.instance_of}": whether that is an FB or a type is not'
+        )
+        help_ = "name its source, too"
+        found.diagnostics.append(Diagnostic("PG815", f"{message} known", place, Severity.ERROR, help=help_))
+        return None
     if of is None:
-        if not is_system(block.instance_of or ""):
-            message = f'"{block.instance_of}" is not among the files: "{block.name}" gets no members'
-            found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING, help="name its source too"))
         return block
     return block if any(s.members for s in block.sections) else replace(block, sections=of.sections)

@@ -81,7 +81,56 @@ def test_an_instance_db_keeps_its_own_values(tmp_path: Path) -> None:
     plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl")
     assert (tmp_path / "scl/Motor_DB.db").read_text("utf-8-sig") == INSTANCE
     alone = plcgen.convert(tmp_path / "b.db", to="xml", out=tmp_path / "alone")
-    assert [(d.code, d.severity.label) for d in alone.diagnostics] == [("PG815", "warning"), ("PG815", "warning")]
+    assert [(d.code, d.severity.label) for d in alone.diagnostics] == [("PG815", "error")]
+    assert "whether that is an FB or a type is not known" in alone.diagnostics[0].message
+    assert alone.written == ()
+
+
+SYSTEM_DB = """DATA_BLOCK "T"
+{{ InstructionName := '{0}'; LibVersion := '1.0'; S7_Optimized_Access := 'TRUE' }}
+VERSION : 0.1
+NON_RETAIN
+{0}
+BEGIN
+END_DATA_BLOCK
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "sections"),
+    [
+        ("IEC_TIMER", ["Static"]),
+        ("TON", ["Input", "Output", "InOut", "Static"]),
+        ("MC_POWER", ["Input", "Output", "InOut", "Static"]),
+    ],
+)
+def test_an_instance_db_of_a_library_keeps_its_version(name: str, sections: list[str], tmp_path: Path) -> None:
+    """Element and version together, and no InstanceOfType: 694 of 694 exports (evidence/simaticml.tsv)."""
+    text = SYSTEM_DB.format(name)
+    assert plcgen.convert(*put(tmp_path, T_db=text), to="xml", out=tmp_path / "xml").diagnostics == ()
+    document = (tmp_path / "xml/T.xml").read_text("utf-8-sig")
+    assert f"<InstanceOfName>{name}</InstanceOfName>\n      <Interface>" in document
+    element = f"<OfSystemLibElement>{name}</OfSystemLibElement>\n      <OfSystemLibVersion>1.0</OfSystemLibVersion>"
+    assert element in document
+    assert "<MemoryLayout>Optimized</MemoryLayout>" in document
+    assert re.findall('<Section Name="([^"]*)"', document) == sections
+    assert plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl").diagnostics == ()
+    assert (tmp_path / "scl/T.db").read_text("utf-8-sig") == text
+    for old, new in (("T.db", "xml"), ("xml", "T.db"), ("xml", "scl")):
+        assert plcgen.diff(tmp_path / old, tmp_path / new).changes == ()
+
+
+def test_a_data_block_of_a_type_says_so(tmp_path: Path) -> None:
+    """InstanceOfType UDT, its own access, members in Static only: as 61 exports of V20 and V21 have it."""
+    udt = 'TYPE "Rec"\nVERSION : 0.1\n  STRUCT\n    a : Int;\n  END_STRUCT;\nEND_TYPE\n'
+    db = INSTANCE.replace('"Motor"', '"Rec"').replace("speed", "a")
+    assert plcgen.convert(*put(tmp_path, a_udt=udt, b_db=db), to="xml", out=tmp_path / "xml").diagnostics == ()
+    document = (tmp_path / "xml/Motor_DB.xml").read_text("utf-8-sig")
+    assert "<InstanceOfType>UDT</InstanceOfType>" in document
+    assert "<MemoryLayout>Standard</MemoryLayout>" in document
+    assert re.findall('<Section Name="([^"]*)"', document) == ["Static"]
+    assert plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl").diagnostics == ()
+    assert (tmp_path / "scl/Motor_DB.db").read_text("utf-8-sig") == db
 
 
 @pytest.mark.parametrize("header", ["", "NON_RETAIN\n"])

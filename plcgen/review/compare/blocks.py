@@ -16,7 +16,7 @@ from plcgen.review.compare.policy import Level
 _DEFAULTS = {
     "DBACCESSIBLEFROMOPCUA": "TRUE", "DBACCESSIBLEFROMWEBSERVER": "TRUE", "ISIECCHECKENABLED": "FALSE",
     "ISONLYSTOREDINLOADMEMORY": "FALSE", "ISRETAINMEMRESENABLED": "FALSE", "ISWRITEPROTECTEDINAS": "FALSE",
-    "UDAENABLETAGREADBACK": "FALSE", "VERSION": "0.1",
+    "MEMORYRESERVE": "100", "UDAENABLETAGREADBACK": "FALSE", "VERSION": "0.1",
 }  # fmt: skip
 """What an attribute of a block means that is not written: whether it is, is a setting of the export."""
 
@@ -149,7 +149,8 @@ class _Pair:
         if old.instance_of.upper() != new.instance_of.upper():
             was, now = old.instance_of or "own members", new.instance_of or "own members"
             self.add("instance-type", f"made from {was} -> {now}", was, now)
-        if old.size is not None and new.size is not None and old.size != new.size:
+        placed = not (old.optimized and new.optimized)  # else the CPU alone knows the size
+        if placed and old.size is not None and new.size is not None and old.size != new.size:
             kind = "block-grown" if new.size > old.size else "block-shrunk"
             self.add(kind, f"{old.size} -> {new.size} bytes", str(old.size), str(new.size))
         if _access(old) != _access(new) and not (None in {old.optimized, new.optimized} and _mixed(old, new)):
@@ -158,7 +159,15 @@ class _Pair:
         if old.non_retain != new.non_retain and not (instances and _mixed(old, new)):
             was, now = _retain(old), _retain(new)
             self.add("retain-changed", f"the block: {was} -> {now}", was, now)
-        for name, was, now in _differences(dict(old.attributes), dict(new.attributes)):
+        spelt = {_key(name): name for name, _ in (*old.attributes, *new.attributes)}
+        before, after = ({_key(name): value for name, value in side.attributes} for side in (old, new))
+        for key, was, now in _differences(before, after):
+            if was.upper() == now.upper():
+                continue
+            usual = key in _DEFAULTS and not _is_document(old if was else new)
+            if not ((was and now) or usual) and _mixed(old, new):
+                continue  # a text has no words for most of what a document says
+            name = spelt[key]
             self.add("block-attribute", f"{name} {was or '(absent)'} -> {now or '(absent)'}", was, now)
         if self.comments:
             for name, was, now in _differences(dict(old.texts), dict(new.texts)):
@@ -209,7 +218,16 @@ def _access(block: BlockState) -> str:
 def _mixed(old: BlockState, new: BlockState) -> bool:
     """Whether one side is a document, the other a text, which states less or other things; locks are neither."""
     files = [block.span.file.lower() for block in (old, new) if block.span is not None]
-    return sum(file.endswith(".xml") for file in files) == 1 and not any(file.endswith(".yaml") for file in files)
+    return _is_document(old) != _is_document(new) and not any(file.endswith(".yaml") for file in files)
+
+
+def _is_document(block: BlockState) -> bool:
+    return block.span is not None and block.span.file.lower().endswith(".xml")
+
+
+def _key(attribute: str) -> str:
+    """Name of an attribute in both spellings: a text has ``DB_Accessible_From_OPC_UA``, a document no underscores."""
+    return attribute.upper().replace("_", "")
 
 
 def _retain(block: BlockState) -> str:

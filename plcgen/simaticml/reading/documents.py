@@ -14,7 +14,7 @@ from plcgen.simaticml.reading.structured_text import CodeReader
 from plcgen.simaticml.reading.tables import Tag, TagTable, UserConstant, WatchEntry, WatchTable, tag_table, watch_table
 from plcgen.simaticml.reading.types import parse_datatype
 from plcgen.simaticml.reading.xml import child, children, load, local, parse_xml, span, text
-from plcgen.simaticml.writing.documents import HEADER
+from plcgen.simaticml.writing.documents import HEADER, INSTRUCTION, LIBRARY_VERSION
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -171,8 +171,13 @@ def _block(element: Element, reader: InterfaceReader, *, classic: bool | None) -
 
 
 def _header(attributes: dict[str, str]) -> dict[str, str]:
-    """Attributes as a source has them: AUTHOR, FAMILY, NAME, VERSION; the usual event class goes without saying."""
-    kept = {_HEADER.get(name, name): value for name, value in attributes.items() if name not in _OWN}
+    """Attributes as a source has them: AUTHOR, FAMILY, NAME, VERSION, and what an instance DB has of a library.
+
+    The usual event class goes without saying.
+    """
+    element, version = attributes.get("OfSystemLibElement", ""), attributes.get("OfSystemLibVersion", "")
+    kept = {INSTRUCTION: element, LIBRARY_VERSION: version} if version else {}
+    kept |= {_HEADER.get(name, name): value for name, value in attributes.items() if name not in _OWN}
     if kept.get("SecondaryType") == "ProgramCycle":
         del kept["SecondaryType"]
     return {name: value for name, value in kept.items() if value}

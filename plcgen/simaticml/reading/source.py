@@ -11,7 +11,7 @@ from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind,
 from plcgen.s7.types import ArrayType, Member, StructType
 from plcgen.scl import lexer
 from plcgen.simaticml.datatypes import datatype, default_literal, innermost
-from plcgen.simaticml.writing.scope import is_system
+from plcgen.simaticml.writing.documents import INSTRUCTION, LIBRARY_VERSION, library_element
 from plcgen.simaticml.writing.starts import Path, Starts, single_values
 
 SUFFIXES = MappingProxyType(
@@ -29,6 +29,7 @@ _SECTIONS = {
     SectionKind.INPUT: "VAR_INPUT", SectionKind.OUTPUT: "VAR_OUTPUT", SectionKind.IN_OUT: "VAR_IN_OUT",
     SectionKind.STATIC: "VAR", SectionKind.TEMP: "VAR_TEMP", SectionKind.CONSTANT: "VAR CONSTANT",
 }  # fmt: skip
+_LIBRARY = (INSTRUCTION, LIBRARY_VERSION)
 _PROPERTIES = ("AUTHOR", "FAMILY", "NAME", "VERSION")
 _PLAIN = re.compile(r"[^\W\d]\w*")
 _BREAKS = re.compile(r"[\r\n\x0b\x0c\x1c-\x1e\x85\u2028\u2029]+")
@@ -83,8 +84,11 @@ def _result(block: Block) -> str:
 
 def _header(block: Block) -> list[str]:
     lines = [f"TITLE = {_one_line(block.title)}"] if block.title else []
+    pairs = [f"{name} := '{_value(block.attributes[name])}'" for name in _LIBRARY if name in block.attributes]
     if block.optimized is not None and block.kind is not BlockKind.UDT:
-        lines.append(f"{{ S7_Optimized_Access := '{str(block.optimized).upper()}' }}")
+        pairs.append(f"S7_Optimized_Access := '{str(block.optimized).upper()}'")
+    if pairs:
+        lines.append(f"{{ {'; '.join(pairs)} }}")
     for name in _PROPERTIES:
         value = block.attributes.get(name) or (_DEFAULT_VERSION if name == "VERSION" else "")
         if value:
@@ -144,7 +148,7 @@ def _member(member: Member, indent: int) -> Iterator[str]:
 
 def _data(block: Block, of: Block | None) -> Iterator[str]:
     if block.instance_of:
-        yield block.instance_of if of is None and is_system(block.instance_of) else quoted(block.instance_of)
+        yield block.instance_of if of is None and library_element(block) else quoted(block.instance_of)
         yield "BEGIN"
         yield from _differences(block, of)
         return

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.system import system_block
 from plcgen.simaticml.escape import content
-from plcgen.simaticml.writing.interface import TextsOf, sections
+from plcgen.simaticml.writing.interface import TextsOf, section_names, sections
 from plcgen.simaticml.writing.scope import is_system
 from plcgen.simaticml.writing.starts import Starts
 
@@ -20,6 +21,12 @@ if TYPE_CHECKING:
 
 HEADER = {"AUTHOR": "HeaderAuthor", "FAMILY": "HeaderFamily", "NAME": "HeaderName", "VERSION": "HeaderVersion"}
 """Header lines of a source and the attributes of the same meaning."""
+
+_STRUCTURES = "IEC_"
+"""Names of timers and counters that are types: their data blocks have static members only."""
+
+INSTRUCTION, LIBRARY_VERSION = "InstructionName", "LibVersion"
+"""What stands in braces at an instance of a library block."""
 
 _EVENTS = (
     (range(1, 2), "ProgramCycle"), (range(10, 18), "TimeOfDay"), (range(20, 24), "TimeDelayInterrupt"),
@@ -80,9 +87,12 @@ def document(
     members = [m for s in block.sections for m in s.members]
     for assignment in block.assignments:
         starts.assign(assignment.path, assignment.literal, members)
-    namespace = setting.version.interface_namespace
-    interface = sections(block, kind, namespace, setting.texts_of, starts, classic=setting.classic)
-    attributes = _attributes(block, kind, setting, interface)
+    of = _made_from(block, types or {})
+    names = section_names(kind, classic=setting.classic)
+    if (of is not None and of.kind is BlockKind.UDT) or library_element(block).upper().startswith(_STRUCTURES):
+        names = section_names("SW.Blocks.GlobalDB", classic=setting.classic)
+    interface = sections(block, kind, setting.version.interface_namespace, setting.texts_of, starts, names)
+    attributes = _attributes(block, kind, setting, interface, of)
     ids = _Ids()
     head = ids()
     body = _texts(block, kind, setting, code, ids)
@@ -95,7 +105,19 @@ def document(
     ), starts.lost
 
 
-def _attributes(block: Block, kind: str, setting: Setting, interface: str) -> list[str]:
+def library_element(block: Block) -> str:
+    """What an instance DB of a block of the CPU or of a library is made from; empty for one of the user's."""
+    of = block.instance_of or ""
+    return block.attributes.get(INSTRUCTION) or (of if is_system(of) else "")
+
+
+def _made_from(block: Block, types: Mapping[str, Block]) -> Block | None:
+    """The type or function block of an instance DB, if it is known."""
+    of = block.instance_of or ""
+    return types.get(of.upper()) or system_block(library_element(block) or of)
+
+
+def _attributes(block: Block, kind: str, setting: Setting, interface: str, of: Block | None) -> list[str]:
     """Attributes in alphabetical order."""
     code = kind in {"SW.Blocks.FB", "SW.Blocks.FC", "SW.Blocks.OB"}
     texts = {"Name": block.name}
@@ -116,18 +138,23 @@ def _attributes(block: Block, kind: str, setting: Setting, interface: str) -> li
     if kind == "SW.Blocks.OB":
         texts["SecondaryType"] = block.attributes.get("SecondaryType") or event_class(block.number)
     if block.instance_of is not None:
-        texts |= _instance(block.instance_of)
-        if is_system(block.instance_of) and block.optimized is not None and not setting.classic:
+        texts |= _instance(block, of)
+        own_access = "InstanceOfType" not in texts or texts["InstanceOfType"] == "UDT"
+        if own_access and block.optimized is not None and not setting.classic:
             texts["MemoryLayout"] = "Optimized" if block.optimized else "Standard"
     found = {name: f"<{name}>{content(text)}</{name}>" if text else f"<{name} />" for name, text in texts.items()}
     found["Interface"] = interface
     return [found[name] for name in sorted(found)]
 
 
-def _instance(of: str) -> dict[str, str]:
-    texts = {"InstanceOfName": of, "InstanceOfType": "FB"}
-    if is_system(of):
-        texts["OfSystemLibElement"] = of
+def _instance(block: Block, of: Block | None) -> dict[str, str]:
+    """What an instance DB is made from: a block of the user's with its kind, one of a library with its version."""
+    texts, element = {"InstanceOfName": block.instance_of or ""}, library_element(block)
+    if not element:
+        return texts | {"InstanceOfType": "UDT" if of is not None and of.kind is BlockKind.UDT else "FB"}
+    texts["OfSystemLibElement"] = element
+    if block.attributes.get(LIBRARY_VERSION):
+        texts["OfSystemLibVersion"] = block.attributes[LIBRARY_VERSION]
     return texts
 
 

@@ -47,10 +47,12 @@ def section_names(kind: str, *, classic: bool) -> tuple[SectionKind, ...]:
     return found[1:] if classic and kind == "SW.Blocks.OB" else found
 
 
-def sections(block: Block, kind: str, namespace: str, texts: TextsOf, starts: Starts, *, classic: bool) -> str:
-    """The Interface attribute of an object, without the indentation of its first line."""
+def sections(
+    block: Block, kind: str, namespace: str, texts: TextsOf, starts: Starts, names: Sequence[SectionKind]
+) -> str:
+    """The Interface attribute of an object with these sections, without the indentation of its first line."""
     lines = [f'<Interface><Sections xmlns="{namespace}">']
-    for section in section_names(kind, classic=classic):
+    for section in names:
         name = "None" if kind == "SW.Types.PlcStruct" else section.value
         body = "".join(_section(block, section, kind, texts, starts))
         if section is _RETURN and not body:

@@ -101,3 +101,69 @@ def test_text_and_document_of_a_block_are_equal(tmp_path: Path) -> None:
     result = plcgen.diff(tmp_path / "text", expected / "xml")
     assert result.diagnostics == ()
     assert [(change.subject, change.kind, change.message) for change in result.changes] == []
+
+
+ATTRIBUTES = """DATA_BLOCK "D"
+{ {0}S7_Optimized_Access := 'TRUE' }
+NON_RETAIN
+STRUCT
+  a : Int;
+END_STRUCT;
+BEGIN
+END_DATA_BLOCK
+"""
+
+
+@pytest.mark.parametrize(
+    ("attribute", "braces", "from_text", "from_document"),
+    [
+        # 100 bytes are the default of a new block; other values have no place in a text.
+        ("<MemoryReserve>100</MemoryReserve>", "", [], []),
+        ("<MemoryReserve>200</MemoryReserve>", "", [], ["MemoryReserve (absent) -> 200"]),
+        ("<IsIECCheckEnabled>true</IsIECCheckEnabled>", "", [], ["IsIECCheckEnabled (absent) -> true"]),
+        # Both can say this, each in its spelling.
+        ("<DBAccessibleFromOPCUA>false</DBAccessibleFromOPCUA>", "DB_Accessible_From_OPC_UA := 'FALSE'; ", [], None),
+        ("", "DB_Accessible_From_OPC_UA := 'FALSE'; ", ["DB_Accessible_From_OPC_UA FALSE -> (absent)"], None),
+        ("", "DB_Accessible_From_OPC_UA := 'TRUE'; ", [], None),
+    ],
+)
+def test_attributes_of_text_and_document(
+    attribute: str, braces: str, from_text: list[str], from_document: list[str] | None, tmp_path: Path
+) -> None:
+    """What a text cannot state is no difference to one; between documents, other values than the default are."""
+    text = tmp_path / "D.db"
+    text.write_text(ATTRIBUTES.replace("{0}", braces), "utf-8-sig")
+    assert plcgen.convert(text, to="xml", out=tmp_path / "xml").ok
+    plain, document = tmp_path / "xml/D.xml", tmp_path / "D.xml"
+    document.write_text(plain.read_text("utf-8-sig").replace("<Interface>", f"{attribute}<Interface>"), "utf-8-sig")
+    assert [c.message for c in plcgen.diff(text, document).changes] == from_text
+    assert len(plcgen.diff(document, text).changes) == len(from_text)
+    if from_document is not None:
+        assert [c.message for c in plcgen.diff(plain, document).changes] == from_document
+        assert len(plcgen.diff(document, plain).changes) == len(from_document)
+    lock = tmp_path / "plcgen.lock.yaml"
+    assert plcgen.lock(text, out=lock).ok
+    assert [c.message for c in plcgen.check_lock(document, lock=lock).changes] == (from_document or from_text)
+
+
+def test_a_timer_with_its_members_written_out_is_its_text(tmp_path: Path) -> None:
+    """Exports repeat the members of a library block; with optimized access nobody sees how long it is."""
+    text = """DATA_BLOCK "T"
+{ InstructionName := 'IEC_TIMER'; LibVersion := '1.0'; S7_Optimized_Access := 'TRUE' }
+NON_RETAIN
+IEC_TIMER
+BEGIN
+END_DATA_BLOCK
+"""
+    (tmp_path / "T.db").write_text(text, "utf-8-sig")
+    assert plcgen.convert(tmp_path / "T.db", to="xml", out=tmp_path / "xml").ok
+    document = tmp_path / "xml/T.xml"
+    members = "".join(
+        f'<Member Name="{n}" Datatype="{t}" />' for n, t in (("PT", "Time"), ("ET", "Time"), ("IN", "Bool"))
+    )
+    empty = '<Section Name="Static" />'
+    written = document.read_text("utf-8-sig")
+    assert empty in written
+    document.write_text(written.replace(empty, f'<Section Name="Static">{members}</Section>'), "utf-8-sig")
+    assert plcgen.diff(tmp_path / "T.db", document).changes == ()
+    assert plcgen.diff(document, tmp_path / "T.db").changes == ()
