@@ -17,7 +17,7 @@ from plcgen.scl.parser import ParseResult
 from plcgen.sources.plcs import by_plc, plc_names
 from plcgen.sources.symbols import SUFFIXES as SYMBOL_SUFFIXES
 from plcgen.sources.symbols import read_symbols
-from plcgen.sources.text import SD_SUFFIXES, left_out, read_source
+from plcgen.sources.text import SD_SUFFIXES, is_binary_file, left_out, no_text, read_source
 
 TEXT_SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl"})
 XML_SUFFIXES = frozenset({".xml"})
@@ -154,6 +154,10 @@ def _walk(folder: Path, diagnostics: list[Diagnostic]) -> list[SourceFile]:
             message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"
             diagnostics.append(Diagnostic("PG802", message, Span(str(folder)), help="name a smaller folder"))
             return []
+    binary = {file for file in found if file.path.suffix.lower() in TEXT_SUFFIXES and is_binary_file(file.path)}
+    if binary:
+        found = [file for file in found if file not in binary]
+        diagnostics += no_text(folder, (file.path for file in binary))
     if not found and other:
         return other[:1]  # reading it says what it is
     diagnostics += left_out(folder, (file.path for file in other))

@@ -39,6 +39,8 @@ _DECLARATIONS_ONLY = frozenset({".awl", ".stl"})
 SD_SUFFIXES = frozenset({".s7dcl", ".s7res"})
 """SIMATIC SD: what version control of the TIA Portal V20 and later writes for a block, and the texts beside it."""
 _INSTEAD_OF_SD = "export the block as a source (.scl, .udt, .db) or as SimaticML (.xml)"
+_HEAD = 4096
+"""So many bytes show whether a file is text."""
 _SHOWN = 3
 """So many names of files stand in one message."""
 _BOMS = (
@@ -111,6 +113,24 @@ def has_bodies(path: Path | str) -> bool:
 def is_binary(data: bytes) -> bool:
     """Whether the beginning of a file cannot be that of a text in any encoding of the engineering tools."""
     return b"\0" in data and not any(data.startswith(mark) for mark, _ in _BOMS) and not _unmarked_utf16(data)
+
+
+def is_binary_file(path: Path) -> bool:
+    """Whether a file such as the cross-references of a project (``XRef.db``) is no text; what cannot be read is not."""
+    try:
+        return is_binary(read_bounded(path, _HEAD)[:_HEAD])
+    except OSError:
+        return False
+
+
+def no_text(folder: Path, files: Iterable[Path]) -> list[Diagnostic]:
+    """A note that names the files of a folder which have the name of a source and are none."""
+    names = sorted(path.name for path in files)
+    if not names:
+        return []
+    shown = ", ".join(names[:_SHOWN]) + (", .." if len(names) > _SHOWN else "")
+    what = "1 file that is no text" if len(names) == 1 else f"{len(names)} files that are no text"
+    return [Diagnostic("PG804", f"{what} in this folder not read: {shown}", Span(str(folder)), Severity.NOTE)]
 
 
 def parse_source(

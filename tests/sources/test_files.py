@@ -312,3 +312,23 @@ def test_documented_structures_have_their_documented_lengths():
     expected = {"TCON_PAR": 64, "TADDR_PAR": 8, "TCON_IP_v4": 14, "IEC_COUNTER": 6, "ErrorStruct": 28, "NREF": 8}
     expected |= {"SFB0": 10, "SFB2": 10, "SFB4": 22, "SFB13": 26, "SFB14": 90, "SFB22": 40, "SFB54": 40}
     assert expected == {name: layout_block(db(f"x : {name}"), {}).size for name in expected}
+
+
+@pytest.mark.parametrize("verb", ["layout", "diff", "lock", "convert"])
+def test_a_binary_file_in_a_folder_is_noted_and_left_alone(verb, tmp_path):
+    """Projects have databases that end in .db; one that is named is an error."""
+    folder = tmp_path / "project"
+    folder.mkdir()
+    (folder / "d.db").write_text(
+        'DATA_BLOCK "D"\nSTRUCT\n  a : Int;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n', "utf-8-sig"
+    )
+    (folder / "XRef.db").write_bytes(b"SQLite format 3\0\x10\0\1\1\0\x40\x20\x20")
+    run = {
+        "layout": api.layout,
+        "diff": lambda path: api.diff(path, path),
+        "lock": lambda path: api.lock(path, out=tmp_path / "plcgen.lock.yaml"),
+        "convert": lambda path: api.convert(path, to="xml", out=tmp_path / "xml"),
+    }[verb]
+    told = [(d.code, d.severity.label, d.message) for d in run(folder).diagnostics]
+    assert told == [("PG804", "note", "1 file that is no text in this folder not read: XRef.db")]
+    assert [(d.code, d.severity.label) for d in run(folder / "XRef.db").diagnostics] == [("PG804", "error")]
