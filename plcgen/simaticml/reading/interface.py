@@ -21,9 +21,9 @@ from plcgen.s7.types import (
     NamedType,
     StructType,
 )
-from plcgen.simaticml.datatypes import default_literal, innermost
+from plcgen.simaticml.datatypes import datatype, default_literal, innermost
 from plcgen.simaticml.reading.types import checked_datatype, has_constants, parse_datatype, with_values
-from plcgen.simaticml.reading.values import SINGLE, is_start_value
+from plcgen.simaticml.reading.values import SINGLE, is_start_value, unfit
 from plcgen.simaticml.reading.xml import TAGS, child, children, namespace, parts, span, text
 
 if TYPE_CHECKING:
@@ -172,6 +172,9 @@ class InterfaceReader:
                 listed = sub
             else:
                 rest.setdefault(tag, []).append(sub)
+        if literal and unfit(literal, type_):
+            self.misfit(literal, type_, element)
+            literal = None
         if rest or not isinstance(type_, Elementary):
             type_, literal = self.inside(type_, literal, rest, (*parents, (name, _bounds(type_))))
         at, attributes = _attributes(version, listed, type_) if version or listed is not None else (None, ())
@@ -210,7 +213,7 @@ class InterfaceReader:
             if _is_user_type(type_):
                 self._expanded(rest["Sections"], path)
         if "Subelement" in rest:
-            single = list(self._singles(rest["Subelement"], path))
+            single = list(self._singles(rest["Subelement"], type_, path))
             own = _bounds(type_)
             if own and isinstance(type_, ArrayType) and not isinstance(type_.element, ArrayType) and literal is None:
                 literal = self._listed(single, type_, path)
@@ -241,6 +244,11 @@ class InterfaceReader:
             return None
         return found or None
 
+    def misfit(self, literal: str, type_: DataType, element: Element) -> None:
+        """Report a start value that does not fit the type."""
+        reason = unfit(literal, type_)
+        self.report(f"{literal[:40]} is no start value of {datatype(type_)}: {reason}", element)
+
     def _expanded(self, groups: Sequence[Element], path: Steps) -> None:
         """Start values of a user type's members, written out below Sections."""
         if len(path) >= MAX_DEPTH:
@@ -259,24 +267,32 @@ class InterfaceReader:
         inside = parts(element)
         start = inside.get("StartValue")
         literal = self.value(start[0]) if start else None
+        if literal and unfit(literal, type_):
+            self.misfit(literal, type_, element)
+            literal = None
         if literal and not any(bounds != () for _, bounds in path):
             self._assign(path, (), literal, element)
-        self._assigned(self._singles(inside.get("Subelement", ()), path), path)
+        self._assigned(self._singles(inside.get("Subelement", ()), type_, path), path)
         for inner in inside.get("Member", ()):
             self._expanded_member(inner, path)
         if "Sections" in inside and _is_user_type(type_):
             self._expanded(inside["Sections"], path)
 
-    def _singles(self, found: Sequence[Element], path: Steps) -> Iterator[_Single]:
+    def _singles(self, found: Sequence[Element], type_: DataType, path: Steps) -> Iterator[_Single]:
         """Start values of single elements: a Path has the indices of all arrays from the outermost in."""
         around = [bounds for _, bounds in path if bounds is not None]
+        expected, element = sum(map(len, around)), innermost(type_)
         for sub in found:
             start = child(sub, "StartValue")
-            literal = self.value(start) if start is not None else None
+            plain = None if start is None else start.text
+            literal = plain if plain and SINGLE(plain) else None if start is None else self.value(start)
             indices = tuple(sub.get("Path", "").replace(";", ",").split(","))
             if not literal or len(around) < len(path):
                 continue
-            if len(indices) != sum(map(len, around)):
+            if unfit(literal, element):
+                self.misfit(literal, element, sub)
+                continue
+            if len(indices) != expected:
                 self.report(f"Subelement Path {sub.get('Path')} does not fit the arrays of {path[-1][0]}", sub)
                 continue
             yield _Single(indices, literal, sub)

@@ -144,6 +144,59 @@ def test_what_a_document_must_not_say(data: bytes, expected: str) -> None:
     assert problems[0][1] >= 1
 
 
+@pytest.mark.parametrize(
+    ("kind", "value", "reason"),
+    [
+        ("Int", "999999999(3)", "a single value is needed"),
+        ("Array[0..3] of Int", "[999999999(3)]", "more than 4 values"),
+        ("Array[0..3] of Int", "[1, 2, 3, 4, 5]", "more than 4 values"),
+        ("Int", "32768", "outside -32768..32767"),
+        ("Int", "TRUE", "not a whole number"),
+        ("Bool", "2", "TRUE, FALSE, 1 or 0"),
+        ("Byte", "16#100", "outside 0..255"),
+        ("Time", "5", "it needs the prefix TIME#"),
+        ("String[5]", "'sixsix'", "6 characters do not fit STRING[5]"),
+    ],
+)
+def test_a_start_value_that_does_not_fit_is_refused(kind: str, value: str, reason: str) -> None:
+    """At a member, at an element of an array, and at a member of a user type."""
+    message = f"{value} is no start value of {kind}: {reason}"
+    start = f"<StartValue>{value}</StartValue>"
+    member = f'<Member Name="a" Datatype="{kind}">{{}}</Member>'
+    places = [member.format(start)]
+    places.append(f'<Member Name="u" Datatype="&quot;U&quot;"><Sections><Section Name="None">{places[0]}</Section>'
+                  "</Sections></Member>")  # fmt: skip
+    if "Array" not in kind:
+        single = f'<Subelement Path="1">{start}</Subelement>'
+        places.append(f'<Member Name="a" Datatype="Array[0..1] of {kind}">{single}</Member>')
+    for place in places:
+        _, diagnostics = read_simaticml(document(global_db(place)), "x.xml")
+        assert [(d.code, d.message) for d in diagnostics] == [("PG812", message)]
+
+
+@pytest.mark.parametrize(
+    ("kind", "value"),
+    [
+        ("Int", "16#FFFF"),  # the bits, up to the sign
+        ("LReal", "16#7FF0_0000_0000_0000"),
+        ("Array[0..3] of Int", "[4(16#8000)]"),
+        ("Int", "MAX_PUMPS"),
+        ("Int", "#LAST - 1"),
+        ("Real", "-1.5E-3"),
+        ("Time", "T#1s_500ms"),
+        ("Char", "' '"),
+        ("HW_IO", "300"),
+        ("Array[0..99999] of Array[0..99999] of Int", "[1]"),
+    ],
+)
+def test_a_start_value_that_nobody_can_judge_or_that_fits_is_read(kind: str, value: str) -> None:
+    """Bits, constants with values from elsewhere, and types too large for any block, of which more is said later."""
+    member = f'<Member Name="a" Datatype="{kind}"><StartValue>{value}</StartValue></Member>'
+    blocks, diagnostics = read_simaticml(document(global_db(member)), "x.xml")
+    assert diagnostics == []
+    assert blocks[0].sections[0].members[0].start == value
+
+
 def test_messages_are_bounded() -> None:
     """A hundred thousand mistakes do not make a hundred thousand messages of the code."""
     assert len(found(code("<Gadget/>" * 100_000))) == 100
