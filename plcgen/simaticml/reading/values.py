@@ -8,8 +8,8 @@ from functools import lru_cache
 from plcgen.diagnostics import DiagnosticError
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.image import StartValueError, image
-from plcgen.s7.literals import LiteralError
-from plcgen.s7.types import DataType, Elementary, Member, StringType
+from plcgen.s7.literals import LiteralError, parse_literal
+from plcgen.s7.types import ELEMENTARY, DataType, Elementary, Member, StringType
 from plcgen.s7.values import BIT_STRINGS, RANGES, SIGNED, UNSIGNED
 from plcgen.scl.constants import filled, is_bits_of_real
 from plcgen.scl.lexer import ADDRESS, EOF, INT, LOCAL, NAME, POINTER, QUOTED, REAL, STRING, TYPED, tokenize
@@ -23,11 +23,22 @@ _PARTS = frozenset(
 )
 
 
-_SMALL = 5
-"""Numbers with fewer digits fit whatever has 16 bits."""
-_WIDE = frozenset(name for name in SIGNED | UNSIGNED | BIT_STRINGS if RANGES[name][1] >= 10 ** (_SMALL - 1))
-_REALS = frozenset({"REAL", "LREAL"})
-_REAL = re.compile(r"-?[0-9]{1,9}\.[0-9]{1,9}").fullmatch
+def _surely_fitting(name: str) -> str:
+    """Pattern of literals that fit a type whatever their digits."""
+    if name == "BOOL":
+        return "TRUE|FALSE|true|false"
+    if name in {"REAL", "LREAL"}:
+        return r"-?[0-9]{1,9}\.[0-9]{1,9}"
+    digits = len(str(RANGES[name][1])) - 1
+    based = f"|16#[0-9A-Fa-f]{{1,{ELEMENTARY[name].bits // 4}}}" if name in BIT_STRINGS else ""
+    return f"[0-9]{{1,{digits}}}{based}"
+
+
+_SURE = {
+    name: re.compile(_surely_fitting(name)).fullmatch
+    for name in SIGNED | UNSIGNED | BIT_STRINGS | {"BOOL", "REAL", "LREAL"}
+}
+"""Most values are plain numbers, and documents have many: of these nothing else is asked."""
 _NAMED = frozenset({NAME, QUOTED, LOCAL, ADDRESS, "+", "*", "/"})
 """Constants with values from elsewhere, and expressions of them."""
 
@@ -57,10 +68,9 @@ def unfit(text: str, type_: DataType) -> str:
 
     That is so of constants, and of types that are declared elsewhere.
     """
-    if type_.__class__ is Elementary:  # most values are small numbers, and documents have many
-        name = type_.name
-        if (name in _WIDE and len(text) < _SMALL and text.isdecimal()) or (name in _REALS and _REAL(text)):
-            return ""
+    sure = _SURE.get(type_.name) if type_.__class__ is Elementary else None
+    if sure is not None and sure(text):
+        return ""
     return _unfit(text, type_)
 
 
@@ -68,11 +78,21 @@ def unfit(text: str, type_: DataType) -> str:
 def _unfit(text: str, type_: DataType) -> str:
     if not isinstance(innermost(type_), Elementary | StringType) or not _NAMED.isdisjoint(tokenize(text, "").kinds):
         return ""
-    found: list[StartValueError] = []
-    member = Member("value", type_, text)
+    found: list[LiteralError] = []
     try:
-        image(Block(BlockKind.DB, "value", (Section(SectionKind.STATIC, (member,)),)), {}, found)
-    except (DiagnosticError, LiteralError):
+        if isinstance(type_, Elementary | StringType) and not text.endswith(")"):
+            parse_literal(text, type_)
+        else:
+            found += _unfit_in_image(Member("value", type_, text))
+    except LiteralError as error:
+        found.append(error)
+    except DiagnosticError:
         return ""  # of a type that is too large there is more to say elsewhere
     wrong = [e for e in found if filled(e.text, e.type_name) is None and not is_bits_of_real(e.text, e.type_name)]
     return wrong[0].reason if wrong else ""
+
+
+def _unfit_in_image(member: Member) -> list[StartValueError]:
+    found: list[StartValueError] = []
+    image(Block(BlockKind.DB, member.name, (Section(SectionKind.STATIC, (member,)),)), {}, found)
+    return found
