@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -10,10 +10,10 @@ from typing import Literal
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.documents.environment import RenderedFile
 from plcgen.s7.blocks import Block, BlockKind, is_retentive
-from plcgen.scl.declarations import recursive_types
+from plcgen.scl.declarations import recursive_types, trim_code
 from plcgen.scl.dialect import Dialect
-from plcgen.scl.lexer import tokenize
-from plcgen.scl.parser import parse
+from plcgen.scl.lexer import Tokens, tokenize
+from plcgen.scl.parser import ParseResult, parse
 from plcgen.simaticml.reading.documents import read_simaticml
 from plcgen.simaticml.reading.source import KEYWORDS, SUFFIXES, source
 from plcgen.simaticml.versions import VERSIONS
@@ -60,10 +60,11 @@ class _Read:
 
 @dataclass(frozen=True, slots=True)
 class _Sources:
-    """Blocks of one PLC, and the names of its user constants."""
+    """Blocks of one PLC, the names of its user constants, and where the code of each block of a text begins in it."""
 
     blocks: Sequence[_Read]
     constants: frozenset[str]
+    codes: Mapping[Span, tuple[Tokens, int]]
 
 
 def convert(
@@ -115,7 +116,7 @@ def _group(read: _Sources, to: Target, setting: Setting, found: Converted) -> It
         if to == "scl":
             file = _to_text(block, place, types, found)
         else:
-            file = _to_document(block, place, types, read.constants, setting, found)
+            file = _to_document(block, place, types, read, setting, found)
         if file is None:
             continue
         first = taken.setdefault(file.path.upper(), block)
@@ -130,6 +131,7 @@ def _read(files: Sequence[SourceFile], found: Converted, *, classic: bool, encod
     constants = project_constants(files)
     dialect = Dialect.TIA_300_400 if classic else Dialect.TIA_1200_1500
     read: list[_Read] = []
+    codes: dict[Span, tuple[Tokens, int]] = {}
     for file in files:
         if file.path.suffix.lower() in _SYMBOLS:
             continue
@@ -141,11 +143,23 @@ def _read(files: Sequence[SourceFile], found: Converted, *, classic: bool, encod
             blocks = [_laid_out(block, found) for block in blocks]
         else:
             whole = {name: value for name, value in constants.items() if value is not None}
-            blocks, problems = read_source(file.path, dialect, encoding=encoding, constants=whole)
+            kept: list[ParseResult] = []
+            blocks, problems = read_source(file.path, dialect, encoding=encoding, constants=whole, keep=kept.append)
+            codes |= {place: code for result in kept for place, code in _codes(result)}
             problems = [problem for problem in problems if not _about_encoding(problem)]
         found.diagnostics += [_without_value(problem) for problem in problems]
         read += [_Read(block, block.span or Span(str(file.path)), file.is_xml) for block in blocks]
-    return _Sources(read, frozenset(constants))
+    return _Sources(read, frozenset(constants), codes)
+
+
+def _codes(result: ParseResult) -> Iterator[tuple[Span, tuple[Tokens, int]]]:
+    """Where the code of each block begins in its text, by the place of the block."""
+    text = result.tokens.text_alone()
+    for unit in result.units:
+        begin, stop = unit.code
+        if stop > begin >= 0:
+            code = text.source[begin:stop]
+            yield text.span(unit.start, unit.start + len(unit.keyword)), (text, begin + code.index(trim_code(code)))
 
 
 def _without_value(problem: Diagnostic) -> Diagnostic:
@@ -228,7 +242,7 @@ def _wrong(text: str, block: Block) -> str:
 
 
 def _to_document(
-    block: Block, place: Span, types: dict[str, Block], constants: Iterable[str], setting: Setting, found: Converted
+    block: Block, place: Span, types: dict[str, Block], read: _Sources, setting: Setting, found: Converted
 ) -> RenderedFile | None:
     code = ""
     if block.kind in _CODE:
@@ -236,21 +250,23 @@ def _to_document(
             message = f'{block.kind} "{block.name}" has no SCL code: it is not converted'
             found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
             return None
-        scope = BlockScope.of(block, types.values(), constants)
-        unknown: dict[str, None] = {}
+        scope = BlockScope.of(block, types.values(), read.constants)
+        unknown: dict[str, tuple[int, int]] = {}
         tokens = tokenize(block.code, str(place.file))
         code = numbered(elements(tokens, 0, len(block.code), scope, setting, unknown))
-        for called in unknown:
+        for called, (begin, stop) in unknown.items():
             message = f'{block.kind} "{block.name}" calls {called}: whether that is an FC or an instance is not known'
             help_ = "name the source of the FC, or those of the instance and of its function block, too"
-            found.diagnostics.append(Diagnostic("PG815", message, place, Severity.ERROR, help=help_))
+            whole, first = read.codes.get(place, (None, 0))
+            there = place if whole is None else whole.span(first + begin, first + stop)
+            found.diagnostics.append(Diagnostic("PG815", message, there, Severity.ERROR, help=help_))
         if unknown:
             return None
     elif block.instance_of:
-        whole = _instance(block, place, types, found)
-        if whole is None:
+        made = _instance(block, place, types, found)
+        if made is None:
             return None
-        block = whole
+        block = made
     text, lost = document(block, setting, code, types)
     if is_retentive(block) and (block.instance_of or not any(s.members for s in block.sections)):
         message = f'{block.kind} "{block.name}": that it is retentive is not converted'

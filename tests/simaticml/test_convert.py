@@ -362,9 +362,24 @@ def test_what_is_called_is_never_guessed(tmp_path: Path) -> None:
         ("PG815", "error", 'FB "Caller" calls "Scale": whether that is an FC or an instance is not known'),
         ("PG815", "error", 'FB "Second" calls "Pump_DB": whether that is an FC or an instance is not known'),
     ]
+    assert [(d.span.line, d.span.column, d.span.end_column) for d in result.diagnostics] == [(4, 1, 8), (4, 1, 10)]
     assert not (tmp_path / "xml").exists()
     assert plcgen.convert(*files[:1], *put(tmp_path, c_scl=SCALE), to="xml", out=tmp_path / "xml").ok
     assert '<CallInfo BlockType="FC"' in (tmp_path / "xml/Caller.xml").read_text("utf-8-sig")
+
+
+def test_an_unknown_call_is_shown_where_it_is(tmp_path: Path) -> None:
+    """The first call of a name, behind other blocks of the file, in any line of the code."""
+    code = '#a := 1; // "Later"(a := 1)\n\n  IF #a > 0 THEN "Later" (a := 1); END_IF;\n"Later"();\n'
+    code += '#t.inner(a := "Deep"(2));'
+    block = 'FUNCTION_BLOCK "B"\nVERSION : 0.1\nVAR\n  a : Int;\n  t : "T";\nEND_VAR\n'
+    file = put(tmp_path, a_scl=f"{SCALE}{block}BEGIN {code}\nEND_FUNCTION_BLOCK\n")
+    result = plcgen.convert(*file, to="xml", out=tmp_path / "xml")
+    told = [(d.message.split(":")[0], d.span.line, d.span.column, d.span.end_column) for d in result.diagnostics]
+    # Nine lines of the function, six of the block before BEGIN, which is in line 16.
+    assert told == [
+        ('FB "B" calls "Later"', 18, 18, 25), ('FB "B" calls #t.inner', 20, 1, 9), ('FB "B" calls "Deep"', 20, 15, 21),
+    ]  # fmt: skip
 
 
 def test_an_instance_inside_a_data_block_is_known_by_its_declaration(tmp_path: Path) -> None:

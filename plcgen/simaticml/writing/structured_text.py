@@ -80,11 +80,12 @@ def elements(
     stop: int,
     scope: BlockScope,
     setting: Setting,
-    unknown: dict[str, None] | None = None,
+    unknown: dict[str, tuple[int, int]] | None = None,
 ) -> str:
     """Elements for the source between two offsets, with ``SLOT`` for every UId.
 
-    ``unknown`` gets what is called and of which the scope does not know what it is: the call is that of an FC then.
+    ``unknown`` gets what is called and of which the scope does not know what it is, with the offsets of its name where
+    it is called first: the call is that of an FC then.
     """
     writer = _Writer(tokens, begin, stop, scope, setting)
     text = writer.write(stop)
@@ -118,7 +119,8 @@ class _Writer:
         self.end = begin
         """Offset up to which the source is written."""
         self.out: list[str] = []
-        self.unknown: dict[str, None] = {}
+        self.unknown: dict[str, tuple[int, int]] = {}
+        self.called = begin
         jumps = (n + 1 for n, kind in enumerate(self.kinds) if kind == "GOTO")
         self.labels = frozenset(self.texts[n].upper() for n in jumps)
 
@@ -269,6 +271,7 @@ class _Writer:
             self.out.append(simple_symbol(f"{where}Variable", name, quoted=quoted))
             self.step()
             return
+        self.called = self.starts[self.pos]
         outer, self.out = self.out, []
         names, dot = self.path(name, quoted=quoted, peripheral=peripheral)
         pieces, self.out = self.out, outer
@@ -379,7 +382,7 @@ class _Writer:
         else:
             made = self.scope.global_block_of(names)
         if made is None:
-            self.unknown["#" + ".".join(names) if where == "Local" else f'"{names[0]}".{".".join(names[1:])}'] = None
+            self.is_unknown("#" + ".".join(names) if where == "Local" else f'"{names[0]}".{".".join(names[1:])}')
         if made is not None and made[1]:
             self.variable(where, symbol)
             self.call(f"<Instruction {UID}>", "</Instruction>")
@@ -400,8 +403,13 @@ class _Writer:
         if made is not None:
             return made, is_system(made)
         if name.upper() not in self.scope.functions:
-            self.unknown[f'"{name}"'] = None
+            self.is_unknown(f'"{name}"')
         return "", False
+
+    def is_unknown(self, name: str) -> None:
+        """Keep where something is called first of which nobody knows what it is; its name ends before the bracket."""
+        last = self.pos - 1
+        self.unknown.setdefault(name, (self.called, self.starts[last] + len(self.texts[last])))
 
     def call(self, head: str, tail: str) -> None:
         """Write the arguments of a call between ``head`` and ``tail``."""
