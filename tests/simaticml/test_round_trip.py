@@ -363,25 +363,6 @@ END_DATA_BLOCK
     assert image(again, {"U": udt}) == image(db, {"U": udt})
 
 
-def test_the_path_of_a_start_value_names_the_elements_of_all_arrays() -> None:
-    """An element of an array inside an element of an array: both indices, with a comma as in exports."""
-    text = """DATA_BLOCK "D"
-STRUCT
-  s : Array[0..1] of STRUCT
-    a : Array[0..2] of Int;
-    b : Array[0..1, 3..4] of Int;
-  END_STRUCT;
-END_STRUCT;
-BEGIN
-  s[0].a[1] := 5;
-  s[1].b[0, 4] := 6;
-END_DATA_BLOCK
-"""
-    written, lost = document(block_of(text), SETTING)
-    assert lost == []
-    assert re.findall(r'Path="([^"]*)">\s*<StartValue>(\d)', written) == [("0,1", "5"), ("1,0,4", "6")]
-
-
 LISTS = """  us : Array[0..1] of STRUCT
     q : Array[0..2] of Int := [1, 2, 3];
     one : Int := 7;
