@@ -7,8 +7,11 @@ from plcgen.display.view import PLAIN
 from plcgen.protocols.ds47.texts import status_text
 from plcgen.protocols.ds47.wire.errors import MANUFACTURER_FIRST, error_text
 from plcgen.protocols.ds47.wire.status import explain as explain_status
-from plcgen.protocols.ds47.wire.status import explain_word
+from plcgen.protocols.ds47.wire.status import explain_codes, explain_word
 from plcgen.protocols.ds47.words import STATUS_WORDS
+
+_CODES = range(0xA0, 0xF0)
+"""Error_Code_1 that a drive or module gives; as Error_Decode they do not exist."""
 
 
 def explain(digits: str) -> Page | None:
@@ -36,10 +39,11 @@ def error_page(number: int) -> Page:
 
 
 def word_page(word: int) -> Page:
-    """Explain the status word of a generated block, or else the middle word of a STATUS."""
+    """Explain the status word of a generated block, or else a word of a STATUS: the middle one, or the lower one."""
     known = {value: (name, text) for name, value, text in STATUS_WORDS}
-    status = explain_word(word)
-    record = ("As the middle word of a WRREC or RDREC STATUS", status.text)
+    record = ("As the middle word of a WRREC or RDREC STATUS", explain_word(word).text)
+    if word >> 8 in _CODES:
+        record = ("As the lower word of a WRREC or RDREC STATUS", explain_codes(word).text)
     if word not in known:
         return Page(f"16#{word:04X}", "not a status word of a generated block", (record,))
     name, text = known[word]

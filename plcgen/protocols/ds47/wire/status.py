@@ -68,7 +68,7 @@ def _direction(function_num: int, direction: Direction | None) -> Direction | No
     return known.get(function_num, direction)
 
 
-def _explain_code(code1: int, direction: Direction | None) -> tuple[str, Retry]:
+def _explain_code(code1: int, code2: int, direction: Direction | None) -> tuple[str, Retry]:
     tables = _tables()
     local = tables["local"].get(0x8000 | code1)
     if local is not None:
@@ -77,19 +77,21 @@ def _explain_code(code1: int, direction: Direction | None) -> tuple[str, Retry]:
     if row is None:
         return f"unknown error code {code1:02X}h", Retry.PERMANENT
     text = row.get(f"text_{direction}", row["text"])
+    detail = row.get(f"details_{direction or 'write'}", {})
+    text += detail.get(f"{code2:02X}", detail.get("any", "").format(code2)) if code2 else ""
     retry = row.get(f"retry_{direction}", row["retry"])
     label = row["name"] if row["name"] in {text, "reserved"} else f"{row['name']}: {text}"
     return (text if row["name"] == "reserved" else label), Retry(retry)
 
 
-def _meaning(decode: int, code1: int, direction: Direction | None) -> tuple[str, Retry]:
+def _meaning(decode: int, code1: int, code2: int, direction: Direction | None) -> tuple[str, Retry]:
     if decode == 0x70:
         retry = Retry.WAIT if code1 in {1, 2} else Retry.NONE
         return _tables()["call_state"].get(decode << 8 | code1, f"call state {code1:02X}h"), retry
     if decode < 0x80:
         return "no error", Retry.NONE
     if decode == 0x80:
-        return _explain_code(code1, direction)
+        return _explain_code(code1, code2, direction)
     if decode <= 0x8F:
         text = _tables()["parameter"].get(code1, f"error {code1:02X}h")
         return f"call parameter {decode - 0x80}: {text}", Retry.PERMANENT
@@ -104,8 +106,8 @@ def explain(value: int, direction: Direction | None = None) -> Status:
     A0h of RDREC means starting again at WRREC, everything else is permanent (the S7 manual lists B5h as permanent).
     """
     function_num, decode, code1, code2 = value.to_bytes(4, "big")
-    text, retry = _meaning(decode, code1, _direction(function_num, direction))
-    if decode >= 0x80:
+    text, retry = _meaning(decode, code1, code2, _direction(function_num, direction))
+    if decode >= 0x80 and function_num:
         function = _tables()["function"].get(function_num, f"function {function_num:02X}h")
         text = f"{function}: {text}"
     return Status(value, function_num, decode, code1, code2, text, retry)
@@ -114,3 +116,8 @@ def explain(value: int, direction: Direction | None = None) -> Status:
 def explain_word(word: int, direction: Direction | None = None) -> Status:
     """Explain the middle word of a STATUS, as older blocks report it: 7001h, 80B5h, 8090h."""
     return explain(word << 8, direction)
+
+
+def explain_codes(word: int, direction: Direction | None = None) -> Status:
+    """Explain the lower word of a STATUS, Error_Code_1 and Error_Code_2: E102h, B500h."""
+    return explain(0x80 << 16 | word, direction)
