@@ -22,7 +22,7 @@ command = VerbGroup(
     sections=SECTIONS,
     package="plcgen.cli.live",
     examples=(
-        "plcgen live read P1120 r0052 --drive 192.168.0.5 --device sinamics-g120",
+        "plcgen live read P1120 r0945[0..3] --drive 192.168.0.5 --device sinamics-g120",
         "plcgen live compare job.yaml --drive pump=192.168.0.5",
         "plcgen live db job.yaml --cpu 192.168.0.1",
     ),
