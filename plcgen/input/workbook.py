@@ -27,6 +27,12 @@ Row = tuple[int, list[str]]
 """Number of a row, from 1, and its cells as text."""
 
 
+class Numeral(str):
+    """A cell that is a number, as every workbook has it: with a decimal point, without groups."""
+
+    __slots__ = ()
+
+
 class WorkbookError(PlcgenError, ValueError):
     """The bytes are no workbook, or more than the bounds allow; the message says which."""
 
@@ -143,7 +149,7 @@ class _SheetRows:
 
     def _value(self) -> str:
         if self._kind != "s":
-            return self._text
+            return Numeral(self._text) if self._kind in {"", "n"} else self._text
         number = self._text.strip()
         if not (number.isascii() and number.isdigit() and int(number) < len(self._strings)):
             raise WorkbookError(f'a cell names the shared string "{number[:20]}", which is not there')

@@ -103,3 +103,53 @@ def test_bits_that_are_written(value: str, verdict: str) -> None:
     code, out, _ = plcgen("catalogue", "drift", "list.csv", "job.yaml", "--json")
     assert [row["verdict"] for row in json.loads(out)["rows"]] == [verdict]
     assert code == (verdict != "equal")
+
+
+@pytest.mark.parametrize(
+    ("cell", "verdict"),
+    [
+        ("Invalid", "not readable"),
+        ("1.50,00", "not readable"),
+        ("1.500,00", "deviates"),
+        ("1.400,00", "equal"),
+        ("1,400.0", "equal"),
+        ("", "no value"),
+    ],
+)
+@pytest.mark.usefixtures("folder")
+def test_a_value_that_cannot_be_read_is_a_finding(cell: str, verdict: str) -> None:
+    """What the list has and nobody can compare did not pass; only where it says nothing there is nothing to find."""
+    job = f"{SPEC.partition('jobs:')[0]}jobs: {{j: {{drive: fan, write: {{P1083: 1400.0}}}}}}\n"
+    Path("job.yaml").write_text(job, "utf-8")
+    Path("list.csv").write_text(f"{LIST.partition('p1120')[0]}p1083;Limit;{cell};rpm;;\n", "utf-8")
+    code, out, _ = plcgen("catalogue", "drift", "list.csv", "job.yaml", "--json")
+    found = json.loads(out)
+    assert [row["verdict"] for row in found["rows"]] == [verdict]
+    wrong = verdict in {"not readable", "deviates"}
+    assert (code, [one["code"] for one in found["diagnostics"]]) == (int(wrong), ["PG707"] * wrong)
+    if cell == "Invalid":
+        assert found["diagnostics"][0]["message"] == "P1083 of j: not readable: Invalid, wanted is 1400"
+
+
+@pytest.mark.parametrize(("second", "verdict"), [("10,0", "equal"), ("11,0", "deviates"), ("Invalid", "not readable")])
+@pytest.mark.usefixtures("folder")
+def test_every_element_is_compared(second: str, verdict: str) -> None:
+    """Of an array with two indexes both values are in the list."""
+    write = "{P1120[0..1]: [12.5, 10.0]}"
+    Path("job.yaml").write_text(f"{SPEC.partition('jobs:')[0]}jobs: {{j: {{drive: fan, write: {write}}}}}\n", "utf-8")
+    rows = f"p1120[0];Ramp-up;12,5;s;;\np1120[1];Ramp-up;{second};s;;\n"
+    Path("list.csv").write_text(LIST.partition("p1120")[0] + rows, "utf-8")
+    _, out, _ = plcgen("catalogue", "drift", "list.csv", "job.yaml", "--json")
+    assert [(row["wanted"], row["verdict"]) for row in json.loads(out)["rows"]] == [("12.5, 10", verdict)]
+
+
+@pytest.mark.usefixtures("folder")
+def test_an_enumeration_and_a_source() -> None:
+    """The number in front of a text is its value; a source is not compared, and the result says so."""
+    write = "{P1300: 20, P840: r722.2}"
+    Path("job.yaml").write_text(f"{SPEC.partition('jobs:')[0]}jobs: {{j: {{drive: fan, write: {write}}}}}\n", "utf-8")
+    rows = "p1300;Mode;[0] V/f control;;;\np840;ON/OFF1;r722.3;;;\n"
+    Path("list.csv").write_text(LIST.partition("p1120")[0] + rows, "utf-8")
+    _, out, _ = plcgen("catalogue", "drift", "list.csv", "job.yaml", "--json")
+    found = {row["parameter"]: row["verdict"] for row in json.loads(out)["rows"]}
+    assert found == {"P1300": "deviates", "P840": "not compared"}

@@ -35,7 +35,7 @@ GERMAN = "Parameter,Parametertext,Online-Wert,Einheit,Minimum,Maximum\np1135,AUS
 
 
 def parsed(text: str) -> dict[int, ListedParameter]:
-    return {one.pnu: one for one in parse_list(text, Path("list.csv"))}
+    return {one.pnu: one for one in parse_list(text, Path("list.csv")).parameters}
 
 
 def merged(text: str, device: str = "sinamics-g120") -> Merged:
@@ -43,14 +43,14 @@ def merged(text: str, device: str = "sinamics-g120") -> Merged:
 
 
 def test_expert_list() -> None:
-    """Indexes are joined, bits left out; enumerations and sources are no values."""
+    """Indexes are joined, bits left out; an enumeration is its number, a source is no value."""
     found = parsed(STARTER)
     assert set(found) == {2, 840, 1120, 2940}
     assert found[1120] == ListedParameter(
         1120, read_only=False, line=4, title="Ramp-function generator ramp-up time", unit="s", changeable="Operation",
-        minimum=0.0, maximum=999999.0, value=12.5, indexes=2,
+        minimum=0.0, maximum=999999.0, values={0: 12.5, 1: 10.0}, indexes=2,
     )  # fmt: skip
-    assert (found[2].value, found[840].value, found[2].read_only) == (None, None, True)
+    assert (found[2].value, found[840].value, found[2].read_only) == (31.0, None, True)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252"])
@@ -58,9 +58,9 @@ def test_encodings_separators_and_languages(encoding: str, tmp_path: Path) -> No
     """Tabs, semicolons, commas; headings in two languages."""
     path = tmp_path / "list.csv"
     path.write_bytes(GERMAN.encode(encoding))
-    (one,) = load_list(path)
+    (one,) = load_list(path).parameters
     assert (one.title, one.unit, one.value, one.maximum) == ("AUS3 Rücklaufzeit", "s", 1.5, 600.0)
-    assert [one.pnu for one in parse_list(STARTDRIVE, path)] == [21, 1082]
+    assert [one.pnu for one in parse_list(STARTDRIVE, path).parameters] == [21, 1082]
 
 
 @pytest.mark.parametrize(
@@ -102,7 +102,9 @@ def test_a_workbook_is_read_like_a_table(tmp_path: Path) -> None:
     rows = [line.split("\t") for line in STARTDRIVE.splitlines()]
     path = tmp_path / "list.xlsx"
     path.write_bytes(book([["About", "this file"]], [["Pump"], [], *rows]))
-    assert [replace(one, line=one.line - 2) for one in load_list(path)] == parse_list(STARTDRIVE, path)
+    assert [replace(one, line=one.line - 2) for one in load_list(path).parameters] == parse_list(
+        STARTDRIVE, path
+    ).parameters
 
 
 def test_cells_as_other_programs_write_them(tmp_path: Path) -> None:
@@ -110,13 +112,13 @@ def test_cells_as_other_programs_write_them(tmp_path: Path) -> None:
     main = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
     strings = f"<sst {main}><si><r><t>p1</t></r><r><t>120</t></r><rPh sb='0' eb='1'><t>aid</t></rPh></si></sst>"
     head = "".join(f'<c t="inlineStr"><is><t>{text}</t></is></c>' for text in ("Number", "Text", "Value", "Unit"))
-    cells = '<c r="A2" t="s"><v>0</v></c><c r="C2"><v>12.5</v></c><c r="D2" t="str"><f>1+1</f><v>s</v></c>'
+    cells = '<c r="A2" t="s"><v>0</v></c><c r="C2"><v>12.500</v></c><c r="D2" t="str"><f>1+1</f><v>s</v></c>'
     sheet = f"<worksheet {main}><sheetData><row>{head}</row><row>{cells}</row></sheetData></worksheet>"
     path = tmp_path / "list.xlsx"
     with zipfile.ZipFile(path, "w") as file:
         file.writestr("xl/sharedStrings.xml", strings)
         file.writestr("xl/worksheets/sheet1.xml", sheet)
-    (one,) = load_list(path)
+    (one,) = load_list(path).parameters
     assert (one.pnu, one.value, one.unit, one.title) == (1120, 12.5, "s", "")
 
 

@@ -34,7 +34,7 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
     from plcgen.display.results import Answer
     from plcgen.display.table import text_table
     from plcgen.protocols.ds47.catalogue import lists
-    from plcgen.protocols.ds47.catalogue.drift import DEVIATES, MISSING, OUTSIDE
+    from plcgen.protocols.ds47.catalogue.drift import DRIFTED, UNREADABLE
     from plcgen.protocols.ds47.catalogue.drift import drift as drifted
     from plcgen.protocols.ds47.catalogue.own_list import LISTS, read_own_list
 
@@ -50,19 +50,18 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
         where = "after the last number of the file" if own.continues is None else f"in r{own.continues}"
         message = f"the list goes on {where}: there is no 0 with which it ends"
         raise lists.wrong(file, message, "read all of it: what is not in the file might be there")
-    listed = own.parameters() if own is not None else lists.listed(sheets, file)
+    listed = lists.ParameterList(own.parameters()) if own is not None else lists.listed(sheets, file)
     silent = LISTS if own is not None else ()
-    rows = list(dict.fromkeys(drifted(plan, drive or keys[0], {one.pnu: one for one in listed}, silent)))
-    wrong = [row for row in rows if row.verdict in {DEVIATES, MISSING, OUTSIDE}]
-    problems = [
-        Diagnostic("PG707", f"{row.parameter} of {row.job}: {row.verdict}: {row.listed}, not {row.wanted}"
-                   if row.wanted and row.listed else f"{row.parameter} of {row.job}: {row.verdict}", Span(str(file)))
-        for row in wrong
-    ]  # fmt: skip
+    rows = list(dict.fromkeys(drifted(plan, drive or keys[0], {one.pnu: one for one in listed.parameters}, silent)))
+    problems = []
+    for row in rows:
+        if row.verdict in DRIFTED:
+            than = "wanted is" if row.verdict == UNREADABLE else "not"
+            why = f": {row.listed}, {than} {row.wanted}" if row.wanted and row.listed else ""
+            problems.append(Diagnostic("PG707", f"{row.parameter} of {row.job}: {row.verdict}{why}", Span(str(file))))
     header = ("parameter", "job", "wanted", "list", "verdict")
     cells = [(row.parameter, row.job, row.wanted, row.listed, row.verdict) for row in rows]
-    text = "\n".join(text_table(header, cells, indent=0)) + "\n"
+    text = "\n".join([*text_table(header, cells, indent=0), *listed.skipped]) + "\n"
     data = [dict(zip(header, row, strict=True)) for row in cells]
-    return console().answer(
-        format_, Answer({**diagnostics_data("catalogue drift", problems), "rows": data}, lambda _view: text, problems)
-    )
+    shown = {**diagnostics_data("catalogue drift", problems), "rows": data, "skipped": list(listed.skipped)}
+    return console().answer(format_, Answer(shown, lambda _view: text, problems))

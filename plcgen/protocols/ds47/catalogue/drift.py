@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.catalogue.lists import ListedParameter
+from plcgen.protocols.ds47.catalogue.lists import ListedParameter, one_line
 from plcgen.protocols.ds47.catalogue.pages import label
 from plcgen.protocols.ds47.device import Device, facts
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.wire.formats import FormatKind, unpack_values
 
-EQUAL, DEVIATES, MISSING, OUTSIDE, UNKNOWN = "equal", "deviates", "not in the list", "outside", "no value"
+EQUAL, DEVIATES, MISSING, OUTSIDE = "equal", "deviates", "not in the list", "outside"
+UNREADABLE, UNKNOWN, UNCOMPARED = "not readable", "no value", "not compared"
+DRIFTED = {DEVIATES, MISSING, OUTSIDE, UNREADABLE}
+"""What is a finding. Without a value nothing can be said: not every list has one of each parameter."""
 _NUMERIC = {FormatKind.SIGNED, FormatKind.UNSIGNED, FormatKind.FLOAT}
 _LISTED = 1e-6
 """Share of a value that a list may have rounded away."""
@@ -68,8 +71,7 @@ def drift(
 ) -> Iterator[DriftRow]:
     """Every parameter that a job accesses in a drive, against the list of that drive.
 
-    A list has values of index 0 alone, and rounds them; enumerations and sources are no numbers in it. Of ``silent``
-    numbers it says nothing.
+    A list rounds its values; sources and texts are not compared. Of ``silent`` numbers it says nothing.
     """
     for job in plan.jobs:
         if job.drive.key != drive:
@@ -82,47 +84,66 @@ def drift(
 
 
 def _row(job: DriveJob, use: Use, one: ListedParameter | None) -> DriftRow:
-    wanted = _constant(use)
-    shown = "" if wanted is None else f"{wanted:g}"
+    wanted = _constants(use)
+    shown = ", ".join(f"{value:g}" for value in wanted)
+    if use.bits:
+        shown = ", ".join(str(int(any(bit.data))) for bit in use.bits if bit.constant)
     if one is None:
         return DriftRow(use.label, job.key, shown, "", MISSING)
     bounds = "" if one.minimum is None and one.maximum is None else f" ({_limit(one.minimum)}..{_limit(one.maximum)})"
-    told = ("" if one.value is None else f"{one.value:g}") + bounds
-    if use.bits:
-        shown = ", ".join(str(int(any(bit.data))) for bit in use.bits if bit.constant)
-        return DriftRow(use.label, job.key, shown, told.strip(), _of_bits(use, one.value))
-    if wanted is None:
-        return DriftRow(use.label, job.key, "", told.strip(), EQUAL)
+    values = [one.values.get(index) for index in range(use.subindex, use.subindex + max(len(wanted), 1))]
+    told = ", ".join(_told_value(value) for value in values) + bounds
+    verdict = _of_bits(use, values[0]) if use.bits else _verdict(use, one, wanted, values)
+    return DriftRow(use.label, job.key, shown, told.strip(", "), verdict)
+
+
+def _told_value(value: float | str | None) -> str:
+    return "" if value is None else one_line(value)[:40] if isinstance(value, str) else f"{value:g}"
+
+
+def _verdict(use: Use, one: ListedParameter, wanted: Sequence[float], values: Sequence[float | str | None]) -> str:
+    """The worst that is to be said of the elements of an access."""
+    if not wanted:
+        return UNCOMPARED if (use.writes or use.compared) and use.constant else EQUAL
     low, high = one.minimum, one.maximum
-    if (low is not None and wanted < low) or (high is not None and wanted > high):
-        return DriftRow(use.label, job.key, shown, told.strip(), OUTSIDE)
-    if one.value is None or use.subindex or use.parameter.pnu in guards.SET_BACK:
-        return DriftRow(use.label, job.key, shown, told.strip(), UNKNOWN)
-    same = abs(one.value - wanted) <= _LISTED * max(abs(wanted), abs(one.value))
-    return DriftRow(use.label, job.key, shown, told.strip(), EQUAL if same else DEVIATES)
+    if any((low is not None and value < low) or (high is not None and value > high) for value in wanted):
+        return OUTSIDE
+    if use.parameter.pnu in guards.SET_BACK:
+        return UNKNOWN
+    verdicts = {_of_value(number, value) for number, value in zip(wanted, values, strict=True)}
+    return next(verdict for verdict in (DEVIATES, UNREADABLE, UNKNOWN, EQUAL) if verdict in verdicts)
 
 
-def _of_bits(use: Use, value: float | None) -> str:
+def _of_value(wanted: float, value: float | str | None) -> str:
+    if value is None:
+        return UNKNOWN
+    if isinstance(value, str):
+        return UNREADABLE
+    return EQUAL if abs(value - wanted) <= _LISTED * max(abs(wanted), abs(value)) else DEVIATES
+
+
+def _of_bits(use: Use, value: float | str | None) -> str:
     """Whether a number of a list has those bits that are constants."""
     wanted = [(bit.bit or 0, any(bit.data)) for bit in use.bits if bit.constant]
     if not wanted:
         return EQUAL
-    if value is None or use.subindex or not value.is_integer():
+    if value is None:
         return UNKNOWN
+    if isinstance(value, str) or not value.is_integer():
+        return UNREADABLE
     return EQUAL if all(bool(int(value) >> number & 1) is on for number, on in wanted) else DEVIATES
 
 
-def _constant(use: Use) -> float | None:
-    """The first value that a job writes or wants, if it is a number and not an input."""
+def _constants(use: Use) -> Sequence[float]:
+    """The values that a job writes or wants, if they are numbers and no inputs."""
     if (
         use.bits
         or not ((use.writes or use.compared) and use.constant)
         or use.format.kind not in _NUMERIC
         or use.sources
     ):
-        return None
-    value = unpack_values(use.format, 1, use.data[: use.format.size])[0]
-    return value if isinstance(value, int | float) else None
+        return []
+    return [value for value in unpack_values(use.format, use.count, use.data) if isinstance(value, int | float)]
 
 
 def _limit(limit: float | None) -> str:

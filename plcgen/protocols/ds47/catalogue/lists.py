@@ -13,13 +13,14 @@ import csv
 import io
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
 from plcgen.input.text import decoded
-from plcgen.input.workbook import Row, WorkbookError, read_sheets
+from plcgen.input.workbook import Numeral, Row, WorkbookError, read_sheets
+from plcgen.protocols.ds47.catalogue.numbers import decimal_sign, looks_like_number, number
 
 MAX_BYTES = 16 * 1024 * 1024
 MAX_ROWS = 200_000
@@ -40,12 +41,17 @@ _COLUMNS = {
 _VALUE = re.compile(r"(online|offline)[ -]?(value|wert)")
 _PARAMETER = re.compile(r"([PpRr])0*([1-9][0-9]{0,4})(?:\[([0-9]{1,5})\])?\Z")
 _BIT = re.compile(r"[PpRr][0-9]{1,5}(?:\[[0-9]{1,5}\])?\.[0-9]{1,2}\Z")
-_NUMBER = re.compile(r"[+-]?[0-9]{1,15}(?:[.,][0-9]{1,15})?(?:[eE][+-]?[0-9]{1,2})?\Z")
+_MEANT = re.compile(r"[PpRr]? *[0-9]+ *(?:\[.*|\..*)?\Z")
+"""What is meant as a parameter; everything else in that column is a heading of a group."""
+_NUMBERS = {"min": "minimum", "max": "maximum", "value": "value"}
 
 
 @dataclass(frozen=True, slots=True)
 class ListedParameter:
-    """What a list says about one parameter; None and empty where it says nothing. ``value`` is that of index 0."""
+    """What a list says about one parameter; None and empty where it says nothing.
+
+    ``values`` are by index: numbers, and the text of what is none.
+    """
 
     pnu: int
     read_only: bool
@@ -56,11 +62,25 @@ class ListedParameter:
     changeable: str = ""
     minimum: float | None = None
     maximum: float | None = None
-    value: float | None = None
+    values: Mapping[int, float | str] = field(default_factory=dict)
     indexes: int | None = None
 
+    @property
+    def value(self) -> float | None:
+        """The number of index 0."""
+        found = self.values.get(0)
+        return None if isinstance(found, str) else found
 
-def load_list(path: Path) -> Sequence[ListedParameter]:
+
+@dataclass(frozen=True, slots=True)
+class ParameterList:
+    """The parameters of a list by their numbers, and what of it could not be read: a sentence each, with its line."""
+
+    parameters: Sequence[ListedParameter]
+    skipped: Sequence[str] = ()
+
+
+def load_list(path: Path) -> ParameterList:
     """Read an exported list.
 
     Raises:
@@ -91,32 +111,46 @@ def _book(data: bytes, path: Path) -> Sequence[Sequence[Row]]:
         raise wrong(path, f"the workbook cannot be read: {problem}", "export it again, or as CSV") from problem
 
 
-def parse_list(text: str, path: Path) -> Sequence[ListedParameter]:
+def parse_list(text: str, path: Path) -> ParameterList:
     """Read the text of a list, parameters in the order of their numbers. Raises DiagnosticError, PG704."""
     return listed([list(_rows(text, path))], path)
 
 
-def listed(sheets: Sequence[Sequence[Row]], path: Path) -> Sequence[ListedParameter]:
+def listed(sheets: Sequence[Sequence[Row]], path: Path) -> ParameterList:
     """The parameters of the sheet with the most known headings. Raises DiagnosticError, PG704."""
     return _parsed(max(sheets, key=lambda sheet: len(_headings(sheet)[0])), path)
 
 
-def _parsed(rows: Sequence[Row], path: Path) -> Sequence[ListedParameter]:
+def _parsed(rows: Sequence[Row], path: Path) -> ParameterList:
     columns, first = _headings(rows)
     if "number" not in columns or len(columns) == 1:
         help_ = "the headings are for example Parameter; Parameter text; Online value; Unit; Minimum; Maximum"
         raise wrong(path, "no row with the headings of a parameter list was found", help_)
+    texts = [(line, {key: _cell(cells, at) for key, at in columns.items()}) for line, cells in rows[first:]]
+    decimal = decimal_sign(row[key] for _, row in texts for key in _NUMBERS if key in row)
     found: dict[int, ListedParameter] = {}
-    for line, cells in rows[first:]:
-        texts = {key: cells[at].strip() for key, at in columns.items() if at < len(cells)}
-        one = _listed(texts, line)
+    lines: dict[str, int] = {}
+    skipped: list[str] = []
+    for line, row in texts:
+        name = row["number"].lower()
+        if _BIT.match(name):
+            continue
+        one = _listed(row, line, decimal, skipped)
         if one is None:
+            continue
+        if lines.setdefault(name, line) != line:
+            skipped.append(f"line {line}: {name} is in the list twice; line {lines[name]} counts")
             continue
         known = found.get(one.pnu)
         found[one.pnu] = one if known is None else _joined(known, one)
     if not found:
         raise wrong(path, "there is no parameter in the list", "a parameter is written like p1120 or r0945[3]")
-    return [found[pnu] for pnu in sorted(found)]
+    return ParameterList([found[pnu] for pnu in sorted(found)], skipped)
+
+
+def _cell(cells: Sequence[str], at: int) -> str:
+    text = cells[at] if at < len(cells) else ""
+    return text if isinstance(text, Numeral) else text.strip()
 
 
 def _rows(text: str, path: Path) -> Iterable[Row]:
@@ -137,10 +171,10 @@ def _headings(rows: Sequence[Row]) -> tuple[Mapping[str, int], int]:
     best: tuple[Mapping[str, int], int] = ({}, 0)
     for at, (_, cells) in enumerate(rows[:_HEADINGS]):
         columns: dict[str, int] = {}
-        for number, cell in enumerate(cells):
+        for column, cell in enumerate(cells):
             key = _heading(cell)
             if key is not None:
-                columns.setdefault(key, number)
+                columns.setdefault(key, column)
         if len(columns) > len(best[0]):
             best = (columns, at + 1)
     return best
@@ -153,12 +187,20 @@ def _heading(cell: str) -> str | None:
     return next((key for key, names in _COLUMNS.items() if text in names), None)
 
 
-def _listed(texts: Mapping[str, str], line: int) -> ListedParameter | None:
-    """One row; None for a bit, a group heading, an empty row."""
-    match = _PARAMETER.match(texts.get("number", ""))
+def _listed(texts: Mapping[str, str], line: int, decimal: str, skipped: list[str]) -> ListedParameter | None:
+    """One row; None for a group heading, an empty row, and what is no parameter."""
+    name = texts["number"]
+    match = _PARAMETER.match(name)
     if match is None or int(match[2]) > 0xFFFF:
+        if _MEANT.match(name):
+            skipped.append(f"line {line}: {one_line(name)} is no parameter: p or r and a number up to 65535")
         return None
     index = None if match[3] is None else int(match[3])
+    numbers = {key: _number(texts.get(key, ""), decimal) for key in _NUMBERS}
+    for key, read in numbers.items():
+        if isinstance(read, str) and read and (key != "value" or looks_like_number(read)):
+            skipped.append(f'line {line}: {_NUMBERS[key]} "{one_line(read)}" of {name} cannot be read{_why(read)}')
+    low, high = (None if isinstance(read, str) else read for read in (numbers["min"], numbers["max"]))
     return ListedParameter(
         pnu=int(match[2]),
         read_only=match[1] in "rR",
@@ -167,32 +209,38 @@ def _listed(texts: Mapping[str, str], line: int) -> ListedParameter | None:
         unit=one_line(texts.get("unit", "")).strip("-"),
         type=texts.get("type", ""),
         changeable=one_line(texts.get("changeable", "")),
-        minimum=_number(texts.get("min", "")),
-        maximum=_number(texts.get("max", "")),
-        value=_number(texts.get("value", "")) if index in {None, 0} else None,
+        minimum=low,
+        maximum=high,
+        values={} if numbers["value"] == "" else {index or 0: numbers["value"]},
         indexes=None if index is None else index + 1,
     )
 
 
+def _number(text: str, decimal: str) -> float | str:
+    """The number of a cell, or else its text, empty for a dash."""
+    read = number(text, decimal)
+    return text.strip("-\N{EN DASH}") and text if read is None else read
+
+
+def _why(text: str) -> str:
+    sure = any(number(text, sign) is not None for sign in ".,")
+    return ": no other number shows whether . or , is the decimal sign" if sure else ""
+
+
 def _joined(known: ListedParameter, other: ListedParameter) -> ListedParameter:
-    """Rows of the same parameter: what the first one says, with the highest index."""
+    """Rows of the same parameter: what the first one says, the values of both, the highest index."""
     pairs = {name: getattr(known, name) for name in ListedParameter.__slots__}
     for name, value in pairs.items():
         if value is None or value == "":
             pairs[name] = getattr(other, name)
     counts = [count for count in (known.indexes, other.indexes) if count is not None]
-    pairs["indexes"] = max(counts) if counts else None
-    return ListedParameter(**pairs)
+    values = {**other.values, **known.values}
+    return replace(ListedParameter(**pairs), values=values, indexes=max(counts) if counts else None)
 
 
 def one_line(text: str) -> str:
     """A text as a profile takes it: one printable line of at most 300 characters."""
     return "".join(character for character in " ".join(text.split()) if character.isprintable())[:300]
-
-
-def _number(text: str) -> float | None:
-    """A decimal number with point or comma; enumerations, bit patterns and sources are none."""
-    return float(text.replace(",", ".")) if _NUMBER.match(text) else None
 
 
 def wrong(path: Path, message: str, help_: str, line: int = 0) -> DiagnosticError:

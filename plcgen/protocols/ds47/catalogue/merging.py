@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from plcgen.input.yaml import Scalar
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.catalogue.lists import ListedParameter, one_line
+from plcgen.protocols.ds47.catalogue.lists import ListedParameter, ParameterList, one_line
 from plcgen.protocols.ds47.catalogue.pages import label
 from plcgen.protocols.ds47.device import UNKNOWN, Device, Fact, Grade, Parameter, facts
 from plcgen.protocols.ds47.types import TypeTextError, read_type
@@ -43,12 +43,12 @@ class Merged:
     skipped: Sequence[str]
 
 
-def merge(device: Device, listed: Iterable[ListedParameter], source: str) -> Merged:
+def merge(device: Device, listed: ParameterList, source: str) -> Merged:
     """Lay a list over the catalogue of a device. Values become observed ones: a list does not say what is default."""
     parameters = dict(device.parameters)
     changes: list[ListedChange] = []
-    skipped: list[str] = []
-    for one in listed:
+    skipped = [*listed.skipped]
+    for one in listed.parameters:
         known = device.parameters.get(one.pnu)
         base = known or Parameter(one.pnu, _type(one), access="r" if _read_only(one) else "rw", indexes=UNKNOWN)
         stated = dict(_stated(base, one, skipped))
