@@ -48,7 +48,11 @@ DataSets = Literal["CDS", "DDS", "EDS", "MDS", "n"]
 Indexes = Annotated[int, Field(ge=1, le=65535)] | DataSets
 Grade: TypeAlias = Literal["read", "inferred", "recalled"]
 """How a fact is known: read in its source, concluded from something else that was read, or from memory."""
-Fact: TypeAlias = Literal["title", "type", "unit", "access", "array", "min", "max", "default", "bico"]
+Fact: TypeAlias = Literal[
+    "title", "type", "unit", "access", "array", "min", "max", "default", "bico", "values", "scaling"
+]
+DECIDING: tuple[Fact, ...] = ("array", "min", "max", "default", "values")
+"""What decides something about jobs, and therefore counts only if it was read."""
 UNKNOWN = "unknown"
 """What stands for a type or a number of indexes that nobody knows."""
 
@@ -61,8 +65,9 @@ class Parameter:
     indexed, or ``indexes`` says what the number follows, or that nobody read whether it is indexed); ``access`` is r, w
     or rw; ``minimum``/``maximum`` in the parameter's unit; ``dangerous`` says why a write needs a sign-off where its
     profile says so: ``Device.danger`` knows the numbers too. ``grades`` says how each stated fact is known. Limits,
-    factory setting and number of indexes that were not read decide nothing: they stand in ``doubted`` alone.
-    ``observed`` is a value that a drive had once; ``values`` are single values by their names.
+    factory setting, number of indexes and names of values that were not read decide nothing: they stand in ``doubted``
+    alone. ``observed`` is a value that a drive had once; ``values`` are single values by their names; ``scaling`` is
+    the reference of the value in process data, p2000 for example.
     """
 
     pnu: int
@@ -85,6 +90,7 @@ class Parameter:
     grades: Mapping[Fact, Grade] = field(default_factory=dict, compare=False)
     doubted: Mapping[Fact, Any] = field(default_factory=dict, compare=False)
     values: Mapping[str, int] = field(default_factory=dict)
+    scaling: str = ""
 
     def read(self, fact: Fact) -> bool:
         """Whether a fact was read in its source."""
@@ -103,9 +109,11 @@ def facts(parameter: Parameter) -> dict[Fact, tuple[Any, Grade]]:
         "max": parameter.maximum,
         "default": parameter.default,
         "bico": parameter.bico or None,
+        "values": dict(parameter.values),
+        "scaling": parameter.scaling,
     }
     values |= parameter.doubted
-    stated = {fact: value for fact, value in values.items() if value not in {None, ""}}
+    stated = {fact: value for fact, value in values.items() if value not in (None, "", {})}
     return {fact: (value, parameter.grades.get(fact, "read")) for fact, value in stated.items()}
 
 
@@ -177,11 +185,11 @@ def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Pa
     every: tuple[Fact, ...] = get_args(Fact)
     general: Grade = entry.get("grade") or "read"
     own: Mapping[Fact, Grade] = entry.get("facts", {})
-    stated = {fact: entry[fact] for fact in every if entry.get(fact) is not None}
+    stated = {fact: entry[fact] for fact in every if entry.get(fact) not in (None, {})}
     grades = {fact: own.get(fact, general) for fact in every if fact in stated or fact in {"access", "array"}}
     if entry["type"] == UNKNOWN:
         del grades["type"]
-    doubted = {fact: stated[fact] for fact in _DECIDING if fact in stated and grades[fact] != "read"}
+    doubted = {fact: stated[fact] for fact in DECIDING if fact in stated and grades[fact] != "read"}
     array = stated.get("array")
     return Parameter(
         pnu=pnu,
@@ -203,8 +211,6 @@ def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Pa
         note=entry.get("note", ""),
         grades=grades,
         doubted=doubted,
-        values=entry.get("values") or {},
+        values={} if "values" in doubted else stated.get("values", {}),
+        scaling=stated.get("scaling", ""),
     )
-
-
-_DECIDING: tuple[Fact, ...] = ("array", "min", "max", "default")

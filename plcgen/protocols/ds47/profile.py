@@ -129,6 +129,9 @@ class ParameterEntry(ParameterDef):
     grade: Grade = Field("read", description="how the facts are known: read, inferred, recalled")
     facts: dict[Fact, Grade] = Field(default_factory=dict, description="the same for single facts")
     observed: Value | None = Field(None, description="a value that a drive had; not its factory setting")
+    scaling: Annotated[str, Field(pattern=r"^([PpRr][0-9]{1,5}|PERCENT|4000H)$")] | None = Field(
+        None, description="reference of its value in process data, for example p2000"
+    )
     changeable: Line | None = Field(None, description="states in which the drive takes a write")
     note: Line | None = None
 

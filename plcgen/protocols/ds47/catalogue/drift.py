@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.catalogue.lists import ListedParameter, one_line
-from plcgen.protocols.ds47.catalogue.pages import label
+from plcgen.protocols.ds47.catalogue.pages import label, told_value
 from plcgen.protocols.ds47.device import Device, facts
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.wire.formats import FormatKind, unpack_values
@@ -62,8 +62,7 @@ def changes(old: Device, new: Device) -> Iterator[FactChange]:
 
 def _told(fact: tuple[object, str]) -> str:
     value, grade = fact
-    text = f"{value:g}" if isinstance(value, float) else str(value)
-    return f"{text} ({grade})" if grade else ""
+    return f"{told_value(value)} ({grade})" if grade else ""
 
 
 def drift(

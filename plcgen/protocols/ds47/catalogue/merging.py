@@ -198,7 +198,7 @@ def _row(one: Parameter) -> dict[str, Any]:
     stated: dict[str, Any] = {key: value for key, (value, _) in facts(one).items() if key != "access" or value == "w"}
     every = {fact: grade for fact, grade in one.grades.items() if grade != "read"}
     shown: dict[str, Any] = {"name": one.name, "title": one.title, "type": one.type or UNKNOWN}
-    shown |= {**stated, "values": dict(one.values), "observed": one.observed}
+    shown |= {**stated, "observed": one.observed}
     shown |= {"changeable": one.changeable, "dangerous": one.dangerous, "facts": every}
     shown |= {"note": one.note, "source": one.source}
     return {key: value for key, value in shown.items() if value not in (None, "", {})}

@@ -8,14 +8,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any, get_args
 
 from plcgen.display.page import Page
-from plcgen.protocols.ds47.device import Device, Fact, Grade, Parameter, facts
+from plcgen.protocols.ds47.device import DECIDING, Device, Fact, Grade, Parameter, facts
 
 GRADES: tuple[Grade, ...] = get_args(Grade)
 
 
 def counts(device: Device) -> Counter[Grade]:
-    """Facts of a device by grade."""
-    return Counter(grade for one in device.parameters.values() for _, grade in facts(one).values())
+    """Facts of a device by grade; without the access, which the letter of a number says."""
+    known = (facts(one) for one in device.parameters.values())
+    return Counter(grade for one in known for fact, (_, grade) in one.items() if fact != "access")
 
 
 def label(parameter: Parameter) -> str:
@@ -26,12 +27,12 @@ def label(parameter: Parameter) -> str:
 def page(device: Device, parameter: Parameter) -> Page:
     """One parameter of a device."""
     known = facts(parameter)
+    names, how = known.pop("values", ({}, ""))
     sections = [("Facts", "\n".join(_line(device, fact, value, grade) for fact, (value, grade) in known.items()))]
     if not parameter.type:
         sections.append(("Type", "unknown: a job has to give it, {parameter: .., type: ..}"))
-    if parameter.values:
-        named = ", ".join(f"{value} = {name}" for name, value in parameter.values.items())
-        sections.append(("Values with a name", named))
+    if names:
+        sections.append((f"Names of values ({how})", told_value(names)))
     if parameter.observed is not None:
         sections.append(("Seen in a drive", f"{parameter.observed}, which is no factory setting"))
     danger = device.danger(parameter.pnu)
@@ -68,8 +69,15 @@ def draw(device: Device, number: int, seed: int) -> Sequence[Parameter]:
 
 
 def _line(device: Device, fact: Fact, value: Any, grade: Grade) -> str:
-    decides = grade == "read" or fact not in {"array", "min", "max", "default"}
-    told = f"{value:g}" if isinstance(value, float) else str(value)
+    decides = grade == "read" or fact not in DECIDING
+    told = told_value(value)
     if fact == "bico":
         told = "a source such as r722.2" + (", with its drive object" if device.bico == "drive-object" else "")
     return f"{fact:<8} {told}  ({grade}{'' if decides else ', decides nothing'})"
+
+
+def told_value(value: Any) -> str:
+    """A fact for people; the names of values as ``20 = speed_control``."""
+    if isinstance(value, Mapping):
+        return ", ".join(f"{number} = {name}" for name, number in value.items())
+    return f"{value:g}" if isinstance(value, float) else str(value)
