@@ -12,7 +12,7 @@ SECTIONS: Sections = (
             ("compare", "Compare the values that a spec writes with a drive."),
         ),
     ),
-    ("CPUs", (("db", "Compare data blocks of telegrams in a CPU with a spec."),)),
+    ("CPUs", (("db", "Compare data blocks in a CPU with a spec."),)),
 )
 
 

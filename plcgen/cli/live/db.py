@@ -1,4 +1,4 @@
-"""``plcgen live db``: data blocks of telegrams in a real CPU, against a spec."""
+"""``plcgen live db``: data blocks in a real CPU, against a spec."""
 
 from __future__ import annotations
 
@@ -24,25 +24,35 @@ _SLOTS = {"s7-300": 2, "s7-400": 3, "s7-1200": 1, "s7-1500": 1}
 @click.option("--cpu", "host", required=True, metavar="ADDRESS", help="IPv4 address of the CPU, or ADDRESS:PORT.")
 @click.option("--rack", type=click.IntRange(0, 7), default=0, show_default=True, metavar="N")
 @click.option("--slot", type=click.IntRange(0, 31), metavar="N", help="Slot of the CPU.  [default: by family]")
+@click.option("--all", "every", is_flag=True, help="Also blocks whose number the spec does not give (default for V5).")
 @timeout_option
 @format_option("answer")
-def command(*, spec: Path, host: str, rack: int, slot: int | None, timeout: float, format_: OutputFormat) -> int:
-    """Compare the data blocks of telegrams that have a number in the spec with those in a CPU.
+def command(
+    *, spec: Path, host: str, rack: int, slot: int | None, every: bool, timeout: float, format_: OutputFormat
+) -> int:
+    """Compare the data blocks of a spec with those in a CPU.
 
-    Length, constants and start values have to be those of the spec; what the program changes (reference, inputs) is
-    shown. Blocks of the job's instance have no number and are not read. S7-1200/1500: PUT/GET must be permitted.
+    Of telegrams that have a number in the spec, length, constants and start values have to be those of the spec; what
+    the program changes (reference, inputs) is shown. Of commands, units and recipes the length counts. Their numbers
+    are those of the symbol table (STEP 7 V5) or of the XML documents; where sources were compiled in the TIA Portal,
+    they may be others, so --all asks for them. S7-1200/1500: PUT/GET must be permitted.
     """
 
     def question() -> Answer:
-        from plcgen.cli.live.specs import drive_plan
+        from plcgen.cli.live.specs import drive_project
         from plcgen.protocols.ds47.live.comparison import compare_blocks
         from plcgen.protocols.ds47.live.connection import S7Connection
+        from plcgen.protocols.ds47.live.stored import compare_stored, stored
 
-        plan = drive_plan(spec)
+        project, plan = drive_project(spec)
+        numbered = every or plan.target.v5
+        if not numbered and not any(job.pinned for job in plan.jobs):
+            raise click.UsageError("no data block of the spec has a number of its own: --all asks for the others")
         where = place(host, "--cpu", rack, _SLOTS[plan.target.family] if slot is None else slot)
         with S7Connection(where, timeout) as reader:
             rows = list(compare_blocks(plan, reader))
-        skipped = [] if rows else ["no telegram of the spec has a data block with a number"]
+            rows += compare_stored(project, plan, reader) if numbered else ()
+        skipped = [] if numbered else [f'"{block.name}" (--all asks)' for block in stored(plan)]
         return comparison("live db", rows, "what", skipped)
 
     return ask(format_, "live db", (str(spec), host), question)

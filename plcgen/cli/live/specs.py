@@ -10,11 +10,17 @@ import click
 from plcgen.diagnostics import DiagnosticError
 
 if TYPE_CHECKING:
+    from plcgen.project.nouns import Project
     from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
 
 def drive_plan(spec: Path) -> DrivePlan:
     """The plan of a spec without errors. Raises DiagnosticError with what is wrong."""
+    return drive_project(spec)[1]
+
+
+def drive_project(spec: Path) -> tuple[Project, DrivePlan]:
+    """The project of a spec, too. Raises as ``drive_plan`` does."""
     from plcgen import api
     from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
@@ -24,4 +30,4 @@ def drive_plan(spec: Path) -> DrivePlan:
     plan = checked.project.plan(DrivePlan)
     if plan is None:
         raise click.UsageError(f"{spec} has no drive jobs")
-    return plan
+    return checked.project, plan

@@ -7,6 +7,7 @@ before it, so that one run finds all of them.
 from __future__ import annotations
 
 import itertools
+import re
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -129,9 +130,7 @@ class ParameterEntry(ParameterDef):
     grade: Grade = Field("read", description="how the facts are known: read, inferred, recalled")
     facts: dict[Fact, Grade] = Field(default_factory=dict, description="the same for single facts")
     observed: Value | None = Field(None, description="a value that a drive had; not its factory setting")
-    scaling: Annotated[str, Field(pattern=r"^([PpRr][0-9]{1,5}|PERCENT|4000H)$")] | None = Field(
-        None, description="reference of its value in process data, for example p2000"
-    )
+    scaling: str | None = Field(None, description="reference of its value in process data, for example p2000")
     changeable: Line | None = Field(None, description="states in which the drive takes a write")
     note: Line | None = None
 
@@ -154,6 +153,13 @@ class ParameterEntry(ParameterDef):
         if reference.pnu is not None:
             raise problem(f'the name "{name}" reads as a parameter number')
         return name
+
+    @field_validator("scaling")
+    @classmethod
+    def _is_a_reference(cls, scaling: str | None) -> str | None:
+        if scaling is not None and not re.fullmatch(r"[PpRr][0-9]{1,5}|PERCENT|4000H", scaling):
+            raise problem(f'"{scaling}" is not a reference value', help_="write a number, p2000, or PERCENT or 4000H")
+        return scaling
 
     @field_validator("min", "max")
     @classmethod

@@ -172,6 +172,55 @@ def test_data_blocks(spec, request_, response, code, told):
     assert (result, told in err) == (code, True), err
 
 
+STORED = """\
+plc: {name: A, family: s7-300, toolchain: step7-v5}
+drives:
+  fan: {device: sinamics-g120, address: 256}
+recipes: {winding: {parameters: [P1120, P1121], records: {slow: {P1120: 5.0, P1121: 2.0}, fast: {P1120: 1.0}}}}
+jobs:
+  down: {drive: fan, read_recipe: winding}
+"""
+RECORDS = bytes.fromhex("40 A0 00 00 40 00 00 00 3F 80 00 00 41 20 00 00")
+"""By hand: 5.0 and 2.0, 1.0 and the factory setting 10.0 as REAL."""
+
+
+@pytest.mark.parametrize(
+    ("records", "control", "told"),
+    [
+        (RECORDS, bytes(6), ["equal", "equal", "equal"]),
+        (RECORDS[:15] + b"\x01", bytes(6), ["equal", "as it is now", "equal"]),
+        (RECORDS + bytes(4), bytes(6), ["deviates", "equal", "equal"]),
+        (RECORDS, bytes(4), ["equal", "equal", "deviates"]),
+    ],
+)
+def test_commands_and_recipes(tmp_path, records, control, told):
+    """DB474 has two records of two REAL; DB472 four BOOL in a byte and its pad, a WORD, an INT: six bytes."""
+    (tmp_path / "job.yaml").write_text(STORED, "utf-8")
+    with running(cpu({472: control, 474: records})) as where:
+        _, out, _ = plcgen("live", "db", str(tmp_path / "job.yaml"), "--cpu", where, "--json")
+    rows = [row for row in json.loads(out)["rows"] if row["subject"].startswith(("DB472", "DB474"))]
+    assert [row["verdict"] for row in rows] == told
+
+
+def test_nothing_to_compare_is_no_success(tmp_path):
+    """Blocks compiled in the TIA Portal have numbers of its own: nobody is asked, unless --all says so."""
+    path = tmp_path / "job.yaml"
+    path.write_text(STORED.replace("step7-v5", "tia-v16"), "utf-8")
+    with running(cpu({})) as where:
+        code, out, err = plcgen("live", "db", str(path), "--cpu", where)
+        assert (code, out) == (2, "")
+        assert "--all" in err
+        code, out, _ = plcgen("live", "db", str(path), "--cpu", where, "--all", "--json")
+    assert (code, {row["verdict"] for row in json.loads(out)["rows"]}) == (1, {"deviates"})
+
+
+def test_what_is_not_asked_is_named(spec):
+    """The others have a number that the spec does not give."""
+    with running(cpu({5: REQUEST, 6: bytes(16)})) as where:
+        _, out, _ = plcgen("live", "db", spec, "--cpu", where, "--json")
+    assert '"DriveJobs" (--all asks)' in json.loads(out)["skipped"]
+
+
 def test_nobody_there():
     """A closed port is one line, no traceback."""
     code, _, err = plcgen("live", "read", "r21", "--drive", "127.0.0.1:1")

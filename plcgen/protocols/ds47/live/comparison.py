@@ -94,17 +94,22 @@ def compare_blocks(plan: DrivePlan, reader: Reader) -> Iterator[LiveRow]:
 
 def _block(buffer: Buffer[DriveField], number: int, reader: Reader) -> Iterator[LiveRow]:
     name = f'DB{number} "{buffer.home.name}"'
+    length, data = read_block(name, number, buffer.size, reader)
+    yield length
+    if data and buffer.data:
+        yield from (_field(name, buffer, field, data) for field in buffer.fields)
+
+
+def read_block(name: str, number: int, size: int, reader: Reader) -> tuple[LiveRow, bytes]:
+    """Whether a data block has this length, and its bytes; none if it is missing or shorter."""
     try:
-        data = reader.read(number, 0, buffer.size)
+        data = reader.read(number, 0, size)
     except RefusedError as problem:
         why = f"missing, shorter, or not readable: {problem}"
-        yield LiveRow(name, "length", f"{buffer.size} bytes", "", DEVIATES, why)
-        return
-    longer = _longer(reader, number, buffer.size + buffer.size % 2)
-    found = f"more than {buffer.size} bytes" if longer else f"{buffer.size} bytes"
-    yield LiveRow(name, "length", f"{buffer.size} bytes", found, DEVIATES if longer else EQUAL)
-    if buffer.data:
-        yield from (_field(name, buffer, field, data) for field in buffer.fields)
+        return LiveRow(name, "length", f"{size} bytes", "", DEVIATES, why), b""
+    longer = _longer(reader, number, size + size % 2)
+    found = f"more than {size} bytes" if longer else f"{size} bytes"
+    return LiveRow(name, "length", f"{size} bytes", found, DEVIATES if longer else EQUAL), data
 
 
 def _longer(reader: Reader, number: int, size: int) -> bool:
