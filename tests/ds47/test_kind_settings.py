@@ -9,6 +9,7 @@ import jsonschema
 import pytest
 
 from plcgen import api
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
 HEAD = "plc: {{name: a, family: s7-1500, toolchain: tia-v19}}\ndrives: {{d: {{device: {device}, hardware_id: 270}}}}\n"
 G120, G120C, S120 = "sinamics-g120", "sinamics-g120c", "sinamics-s120"
@@ -75,6 +76,11 @@ G120, G120C, S120 = "sinamics-g120", "sinamics-g120c", "sinamics-s120"
         (G120, "sequence: [{until: {timeout: 5s}}]", "PG107", "it is not said for what the step waits"),
         (G120, "sequence: [{until: {r722.0: null}}]", "PG107", "it is not said what r722.0 must be"),
         (G120, 'sequence: [{until: {r21: "> "}}]', "PG107", "compares r21 with nothing"),
+        (G120, "sequence: [{until: r722.0}]", "PG107", "is no comparison"),
+        (G120, "sequence: [{until: r722.0 =}]", "PG107", "is no comparison"),
+        (G120, "sequence: [{until: r722.32 = 1}]", "PG251", "has the bits 0 to 31"),
+        (G120, "sequence: [{until: P1300 = vektor}]", "PG211", '"vektor" is not a value'),
+        (G120, "read: [P1120], save: ram", "PG107", "there is nothing to save"),
         (
             G120,
             "sequence: [{until: {r21: 1.0, timeout: 1s, interval: 2s}}]",
@@ -101,7 +107,10 @@ def test_what_cannot_be_meant(device: str, text: str, code: str, says: str, tmp_
     [
         ({"save": "unit"}, True),
         ({"save": {"persist": "unit", "limit": "2min"}}, True),
-        ({"save": "ram"}, False),
+        ({"write": {"P1120": 1.0}, "save": "ram"}, True),
+        ({"save": "RAM"}, False),
+        ({"sequence": [{"until": "r722.0 = 1"}, {"until": {"r722.0": 1, "timeout": "5s"}}]}, True),
+        ({"sequence": [{"until": "r722.0"}]}, False),
         ({"save": {}}, False),
         ({"write": {"P1120": 1.0}, "verify": "readback"}, True),
         ({"write": {"P1120": 1.0}, "verify": "ReadBack"}, False),
@@ -128,3 +137,42 @@ def test_what_an_editor_takes(job: dict[str, Any], right: bool) -> None:
     plc = {"name": "t", "family": "s7-1500", "toolchain": "tia-v17"}
     spec = {"plc": plc, "drives": {}, "jobs": {"j": {"drive": "d", **job}}}
     assert jsonschema.Draft202012Validator(api.schema()).is_valid(spec) == right
+
+
+@pytest.mark.parametrize(
+    ("short", "long"),
+    [
+        ("r722.0 = 1", "{r722.0: 1}"),
+        ("r722.3<>0", '{r722.3: "<> 0"}'),
+        ("r21 <= 0.5", '{r21: "<= 0.5"}'),
+        ("r21 >= -1.0", '{r21: ">= -1.0"}'),
+        ("r21 < 16#10", '{r21: "< 16#10"}'),
+        ("actual_speed > 100.0", '{actual_speed: "> 100.0"}'),
+        ("P1300 = speed_control_encoderless", "{P1300: speed_control_encoderless}"),
+    ],
+)
+def test_the_short_form_of_a_wait(short: str, long: str, tmp_path: Path) -> None:
+    """One comparison in one line is the same step."""
+    found = []
+    for text in (short, long):
+        path = tmp_path / "job.yaml"
+        job = f"{{j: {{drive: d, sequence: [{{until: {text}}}]}}}}"
+        path.write_text(f"{HEAD.format(device=G120)}jobs: {job}\n", "utf-8")
+        project = api.check(path).project
+        assert project is not None
+        (use,) = project.plan(DrivePlan).jobs[0].uses
+        found.append((use.label, use.awaited, use.data))
+    assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("save", ["ram", "{persist: ram}"])
+def test_a_write_may_say_that_it_stays_in_ram(save: str, tmp_path: Path) -> None:
+    """It is the same job as without the key."""
+    path = tmp_path / "job.yaml"
+    path.write_text(
+        f"{HEAD.format(device=G120)}jobs: {{j: {{drive: d, write: {{P1120: 1.0}}, save: {save}}}}}\n", "utf-8"
+    )
+    project = api.check(path).project
+    assert project is not None
+    (job,) = project.plan(DrivePlan).jobs
+    assert ([use.label for use in job.uses], job.poll) == (["P1120"], None)

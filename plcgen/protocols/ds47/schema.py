@@ -220,6 +220,15 @@ class JobSettings(StrictModel):
 class JobEntry(JobSettings, JobTarget):
     """One job on one drive; the keys of its kind stand between ``drive`` and the settings, see ``sections``."""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _stays_in_ram(cls, given: Any) -> Any:
+        """``save: ram`` beside what is written says that nothing is saved."""
+        if not isinstance(given, dict) or given.get("save") not in ("ram", {"persist": "ram"}):
+            return given
+        others = {kind.key for kind in kinds() if kind.writes} - {"save"}
+        return {key: value for key, value in given.items() if key != "save"} if others & given.keys() else given
+
 
 class DriveSections(StrictModel):
     """Units, drives and their jobs."""

@@ -17,7 +17,7 @@ SAVES = {"drive_object": 971, "unit": 977}
 def _lasting(value: object) -> object:
     if value == "ram":
         message = "a value is in the RAM of the drive as soon as it is written: there is nothing to save"
-        raise problem(message, help_="leave the job out, or choose drive_object or unit")
+        raise problem(message, help_="choose drive_object or unit; beside write, ram says that nothing is saved")
     return value
 
 
@@ -61,6 +61,6 @@ SAVE = JobKind(
     description="drive_object or unit: what the drive shall keep without power, or {persist, limit, ..}",
     example="save: drive_object",
     items=_save_items,
-    short=short_form(SaveSettings, SAVES),
+    short=short_form(SaveSettings, (*SAVES, "ram")),
     poll=lambda settings: Poll(settings.interval, settings.limit, settings.distance),
 )

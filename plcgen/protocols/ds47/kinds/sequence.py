@@ -21,6 +21,7 @@ from plcgen.project.schema import (
 )
 from plcgen.protocols.ds47.kinds.kind import Awaited, JobKind, ReadItem, StepItem, WriteItem
 
+_SHORT = re.compile(r"\s*([^<>=]*[^<>=\s])\s*((?:<>|<=|>=|<|>|=)\s*[^\s].*?)\s*\Z", re.DOTALL)
 _COMPARISON = re.compile(r"\s*(<>|<=|>=|<|>|=)\s*(.*?)\s*\Z", re.DOTALL)
 _BIT = re.compile(r"\s*([A-Za-z_0-9]+(?:\s*\[\s*[0-9]{1,6}\s*\])?)\s*\.\s*([0-9]{1,2})\s*\Z")
 
@@ -79,7 +80,15 @@ WAIT_TIMES = ("timeout", "interval")
 
 
 def _conditions(value: object) -> object:
-    """``{r722.0: 1, timeout: 5s}`` with its conditions as a list; they stand where their keys do."""
+    """``{r722.0: 1, timeout: 5s}`` with its conditions as a list; they stand where their keys do.
+
+    ``r722.0 = 1`` is the same as ``{r722.0: "= 1"}``.
+    """
+    if isinstance(value, str):
+        short = _SHORT.match(value)
+        if short is None:
+            raise problem(f'"{value}" is no comparison', help_="for example r722.0 = 1, or {r722.0: 1, timeout: 5s}")
+        value = {short[1]: short[2]}
     if not isinstance(value, dict):
         return value
     conditions = tuple(
@@ -102,7 +111,8 @@ class SequenceStep(StrictModel):
         None, description="parameter: value, as in a job"
     )
     until: Annotated[WaitSettings | None, BeforeValidator(_conditions)] = Field(
-        None, description="parameter: value, or a bit (r722.0: 1), or a comparison in quotes; timeout, interval"
+        None,
+        description="parameter: value, a bit (r722.0: 1), a comparison in quotes; timeout, interval; or r722.0 = 1",
     )
 
     @model_validator(mode="after")
@@ -134,11 +144,12 @@ def _steps_schema(definitions: dict[str, Any]) -> dict[str, Any]:
     """A list of steps, whose keys have the short forms of jobs."""
     value = {"type": ["boolean", "integer", "number", "string"]}
     times = {key: definitions["WaitSettings"]["properties"][key] for key in WAIT_TIMES}
+    condition = {"type": "object", "properties": times, "additionalProperties": value, "minProperties": 1}
     step = definitions["SequenceStep"]["properties"]
     for key, shape in (
         ("read", short_item_schema("ReadItem")),
         ("write", short_items_schema(definitions, "WriteItem", "parameter", lists=True)),
-        ("until", {"type": "object", "properties": times, "additionalProperties": value, "minProperties": 1}),
+        ("until", {"anyOf": [{"type": "string", "pattern": "[<>=]"}, condition]}),
     ):
         step[key] = {**shape, "description": step[key]["description"]}
     for name in ("WaitSettings", "WaitCondition"):
