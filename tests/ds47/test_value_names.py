@@ -125,3 +125,30 @@ def test_scaling_is_shown() -> None:
     assert find_device("sinamics-s150").parameters[21].scaling == "p2000"
     known = find_device("sinamics-s210")
     assert "scaling  p2001  (read)" in dict(page(known, known.parameters[26]).sections)["Facts"]
+
+
+@pytest.mark.parametrize("device", ["sinamics-s120", "sinamics-s150", "sinamics-g130", "sinamics-g150"])
+def test_commissioning_needs_no_types_of_the_user(device: str, tmp_path: Path) -> None:
+    """p0009 and r0722 of the control unit, p0010 of the drive; both filters are dangerous all the same."""
+    spec = tmp_path / "job.yaml"
+    text = (
+        "plc: {name: a, family: s7-1500, toolchain: tia-v19}\n"
+        "units:\n"
+        f"  cu: {{device: {device}, drives: {{control: {{hardware_id: 270, drive_object: 1}},"
+        " axis: {hardware_id: 271, drive_object: 2}}}\n"
+        "jobs:\n"
+        "  unit: {drive: control, sequence: [until: r722.0 = 1, write: {P9: ready}], allow: {P9: commissioned}}\n"
+        "  drive: {drive: axis, sequence: [write: {P10: quick_commissioning}, until: P10 = 1], allow: {P10: motor}}\n"
+    )
+    spec.write_text(text, "utf-8")
+    checked = api.check(spec)
+    assert checked.ok, checked.diagnostics
+    uses = [
+        (use.label, use.format.name, use.data.hex()) for job in checked.project.plan(DrivePlan).jobs for use in job.uses
+    ]
+    assert uses == [
+        ("r722", "Unsigned32", "00000001"), ("P9", "Integer16", "0000"),
+        ("P10", "Integer16", "0001"), ("P10", "Integer16", "0001"),
+    ]  # fmt: skip
+    spec.write_text(text.replace(", allow: {P9: commissioned}", ""), "utf-8")
+    assert [one.code for one in api.check(spec).diagnostics if one.severity.name == "ERROR"] == ["PG219"]
