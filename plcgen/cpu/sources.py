@@ -12,19 +12,16 @@ from plcgen.cpu.sharing import sharing
 from plcgen.cpu.surroundings import Surroundings
 from plcgen.cpu.type_rules import IecCheck
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Severity, Span
-from plcgen.input.files import read_bounded
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult
 from plcgen.sources.files import MAX_FILES, MAX_SEEN
-from plcgen.sources.text import SD_SUFFIXES, is_binary, left_out, load_text, read_source
+from plcgen.sources.text import SD_SUFFIXES, is_binary_file, left_out, load_text, read_source
 
 SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".st"})
 """What counts as a PLC source when a folder is searched."""
 
 MAX_DIGITS = 10
 """Digits of the largest constant, an UDINT."""
-_HEAD = 4096
-"""So many bytes of a file tell whether it is text."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +140,7 @@ def find_sources(path: Path | str) -> list[Path]:
     if len(seen) > MAX_SEEN or len(found) > MAX_FILES:
         message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"
         raise DiagnosticError([Diagnostic("PG802", message, Span(str(path)), help="name a smaller folder")])
-    found = [entry for entry in sorted(found) if not _is_binary(entry)]
+    found = [entry for entry in sorted(found) if not is_binary_file(entry)]
     return found or sorted(entry for entry in seen if entry.suffix.lower() in SD_SUFFIXES)[:1]
 
 
@@ -161,11 +158,3 @@ def find_documents(path: Path) -> list[Path]:
         return [path]
     seen = islice(path.rglob("*"), MAX_SEEN)
     return sorted(islice((entry for entry in seen if entry.suffix.lower() == ".xml" and entry.is_file()), MAX_FILES))
-
-
-def _is_binary(path: Path) -> bool:
-    """Whether a file such as the cross-references of a project (``XRef.db``) is no text; what cannot be read is not."""
-    try:
-        return is_binary(read_bounded(path, _HEAD)[:_HEAD])
-    except OSError:
-        return False
