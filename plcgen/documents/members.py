@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from plcgen.documents.nouns import MemberRow, StartAssignment, WatchRow
+from plcgen.documents.phrases import translated
 from plcgen.documents.spelling import culture, declared_type, elements, literal, one_line, type_words
 from plcgen.documents.voice import voice_of
 from plcgen.project.nouns import BlockRef, BufferField, Frame
@@ -25,9 +26,13 @@ def plain(frame: Frame, name: str, type_: str, text: str, start: str = "") -> Me
 
 
 def _translated(texts: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Texts with their cultures; one that only repeats the English one is no translation."""
+    """Texts with their cultures; one that only repeats the English one is no translation, unless it is meant so."""
     english = next((text for language, text in texts.items() if language.startswith("en")), None)
-    return ((culture(name), text) for name, text in texts.items() if name.startswith("en") or text != english)
+    return (
+        (culture(name), text)
+        for name, text in texts.items()
+        if name.startswith("en") or text != english or name[:2] in translated(text)
+    )
 
 
 def fixed(frame: Frame, rows: Iterable[tuple[str, str, str]]) -> list[MemberRow]:

@@ -1,7 +1,9 @@
 """What generated programs say to their user, in German and Chinese: a phrase book beside the templates.
 
 ``phrases.toml`` of each folder of templates has English phrases with their translations; ``{..}`` stands for anything,
-``{title}`` for the title of a parameter, which ``titles.toml`` translates, ``{phrase}`` for another phrase.
+``{title}`` for the title of a parameter, which ``titles.toml`` translates, ``{parameter}`` for a parameter with its
+title or without one, ``{phrase}`` for another phrase. A title that is not in ``titles.toml`` stays as it is, and what
+stands around it is translated.
 """
 
 from __future__ import annotations
@@ -18,7 +20,16 @@ LANGUAGES = ("de", "zh")
 """Languages of the phrase book besides English, in the order of its columns."""
 _PLACE = re.compile(r"\\\{(\w+)\\\}")
 _ROLE = re.compile(r"(?:BI|CI|BO|CO|CO/BO): ")
-_WORDS = {"label": r"[rP][0-9]+(?:\[[0-9.]+\])?", "number": "[0-9]+", "signal": r"\w+", "unit": r"[^\[\]]+"}
+_LABEL = r"[rP][0-9]+(?:\[[0-9.]+\])?(?:\.[0-9]+(?:, \.[0-9]+)*)?"
+"""``P2155[1..2]``, ``P1030.0, .2``"""
+_PARAMETER = re.compile(rf"({_LABEL}) (.+)")
+_WORDS = {
+    "label": _LABEL,
+    "parameter": rf"{_LABEL}(?: .+?)?",
+    "number": "[0-9]+",
+    "signal": r"\w+",
+    "unit": r"[^\[\]]+",
+}
 """What a place may hold, by its name; others hold anything."""
 
 
@@ -56,24 +67,25 @@ def _rows(name: str) -> list[tuple[str, list[str]]]:
 @lru_cache(maxsize=65536)
 def translated(text: str) -> Mapping[str, str]:
     """A text of one or more lines by language, ``de`` and ``zh``; without those in which a line has no translation."""
-    lines = [_line(line) for line in text.split("\n")]
+    lines = [_line(line, own=False) or _line(line, own=True) for line in text.split("\n")]
     return {name: "\n".join(line[name] for line in lines) for name in LANGUAGES if all(name in line for line in lines)}
 
 
-def _line(text: str) -> Mapping[str, str]:
+def _line(text: str, *, own: bool) -> Mapping[str, str]:
+    """A line by language; ``own``: whether it may have titles that nobody has translated."""
     found = _exact().get(text)
     if found is not None:
         return dict(zip(LANGUAGES, found, strict=True))
     for phrase in _patterns():
         match = phrase.pattern.fullmatch(text)
-        filled = _filled(phrase, match.groupdict()) if match else {}
+        filled = _filled(phrase, match.groupdict(), own=own) if match else {}
         if filled:
             return filled
     return {}
 
 
-def _filled(phrase: _Phrase, places: Mapping[str, str]) -> Mapping[str, str]:
-    inner = {name: _inside(name, text) for name, text in places.items()}
+def _filled(phrase: _Phrase, places: Mapping[str, str], *, own: bool) -> Mapping[str, str]:
+    inner = {name: _inside(name, text, own=own) for name, text in places.items()}
     return {
         language: form.format(**{name: texts[language] for name, texts in inner.items()})
         for language, form in zip(LANGUAGES, phrase.translations, strict=True)
@@ -81,13 +93,22 @@ def _filled(phrase: _Phrase, places: Mapping[str, str]) -> Mapping[str, str]:
     }
 
 
-def _inside(name: str, text: str) -> Mapping[str, str]:
+def _inside(name: str, text: str, *, own: bool) -> Mapping[str, str]:
     """What stands in a place, by language."""
-    if name == "phrase":
-        return _line(text)
-    if name != "title":
-        return dict.fromkeys(LANGUAGES, text)
+    same = dict.fromkeys(LANGUAGES, text)
+    if name in {"phrase", "condition"}:
+        return _line(text, own=own) or (same if name == "condition" else {})
+    if name == "title":
+        return _title(text) or (same if own else {})
+    match = _PARAMETER.fullmatch(text) if name == "parameter" else None
+    if match is None:
+        return same
+    title = _inside("title", match[2], own=own)
+    return {language: f"{match[1]} {one}" for language, one in title.items()}
+
+
+def _title(text: str) -> Mapping[str, str]:
     role = _ROLE.match(text)
     head = role[0] if role else ""
-    found = _titles().get(text[len(head) :])
-    return {} if found is None else {language: head + one for language, one in zip(LANGUAGES, found, strict=True)}
+    found = _titles().get(text[len(head) :], ())
+    return {language: head + one for language, one in zip(LANGUAGES, found, strict=False)}

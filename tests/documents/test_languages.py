@@ -130,6 +130,88 @@ def test_languages_that_nobody_translated(tmp_path: Path) -> None:
     assert f"// {LAEUFT}" in (tmp_path / "out" / "scl" / "Watch.scl").read_text("utf-8-sig")
 
 
+OWN = """
+plc: {{name: Own, family: s7-1500, toolchain: tia-v19, languages: [{languages}]}}
+drives:
+  axis:
+    device: sinamics-s120
+    hardware_id: 281
+    drive_object: 3
+    parameters: {{P3120: {{type: Unsigned16, array: 4}}, P3121: {{type: Unsigned16, title: Pull, unit: N}}}}
+recipes: {{spool: {{parameters: [P3121], records: {{small: {{P3121: 1}}, large: {{P3121: 2}}}}}}}}
+jobs:
+  change:
+    drive: axis
+    write: {{P3121.2: null, P3121.5: 1}}
+    verify: readback
+    on_error: restore
+    comment: {{de-DE: Seilzug, zh-CN: 张力, en-US: Rope}}
+  check: {{drive: axis, compare: {{"P3120[2]": 3, P3121: null}}}}
+  course:
+    drive: axis
+    sequence: [{{write: {{P3121: 1}}}}, {{until: {{P3121: 1, "P3120[0]": 2}}}}, {{read: [P3121]}}]
+  keep: {{drive: axis, save: drive_object}}
+  switch: {{drive: axis, activate: input}}
+  load: {{drive: axis, write_recipe: spool, verify: readback, on_error: restore}}
+"""
+STATE = {
+    "en-US": "reads r899 CO/BO: Status word sequence control",
+    "de-DE": "liest r899 CO/BO: Zustandswort Ablaufsteuerung",
+    "zh-CN": "读取 r899 CO/BO: 顺序控制状态字",
+}
+HEADERS = {
+    "en-US": ["1: remembers P3121 Pull", f"2: {STATE['en-US']}", "3: writes P3121.2, .5 Pull",
+              "4: reads back P3121 Pull", f"5: {STATE['en-US']}"],
+    "de-DE": ["1: merkt sich P3121 Pull", f"2: {STATE['de-DE']}", "3: schreibt P3121.2, .5 Pull",
+              "4: liest zurück P3121 Pull", f"5: {STATE['de-DE']}"],
+    "zh-CN": ["1：记住 P3121 Pull", f"2：{STATE['zh-CN']}", "3：写入 P3121.2, .5 Pull",
+              "4：回读 P3121 Pull", f"5：{STATE['zh-CN']}"],
+}  # fmt: skip
+COMMENTS = {"de-DE": "Seilzug", "zh-CN": "张力", "en-US": "Rope"}
+ENGLISH = re.compile(r"\b(writes|reads|compares|remembers|step|waits|value|last|bit|state|restore|activated)\b")
+
+
+def others_of(order: list[str]) -> list[str]:
+    """The comment of the job in all languages but the first."""
+    return [COMMENTS[name] for name in order[1:]]
+
+
+@pytest.mark.parametrize("first", [0, 1, 2])
+def test_a_title_that_nobody_translated_stays_in_its_frame(first: int, tmp_path: Path) -> None:
+    """Whichever language is the first: header, interface and DriveJobs are whole in all three, in no mixture."""
+    order = [*HEADERS][first:] + [*HEADERS][:first]
+    (tmp_path / "job.yaml").write_text(OWN.format(languages=", ".join(order)), "utf-8")
+    assert api.generate(tmp_path / "job.yaml", tmp_path / "out").ok
+    source = (tmp_path / "out" / "scl" / "Change.scl").read_text("utf-8-sig")
+    own = COMMENTS[order[0]]
+    assert re.findall("^// (.*)$|^TITLE = (.*)$", source, re.MULTILINE) == [
+        ("", own),
+        *((t, "") for t in others_of(order) + HEADERS[order[0]]),
+    ]
+    for name in ("Change", "Check", "Course", "Keep", "Switch", "Load", "DriveJobs", "typeChange_Request2"):
+        root = etree.parse(str(tmp_path / "out" / "xml" / f"{name}.xml")).getroot()
+        sections = [s for s in root.iter("{*}Section") if name == "DriveJobs" or s.get("Name") not in INNER]
+        texts = [
+            {t.get("Lang"): t.text for t in c.iter("{*}MultiLanguageText")}
+            for s in sections
+            for c in s.iter("{*}Comment")
+        ]
+        groups = [group.iter("{*}MultilingualTextItem") for group in root.iter("{*}MultilingualText")]
+        texts += [{item.findtext(".//Culture"): item.findtext(".//Text") for item in group} for group in groups]
+        for text in (text for text in texts if any(text.values())):
+            assert set(text) == {*HEADERS}, (name, text)
+            assert not [t for language, t in text.items() if language != "en-US" and ENGLISH.search(t)], (name, text)
+            others = [t for language, t in text.items() if language not in {"zh-CN", order[0]}]
+            assert not re.search("[\u4e00-\u9fff]", "".join(others)), (name, text)
+        if name == "Change":
+            found = [{language: (text or "").split("\n") for language, text in one.items()} for one in texts]
+            wanted = {language: [*lines] for language, lines in HEADERS.items()}
+            for language in order[1:]:
+                wanted[language].insert(0, COMMENTS[language])
+            wanted[order[0]] = others_of(order) + wanted[order[0]]  # the text of the source
+            assert wanted in found
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("languages", ["de-DE", "zh-CN, en-US", "fr-FR, de-DE"])
 def test_what_is_generated_in_other_languages_is_verified(languages: str, tmp_path: Path) -> None:
@@ -139,10 +221,10 @@ def test_what_is_generated_in_other_languages_is_verified(languages: str, tmp_pa
 
 
 def test_every_title_of_the_catalogue_is_translated() -> None:
-    """Also those of parameters that no test uses; an unknown title is left alone."""
+    """Also those of parameters that no test uses; an unknown title stays as it is."""
     titles = {p.title for name in device_names() for p in find_device(name).parameters.values()}
     assert sorted(title for title in titles if set(translated(f"P1 {title} [s]")) != {"de", "zh"}) == []
-    assert translated("P1 Something of your own [s]") == {}
+    assert translated("P1 Something of your own [s]") == dict.fromkeys(("de", "zh"), "P1 Something of your own [s]")
 
 
 def test_every_phrase_has_two_translations() -> None:

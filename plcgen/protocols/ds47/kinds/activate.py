@@ -36,11 +36,7 @@ class ActivateSettings(StrictModel):
     )
 
 
-_STATE = {
-    "en-US": "1: activated, 0: deactivated, 2: deactivated, its components are not there",
-    "de-DE": "1: aktiviert, 0: deaktiviert, 2: deaktiviert, seine Komponenten sind nicht da",
-    "zh-CN": "1：激活，0：禁用，2：禁用且组件不存在",
-}
+_STATE = {"en-US": "1: activated, 0: deactivated, 2: deactivated, its components are not there"}
 
 
 def _activate_steps(settings: ActivateSettings) -> Iterator[StepItem]:

@@ -41,11 +41,7 @@ class SaveSettings(StrictModel):
     )
 
 
-_SAVING = {
-    "en-US": "as last read: 0 when the drive has saved",
-    "de-DE": "zuletzt gelesen: 0, wenn der Antrieb gespeichert hat",
-    "zh-CN": "最近一次读取值：驱动器保存完成后为 0",
-}
+_SAVING = {"en-US": "as last read: 0 when the drive has saved"}
 
 
 def _save_items(settings: SaveSettings) -> tuple[ReadItem | WriteItem, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcgen.documents.phrases import LANGUAGES, translated
+from plcgen.documents.phrases import translated
 from plcgen.protocols.ds47.plan.nouns import DriveField, Use
 
 _REQUEST: dict[str, tuple[str, str, str]] = {
@@ -56,13 +56,10 @@ def field_texts(field: DriveField, languages: tuple[str, ...], *, response: bool
 
 
 def _value_text(use: Use, language: str, word: str) -> str:
-    """Parameter, what the spec or the catalogue calls it, unit; without a translation the mere ``word`` for a value."""
+    """Parameter, what the spec or the catalogue calls it (else the mere ``word`` for a value), unit."""
     parameter = use.parameter
     unit = f" [{parameter.unit}]" if parameter.unit else ""
-    english = f"{use.label} {parameter.title}{unit}"
-    name = language[:2].lower()
     if use.comment.get(language) or not parameter.title:
         return f"{use.label} {use.comment.get(language) or word}{unit}"
-    if name not in LANGUAGES:
-        return english
-    return translated(english).get(name, f"{use.label} {word}{unit}")
+    english = f"{use.label} {parameter.title}{unit}"
+    return translated(english).get(language[:2].lower(), english)
