@@ -68,7 +68,7 @@ def _write(plan: DrivePlan, shape: DriveJob, use: Use) -> WriteEntry:
         limits="" if use.bits else _limits(parameter.minimum, parameter.maximum),
         unit=parameter.unit,
         trigger=triggers[0] if len(triggers) == 1 else "execute of each drive, see its row",
-        memory=_memory(shape, parameter),
+        memory=_memory(shape, use),
         danger=danger,
         signed=(plan.sign_off(shape, parameter.pnu) or "") if danger else "",
         safety=parameter.pnu in guards.SAFETY,
@@ -83,11 +83,15 @@ def _source(shape: DriveJob, use: Use) -> str:
     return "made of the time at the input utc" if use in shape.timed else ""
 
 
-def _memory(shape: DriveJob, parameter: Parameter) -> str:
+def _memory(shape: DriveJob, use: Use) -> str:
     """Where a value is written, and whether it stays there if the job fails."""
-    stored = "copies RAM to non-volatile memory" if parameter.pnu in _STORES else "RAM, lost at power-off"
+    stored = "copies RAM to non-volatile memory" if use.parameter.pnu in _STORES else "RAM, lost at power-off"
     state = "while the drive does not run" if any(use.state for use in shape.uses) else "while it runs, too"
-    return f"{stored}; the old value comes back if the job fails, {state}" if shape.restores else stored
+    return (
+        f"{stored}; the old value comes back if the job fails, {state}"
+        if shape.restores and use not in shape.saving
+        else stored
+    )
 
 
 def _doubts(parameter: Parameter) -> Iterator[str]:

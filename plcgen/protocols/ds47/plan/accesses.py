@@ -141,8 +141,7 @@ class Accesses:
 
     def _restores(self, kind: JobKind) -> ErrorSettings | None:
         """How old values are written back; None if they are not."""
-        saves = _then(self.job, kind) is not None
-        can = self.job.verify is not None and kind.key in {"write", "write_recipe"} and not saves
+        can = self.job.verify is not None and kind.key in {"write", "write_recipe"}
         return self.job.on_error if can else None
 
     def _comparable(self, use: Use) -> bool:

@@ -271,9 +271,8 @@ _MOST_RETRIES = 30_000
 def _timeout(job: JobEntry, uses: tuple[Use, ...]) -> int:
     """Time-out of the channel in ms: what the spec says, twice that to restore, and the time that a drive takes."""
     poll = next((use.poll for use in uses if use.poll is not None), None)
-    if uses[0].remembers is not None:
-        return 2 * job.timeout
-    return job.timeout + (poll.limit + poll.interval if poll is not None else 0)
+    own = 2 * job.timeout if uses[0].remembers is not None else job.timeout
+    return own + (poll.limit + poll.interval if poll is not None else 0)
 
 
 def _retries(job: JobEntry, timeout: int) -> int:

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 from plcgen.proof.runner import Run
 from plcgen.proof.scenario import ScenarioError
-from plcgen.protocols.ds47.proof.contents import with_bits
+from plcgen.protocols.ds47.proof.contents import held, written
 from plcgen.protocols.ds47.proof.course import Course
 from plcgen.protocols.ds47.proof.end import check_end, check_errors, check_refused
 from plcgen.protocols.ds47.proof.fence import Fence
 from plcgen.protocols.ds47.proof.listed import fill
 from plcgen.protocols.ds47.proof.pace import Pace
-from plcgen.protocols.ds47.proof.restored import CAUSE, OLD, Restoration
+from plcgen.protocols.ds47.proof.restored import BACK, CAUSE, OLD, Restoration
 from plcgen.protocols.ds47.proof.rig import SLOT, JobRig
 from plcgen.protocols.ds47.proof.saved import check_saved
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
@@ -190,20 +190,21 @@ class JobConduct:
             telegram = self.course.number(rig.unit.bytes("telegram", longest), self.requests)
         if job.restores:
             if telegram == OLD:
-                self._begin_anew()
+                self._merge()
             request = self.restoration.hand_over(telegram)
-            self.requests[max(telegram - 1, 3) :] = [request] if telegram > 3 else []
+            if not self.restoration.saves or telegram <= len(job.telegrams):
+                self.requests[max(telegram - 1, BACK) :] = [request] if telegram > BACK else []
         number = min(telegram, len(self.requests))
         if telegram > number and job.poll is None:
             raise ScenarioError(f"a telegram {telegram} is handed over, the job has {number}")
         self.polled = max(self.polled, telegram - number)
-        if job.poll is not None and telegram == len(job.telegrams) - 1:
-            self.saved_at = rig.cpu.clock
         request = self.requests[number - 1]
         found = rig.handed_over(len(request))
         if found[1:] != request[1:]:
             raise ScenarioError(f"telegram {telegram} is {found.hex(' ').upper()}, not {request.hex(' ').upper()}")
         asked = self.restoration.shape(telegram) if job.restores else self.course.telegrams[number - 1]
+        if asked.writes and asked.parts[0].use in job.saving:
+            self.saved_at = rig.cpu.clock
         order, wanted = rig.order(), rig.wanted_order(asked, len(request))
         wrong = [
             f"{name} is {order[name]} instead of {value}" for name, value in wanted.items() if order[name] != value
@@ -220,14 +221,16 @@ class JobConduct:
                 shown = f"16#{word.hex().upper()}, not 16#{right.hex().upper()}"
                 raise ScenarioError(f"what is expected of {part.use.label} in telegram {telegram} is {shown}")
 
-    def _begin_anew(self) -> None:
-        """Words of which bits are written are made of those that the drive has now: it may have been another start."""
+    def _merge(self) -> None:
+        """Words of which bits are written are made of those that the drive has now, whatever an earlier start wrote."""
         rig = self.rig
-        if any(use.bits for use in rig.job.uses):
-            there = rig.drive.objects[rig.drive_object].parameters
-            held = {pnu: there[pnu].values for pnu in rig.values.held}
-            rig.values = with_bits(rig.job, replace(rig.values, held=held))
-            self.restoration.requests = self.requests = rig.requests()
+        words = [use for use in rig.job.uses if use.bits]
+        if words:
+            given = rig.values.given
+            merged = {use.position: written(use, held(rig.drive, rig.drive_object, use), given) for use in words}
+            rig.values = replace(rig.values, given={**given, **merged})
+            self.requests = rig.requests()
+            self.restoration.requests = tuple(self.requests)
             self.restoration.given = rig.values.given
 
     def end(self, run: Run[DriveScenario], status: int) -> None:

@@ -36,7 +36,7 @@ def check_end(
     if restoration is not None and BACK in restoration.starts:
         wanted = restoration.came(wanted)
         if scenario.telegram == WRITE:
-            results = [*results[:2], restoration.read_back()]
+            results = [*results[:2], restoration.read_back(), *results[3:]]
         told = restoration.remembered(results)
     check_errors(rig, use_results(rig.job, told))
     check_values(rig, results, before, wanted, asked_again=polled > 0)

@@ -18,8 +18,10 @@ OUTCOMES = tuple(WORDS[name] for name in ("RESTORED", "NOT_RESTORED", "RUNS", "L
 """How such a job may end once it has written."""
 RUNS = 0x0804
 """Bits 2 and 11 of r0899: operation enabled, pulses enabled."""
+NOT_SAVED = WORDS["NOT_SAVED"]
+"""How one ends that saves too, when all values are right and the save is not."""
 OLD, WRITE, BACK, NOW, RETURN, CHECK = range(1, 7)
-"""Its telegrams."""
+"""Its telegrams; in one that saves NOW is the one that tells the drive to, if all values are right."""
 _SHAPES = {OLD: 0, WRITE: 1, BACK: 2, NOW: 2, RETURN: 1, CHECK: 2}
 GOOD, BAD = 0x40, 0x44
 """Blocks of an answer to a change: nothing to say, an error."""
@@ -37,20 +39,32 @@ class Restoration:
         """Where in the journal of the drive the exchanges of a telegram begin, as it was sent last."""
         self.begin = 0
         """Where those of the run begin, or of the last start in it."""
+        self.saves = False
+        """Whether it has come so far that it saves."""
 
     def shape(self, telegram: int) -> DriveTelegram:
         """The planned telegram that a telegram of the run is like."""
-        return self.job.telegrams[_SHAPES[telegram]]
+        return self.job.telegrams[self._place(telegram)]
+
+    def _place(self, telegram: int) -> int:
+        """Where the planned telegram is in the job, from 0; the last one asks again and again whether it has saved."""
+        if self.saves and telegram > BACK:
+            return min(telegram, len(self.job.telegrams)) - 1
+        return _SHAPES[telegram]
 
     def hand_over(self, telegram: int) -> bytes:
         """A telegram is handed over: what it must be. Raises ScenarioError."""
-        if telegram not in _SHAPES:
+        if telegram <= BACK:
+            self.saves = False
+        elif telegram == NOW:
+            self.saves = self.job.guarded and self.right()
+        if telegram not in _SHAPES and not self.saves:
             raise ScenarioError(f"a telegram {telegram} is handed over, a job that restores has {CHECK}")
         if telegram == OLD and set(self.starts) != {OLD}:
             self.starts.clear()
             self.begin = len(self.drive.journal)
         self.starts[telegram] = len(self.drive.journal)
-        return self._returned() if telegram == RETURN else self.requests[_SHAPES[telegram]]
+        return self._returned() if telegram == RETURN and not self.saves else self.requests[self._place(telegram)]
 
     def answer(self, telegram: int) -> bytes:
         """The last answer to a telegram; none if nothing came that belongs to it."""
@@ -75,6 +89,10 @@ class Restoration:
         if shape.writes:
             return answer[1:2] == b"\x02"
         return answer[1:2] == b"\x01" and len(self.values(telegram)) == len(shape.parts)
+
+    def right(self) -> bool:
+        """Whether all was written, and is what the job has sent."""
+        return self.complete(WRITE) and self.complete(BACK) and not any(error for error, _ in self.read_back())
 
     @property
     def written(self) -> tuple[Use, ...]:
@@ -135,12 +153,15 @@ class Restoration:
 
     def check(self, scenario: DriveScenario, status: int, cause: int) -> None:
         """The job ends as it must, and says why. Raises ScenarioError."""
-        if (status in OUTCOMES and not cause) or (status not in OUTCOMES and cause != status):
+        tells = status in OUTCOMES or (status == NOT_SAVED and self.job.guarded)
+        if (tells and not cause) or (not tells and cause != status):
             raise ScenarioError(f"cause is 16#{cause:04X} with status 16#{status:04X}")
         if not scenario.checked:
             return
         last = max(self.starts, default=0)
-        if status == DONE:
+        if self.saves:
+            wanted = DONE if status == DONE else NOT_SAVED, last
+        elif status == DONE:
             wanted = DONE, BACK
         elif last < WRITE:
             wanted = status, last
@@ -149,7 +170,7 @@ class Restoration:
         if (status, last) != wanted:
             shown = f"16#{status:04X} behind telegram {last}"
             raise ScenarioError(f"it ends with {shown} instead of 16#{wanted[0]:04X} behind telegram {wanted[1]}")
-        if status in OUTCOMES and cause not in scenario.causes:
+        if tells and cause not in scenario.causes:
             shown = " or ".join(f"16#{word:04X}" for word in scenario.causes)
             raise ScenarioError(f"cause is 16#{cause:04X} instead of {shown}")
         if status == WORDS["RESTORED"]:
@@ -159,7 +180,7 @@ class Restoration:
 
     def remembered(self, results: list[list[tuple[int, int]]]) -> list[list[tuple[int, int]]]:
         """What the job says of the old values: whether the drive has them, as far as it has answered."""
-        if WRITE not in self.starts or NOW not in self.starts:
+        if NOW not in self.starts or self.saves:
             return results
         last = CHECK if CHECK in self.starts and self.complete(CHECK) else NOW
         if not self.complete(last):
@@ -183,7 +204,7 @@ class Restoration:
         """The outputs that were read back are what came."""
         found = self.values(BACK)
         back = [found.get(place, data) for place, data in enumerate(wanted[2])]
-        return [*wanted[:2], back]
+        return [*wanted[:2], back, *wanted[3:]]
 
 
 def first_other(use: Use, sent: bytes, came: bytes) -> int | None:

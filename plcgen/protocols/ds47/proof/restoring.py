@@ -9,7 +9,7 @@ from typing import Any
 from plcgen.protocols.ds47.plan.nouns import DriveJob, Part
 from plcgen.protocols.ds47.proof.keeping import other
 from plcgen.protocols.ds47.proof.points import fault, positions
-from plcgen.protocols.ds47.proof.restored import BACK, CHECK, NOW, OLD, OUTCOMES, RETURN, RUNS, WRITE
+from plcgen.protocols.ds47.proof.restored import BACK, CHECK, NOT_SAVED, NOW, OLD, OUTCOMES, RETURN, RUNS, WRITE
 from plcgen.protocols.ds47.proof.saving import NOT_SUPPORTED
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Event
 from plcgen.protocols.ds47.proof.words import DEVIATES, DONE, WORDS
@@ -24,19 +24,25 @@ POINTS = 8
 """Scans of a run that restores in which something happens to execute or the CPU."""
 SCANS = 12
 """That a telegram takes."""
-_PLAIN = {DONE, WORDS["NO_SLOT"], WORDS["OCCUPIED"]}
+_PLAIN = {DONE, WORDS["NO_SLOT"], WORDS["OCCUPIED"], WORDS["TOO_SOON"]}
 
 
-def restored(scenarios: Iterable[DriveScenario]) -> Iterator[DriveScenario]:
-    """What goes wrong in any job, for one that restores: how it ends follows from what its drive has."""
+def restored(job: DriveJob, scenarios: Iterable[DriveScenario]) -> Iterator[DriveScenario]:
+    """What goes wrong in any job, for one that restores: how it ends follows from what its drive has.
+
+    What goes wrong while it saves is the cause of one result: the values are right, but not saved.
+    """
+    last = (NOT_SAVED,) if job.guarded else ()
     for one in scenarios:
         if one.telegram == OLD or set(one.status) <= _PLAIN:
             yield one
+        elif one.checked and (one.telegram > BACK or one.status == last):
+            yield replace(one, status=last or OUTCOMES, causes=one.status)
         elif one.checked:
             also = (DONE,) if DONE in one.status else ()
             yield replace(one, status=(*also, *OUTCOMES), causes=one.status)
         else:
-            yield replace(one, status=(*one.status, *OUTCOMES))
+            yield replace(one, status=(*one.status, *OUTCOMES, *last))
 
 
 def restoring(job: DriveJob) -> Iterator[DriveScenario]:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob
+from plcgen.protocols.ds47.proof.restored import CAUSE
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.words import DONE, WORDS
 from plcgen.protocols.ds47.sim.bench import SAVING_MS
@@ -36,7 +37,8 @@ def check_saved(rig: JobRig, status: int, before: int | None) -> None:
     for parameter in rig.drive.saving_parameters():
         if status == DONE and (any(parameter.values) or not parameter.saved):
             raise ScenarioError(f"done, but P{parameter.pnu} is {parameter.values}: the drive has not saved")
-    if status == WORDS["NOT_SAVED"] and (said is None or not any(said)):
+    cause = rig.db.get(CAUSE) if rig.job.restores else status
+    if cause == WORDS["NOT_SAVED"] and (said is None or not any(said)):
         raise ScenarioError("said to be not saved, but the drive has not said so")
     if status == WORDS["TOO_SOON"] and rig.drive.journal:
         raise ScenarioError("a start that comes too soon sends something")

@@ -45,7 +45,7 @@ def patient(job: DriveJob) -> bool:
 def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
     """All of it; ``scans`` is how long a good run takes, ``longest`` how many bytes a record may have."""
     if job.restores:
-        yield from restored(_matrix(job, scans, longest))
+        yield from restored(job, _matrix(job, scans, longest))
         yield from restoring(job)
     else:
         yield from _matrix(job, scans, longest)

@@ -118,8 +118,8 @@ def may_be_unknown(job: DriveJob, status: int) -> bool:
 
 
 def tried_to_restore(job: DriveJob, status: int) -> bool:
-    """A job that restores has failed behind its write."""
-    return job.restores and status in OUTCOMES
+    """A job that restores has failed behind its write, or while it saved."""
+    return job.restores and (status in OUTCOMES or (job.guarded and status == WORDS["NOT_SAVED"]))
 
 
 # --- arguments --------------------------------------------------------------------------------------------
@@ -369,8 +369,10 @@ def _crowded(plant: Plant) -> None:
     few = len(plant.plan.units) <= 2 * half
     late = frozenset() if few else frozenset(WORDS[name] for name in ("TIMEOUT", "NO_PLACE", "OCCUPIED"))
     longest = max(job.timeout for job in plant.plan.jobs) // 10
-    late |= {status for job in plant.plan.jobs if job.restores and late for status in OUTCOMES}
-    plant.until(lambda _, status: status == DONE or status in late, plant.patience * 8 + (0 if few else 8 * longest))
+    plant.until(
+        lambda job, status: status == DONE or status in late or (bool(late) and tried_to_restore(job, status)),
+        plant.patience * 8 + (0 if few else 8 * longest),
+    )
     plant.fall()
     plant.fresh(f"{plant.name}, once more").all_done()
 

@@ -41,16 +41,14 @@ def not_restored(plan: DrivePlan) -> Iterator[Diagnostic]:
         if plan.entry(job).on_error is None:
             continue
         place = plan.loaded.key_span((*job.path, "on_error"))
-        if job.restores and len(job.telegrams) > _EACH_WAY:
-            message = f'"{job.shape}" needs {len(job.telegrams)} telegrams: what is restored fits one each way'
+        own = len(job.telegrams) - len(job.saving)
+        if job.restores and own > _EACH_WAY:
+            message = f'"{job.shape}" needs {own} telegrams: what is restored fits one each way'
             yield Diagnostic("PG258", message, place, help="make several jobs of it")
-        elif job.verified and not job.restores:
-            message = f'"{job.shape}" saves: what is in the non-volatile memory is not restored'
-            yield Diagnostic("PG258", message, place, help="save in a job of its own, started when this one is done")
         elif not job.verified and job.kind in {"write", "write_recipe"}:
             message = f'"{job.shape}" does not read back: it would not know what to restore'
             yield Diagnostic("PG258", message, place, help="add verify: readback")
-        elif not job.verified:
+        elif not job.restores:
             message = f'"{job.shape}" has nothing that could be restored'
             yield Diagnostic("PG258", message, place, help="on_error is for jobs with write and verify: readback")
 

@@ -102,7 +102,7 @@ def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
     value = value_text(use, plan.target)
     notes = [f"{danger}; signed off: {signed}"] if danger else []
     notes += ["all other bits as they are read in front of the write"] if use.bits else []
-    restores = plan.entry(job).on_error
+    restores = plan.entry(job).on_error if use not in job.saving else None
     if restores is not None and restores.reason:
         notes.append(f"restored while the drive runs, too; signed off: {restores.reason}")
     elif restores is not None:

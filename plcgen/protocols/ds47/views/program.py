@@ -124,7 +124,7 @@ def title(plan: DrivePlan, job: DriveJob) -> str:
     if job.restores:
         uses, then = [use for use in uses if use.writes], ", or restore"
     if job.verified and job.poll is not None:
-        uses, then = uses[:-1], ", then save"
+        uses, then = uses[:-1], f", then save{then}"
     labels = ", ".join(use.label for use in uses[:4]) + (", .." if len(uses) > 4 else "")
     if job.recipe is not None:
         verb, labels = verb.replace("_recipe", ""), f"recipe {job.recipe.key}"
@@ -330,6 +330,9 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "once": telegram.once,
         "awaited": telegram.awaited,
         "closes": closes,
+        "read_back": any(part.use.verifies is not None for part in telegram.parts),
+        "taken": f"{_way(job, telegram)}:" if _way(job, telegram) else "ELSE",
+        "built": f"{_built(job, telegram)}:" if _way(job, telegram) else "ELSE",
         "merges": list(merges(job, telegram)),
         "keeps": not telegram.writes and not closes and job.deviations is None,
         "wanted": _bytes(right_answer(telegram), v5=plan.target.v5) if job.deviations is not None else "",
@@ -354,9 +357,28 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
     }
 
 
+RETURNS = (4, 5, 6)
+"""Telegrams of a job that restores: it asks what the drive has, writes old values back, asks again. They are no planned
+ones: in a block that may save instead, what saves is counted behind them."""
+
+
+def _way(job: DriveJob, telegram: DriveTelegram) -> int:
+    """Under which number a block finds what belongs to a telegram; 0 for one that is sent again and again."""
+    if telegram is job.telegrams[-1] and (job.poll is not None or job.messages is not None or job.waits):
+        return 0
+    return telegram.number + (len(RETURNS) if job.restores and telegram.number >= RETURNS[0] else 0)
+
+
+def _built(job: DriveJob, telegram: DriveTelegram) -> str:
+    """The telegrams that are built like a planned one: what is read back asks for the old values, too."""
+    first, _, last = RETURNS
+    again = f", {first}, {last}" if job.restores and telegram.number == first - 1 else ""
+    return f"{_way(job, telegram)}{again}"
+
+
 def _asked_before(job: DriveJob) -> DriveTelegram | None:
     """The question of a job that restores whose answer is like that to the old values."""
-    return job.telegrams[-1] if job.restores else None
+    return job.telegrams[RETURNS[0] - 2] if job.restores else None
 
 
 def _suffix(job: DriveJob, telegram: DriveTelegram) -> str:

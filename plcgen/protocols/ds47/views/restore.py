@@ -27,7 +27,7 @@ def restore_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
     request that writes they lie ``ahead`` bytes further. Behind the indexes ``written`` and ``back`` of ``errors`` come
     those of the parameters; ``state`` are the last two bytes of the status word.
     """
-    _, written, back = job.telegrams
+    _, written, back = job.telegrams[:3]
     fields = [field for field in back.response.fields if field.role == "value" and field.part is not None]
     values = [field for field in fields if field.part is not None and field.part.use.verifies is not None]
     state = next((field for field in fields if field.part is not None and field.part.use.state), None)
