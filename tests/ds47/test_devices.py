@@ -70,6 +70,9 @@ parameters:
   P25: {type: Unsigned16, source: ""}
   P26: {type: Unsigned16}
   P26: {type: Unsigned16}
+  P27: {type: Unsigned16, max: 10, observed: 11}
+  P28: {type: Unsigned16, max: 10, values: {off: 0, on: 11}}
+  P29: {type: Unsigned16, name: Ramp_Up}
 """
 
 MISTAKES = [
@@ -100,7 +103,7 @@ MISTAKES = [
     ("PG107", 17, 34, "FloatingPoint takes a finite number"),
     ("PG107", 18, 30, "Integer16 takes an integer from -32768 to 32767, not -40000"),
     ("PG107", 19, 39, "min 10 is larger than max 1"),
-    ("PG107", 20, 43, "the default 11 is outside min and max"),
+    ("PG107", 20, 43, "the default value 11 is outside min and max"),
     ("PG107", 21, 35, '"x" is not a value of type Unsigned16'),
     ("PG104", 22, 27, 'unknown key "acess" in parameters.P10'),
     ("PG107", 23, 35, '"read" is not a value of "access"'),
@@ -119,6 +122,9 @@ MISTAKES = [
     ("PG106", 37, 33, 'expected text instead of "5"'),
     ("PG107", 38, 35, "a text is one line of printable characters"),
     ("PG103", 40, 3, 'key "P26" appears twice'),
+    ("PG107", 41, 46, "the observed value 11 is outside min and max"),
+    ("PG107", 42, 57, "on: 11 is outside min and max"),
+    ("PG107", 43, 33, 'P21 has the name "Ramp_Up" as well'),
 ]
 """Written by hand, next to the text: code, line, column, how the message begins."""
 

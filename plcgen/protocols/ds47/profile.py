@@ -189,16 +189,20 @@ class ParameterEntry(ParameterDef):
                 raise problem(f'"{value}" is not a value of type {fmt.name}')
             return value
         _pack(fmt, value)
-        low, high = info.data.get("min"), info.data.get("max")
-        if (low is not None and value < low) or (high is not None and value > high):
-            raise problem(f"the default {value:g} is outside min and max")
+        if not _between_limits(value, info):
+            raise problem(f"the {info.field_name} value {value:g} is outside min and max")
         return value
 
     @field_validator("values")
     @classmethod
     def _are_values(cls, values: dict[str, int], info: ValidationInfo) -> dict[str, int]:
-        for value in values.values() if info.data.get("type", UNKNOWN) != UNKNOWN else ():
-            _pack(read_type(info.data["type"])[0], value)
+        problems = Problems()
+        for name, value in values.items() if info.data.get("type", UNKNOWN) != UNKNOWN else ():
+            with problems.at(name):
+                _pack(read_type(info.data["type"])[0], value)
+                if not _between_limits(value, info):
+                    raise problem(f"{name}: {value} is outside min and max")
+        problems.raise_any()
         return values
 
     @field_validator("bico")
@@ -207,6 +211,11 @@ class ParameterEntry(ParameterDef):
         if bico and info.data.get("type", UNKNOWN) != UNKNOWN and read_type(info.data["type"])[0].name != "Unsigned32":
             raise problem("a BICO source is an Unsigned32", help_="remove bico: true, or write type: Unsigned32")
         return bico
+
+
+def _between_limits(value: float, info: ValidationInfo) -> bool:
+    low, high = info.data.get("min"), info.data.get("max")
+    return (low is None or value >= low) and (high is None or value <= high)
 
 
 def _pack(fmt: Format, value: Any) -> None:
@@ -278,7 +287,7 @@ class DeviceProfile(StrictModel):
             if first != key:
                 problems.add(problem(f"{key} is the same parameter as {first}", code="PG103", at_key=True), key)
             name = entry.get("name") if isinstance(entry, dict) else None
-            named = names.setdefault(name, key) if isinstance(name, str) else key
+            named = names.setdefault(name.lower(), key) if isinstance(name, str) else key
             if named != key:
                 problems.add(problem(f'{named} has the name "{name}" as well'), key, "name")
             reason = guards.why_read_only(key, pnu, catalogued=lent[pnu].access if pnu in lent else "")
