@@ -11,4 +11,4 @@ def expect(name: str, value: str | None, words: Iterable[str]) -> None:
     """Raise ArgumentError unless an argument is None or one of its words: nothing less is done instead."""
     known = tuple(words)
     if value is not None and value not in known:
-        raise ArgumentError(f"{name} is {value!r}; there are {', '.join(known)}")
+        raise ArgumentError(f"{name} is {value!r}; allowed: {', '.join(known)}")

@@ -124,5 +124,5 @@ def schema(kind: str = "spec") -> dict[str, Any]:
         ArgumentError: there is no such kind.
     """
     if kind not in SCHEMAS:
-        raise ArgumentError(f"there is no schema of {kind}; there are {', '.join(SCHEMAS)}")
+        raise ArgumentError(f"there is no schema of {kind}; available: {', '.join(SCHEMAS)}")
     return SCHEMAS[kind]()

@@ -77,7 +77,7 @@ def decode(
 def decode_status(value: int) -> Status:
     """Explain a STATUS double word of WRREC or RDREC. Raises ArgumentError if the value has more than 32 bits."""
     if not 0 <= value <= 0xFFFFFFFF:
-        raise ArgumentError(f"{value} is no STATUS: a double word has 32 bits")
+        raise ArgumentError(f"{value} is not a STATUS double word, which has 32 bits")
     from plcgen.protocols.ds47.wire.status import explain
 
     return explain(value)

@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 @format_option("verification")
 @output_option
 def command(*, paths: tuple[Path, ...], spec: Path, format_: OutputFormat, output: Path | None) -> int:
-    """Audit what somebody wrote by hand: request and response DBs, PPI telegrams, and the calls that send them.
+    """Audit hand-written request and response DBs, PPI telegrams, and the calls that send them.
 
-    The spec says what is to be read or written; the data blocks (.db .udt .scl .awl, SimaticML) are matched to
-    its jobs by number, name or start values, and compared member by member, telegrams byte by byte. Exit code 1
-    if there is an error.
+    The spec says what is to be read or written. The data blocks (.db .udt .scl .awl, SimaticML) are matched to
+    its jobs by number, name or start values and compared member by member; telegrams are compared byte by byte.
+    Exit code 1 if there is an error.
     """
     from plcgen import api
 

@@ -41,7 +41,7 @@ def read_baseline(path: Path) -> Counter[Key]:
     except OSError as problem:
         message = f"not readable: {problem.strerror or problem}"
     except (ValueError, KeyError, TypeError, RecursionError):
-        message = "this is no result of plcgen check --format json"
+        message = "this is not a result of plcgen check --format json"
     help_ = "record it: plcgen check PATHS --format json --output FILE"
     raise DiagnosticError([Diagnostic(USAGE, message, Span(path.as_posix()), help=help_)])
 

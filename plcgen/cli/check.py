@@ -32,7 +32,7 @@ Subject = tuple[str, Sequence["Diagnostic"]]
     "plcgen check machines/ --format github",
     "plcgen check job.yaml --format sarif --output plcgen.sarif",
     "plcgen check old/ --format json -o known.json   record what is wrong today",
-    "plcgen check old/ --baseline known.json         and fail with what is new only",
+    "plcgen check old/ --baseline known.json         and fail only on new problems",
     "plcgen check old_project/ --target tia-1500     what TIA would refuse in V5 sources",
     "plcgen check sources/ --program --target v5     compile it: names, types, calls",
 )
@@ -43,7 +43,7 @@ Subject = tuple[str, Sequence["Diagnostic"]]
     metavar="TARGET",
     help=f"Compiler of the sources: {', '.join(TARGETS)} (S7-1200 too).  [default: any of them]",
 )
-@click.option("--program", is_flag=True, help="Sources and documents are one program: check names, types, calls.")
+@click.option("--program", is_flag=True, help="Check sources and documents as one program: names, types, calls.")
 @click.option(
     "--tags",
     type=PATH,
@@ -55,12 +55,15 @@ Subject = tuple[str, Sequence["Diagnostic"]]
     "--iec-check",
     multiple=True,
     metavar="WHEN[:BLOCK]",
-    help="With --program: IEC check of the blocks or of one, on, off or as-stated: by the document of the block, else "
-    "that of the tool, on for tia-1500, off for tia-300.  [default: as-stated]",
+    help="With --program: IEC check of all blocks or of one: on, off or as-stated (as the block's document says, "
+    "otherwise the tool's default: on for tia-1500, off for tia-300).  [default: as-stated]",
 )
 @click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")
 @click.option(
-    "--baseline", type=PATH, metavar="FILE", help="Leave out what this earlier result of check --format json has."
+    "--baseline",
+    type=PATH,
+    metavar="FILE",
+    help="Leave out the problems in this earlier result of check --format json.",
 )
 @strict_option
 @format_option("findings")
@@ -82,7 +85,7 @@ def command(
     """Check specs (.yaml) and PLC sources (.scl .udt .db .awl), and show every problem at its place.
 
     Sources are read as the SCL compiler of a target reads them; a folder stands for all specs and sources below it,
-    but for what was generated from these specs. Nothing is written. Exit code 1 if there is an error anywhere;
+    except what was generated from these specs. Nothing is written. Exit code 1 if there is an error anywhere;
     warnings alone give 0.
     """
     from plcgen.cli.baseline import compare, read_baseline
@@ -134,7 +137,7 @@ def _meant(*, program: bool, target: str | None, of_programs: Mapping[str, tuple
         raise click.UsageError(f"--program needs --target: one of {', '.join(TARGETS)}")
     for option, given in of_programs.items():
         if given and not program:
-            raise click.UsageError(f"{option} belongs to --program")
+            raise click.UsageError(f"{option} is only for --program")
 
 
 def _iec_checks(values: tuple[str, ...]) -> dict[str, str]:

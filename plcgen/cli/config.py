@@ -26,8 +26,8 @@ class VerifySection(StrictModel):
     """Options of ``verify``, and of the verification in ``review``."""
 
     faults: Faults | None = Field(None, description="how many faults the generated SCL runs through")
-    engine: bool | None = Field(None, description="run the proof of the drive engine, even of one that is known")
-    oracle: Literal["tshark"] | None = Field(None, description="show every telegram to Wireshark's dissector, too")
+    engine: bool | None = Field(None, description="run the proof of the drive engine, even if the engine is known")
+    oracle: Literal["tshark"] | None = Field(None, description="also check every telegram with Wireshark's dissector")
     cache: Annotated[str, Field(min_length=1, max_length=500)] | None = Field(
         None, description="the folder where verdicts are kept, or off"
     )
@@ -36,7 +36,7 @@ class VerifySection(StrictModel):
 class DiffSection(StrictModel):
     """Options of ``diff``."""
 
-    fail_on: FailOn | None = Field(None, alias="fail-on", description="the least class of change that fails")
+    fail_on: FailOn | None = Field(None, alias="fail-on", description="the lowest class of change that fails")
     policy: Paths = Field((), description="ID=CLASS, or a file of them")
 
 
@@ -50,7 +50,7 @@ class Config(StrictModel):
     """The defaults of a repository."""
 
     specs: Paths = Field((), description="files and folders that check, generate and verify take without a path")
-    strict: bool | None = Field(None, description="what no document was found for is an error")
+    strict: bool | None = Field(None, description="treat facts for which no document was found as errors")
     verify: VerifySection = VerifySection()
     diff: DiffSection = DiffSection()
     lock: LockSection = LockSection()
@@ -92,7 +92,7 @@ def load_config(file: Path) -> Config:
         for key, name in _files(config):
             if below(file.parent, name) is None:
                 place = root.find(key).span
-                help_ = "name files and folders beside it, and below"
+                help_ = "name files and folders in its folder or below"
                 report.add(Diagnostic("PG107", f"{name} is outside the folder of {NAME}", place, help=help_))
     report.raise_on_errors()
     if config is None:

@@ -24,20 +24,20 @@ if TYPE_CHECKING:
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="FILE|FOLDER...")
 @click.option("--to", type=click.Choice(["scl", "xml"]), required=True, help="Text sources, or SimaticML.")
 @click.option("--out", "folder", type=PATH, required=True, metavar="DIR", help="Output folder.")
-@tia_option("Oldest TIA Portal that shall import the documents")
+@tia_option("Oldest TIA Portal that must be able to import the documents")
 @click.option("--classic", is_flag=True, help="The blocks are for S7-300/400.")
 @click.option("--culture", default="en-US", show_default=True, metavar="TAG", help="Language of comments in documents.")
 @click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")
-@click.option("--keep-going", is_flag=True, help="Leave out what cannot be read or converted, and do the rest.")
+@click.option("--keep-going", is_flag=True, help="Leave out what cannot be read or converted, and convert the rest.")
 @click.option("--force", is_flag=True, help="Overwrite files that exist.")
 @format_option("findings")
 def command(*, paths: tuple[Path, ...], folder: Path, culture: str, format_: OutputFormat, **options: Any) -> int:
     """Turn blocks into SimaticML for TIA Openness, or documents into SCL, UDT and DB sources.
 
     One file per block, named after it; comments and layout of the code are kept. Name the sources of all types
-    and function blocks together: an instance DB needs its function block. Networks in LAD, FBD or STL have no
-    SCL: their blocks are left out with a warning, as those of a safety program are. All files are written or none;
-    with --keep-going those that can be, and the exit code is still 1 if there is an error.
+    and function blocks together: an instance DB needs its function block. There is no SCL for networks in LAD, FBD
+    or STL: their blocks are left out with a warning, as are those of a safety program. Either all files are written
+    or none; with --keep-going, those that can be are written, and the exit code is still 1 if there is an error.
     """
     from plcgen import api
 

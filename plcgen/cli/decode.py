@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from plcgen.protocols.decoded import DecodedTelegram
 
 ARGUMENTS, STDIN, REQUEST = "<arguments>", "<stdin>", "<request>"
-_SPELLINGS = "write bytes as 03 01, 0301, 16#03, 0x03, 03h or W#16#0101, one telegram a line"
+_SPELLINGS = "write bytes as 03 01, 0301, 16#03, 0x03, 03h or W#16#0101, one telegram per line"
 
 
 @verb(
@@ -27,8 +27,13 @@ _SPELLINGS = "write bytes as 03 01, 0301, 16#03, 0x03, 03h or W#16#0101, one tel
     "plcgen decode --status DF80B500",
 )
 @click.argument("hex_", nargs=-1, metavar="[HEX...]")
-@click.option("--as", "kind", type=click.Choice(["request", "response"]), help="Do not guess what it is.")
-@click.option("--request", metavar="HEX", help="The request that the response answers: names and checks.")
+@click.option(
+    "--as",
+    "kind",
+    type=click.Choice(["request", "response"]),
+    help="Treat it as this kind instead of deciding by its bytes.",
+)
+@click.option("--request", metavar="HEX", help="Request that the response answers, for names and checks.")
 @click.option("--status", is_flag=True, help="HEX is a STATUS double word of WRREC or RDREC.")
 @format_option("answer")
 def command(

@@ -30,10 +30,10 @@ _NAME = 26
 @click.option(
     "--faults",
     type=click.Choice(FAULTS),
-    help="How many faults the generated SCL runs through.  [default: quick for small ones, none for others]",
+    help="How many faults the generated SCL runs through.  [default: quick for small specs, none for others]",
 )
 def command(*, folder: Path, faults: Faults | None) -> int:
-    """Copy the shipped specs to DIR (plcgen-demo), generate their blocks and verify them, a line for each.
+    """Copy the shipped specs to DIR (plcgen-demo), generate their blocks and verify them, one line per spec.
 
     Specs that you changed in DIR are kept and used; nothing outside DIR is touched.
     """

@@ -32,7 +32,7 @@ FAIL_ON = ("breaking", "compatible", "any", "never")
     show_default=True,
     help="Exit code 1 if there is a change of this class or a worse one.",
 )
-@click.option("--policy", multiple=True, metavar="ID=CLASS|FILE", help="Classify changes otherwise (repeatable).")
+@click.option("--policy", multiple=True, metavar="ID=CLASS|FILE", help="Classify changes differently (repeatable).")
 @click.option("-v", "--verbose", is_flag=True, help="List every moved member and every changed line.")
 @click.option("--classic", is_flag=True, help="SimaticML documents are for S7-300/400.")
 @click.option("--list-changes", is_flag=True, help="Print all kinds of changes with their classes.")
@@ -49,10 +49,10 @@ def command(
     format_: OutputFormat,
     output: Path | None,
 ) -> int:
-    """Compare two versions of PLC sources or specs from the outside.
+    """Compare two versions of PLC sources or specs as HMIs, PLCs and drives see them.
 
     OLD and NEW are files (.scl .udt .db .awl, SimaticML), folders or specs. Every change is breaking, compatible
-    or documentation; layout, comments, spaces and the order of files are no changes.
+    or documentation; layout, comments, spaces and the order of files do not count as changes.
     """
     out = console()
     if list_changes:

@@ -36,10 +36,10 @@ if TYPE_CHECKING:
 def command(
     *, words: tuple[str, ...], drive_object: int | None, reference: int, device: str | None, format_: OutputFormat
 ) -> int:
-    """Print request telegrams as hex, one per line: of a spec's jobs, or of parameters given here.
+    """Print request telegrams as hex, one per line: for a spec's jobs, or for parameters given here.
 
     Types are those of data set 47 (FloatingPoint, Unsigned16, ...); with --device the catalogue knows them.
-    A file that is called read or write is ./read or ./write.
+    For a file that is called read or write, give ./read or ./write.
     """
     out = console()
     verb, rest = words[0], words[1:]
@@ -48,9 +48,9 @@ def command(
             raise click.UsageError(f"{verb} needs a parameter, for example P50303")
         return _adhoc(out, verb, rest, (drive_object, reference, device), format_)
     if len(words) > 2:
-        raise click.UsageError("one spec and at most one job")
+        raise click.UsageError("give one spec and at most one job")
     if drive_object is not None or device is not None:
-        raise click.UsageError("--do and --device go with read and write; a spec has its own")
+        raise click.UsageError("--do and --device are for read and write; a spec has its own")
     return _spec(out, Path(verb), rest[0] if rest else None, format_)
 
 

@@ -55,7 +55,7 @@ def _unknown(key: str) -> None:
     from plcgen.diagnostics.suggest import did_you_mean
     from plcgen.display.cells import clean
 
-    error_line(f'"{clean(key)[:60]}" is no code of plcgen, error number or status word', "PG703")
+    error_line(f'"{clean(key)[:60]}" is not a plcgen code, an error number or a status word', "PG703")
     help_line(did_you_mean(key, known_keys()) or "plcgen explain --list")
 
 

@@ -46,8 +46,8 @@ def command(
     """Generate the PLC sources of specs, each into a folder of its own; a folder stands for the specs below it.
 
     The folder of a spec is replaced as a whole or not at all. Files that you changed by hand are never overwritten
-    without --force. With --check the folder is compared, the diff printed, and the exit code is 1 if it is
-    stale: commit the folder and run this in CI. --diff prints the same diff but only looks (exit code 0).
+    without --force. With --check the folder is compared, the diff printed, and the exit code is 1 if it is out
+    of date: commit the folder and run this in CI. --diff prints the same diff, with exit code 0.
     """
     from plcgen import api
     from plcgen.cli.specs import find_specs, one_folder
@@ -102,7 +102,7 @@ def _show(out: Console, result: GenerateResult, *, looking: bool, stats: bool) -
         if size is not None:
             out.say(size.text())
         if stats and result.idle_statements is None:
-            out.say("an idle scan could not be run: plcgen verify says why")
+            out.say("an idle scan could not be run: plcgen verify tells you why")
 
 
 def _stale(result: GenerateResult, stale: list[Diagnostic]) -> None:

@@ -54,7 +54,7 @@ def strip_comment(text: str) -> str:
 def parse_hex(text: str) -> HexText:
     """Read bytes: ``03 01``, ``0301``, ``16#03``, ``W#16#0101``, ``0x03``, ``03h``, ``03-01``, commas.
 
-    Raises HexError at the first piece that is no hexadecimal number.
+    Raises HexError at the first piece that is not a hexadecimal number.
     """
     data = bytearray()
     places: list[tuple[int, int]] = []
@@ -69,7 +69,7 @@ def parse_hex(text: str) -> HexText:
             end = re.compile(r"[\s,;]|\Z").search(text, position)
             stop = end.start() if end else len(text)
             piece = text[position:stop]
-            raise HexError(position, max(1, len(piece)), f'"{piece[:40]}" is no hexadecimal number')
+            raise HexError(position, max(1, len(piece)), f'"{piece[:40]}" is not a hexadecimal number')
         _append(match, data, places)
         if len(data) > MAX_BYTES:
             raise HexError(position, 1, f"more than {MAX_BYTES} bytes in one line; a record has at most 240")

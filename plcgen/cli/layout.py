@@ -26,15 +26,15 @@ if TYPE_CHECKING:
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="SPEC|FILE|FOLDER...")
 @format_option("layout")
 @click.option("--block", default="", metavar="NAME", help="Only this block: its name, or DB3, UDT5, FB7.")
-@click.option("--expand", is_flag=True, help="Every element of every array, not only the first.")
+@click.option("--expand", is_flag=True, help="Show every element of every array, not only the first.")
 @click.option(
     "--family",
     type=click.Choice(FAMILIES),
     metavar="FAMILY",
-    help="Whose WRREC, RDREC and TON lie in the blocks: s7-300, s7-400, s7-1200 or s7-1500.",
+    help="CPU family whose WRREC, RDREC and TON are in the blocks: s7-300, s7-400, s7-1200 or s7-1500.",
 )
 @click.option("--grid/--no-grid", default=True, help="Draw requests byte by byte (text).  [default: grid]")
-@click.option("--separator", default=";", metavar="CHARACTER", help="Between the cells of csv.  [default: ;]")
+@click.option("--separator", default=";", metavar="CHARACTER", help="Separator between the cells of csv.  [default: ;]")
 @click.option(
     "-o", "--out", "--output", "output", type=PATH, metavar="FILE", help="Write the result to FILE instead of stdout."
 )
@@ -54,8 +54,8 @@ def command(
     """Show offset, address, type, start value and comment of every member, and every gap.
 
     For a spec: the request and response data blocks of every telegram. For PLC sources (.db .udt .scl .awl, TIA
-    exports .xml, folders of them): every block in them, with the standard-access layout a CPU gives it; types may
-    stand in other files.
+    exports .xml, folders of them): every block in them, with the standard-access layout that a CPU gives it; types
+    may be in other files.
     """
     from plcgen import api
 

@@ -34,10 +34,10 @@ if TYPE_CHECKING:
     show_default=True,
     help="With --check: exit code 1 only for this class or a worse one.",
 )
-@click.option("--policy", multiple=True, metavar="ID=CLASS|FILE", help="Classify changes otherwise, as in diff.")
+@click.option("--policy", multiple=True, metavar="ID=CLASS|FILE", help="Classify changes differently, as in diff.")
 @click.option("-v", "--verbose", is_flag=True, help="List every moved member.")
 @click.option("--classic", is_flag=True, help="SimaticML documents are for S7-300/400.")
-@click.option("--force", is_flag=True, help="Overwrite a file that is no lock.")
+@click.option("--force", is_flag=True, help="Overwrite a file that is not a lock.")
 @format_option("comparison")
 @output_option
 def command(
@@ -53,9 +53,9 @@ def command(
     format_: OutputFormat,
     output: Path | None,
 ) -> int:
-    """Write where every member of the blocks lies into a lock file, or check that nothing moved.
+    """Record where every member of the blocks is in a lock file, or check that nothing has moved.
 
-    Commit the file. --check shows old and new offsets, classified as by diff. Without paths both take the
+    Commit the file. --check shows old and new offsets, classified as in diff. Without paths, both use the
     sources that the lock names.
     """
     from plcgen import api
@@ -85,7 +85,7 @@ def _show(
     if result.changes or not text:
         out.show(format_, "comparison", result, output, fail_on=fail_on, verbose=verbose)
     if text and result.changes:
-        out.say(f"wanted? write the lock again: plcgen lock --out {result.old}")
+        out.say(f"intended? write the lock again: plcgen lock --out {result.old}")
     elif text and result.readable:
         out.say(f"{result.compared} blocks as in {result.old}")
     return OK if result.readable and not result.failing(fail_on) else PROBLEMS

@@ -37,8 +37,8 @@ SECTIONS: Sections = (
         "Review and guard",
         (
             ("review", "Put everything that a reviewer must see on one page."),
-            ("diff", "Compare two versions of sources or specs from the outside."),
-            ("lock", "Write a layout lock file, or check that nothing moved."),
+            ("diff", "Compare two versions of sources or specs as HMIs, PLCs and drives see them."),
+            ("lock", "Write a layout lock file, or check that nothing has moved."),
             ("audit", "Audit hand-written request and response DBs against a spec."),
         ),
     ),

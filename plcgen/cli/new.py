@@ -57,8 +57,8 @@ def command(*, path: Path, device: str, family: str, toolchain: str | None, jobs
     known = usable(profile)
     for job in jobs:
         if job not in known:
-            offered = f"there is: {', '.join(known)}" if known else "there is no job to choose"
-            raise click.UsageError(f"the catalogue of {device} is not sure of what --job {job} needs; {offered}")
+            offered = f"available: {', '.join(known)}" if known else "no job is available"
+            raise click.UsageError(f"the catalogue of {device} does not confirm what --job {job} needs; {offered}")
     text = starter("job.yaml" if path == Path("-") else path.name, profile, family, tool, jobs)
     if path == Path("-"):
         out.result(text)

@@ -48,9 +48,7 @@ def _color(ctx: click.Context, _param: click.Parameter, value: Any) -> None:
 def common_options() -> list[click.Parameter]:
     """``--quiet`` and ``--color``, which work before and behind the verb."""
     return [
-        click.Option(
-            ["-q", "--quiet"], is_flag=True, expose_value=False, callback=_quiet, help="Say only what is wrong."
-        ),
+        click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=_quiet, help="Show only problems."),
         click.Option(
             ["--color"],
             type=click.Choice(["auto", "always", "never"]),
@@ -139,7 +137,7 @@ def _would_destroy(target: Path, read: Path) -> bool:
 
 def strict_option(verb: Callback) -> Callback:
     """Add ``--strict``."""
-    return click.option("--strict", is_flag=True, help="What no document was found for is an error.")(verb)
+    return click.option("--strict", is_flag=True, help="Treat facts for which no document was found as errors.")(verb)
 
 
 def output_option(verb: Callback) -> Callback:

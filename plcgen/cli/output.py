@@ -144,7 +144,7 @@ class Console:
         """Deliver a result to stdout, or to a file if one is given (UTF-8, LF); without ``force`` to a new one."""
         if output is not None:
             if not force and output.exists():
-                raise OutputError(f"{output} exists: another name, or --force to overwrite it")
+                raise OutputError(f"{output} exists: use another name, or --force to overwrite it")
             _write_file(output, text)
             self.say(f"wrote {output}")
             return

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     "--against", default="", metavar="REV|FOLDER", help="Compare with a git revision, a folder or another spec."
 )
 @click.option(
-    "--lock", type=PATH, metavar="FILE", help="Layout lock.  [default: plcgen.lock.yaml beside the spec, if there]"
+    "--lock", type=PATH, metavar="FILE", help="Layout lock.  [default: plcgen.lock.yaml beside the spec, if it exists]"
 )
 @click.option(
     "--faults",
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     "--fault",
     default="",
     metavar="KIND[:KEY=VALUE,...]",
-    help="What goes wrong in the second recorded run of every job.  [default: busy:times=2; on a PPI line silence]",
+    help="Fault in the second recorded run of every job.  [default: busy:times=2; silence on a PPI line]",
 )
 @format_option("review", default="html")
 @output_option
@@ -55,10 +55,10 @@ def command(
     format_: OutputFormat,
     output: Path | None,
 ) -> int:
-    """Verify what was generated and put all that a reviewer must see on one page.
+    """Verify the generated files and put everything that a reviewer must see on one page.
 
     Verdict, changes, write list, telegrams byte by byte, layouts, recorded runs, fault matrix, sign-off. Exit code 1
-    if a check fails, the lock differs, or something cannot be read; changes against another version fail nothing.
+    if a check fails, the lock differs, or something cannot be read; changes from another version are not failures.
     """
     from plcgen import api
     from plcgen.diagnostics import DiagnosticError

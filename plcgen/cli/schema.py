@@ -33,9 +33,9 @@ KINDS = (
 def command(*, kind: str, devices: bool, format_: OutputFormat, output: Path | None) -> int:
     """Print a JSON schema for editors and programs, or the known devices.
 
-    Of a spec if nothing else is named; or of a file that specs include (shared), a drive file, station file, device
-    profile, policy, lock, plcgen.toml (config) or file of faults; or of what --format json writes (output), and of a
-    line of ppi serve and ppi monitor.
+    Without an argument, the schema is that of a spec. Others are those of a file that specs include (shared), a drive
+    file, station file, device profile, policy, lock, plcgen.toml (config) or file of faults; of what --format json
+    writes (output); and of a line of ppi serve and ppi monitor.
     """
     out = console()
     if devices:

@@ -35,7 +35,7 @@ _MAX_SCANS = 10_000_000
 @click.option("--scan-time", default="10ms", metavar="TIME", help="Length of a scan.  [default: 10ms]")
 @click.option("--set", "sets", multiple=True, metavar="MEMBER=VALUE[@SCAN]", help="Give a member or tag a value.")
 @click.option("--watch", "watches", multiple=True, metavar="MEMBER", help="Record and show a member or tag.")
-@click.option("--fault", "faults", multiple=True, metavar="KIND[:KEY=VALUE,...]", help="Let a partner go wrong.")
+@click.option("--fault", "faults", multiple=True, metavar="KIND[:KEY=VALUE,...]", help="Inject a fault at a partner.")
 @click.option("--faults", "fault_file", type=PATH, metavar="FILE", help="Faults from a YAML file.")
 @click.option("--drive", "drives", multiple=True, metavar="[DRIVE=]FILE", help="Drive or station file.")
 @click.option("--with", "own", type=PATH, multiple=True, metavar="FILE", help="Run this SCL, UDT or DB source too.")

@@ -24,14 +24,16 @@ DEFAULT = ("en-US", "de-DE", "zh-CN")
 @click.option(
     "--language", "languages", multiple=True, metavar="TAG", help="A language.  [default: en-US, de-DE, zh-CN]"
 )
-@click.option("--format", "formats", multiple=True, type=click.Choice(FORMATS), help="What to write.  [default: xlsx]")
+@click.option(
+    "--format", "formats", multiple=True, type=click.Choice(FORMATS), help="Format to write.  [default: xlsx]"
+)
 @tia_option("TIA Portal version that xml names")
 @click.option(
     "--errors",
     type=click.Choice(TABLES),
     default="sinamics",
     show_default=True,
-    help="Error numbers: those of SINAMICS too, or what PROFIdrive says alone.",
+    help="Error numbers: with those of SINAMICS, or only what PROFIdrive says.",
 )
 @click.option("-o", "--out", "folder", type=PATH, default=Path("texts"), show_default=True, metavar="DIR")
 @click.option("--force", is_flag=True, help="Overwrite files that exist.")
@@ -40,8 +42,8 @@ def command(
 ) -> int:
     """Write text lists for an HMI: status words and error numbers of drive jobs, fault classes of PROFIdrive.
 
-    xlsx is what the editor of text lists in the TIA Portal exports and imports, xml is for TIA Openness, csv for
-    everything else. Texts are there in English, German and Chinese.
+    xlsx is what the text list editor of the TIA Portal exports and imports, xml is for TIA Openness, csv for
+    everything else. The texts are available in English, German and Chinese.
     """
     from plcgen.documents.text_lists import WRITERS
     from plcgen.documents.writing import add_files
@@ -50,7 +52,9 @@ def command(
     cultures = tuple(dict.fromkeys(languages)) or DEFAULT
     for tag in cultures:
         if not is_culture(tag) or tag[:2].lower() not in LANGUAGES:
-            raise click.BadParameter(f'"{tag}": there is en-US, de-DE, zh-CN and the like', param_hint="--language")
+            raise click.BadParameter(
+                f'"{tag}" is not available: use en-US, de-DE, zh-CN or the like', param_hint="--language"
+            )
     lists = text_lists(cultures, errors)
     files = [file for name in dict.fromkeys(formats or ("xlsx",)) for file in WRITERS[name](lists, cultures, version)]
     done = add_files(files, folder, force=force)

@@ -37,13 +37,21 @@ if TYPE_CHECKING:
     show_default=True,
     help="How many faults the generated SCL runs through.",
 )
-@click.option("--engine", is_flag=True, help="Run the proof of the drive engine, even of one that is known.")
-@click.option("--oracle", type=click.Choice(["tshark"]), help="Show every telegram to Wireshark's dissector, too.")
+@click.option("--engine", is_flag=True, help="Run the proof of the drive engine, even if the engine is known.")
+@click.option("--oracle", type=click.Choice(["tshark"]), help="Also check every telegram with Wireshark's dissector.")
 @click.option("--cache", type=PATH, metavar="DIR", help="Where verdicts are kept.  [default: the user's cache folder]")
-@click.option("--no-cache", is_flag=True, help="Run everything, and keep nothing.")
-@click.option("--shard", metavar="N/ALL", help="Execute the Nth of so many shares, and write what it gave.")
+@click.option("--no-cache", is_flag=True, help="Run everything, and store no verdicts.")
 @click.option(
-    "--merge", type=PATH, multiple=True, metavar="FILE|DIR", help="Shards, all of them, instead of executing anything."
+    "--shard",
+    metavar="N/ALL",
+    help="Execute only this share of the work (3/10: the third of ten), and write its result.",
+)
+@click.option(
+    "--merge",
+    type=PATH,
+    multiple=True,
+    metavar="FILE|DIR",
+    help="Merge the results of all shards instead of executing anything.",
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Execute on a Dask cluster, such as tcp://host:8786.")
 @strict_option
@@ -69,9 +77,9 @@ def command(
 ) -> int:
     """Run the files in a generated folder against a simulated drive and compare every byte.
 
-    What lies on disk is read back, laid out and held to the telegrams, executed scan by scan and fed with
-    errors. Exit code 1 if any check fails; a check that could not be run is listed and fails nothing. Each spec has
-    its own folder; a folder named here stands for the specs below it.
+    The files on disk are read back, their layout is compared with the telegrams, and they are executed scan by scan,
+    with injected errors. Exit code 1 if any check fails; a check that could not be run is listed but does not fail.
+    Each spec has its own folder; a folder given here stands for the specs below it.
     """
     from plcgen import api
     from plcgen.cli.specs import find_specs, one_folder
@@ -161,5 +169,5 @@ def _shards(named: tuple[Path, ...]) -> Iterator[Path]:
     for path in named:
         below = sorted(path.glob("*.json")) if path.is_dir() else [path]
         if not below:
-            raise click.UsageError(f"there is no file of a shard (*.json) in {path}")
+            raise click.UsageError(f"there is no shard file (*.json) in {path}")
         yield from below

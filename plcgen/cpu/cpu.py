@@ -233,7 +233,7 @@ class Cpu:
             return entry, ()
         block = self.program.link.find(self.program.link.instance_type(entry) or "?")
         if block is None:
-            raise UnknownPathError(f"{name} is no instance of a block of the program")
+            raise UnknownPathError(f"{name} is not an instance of a block of the program")
         return block, (self.blocks[entry.index],)
 
     def _next(self, milliseconds: int) -> None:
@@ -255,7 +255,7 @@ class Cpu:
         except AccessFaultError as fault:
             self._keep(fault.code, str(fault), fault.__traceback__)
         except (IndexError, struct.error) as fault:
-            self._keep("PG834", "the access lies beyond the end of its data block", fault.__traceback__)
+            self._keep("PG834", "the access is beyond the end of its data block", fault.__traceback__)
         except RecursionError as fault:
             self._keep("PG826", "the calls are nested too deeply", fault.__traceback__)
         return self.faulted

@@ -86,10 +86,10 @@ class _Sharing:
     def _two_obs(self, instance: DataPath, known: Reached, call: Reached) -> Diagnostic:
         ways = [self._way(step) for step in (known, call)]
         message = f"{self._title(instance)} is called from two OBs: {ways[0]}, and {ways[1]}"
-        notes = [Note(f"the way from {known.chain[0].caller.name}", known.chain[0].span)]
+        notes = [Note(f"the path from {known.chain[0].caller.name}", known.chain[0].span)]
         if call.site is not call.chain[0]:
             notes.append(Note("the call of the instance", call.site.span))
-        help_ = "call it in one of them; the other OB takes an instance of its own, but a device has one channel"
+        help_ = "call it in one of them; use a separate instance in the other OB, but a device has only one channel"
         return Diagnostic("PG840", message, call.chain[0].span, Severity.WARNING, help=help_, notes=tuple(notes))
 
     def _way(self, call: Reached) -> str:
@@ -143,7 +143,7 @@ class _Sharing:
     ) -> Diagnostic:
         known, call = calls
         message = f"two channels, {names}, have the same {parameter.lower()}: {call.site.text(parameter)}"
-        help_ = "give each channel a unit and a place of its own; for one device, leave one of the channels out"
+        help_ = "give each channel its own unit and its own place; if both are for the same device, leave one out"
         notes = (Note("the other channel", known.site.span),)
         return Diagnostic("PG841", message, self._span(call.site, parameter), severity, help=help_, notes=notes)
 
@@ -163,7 +163,7 @@ class _Sharing:
             pairs.add((known.instance, call.instance))
             names = f"{self._title(known.instance)} and {self._title(call.instance)}"
             message = f"two jobs of {self._title(unit)}, {names}, have the same slot: {call.site.text(_SLOT)}"
-            help_ = "give each job of a unit a slot of its own, from 1 on, and the channel as many slots"
+            help_ = "give each job of a unit its own slot, counted from 1, and set the channel's slots to their number"
             span, notes = self._span(call.site, _SLOT), (Note("the other job", known.site.span),)
             yield Diagnostic("PG843", message, span, Severity.WARNING, help=help_, notes=notes)
 
@@ -182,7 +182,7 @@ class _Sharing:
                 reported.add((drive, unit))
                 units = f"{self._title(before)} and {self._title(unit)}"
                 message = f"the drive {call.site.text(parameter)} is reached through two units, {units}"
-                help_ = "one device has one unit and one channel, also with several drive objects"
+                help_ = "one device has one unit and one channel, even with several drive objects"
                 span, notes = self._span(call.site, parameter), (Note("the other job", known.site.span),)
                 yield Diagnostic("PG844", message, span, Severity.WARNING, help=help_, notes=notes)
 
@@ -217,7 +217,9 @@ class _Sharing:
             if job is None or (isinstance(index, int) and index not in _PARAMETER_RECORDS):
                 continue
             drive_text = site.text("ID")
-            message = f"{site.called} talks to {drive_text}, the drive of the job {job.called_as}, past its channel"
+            message = (
+                f"{site.called} talks to {drive_text}, the drive of the job {job.called_as}, bypassing its channel"
+            )
             help_ = "read and write it with a job; an answer goes to whoever fetches it first"
             notes = (Note("the job", job.span),)
             yield Diagnostic("PG842", message, site.span, Severity.WARNING, help=help_, notes=notes)

@@ -143,6 +143,6 @@ def _in_list(name: str, texts: Mapping[str, str]) -> str:
 
 
 def _elsewhere(member: Member, text: str, found: list[Diagnostic]) -> Member:
-    message = f"a constant in {text} has its value outside of these sources"
+    message = f"a constant in {text} is defined outside these sources"
     found.append(Diagnostic("PG827", message, member.span or Span("")))
     return replace(member, start=None)

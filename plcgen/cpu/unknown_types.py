@@ -102,7 +102,7 @@ def _report(type_: NamedType, span: Span, link: Linkage, *, library: bool) -> Di
         return Diagnostic("PG827", f"the members of {name} are not known to plcgen", span)
     declared = [block.name for key, block in link.types.items() if key not in link.opaque]
     near = did_you_mean(name, [*declared, *ELEMENTARY])
-    return Diagnostic("PG806", f"unknown data type {name}", span, help=near or "name the file that declares it, too")
+    return Diagnostic("PG806", f"unknown data type {name}", span, help=near or "also name the file that declares it")
 
 
 def _used(block: Block) -> Iterator[tuple[NamedType, Span | None, bool]]:

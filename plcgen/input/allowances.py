@@ -73,7 +73,7 @@ def idle(diagnostics: Iterable[Diagnostic], allowed: tuple[Allowance, ...]) -> I
             message, help_ = f"{each.code} is not allowed without a reason", "write the reason after the code"
         elif not any(map(each.covers, found)):
             message = f"there is nothing to allow: {each.code} is not reported here"
-            help_ = "remove the comment, or put it on the line that the warning names, or above it"
+            help_ = "remove the comment, or put it on the line of the warning, or above it"
         else:
             continue
         yield Diagnostic("PG111", message, each.span, Severity.WARNING, help=help_)

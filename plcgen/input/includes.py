@@ -115,13 +115,13 @@ class _Gathering:
     def refusal(self, path: Path | None, name: str, way: tuple[str, ...]) -> tuple[str, str]:
         """Why a file is not read, and what to do; empty if it is."""
         if path is None:
-            return f"{name} is not below the folder of the spec", "copy it beside the spec"
+            return f"{name} is not below the folder of the spec", "copy it to the folder of the spec"
         if not name.lower().endswith(SUFFIXES):
-            return f"{name} is no YAML file", "its name must end in .yaml or .yml"
+            return f"{name} is not a YAML file", "its name must end in .yaml or .yml"
         if len(way) > MAX_LEVELS:
-            return f"{name} is included over more than {MAX_LEVELS} files", "include it directly"
+            return f"{name} is included through more than {MAX_LEVELS} files", "include it directly"
         if len(self.texts) >= MAX_FILES:
-            return f"more than {MAX_FILES} files are included", "put several of them into one"
+            return f"more than {MAX_FILES} files are included", "combine several of them into one"
         return "", ""
 
     def text(self, path: Path, shown: str, place: Span) -> str | None:
@@ -132,7 +132,9 @@ class _Gathering:
             first = problem.diagnostics[0]
             if first.code == "PG110":
                 why = first.message.removeprefix("cannot read the file: ")
-                self.refuse(f"{shown} cannot be read: {why}", place, "the path begins at the file that includes it")
+                self.refuse(
+                    f"{shown} cannot be read: {why}", place, "the path is relative to the file that includes it"
+                )
             else:
                 self.report.extend(problem.diagnostics)
                 self.complete = False
@@ -181,10 +183,13 @@ class _Gathering:
 
     def twice(self, name: str, key: str, one: Span, place: Span) -> None:
         if key == WHOLE:
-            message, help_ = f'the job "{name}" stands in two files', "keep one of them: a job is not put together"
+            message, help_ = (
+                f'the job "{name}" is defined in two files',
+                "keep one of them: a job is never put together from two files",
+            )
         else:
-            message = f'two included files say what "{name}" is'
-            help_ = "say it in one of them, or in the file that includes both: that one wins"
+            message = f'two included files define "{name}"'
+            help_ = "define it in one of them, or in the file that includes both: that definition wins"
         self.report.add(Diagnostic("PG113", message, place, help=help_, notes=(Note("the other one", one),)))
 
 

@@ -29,7 +29,7 @@ def parse_toml(text: str, file: str, report: Report) -> YamlNode | None:
         line, column = (int(found[1]), int(found[2])) if found and found[1] else (text.count("\n") + 1, 1)
         what = _PLACE.sub("", str(problem))
         place = Span(file, line, column, line, column + 1)
-        help_ = "texts have quotes, tables a line of their own: [verify]"
+        help_ = "text needs quotes, and a table needs a line of its own: [verify]"
         report.add(Diagnostic("PG101", f"{what[:1].lower()}{what[1:]}", place, help=help_))
         return None
     except RecursionError:

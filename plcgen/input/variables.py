@@ -85,7 +85,9 @@ class _Filling:
         """Refuse names that are none, and variables in the values of variables."""
         for name, (key, _) in variables.pairs.items():
             if not _NAME.fullmatch(name):
-                self.refuse(f'"{name}" is no name of a variable', key.span, "letters, digits, _ and -; a letter first")
+                self.refuse(
+                    f'"{name}" is not a valid variable name', key.span, "letters, digits, _ and -; a letter first"
+                )
         left, seen = [variables], {id(variables)}
         while left:
             one = left.pop()
@@ -125,7 +127,7 @@ class _Filling:
             return found.raw
         what = "a list" if found.kind == "seq" else "a mapping"
         self.refuse(
-            f'"{name}" is {what}, which has no place in a text', place, f"write $({name}) alone, without quotes"
+            f'"{name}" is {what}, which cannot be used inside a text', place, f"write $({name}) alone, without quotes"
         )
         return None
 
@@ -136,7 +138,7 @@ class _Filling:
             self.uses.append(VariableUse(name, place, known[name][0].span))
             return known[name][1]
         if not _NAME.fullmatch(name):
-            self.refuse(f'"{name}" is no name of a variable', place, f"for the text write $$({name})")
+            self.refuse(f'"{name}" is not a valid variable name', place, f"for the text write $$({name})")
         else:
             listed = f"variables: {', '.join(list(known)[:20])}" if known else "define it under variables:"
             self.refuse(f'unknown variable "{name}"', place, f"{did_you_mean(name, known)} {listed}".strip())

@@ -55,8 +55,8 @@ _WORDING = (
     ("quoted scalar", "text in quotes"),
     ("block scalar", "text block"),
     ("found unexpected end of stream", "the file ends here"),
-    ("could not find expected ':'", "expected a colon behind the key"),
-    ("found character that cannot start any token", "this character cannot stand here"),
+    ("could not find expected ':'", "expected a colon after the key"),
+    ("found character that cannot start any token", "this character is not allowed here"),
 )
 
 

@@ -47,14 +47,14 @@ def read_sheets(data: bytes, most_rows: int) -> Iterator[list[Row]]:
         with zipfile.ZipFile(io.BytesIO(data)) as book:
             names = sorted((name for name in book.namelist() if _SHEET.match(name)), key=_number)
             if not names:
-                raise WorkbookError("no sheet is in it")
+                raise WorkbookError("it has no sheet")
             strings = _strings(book) if "xl/sharedStrings.xml" in book.namelist() else []
             for name in names[:MAX_SHEETS]:
                 yield _rows(book, name, strings, most_rows)
     except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError) as problem:
-        raise WorkbookError("it is no XLSX file, or a damaged or encrypted one") from problem
+        raise WorkbookError("it is not an XLSX file, or it is damaged or encrypted") from problem
     except expat.ExpatError as problem:
-        raise WorkbookError(f"one of its parts is no XML: {problem}") from problem
+        raise WorkbookError(f"one of its parts is not XML: {problem}") from problem
 
 
 def _number(name: str) -> int:

@@ -305,7 +305,7 @@ def parse_yaml(text: str, file: str, report: Report) -> YamlNode | None:
         )
         place = Span(file, line, column, line, column + 1)
         if at_tab(text, problem.problem_mark):
-            what, help_ = "a tab where only spaces may stand", "indent with spaces: YAML does not allow tabs"
+            what, help_ = "a tab where only spaces are allowed", "indent with spaces: YAML does not allow tabs"
         builder.error("PG101", what, place, help_)
         return None
     except yaml.reader.ReaderError as problem:

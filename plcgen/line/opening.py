@@ -29,7 +29,7 @@ def open_line(name: str, rate: int = 9600, timeout: float = CONNECT_SECONDS) -> 
 
         return TcpLine.connect(SCHEME + name[len(SCHEME) :], timeout)
     if scheme not in {"", RFC2217}:
-        raise LineError(CANNOT_OPEN, name, f'there is no kind of line called "{scheme}"', _hint(name, scheme))
+        raise LineError(CANNOT_OPEN, name, f'unknown kind of line "{scheme}"', _hint(name, scheme))
     from plcgen.line.serial import SerialLine
 
     return SerialLine(name, rate)

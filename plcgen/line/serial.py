@@ -67,7 +67,7 @@ class SerialLine:
                 rest = rest[os.write(self._descriptor, rest) :]
             except BlockingIOError:
                 if not select.select([], [self._descriptor], [], _WRITE_SECONDS)[1]:
-                    raise LineLostError(self._name, f"nothing was taken for {_WRITE_SECONDS:.0f} s") from None
+                    raise LineLostError(self._name, f"no data was accepted for {_WRITE_SECONDS:.0f} s") from None
 
     def read(self, maximum: int = CHUNK, timeout: float | None = None) -> bytes:
         """Return what has arrived; empty after ``timeout`` seconds. Raises LineLostError."""
@@ -123,9 +123,9 @@ def _refused(port: str, problem: Exception) -> LineError:
     if number in {errno.ENOENT, errno.ENXIO, errno.ENODEV}:
         return LineError(CANNOT_OPEN, port, "there is no such port", _known())
     if number in {errno.EBUSY, errno.EAGAIN}:
-        return LineError(BUSY, port, "the port is in use by another program", "end that program first")
+        return LineError(BUSY, port, "the port is in use by another program", "close that program first")
     if number in {errno.EACCES, errno.EPERM}:
-        return LineError(CANNOT_OPEN, port, "the port must not be used", "on Linux, join the group dialout")
+        return LineError(CANNOT_OPEN, port, "no permission to use the port", "on Linux, join the group dialout")
     return LineError(CANNOT_OPEN, port, f"cannot be opened: {_reason(problem)}", _known())
 
 

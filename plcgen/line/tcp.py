@@ -105,14 +105,14 @@ class TcpServer:
 def _refused(name: str, problem: OSError) -> LineError:
     if problem.errno == errno.EADDRINUSE:
         return LineError(
-            BUSY, name, "the port is in use by another program", "choose another port, or end that program"
+            BUSY, name, "the port is in use by another program", "choose another port, or close that program"
         )
     if isinstance(problem, socket.gaierror):
         return LineError(CANNOT_OPEN, name, "there is no host of this name", "check the spelling, or write its address")
     if isinstance(problem, TimeoutError):
-        return LineError(CANNOT_OPEN, name, "nobody answers at this address", "check the address and the cable")
+        return LineError(CANNOT_OPEN, name, "nothing answers at this address", "check the address and the cable")
     if isinstance(problem, ConnectionRefusedError):
         return LineError(CANNOT_OPEN, name, "nothing listens on this port", "is the serial server switched on?")
     if isinstance(problem, PermissionError):
-        return LineError(CANNOT_OPEN, name, "the port must not be used", "ports below 1024 belong to the system")
+        return LineError(CANNOT_OPEN, name, "no permission to use the port", "ports below 1024 belong to the system")
     return LineError(CANNOT_OPEN, name, f"cannot be opened: {problem.strerror or problem}")

@@ -50,7 +50,7 @@ class WaitingLine(ABC):
                 rest = b"" if sent == len(rest) else memoryview(rest)[sent:]
             except BlockingIOError:
                 if not select.select([], [self], [], _WRITE_SECONDS)[1]:
-                    raise LineLostError(self._name, f"nothing was taken for {_WRITE_SECONDS:.0f} s") from None
+                    raise LineLostError(self._name, f"no data was accepted for {_WRITE_SECONDS:.0f} s") from None
             except OSError as problem:
                 raise self._lost(problem) from problem
 

@@ -241,7 +241,7 @@ class _Reader:
 
     def end(self) -> None:
         if self.at != len(self.data):
-            raise UnansweredError(f"{len(self.data) - self.at} bytes too many behind byte {self.at}")
+            raise UnansweredError(f"{len(self.data) - self.at} bytes too many after byte {self.at}")
 
 
 def _sizes(code: int) -> Iterator[int]:

@@ -45,7 +45,7 @@ def _cpu(loaded: LoadedSpec, report: Report) -> CpuType | None:
         hint = f"{did_you_mean(plc.cpu, known)} known: {', '.join(known)}; or leave cpu out".strip()
         report.add(Diagnostic("PG409", f'unknown CPU type "{plc.cpu}"', place, help=hint))
     elif found.family != plc.family:
-        message = f"a CPU {found.name} is an {found.family.upper()}, the family is {plc.family}"
+        message = f"a CPU {found.name} is an {found.family.upper()}, but the family is {plc.family}"
         report.add(Diagnostic("PG410", message, place, help=f"write family: {found.family}, or another CPU type"))
         return None
     return found

@@ -77,5 +77,5 @@ def _target(family: str, toolchain: str) -> Target:
 def combination_problem(family: str, toolchain: str) -> str | None:
     """Why a family cannot be programmed with a tool, or None."""
     if toolchain == "step7-v5" and family in {"s7-1200", "s7-1500"}:
-        return f"STEP 7 V5 does not know the {family.upper()}"
+        return f"STEP 7 V5 does not support the {family.upper()}"
     return None

@@ -128,7 +128,7 @@ def _cache(asked: Asked, means: Means) -> VerdictCache | None:
         cache.open()
     except OSError as problem:
         message = f"the cache of verdicts is not used: {problem.strerror or problem}"
-        help_ = "make it a folder of your own (chmod 700), name another one with --cache, or say --no-cache"
+        help_ = "make it a folder of your own (chmod 700), name another one with --cache, or use --no-cache"
         means.notes.append(Diagnostic("PG624", message, Span(str(means.cache)), Severity.WARNING, help=help_))
         return None
     return cache

@@ -90,7 +90,7 @@ class VerdictCache:
         if not stat.S_ISDIR(found.st_mode):
             raise NotADirectoryError(errno.ENOTDIR, "not a folder", str(self.folder))
         if sys.platform != "win32" and (found.st_uid != os.getuid() or found.st_mode & 0o077):
-            why = "it belongs to somebody else" if found.st_uid != os.getuid() else "others may read or write it"
+            why = "it belongs to another user" if found.st_uid != os.getuid() else "other users can read or write it"
             raise PermissionError(errno.EACCES, why, str(self.folder))
 
     def find(self, key: str) -> Result | None:

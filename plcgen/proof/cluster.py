@@ -80,5 +80,5 @@ def cluster(address: str, notes: list[Diagnostic]) -> Iterator[Executor]:
         before = set(client.scheduler_info(n_workers=-1)["workers"])
         yield ClusterExecutor(client)
         for name in sorted(before - set(client.scheduler_info(n_workers=-1)["workers"])):
-            message = f"the worker {name} was lost: what it did was done again by others"
+            message = f"the worker {name} was lost: its work was done again by other workers"
             notes.append(Diagnostic("PG623", message, Span(""), Severity.WARNING, help="see the log of the worker"))

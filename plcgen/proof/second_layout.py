@@ -41,7 +41,7 @@ def check_second_layout(folder: Folder) -> Iterator[Check]:
         compared, places = compared + 1, places + len(found)
     text = f"{places} members of {compared} types and data blocks"
     text += f"; {left} left out: instances, types that it does not know" if left else ""
-    yield Check(name, subject, text, Outcome.OK, "a second calculator puts every member there, too")
+    yield Check(name, subject, text, Outcome.OK, "a second calculator puts every member in the same place")
 
 
 def _difference(layout: Layout, places: dict[str, int], size: int) -> str:

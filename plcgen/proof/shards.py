@@ -109,9 +109,11 @@ def merge(files: Sequence[Path], inputs: str, folder: Path) -> dict[str, Result]
         shard, results = found
         of = of or shard.of
         if shard.of != of:
-            problems.append(Diagnostic("PG625", f"shard {shard} beside those of {of}", Span(str(path)), help=_RUN))
+            problems.append(
+                Diagnostic("PG625", f"shard {shard} together with shards of {of}", Span(str(path)), help=_RUN)
+            )
         elif shard.number in seen:
-            message = f"shard {shard} is there twice, first in {seen[shard.number]}"
+            message = f"shard {shard} is given twice, first in {seen[shard.number]}"
             problems.append(Diagnostic("PG625", message, Span(str(path)), help="name each file once"))
         else:
             seen[shard.number] = path

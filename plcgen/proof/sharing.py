@@ -172,9 +172,9 @@ class Sharing:
     def _lost(self, how: str, *, again: bool) -> None:
         help_ = "if the memory ran out, close other programs and run it again"
         if not again:
-            message = f"worker processes were ended from outside ({how}): not everything was executed"
+            message = f"worker processes were terminated from outside ({how}): not everything was executed"
             raise DiagnosticError([Diagnostic("PG623", message, Span(""), help=help_)])
-        message = f"a worker process was ended from outside ({how}): what it did was done again"
+        message = f"a worker process was terminated from outside ({how}): its work was done again"
         self.notes.append(Diagnostic("PG623", message, Span(""), Severity.WARNING, help=help_))
 
     def _tell(self, done: int, total: int) -> None:

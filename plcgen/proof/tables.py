@@ -237,7 +237,7 @@ class _Tables:
             if block.instance_of:
                 used.add(block.instance_of.upper())
             for one in sorted((used & self.known) - seen):
-                yield f"{name} stands in front of {self.folder.text[one].name}, which it needs"
+                yield f"{name} comes before {self.folder.text[one].name}, which it needs"
 
     def imports(self) -> Iterator[str]:
         """The steps of the import script: every document once, in an order that compiles."""
@@ -245,7 +245,7 @@ class _Tables:
             steps = json.loads(self.text("xml/import.json"))["steps"]
             listed = [(step["kind"], step["switch"], name) for step in steps for name in step["files"]]
         except (ValueError, KeyError, TypeError) as problem:
-            raise _WrongError(f"is no list of steps: {problem}") from problem
+            raise _WrongError(f"is not a list of steps: {problem}") from problem
         found = {path.name for path in self.folder.path.glob("xml/*.xml")}
         yield from _differences([name for *_, name in listed], found)
         yield from self.behind(name.removesuffix(".xml") for *_, name in listed)
@@ -390,4 +390,4 @@ def _section(text: str, heading: str) -> str:
 def _differences(listed: Sequence[str], wanted: set[str]) -> Iterator[str]:
     yield from (f"{name} is missing" for name in sorted(wanted - set(listed)))
     yield from (f"{name} does not exist" for name in sorted(set(listed) - wanted))
-    yield from (f"{name} stands there twice" for name, count in sorted(Counter(listed).items()) if count > 1)
+    yield from (f"{name} is listed twice" for name, count in sorted(Counter(listed).items()) if count > 1)

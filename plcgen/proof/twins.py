@@ -39,7 +39,7 @@ def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
         blocks += 1
         other = folder.xml.get(name)
         if other is None:
-            message = f'{block.kind} "{block.name}" is missing in the SimaticML documents'
+            message = f'{block.kind} "{block.name}" is missing from the SimaticML documents'
             problems.append(Diagnostic("PG608", message, folder.place(name), help="run plcgen generate"))
             continue
         found, count = difference(block, other, folder.text, folder.xml, english=english)
@@ -102,7 +102,7 @@ def _stored(text: Block, document: Block, known: dict[str, Block], documents: di
         return ""  # the checks of layout and telegrams tell
     for one, two in zip_longest(*places):
         if one != two:
-            return f"{(one or two)[0]} is declared otherwise in the document"
+            return f"{(one or two)[0]} is declared differently in the document"
     at = next((at for at, pair in enumerate(zip(*starts, strict=True)) if pair[0] != pair[1]), None)
     return "" if at is None else f"byte {at} has another start value in the document"
 
@@ -122,7 +122,7 @@ def _members(first: tuple[Member, ...], second: tuple[Member, ...], where: str, 
         return f"{where} has other members in the document"
     for one, two in zip(first, second, strict=True):
         if _facts(one) != _facts(two) or not _same_words(one.comment, two.comment, english=english):
-            return f"{where} {one.name} is declared otherwise in the document"
+            return f"{where} {one.name} is declared differently in the document"
         inner = _members(_inside(one.type), _inside(two.type), one.name, english=english)
         if inner:
             return inner

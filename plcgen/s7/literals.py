@@ -40,7 +40,7 @@ class LiteralError(PlcgenError, ValueError):
         self.text = text
         self.type_name = type_name
         self.reason = reason
-        super().__init__(f"{text} is no {type_name} constant: {reason}")
+        super().__init__(f"{text} is not a valid {type_name} constant: {reason}")
 
 
 def as_type(type_: Elementary | StringType | str) -> Elementary | StringType:
@@ -115,7 +115,7 @@ def _expect(prefix: str, allowed: set[str]) -> None:
         return
     wanted = " or ".join(sorted(f"{name}#" for name in allowed if name))
     if prefix:
-        raise ValueError(f"{prefix}# does not go with this type")
+        raise ValueError(f"{prefix}# does not fit this type")
     raise ValueError(f"it needs the prefix {wanted}")
 
 
@@ -168,7 +168,7 @@ def _widening(prefix: str, name: str) -> None:
                 return
     if prefix in ("INT", "UINT", "WORD") and name in NUMBERS:
         return
-    raise ValueError(f"{prefix}# does not go with this type")
+    raise ValueError(f"{prefix}# does not fit this type")
 
 
 def _number(body: str) -> tuple[int, bool]:
@@ -221,7 +221,7 @@ def _ticks(nanoseconds: int, name: str) -> int:
 
 def _unquote(body: str, *, wide: bool) -> str:
     if len(body) < 2 or body[0] != "'" or body[-1] != "'":
-        raise ValueError("a text stands in single quotes")
+        raise ValueError("a text must be in single quotes")
     inner = body[1:-1]
     if re.search(r"(?<!\$)(?:\$\$)*'", inner) or re.search(r"(?<!\$)(?:\$\$)*\$$", inner):
         raise ValueError("a quote inside a text is written $'")

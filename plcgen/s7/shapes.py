@@ -370,7 +370,7 @@ class ShapeBuilder:
         else:
             known = (other for other, block in self._types.items() if block.kind in (BlockKind.UDT, BlockKind.FB))
             near = did_you_mean(name, [*known, *ELEMENTARY])
-            help_text = near or "name the file that declares it, too; several files and folders can be given"
+            help_text = near or "also name the file that declares it; several files and folders can be given"
             self.report("PG806", f"unknown data type {name}", span, help_text)
 
     def check_names(self, members: Sequence[Member]) -> None:

@@ -67,7 +67,7 @@ def pack_value(value: Value, type_: Elementary | StringType) -> bytes:
         if not 0 <= days <= 0xFFFF:
             raise UnfitValueError("DATE runs from 1990-01-01 to 2169-06-06")
         return days.to_bytes(2)
-    raise UnfitValueError(f"{value!r} is no value for {name}")
+    raise UnfitValueError(f"{value!r} is not a value for {name}")
 
 
 def unpack_value(data: bytes, type_: Elementary | StringType) -> Value:
@@ -100,13 +100,13 @@ def unpack_value(data: bytes, type_: Elementary | StringType) -> Value:
 
 def _integer(value: Value, name: str) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
-        raise UnfitValueError(f"{value!r} is no value for {name}")
+        raise UnfitValueError(f"{value!r} is not a value for {name}")
     return value
 
 
 def _text(value: Value) -> str:
     if not isinstance(value, str):
-        raise UnfitValueError(f"{value!r} is no text")
+        raise UnfitValueError(f"{value!r} is not text")
     return value
 
 
@@ -119,7 +119,7 @@ def _pack_int(value: int, name: str, size: int) -> bytes:
 
 def _pack_float(value: Value, name: str) -> bytes:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise UnfitValueError(f"{value!r} is no value for {name}")
+        raise UnfitValueError(f"{value!r} is not a value for {name}")
     try:
         return struct.pack(">f" if name == "REAL" else ">d", value)
     except OverflowError:

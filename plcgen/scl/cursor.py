@@ -101,7 +101,7 @@ class Cursor:
         """One level deeper; the caller decrements ``depth`` when it returns normally."""
         self.depth += 1
         if self.depth > MAX_NESTING:
-            self.too_deep(f"more than {MAX_NESTING} levels inside each other")
+            self.too_deep(f"more than {MAX_NESTING} levels of nesting")
 
     def too_deep(self, message: str) -> NoReturn:
         """PG802, and the end of this file."""

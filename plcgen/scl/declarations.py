@@ -47,7 +47,7 @@ _INDEX = (-32768, 32767)
 _PLAIN = [name for name in (*ELEMENTARY, *ALIASES, "STRING", "WSTRING") if "_" not in name]
 _LONGEST = 9
 _CONSTANT_HELP = (
-    "name the tag table with it, too, or write its value: until then the memory layout of the block is unknown"
+    "also name the tag table that has it, or write its value: until then the memory layout of the block is unknown"
 )
 _BOUND_HELP = "write the number: without it the memory layout of the block is unknown"
 
@@ -297,12 +297,12 @@ class _Builder:
         return bool(get_close_matches(name.upper(), _PLAIN, n=1, cutoff=0.85))
 
     def bound(self, spec: ast.ArraySpec, low: ast.Expression, high: ast.Expression) -> tuple[int, int]:
-        """One dimension; a bound that is no constant of this block counts as its neighbour."""
+        """One dimension; a bound that is not a constant of this block counts as its neighbour."""
         values = [evaluate(low, self.constants), evaluate(high, self.constants)]
         for node, value in zip((low, high), values, strict=True):
             if value is None and not self.is_elsewhere(node) and self.is_news(node):
                 self.error(
-                    "PG801", f"the array bound {self.text(node)} is no constant of this block", node, _BOUND_HELP
+                    "PG801", f"the array bound {self.text(node)} is not a constant of this block", node, _BOUND_HELP
                 )
         first = values[0] if values[0] is not None else values[1] or 0
         last = values[1] if values[1] is not None else first
@@ -319,7 +319,7 @@ class _Builder:
         """Whether the value depends on a constant of the project; if so, warn with PG806."""
         for inner in ast.walk(node):
             if isinstance(inner, ast.Name) and (inner.scope == "quoted" or inner.name.upper() in self.unresolved):
-                message = f"the constant {self.text(inner)} has its value outside this source"
+                message = f"the constant {self.text(inner)} is defined outside this source"
                 span = self.result.span(inner)
                 if len(self.diagnostics) < MAX_ERRORS and self.is_news(inner):
                     self.diagnostics.append(Diagnostic("PG806", message, span, Severity.WARNING, help=_CONSTANT_HELP))

@@ -45,7 +45,7 @@ def check(
         *islice(_comments(tokens), MAX_ERRORS),
     ]
     return [
-        Diagnostic("PG803", f"{dialect.label} does not know {what}", tokens.span(start, end), severity, help=text)
+        Diagnostic("PG803", f"{dialect.label} does not support {what}", tokens.span(start, end), severity, help=text)
         for start, end, what, text, severity in found
     ]
 

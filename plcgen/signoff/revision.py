@@ -133,5 +133,5 @@ def _git(where: Path, arguments: Sequence[str], revision: str, given: bytes = b"
     )
     if done.returncode:
         help_ = "name a folder, a spec, or a revision that git rev-parse knows, for example HEAD~1 or origin/main"
-        raise usage(place, f'"{revision}" is no folder, no spec and no revision of git here', help_)
+        raise usage(place, f'"{revision}" is not a folder, a spec or a git revision here', help_)
     return done.stdout

@@ -37,7 +37,7 @@ def read_rows(path: Path) -> tuple[list[tuple[str, str, str]], list[Diagnostic]]
         return [], [text]
     rows = _sdf(text) if path.suffix.lower() == ".sdf" else _asc(text)
     if text.strip() and not rows:
-        return [], [Diagnostic("PG804", "no row of a symbol table of STEP 7 V5 stands in it", Span(file))]
+        return [], [Diagnostic("PG804", "it has no row of a STEP 7 V5 symbol table", Span(file))]
     return [(symbol.strip(), address.strip(), type_.strip()) for symbol, address, type_ in rows if symbol.strip()], []
 
 

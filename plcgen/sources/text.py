@@ -228,7 +228,7 @@ def _refused_encoding(data: bytes, text: str, file: str, dialect: Dialect | None
         what, help_ = "Unicode sources", "save it in the code page of the engineering station"
     else:
         return []
-    return [Diagnostic("PG803", f"{dialect.label} does not know {what}", Span(file), severity, help=help_)]
+    return [Diagnostic("PG803", f"{dialect.label} does not support {what}", Span(file), severity, help=help_)]
 
 
 def _is_utf8(data: bytes) -> bool:

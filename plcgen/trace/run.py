@@ -100,7 +100,7 @@ def _chosen(recordings: Sequence[Recording], names: Sequence[str], spec: Path) -
     """Jobs, each with the number of its protocol. Raises DiagnosticError if there is none, or none of that name."""
     known = {key: number for number, recording in enumerate(recordings) for key in recording.jobs}
     if not known:
-        raise usage(str(spec), "there is no job to be simulated", "plcgen verify runs the jobs of every protocol")
+        raise usage(str(spec), "there is no job to simulate", "plcgen verify runs the jobs of every protocol")
     for name in names:
         if name not in known:
             text = f"{did_you_mean(name, known)} jobs of this spec: {', '.join(known)}".strip()

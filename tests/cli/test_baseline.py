@@ -76,7 +76,7 @@ def test_another_file_is_refused(plcgen, tmp_path, text):
     (tmp_path / "known.json").write_text(text, "utf-8")
     done = plcgen("check", "old.scl", "--baseline", "known.json")
     assert done.code == 2
-    assert "error[PG901]: this is no result of plcgen check --format json" in done.err
+    assert "error[PG901]: this is not a result of plcgen check --format json" in done.err
     assert "record it: plcgen check PATHS --format json --output FILE" in done.err
 
 

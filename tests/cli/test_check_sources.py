@@ -146,8 +146,8 @@ def test_system_constants_come_from_a_table(plcgen, tmp_path):
     [
         (["src", "--program"], "--program needs --target: one of v5, tia-300, tia-1500"),
         (["job.yaml", "--program", "--target", "v5"], "--program needs PLC sources"),
-        (["src", "--tags", "x.csv"], "--tags belongs to --program"),
-        (["src", "--iec-check", "off"], "--iec-check belongs to --program"),
+        (["src", "--tags", "x.csv"], "--tags is only for --program"),
+        (["src", "--iec-check", "off"], "--iec-check is only for --program"),
         (["src", "--program", "--target", "v5", "--iec-check", "no"], "--iec-check is on, off, as-stated"),
         (["empty"], "there is no spec and no PLC source below empty"),
     ],

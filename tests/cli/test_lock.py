@@ -27,7 +27,7 @@ def test_write_and_check(plcgen, source):
     result = plcgen("lock", "--check")
     assert result.code == 1
     assert "breaking       member-moved        b: moved by +2 bytes: 2.0 -> 4.0\n" in result.out
-    assert result.err == "wanted? write the lock again: plcgen lock --out plcgen.lock.yaml\n"
+    assert result.err == "intended? write the lock again: plcgen lock --out plcgen.lock.yaml\n"
     assert plcgen("lock", "--check", "--fail-on", "never").code == 0
     data = json.loads(plcgen("lock", "--check", "--json").out)
     assert (data["ok"], data["old"]) == (False, "plcgen.lock.yaml")

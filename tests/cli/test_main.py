@@ -63,7 +63,7 @@ def test_summary_of_a_verb_is_the_first_line_of_its_own_help(verb):
         (["help"], 'error[PG901]: there is no verb "help": it is an option, plcgen --help\nhelp: plcgen -h\n'),
         (["check"], 'error[PG901]: name a spec or a folder, or set "specs" in plcgen.toml\nhelp: plcgen check -h\n'),
         (["explain"], "error[PG901]: give a code, for example PG209, or --list\nhelp: plcgen explain -h\n"),
-        (["encode", "a", "b", "c"], "error[PG901]: one spec and at most one job\nhelp: plcgen encode -h\n"),
+        (["encode", "a", "b", "c"], "error[PG901]: give one spec and at most one job\nhelp: plcgen encode -h\n"),
     ],
 )
 def test_usage_errors(plcgen, args, message):

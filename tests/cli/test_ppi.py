@@ -357,7 +357,7 @@ def test_read_symbols(plcgen, tmp_path):
     assert result.out == "  name   address  type  value  bytes\n  speed  VW100    INT   1234   04 D2\n"
     result = plcgen("ppi", "read", "sped", "--symbols", "s.csv")
     assert (result.code, "did you mean" in result.err) == (1, True)
-    assert '"sped" is no symbol of the table and no address' in result.err
+    assert '"sped" is neither a symbol of the table nor an address' in result.err
 
 
 @pytest.mark.usefixtures("port")

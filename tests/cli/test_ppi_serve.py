@@ -169,7 +169,7 @@ def test_mistakes_in_file_and_options_are_told_together(plcgen, tmp_path) -> Non
         (("--set", "VB1"), 1, "an address and its value are needed"),
         (("--port", "/dev/plcgen-no-such-port"), 1, "PG720"),
         (("--tcp", "nonsense"), 1, "a TCP line is HOST:PORT"),
-        (("--tcp", "a:1", "--port", "b"), 2, "exclude each other"),
+        (("--tcp", "a:1", "--port", "b"), 2, "cannot be used together"),
         (("--station", "127"), 2, "127"),
         (("--baud", "fast"), 2, "fast"),
     ],

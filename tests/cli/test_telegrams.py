@@ -120,7 +120,7 @@ def test_decode_from_stdin(plcgen):
     assert result.code == 1
     assert result.out.count("request, 10 bytes") == 1
     assert result.out.count("response, 4 bytes") == 1
-    assert 'error[PG701]: "zz" is no hexadecimal number\n --> <stdin>:5:4\n' in result.err
+    assert 'error[PG701]: "zz" is not a hexadecimal number\n --> <stdin>:5:4\n' in result.err
 
 
 def test_decode_json(plcgen):
@@ -274,7 +274,7 @@ def test_explain_unknown(plcgen):
     result = plcgen("explain", "PG2099", "0x11")
     assert result.code == 1
     assert result.out.startswith("11h  ")
-    assert result.err.startswith('error[PG703]: "PG2099" is no code of plcgen')
+    assert result.err.startswith('error[PG703]: "PG2099" is not a plcgen code')
     assert 'did you mean "PG209"?' in result.err
 
 

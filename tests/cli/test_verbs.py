@@ -379,7 +379,7 @@ def test_new_starts_with_what_most_need(plcgen, tmp_path):
     assert jobs("--device", "sinamics-dcm")["read_ramp_up_time_1"] == ["P50303"]  # nobody has read r945 of a DCM
     refused = plcgen("new", "--device", "sinamics-dcm", "--job", "faults", "--force")
     assert refused.code == 2
-    assert "is not sure of what --job faults needs; there is: ramps" in refused.err
+    assert "does not confirm what --job faults needs; available: ramps" in refused.err
 
 
 def test_new_never_overwrites(plcgen, tmp_path):
@@ -398,7 +398,7 @@ def test_new_never_overwrites(plcgen, tmp_path):
     [
         (["--device", "sinamics-s12"], 'unknown device "sinamics-s12", did you mean "sinamics-s120"?'),
         (["--toolchain", "tia-v77"], 'unknown toolchain "tia-v77"'),
-        (["--toolchain", "step7-v5"], "STEP 7 V5 does not know the S7-1500"),
+        (["--toolchain", "step7-v5"], "STEP 7 V5 does not support the S7-1500"),
         (["--family", "s7-200"], "'s7-200' is not one of"),
     ],
 )

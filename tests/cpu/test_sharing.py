@@ -131,7 +131,7 @@ def test_notes_lead_along_both_ways():
     (found,) = sharing(Program.load([("test.scl", source(case))], Dialect.TIA_1200_1500).link)
     lines = source(case).split("\n")
     assert [(note.message, lines[note.span.line - 1].split(" BEGIN")[0]) for note in found.notes] == [
-        ("the way from Main", 'ORGANIZATION_BLOCK "Main"'),
+        ("the path from Main", 'ORGANIZATION_BLOCK "Main"'),
         ("the call of the instance", 'FUNCTION "Inner" : Void'),
     ]
 

@@ -43,7 +43,7 @@ def test_a_workbook_that_says_something_else_is_noticed(tmp_path: Path) -> None:
         for part in good.namelist():
             book.writestr(part, good.read(part).replace(b"%M50.0", b"%M50.1"))
     project = open_spec(FAQ).sound()
-    for data, word in ((other.getvalue(), "M50.1"), (b"PK", "no XLSX file")):
+    for data, word in ((other.getvalue(), "M50.1"), (b"PK", "not an XLSX file")):
         (made / "tags.xlsx").write_bytes(data)
         (check,) = check_tables(project, read_folder(made, project.target))
         assert "tags.xlsx" in str(check.diagnostic)

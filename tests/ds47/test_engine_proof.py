@@ -214,7 +214,7 @@ MISSING = {
         "t15",
         "DINT_TO_INT(#tempGrant / 100000)",
         "DINT_TO_INT(#tempGrant / 100001)",
-        "channel loaded behind scan 7 of the first job of the last slot",
+        "channel loaded after scan 7 of the first job of the last slot",
     ),
     "time passes although the clock stands still": ("t3", "LIMIT(MN := L#0,", "LIMIT(MN := L#1,", "scans of 0 ms"),
     "a job that is gone has a millisecond less": (

@@ -127,7 +127,7 @@ def test_cells_as_other_programs_write_them(tmp_path: Path) -> None:
     [
         ("<!DOCTYPE x [<!ENTITY a 'aaaa'>]><worksheet>&a;</worksheet>", "document type"),
         ("<worksheet><row><c t='s'><v>7</v></c></row></worksheet>", "not there"),
-        ("<worksheet><row>", "no XML"),
+        ("<worksheet><row>", "not XML"),
         ("<worksheet>" + "<row/>" * 200_001 + "</worksheet>", "more than 200000 rows"),
         ("<worksheet><x>" + " " * (64 << 20) + "</x></worksheet>", "more than 64 MiB"),
         (None, "no sheet"),
@@ -148,7 +148,7 @@ def test_workbooks_that_nobody_needs(part: str | None, told: str, tmp_path: Path
 @pytest.mark.parametrize("name", ["list.xls", "list.ods"])
 def test_other_spreadsheets_are_refused(name: str, tmp_path: Path) -> None:
     """With what to do about it."""
-    with pytest.raises(DiagnosticError, match="is not read"):
+    with pytest.raises(DiagnosticError, match="files are not supported"):
         load_list(tmp_path / name)
 
 
@@ -184,8 +184,8 @@ def test_limits_that_fit_no_type_are_told() -> None:
     text = "Parameter;Minimum;Maximum\np1300;0;99999\np1115;5;1\n"
     result = merged(text)
     assert result.skipped == [
-        "line 3: P1115 has a minimum over its maximum",
-        "line 2: max 99999 of P1300 is none of type Integer16",
+        "line 3: P1115 has a minimum above its maximum",
+        "line 2: max 99999 of P1300 is not a value of type Integer16",
     ]
     assert result.device.parameters[1300].minimum == 0
 

@@ -129,8 +129,8 @@ def test_a_list_goes_on_in_the_next_one(tmp_path: Path) -> None:
         ("Name;Value\np980[0];2\np980[1];abc\n", 3, 'r980[1] is "abc": a parameter number is 0 to 65535'),
         ("Name;Value\np980[0];\n", 2, "r980[0] has no value"),
         ("Name;Value\np980[0];70000\n", 2, "0 to 65535"),
-        ("Name;Value\np980[0];2\np980[2];3\n", 3, "r980[1] is missing in front of this line"),
-        ("Name;Value\np980[0];0\np980[1];3\n", 3, "3 comes after a 0"),
+        ("Name;Value\np980[0];2\np980[2];3\n", 3, "r980[1] is missing before this line"),
+        ("Name;Value\np980[0];0\np980[1];3\n", 3, "3 comes after the 0"),
         ("2\n10\nx\n", 3, 'this is "x"'),
         ("Name;Value\np981[0];30\np981[1];0\n", 0, "r980 is missing: the list begins there"),
         ("0\n0\n", 0, "there is no number in the list"),
@@ -181,7 +181,7 @@ def test_import_shows_it(tmp_path: Path) -> None:
     assert (
         "3 parameters in the drive\n\nknown to sinamics-s120: 2\n  r21 P105\n\nonly in the drive: 1\n  2941\n" in text
     )
-    assert text.endswith("the list goes on in r981, which is not in the file: read it, too\n")
+    assert text.endswith("the list continues in r981, which is not in the file: read it, too\n")
     with CliRunner().isolation() as streams:
         assert run([*words, "--json"]) == 0, streams[1].getvalue().decode()
         data = json.loads(streams[0].getvalue())
@@ -214,7 +214,7 @@ def test_drift_of_a_spec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         Path("list.txt").write_text(text, "utf-8")
         with CliRunner().isolation() as streams:
             assert run(["catalogue", "drift", "list.txt", "job.yaml"]) == 1
-            assert f"the list goes on {where}" in streams[1].getvalue().decode()
+            assert f"the list continues {where}" in streams[1].getvalue().decode()
 
 
 def test_drift_says_nothing_of_the_lists_themselves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -31,7 +31,7 @@ def test_a_scheme_that_does_not_exist(name: str, help_: str) -> None:
         open_line(name)
     (found,) = caught.value.diagnostics
     assert found.code == "PG720"
-    assert "there is no kind of line called" in found.message
+    assert "unknown kind of line" in found.message
     assert help_ in found.help
 
 

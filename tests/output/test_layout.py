@@ -265,7 +265,7 @@ def test_folded_elements_with_start_values_of_their_own_are_not_called_the_same(
     [
         ("a[99] := 5;", "a[99]"),
         ("nosuch := 5;", "nosuch"),
-        ("i := 40000;", "i: 40000 is no INT constant"),
+        ("i := 40000;", "i: 40000 is not a valid INT constant"),
         ("i := MAX_SPEED;", None),
     ],
 )

@@ -175,7 +175,7 @@ def test_it_is_bounded(kind: str, tmp_path: Path) -> None:
     wanted = names[:1] if chain else names[:2] if kind == "bytes" else names[:-1]
     (tmp_path / "job.yaml").write_text(f"include: [{', '.join(wanted)}]\n{WRITTEN_OUT}")
     (found,) = api.check(tmp_path / "job.yaml").diagnostics
-    words = {"levels": f"over more than {MAX_LEVELS}", "files": f"more than {MAX_FILES} files", "bytes": "16 MiB"}
+    words = {"levels": f"through more than {MAX_LEVELS}", "files": f"more than {MAX_FILES} files", "bytes": "16 MiB"}
     assert found.code == "PG112"
     assert words[kind] in found.message
 

@@ -33,7 +33,7 @@ OUTPUT = "#rampUpTime := #statResponseView.rampUpTime;"
 WORD = "WORD_TO_UINT(UINT_TO_WORD(#hardwareId)"
 BROKEN = {
     "the record changes during a request": (
-        "Set", CHANNEL, "INDEX := #statIndex, LEN", "INDEX := #recordIndex, LEN", "all inputs change behind the edge",
+        "Set", CHANNEL, "INDEX := #statIndex, LEN", "INDEX := #recordIndex, LEN", "all inputs change after the edge",
     ),
     "bit 15 of an address is lost": (
         "Get", "Get", "#statOrder.hardwareId := #hardwareId;", f"#statOrder.hardwareId := {WORD} AND W#16#7FFF);",
@@ -54,7 +54,7 @@ BROKEN = {
     ),
     "a request is given up because one before it had an old answer": (
         "Set", CHANNEL, "#statSilent := 0;\n        #statForeign := FALSE;", "#statSilent := 0;",
-        "an old refusal in front of the answer to telegram 1",
+        "an old refusal before the answer to telegram 1",
     ),
     "RDREC asks for another record": (
         "Set", CHANNEL, "INDEX := #statIndex, MLEN", "INDEX := #statIndex + 1, MLEN", "first run",

@@ -96,7 +96,7 @@ def test_shards_that_make_no_whole_are_an_error(plant: tuple[Path, Verification]
         return " | ".join(d.message for d in found.diagnostics)
 
     assert said(*files[:2]) == "missing: shard 3/3"
-    assert said(*files, files[0]).startswith("shard 1/3 is there twice")
+    assert said(*files, files[0]).startswith("shard 1/3 is given twice")
     assert said(*files, faults="full").count("made from another spec, other files or options") == 3
     other = json.loads(files[2].read_text()) | {"shard": 4, "of": 4}
     (tmp_path / "4.json").write_text(json.dumps(other))

@@ -44,9 +44,9 @@ def test_shipped_twins_say_the_same(name: str) -> None:
     [
         ("ReadRampUp", ('<Token Text="&lt;&gt;"', '<Token Text="="'), "line 1 of the code has <>, the document ="),
         ("DriveChannel", ('Name="STATE_IDLE"', 'Name="STATE_READ"'), "Constant has other members"),
-        ("DriveChannel", (">W#16#8101<", ">W#16#8102<"), "Constant STATUS_TIMEOUT is declared otherwise"),
+        ("DriveChannel", (">W#16#8101<", ">W#16#8102<"), "Constant STATUS_TIMEOUT is declared differently"),
         ("ReadRampUp", ('Name="busy" Datatype="Bool"', 'Name="busy" Datatype="Byte"'), "Output busy is declared"),
-        ("ReadRampUp", ("the job is running", "the job is walking"), "Output busy is declared otherwise"),
+        ("ReadRampUp", ("the job is running", "the job is walking"), "Output busy is declared differently"),
         ("DriveChannel", ('Datatype="WRREC" Version="1.0"', 'Datatype="WRREC" Version="1.1"'), "Static instWrite"),
         ("ReadRampUp", ("<Text>Read the ramp-up", "<Text>Write the ramp-up"), "title or comment differ"),
         ("DriveCalls_DB", ('<Member Name="driveGate"', '<Member Name="driveGates"'), "Static has other members"),

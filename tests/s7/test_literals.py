@@ -109,9 +109,9 @@ def test_wide_strings():
     ("text", "type_name", "reason"),
     [
         ("256", "BYTE", "outside -128..255"),
-        ("W#16#100", "BYTE", "WORD# does not go"),
+        ("W#16#100", "BYTE", "WORD# does not fit"),
         ("16#B02E", "INT", "outside"),
-        ("W#16#B02E", "INT", "WORD# does not go"),
+        ("W#16#B02E", "INT", "WORD# does not fit"),
         ("abc", "INT", "not a whole number"),
         ("2#12", "BYTE", "base 2"),
         ("", "INT", "whole"),

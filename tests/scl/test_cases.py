@@ -69,6 +69,6 @@ def test_a_target_refuses_what_it_does_not_know(case: dict, dialect: Dialect) ->
     expected = []
     for line in case["refused"].get(dialect.value, []):
         place, _, what = line.partition(" ")
-        expected.append(f"{place} PG803 {dialect.label} does not know {what}")
+        expected.append(f"{place} PG803 {dialect.label} does not support {what}")
     assert_begins(expected, [short(d) for d in parse(text, "t.scl", dialect).diagnostics])
     assert parse(text, "t.scl").diagnostics == ()

@@ -206,7 +206,7 @@ def test_a_fault_of_the_program_stops_the_cpu(run: Run, own: Path) -> None:
         ({"jobs": ["read_ramp"]}, 'the spec has no job "read_ramp"'),
         ({"sets": ["readRampUp.rampTime=1"]}, "there is no member, tag or address readRampUp.rampTime"),
         ({"sets": ["M50.0"]}, "a member and its value are needed"),
-        ({"sets": ["M50.0=17"]}, "17 is no BOOL constant: TRUE, FALSE, 1 or 0"),
+        ({"sets": ["M50.0=17"]}, "17 is not a valid BOOL constant: TRUE, FALSE, 1 or 0"),
         ({"watches": ["DriveJobs"]}, "there is no member, tag or address DriveJobs"),
         ({"faults": ["bussy"]}, 'there is no fault "bussy"'),
         ({"faults": ["busy:times"]}, '"times" has no value'),

@@ -8,17 +8,17 @@ SECTIONS: Sections = (
     (
         "Parameters",
         (
-            ("show", "Show what is known about parameters, how, and from where."),
-            ("import", "Lay a list of STARTER, SCOUT or Startdrive over it."),
-            ("diff", "Compare two versions of it."),
-            ("drift", "Compare a list of a drive with the jobs of a spec."),
+            ("show", "Show the facts about parameters, with grade and source."),
+            ("import", "Show what a list from STARTER, SCOUT or Startdrive adds to it."),
+            ("diff", "Compare the parameters of two device profiles."),
+            ("drift", "Compare a drive's parameter list with the jobs of a spec."),
         ),
     ),
 )
 
 command = VerbGroup(
     "catalogue",
-    help="Look into the catalogue of drive parameters.",
+    help="Show and compare the catalogue of drive parameters.",
     sections=SECTIONS,
     package="plcgen.cli.catalogue",
     examples=(

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 @click.argument("new", metavar="NEW", shell_complete=devices)
 @format_option("answer")
 def command(*, old: str, new: str, format_: OutputFormat) -> int:
-    """Show which facts about parameters differ between two device profiles: names of devices, or paths."""
+    """Show which facts about parameters differ between two device profiles, given as device names or paths."""
     from plcgen.display.data import head
     from plcgen.display.results import Answer
     from plcgen.display.table import text_table

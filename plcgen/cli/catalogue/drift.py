@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 )
 @click.argument("file", type=PATH, metavar="LIST")
 @click.argument("spec", type=PATH)
-@click.option("--drive", metavar="NAME", help="Drive of the spec that the list is of.  [default: the only one]")
+@click.option("--drive", metavar="NAME", help="Drive of the spec that the list belongs to.  [default: the only one]")
 @format_option("answer")
 def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat) -> int:
     """Compare the parameter list of a drive (CSV or XLSX) with the jobs of a spec.
 
-    Constants have to be in the drive and within its limits, and what is read or written has to exist. Exit code 1 if
-    something has drifted.
+    A constant must have the same value in the drive and be within its limits, and every parameter that is read or
+    written must exist. Exit code 1 if something has drifted.
     """
     from plcgen.cli.live.specs import drive_plan
     from plcgen.diagnostics import Diagnostic, Span
@@ -41,15 +41,17 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
     plan = drive_plan(spec)
     keys = [one.key for one in plan.drives]
     if drive is None and len(keys) != 1:
-        raise click.UsageError(f"the spec has the drives {', '.join(keys[:8])}: --drive says which one the list is of")
+        raise click.UsageError(
+            f"the spec has the drives {', '.join(keys[:8])}: name the one that the list belongs to with --drive"
+        )
     if drive is not None and drive not in keys:
-        raise click.UsageError(f'there is no drive "{drive}" in the spec, but {", ".join(keys[:8])}')
+        raise click.UsageError(f'the spec has no drive "{drive}", only {", ".join(keys[:8])}')
     sheets = lists.load_sheets(file)
     own = read_own_list(sheets, file)
     if own is not None and not own.ended:
         where = "after the last number of the file" if own.continues is None else f"in r{own.continues}"
-        message = f"the list goes on {where}: there is no 0 with which it ends"
-        raise lists.wrong(file, message, "read all of it: what is not in the file might be there")
+        message = f"the list continues {where}: the 0 that ends it is missing"
+        raise lists.wrong(file, message, "read the whole list: what is missing from the file might be there")
     listed = lists.ParameterList(own.parameters()) if own is not None else lists.listed(sheets, file)
     silent = LISTS if own is not None else ()
     rows = list(dict.fromkeys(drifted(plan, drive or keys[0], {one.pnu: one for one in listed.parameters}, silent)))

@@ -31,10 +31,11 @@ if TYPE_CHECKING:
 def command(*, file: Path, device: str, profile: Path | None, force: bool, format_: OutputFormat) -> int:
     """Show what a parameter list (CSV or XLSX of STARTER, SCOUT or Startdrive) says beyond the catalogue.
 
-    The shipped catalogue stays as it is: --profile writes one of your own, with the facts of the list as read ones and
-    its values as observed ones.
+    The shipped catalogue does not change: --profile writes a profile of your own, in which the facts of the list are
+    graded as read and its values as observed.
 
-    A file with the values of r980, the numbers that a drive has, shows which of them the catalogue knows.
+    For a file with the values of r980 (the parameter numbers that a drive has), it shows which of them are in the
+    catalogue.
     """
     from plcgen.protocols.ds47.catalogue import lists, merging
     from plcgen.protocols.ds47.catalogue.own_list import inventory, read_own_list
@@ -45,18 +46,18 @@ def command(*, file: Path, device: str, profile: Path | None, force: bool, forma
     own = read_own_list(sheets, file)
     if own is not None:
         if profile is not None:
-            raise click.UsageError(f"{file} has numbers alone: there is nothing of them to write into a profile")
+            raise click.UsageError(f"{file} has only numbers: there is nothing to write into a profile")
         return out.answer(format_, _numbers(own, inventory(find_device(device), own), device))
     result = merging.merge(find_device(device), lists.listed(sheets, file), f"parameter list {file.name}")
     if profile is not None:
         if profile.exists() and profile.samefile(file):
-            raise click.UsageError(f"{profile} is the list that is read: write the profile elsewhere")
+            raise click.UsageError(f"{profile} is the list itself: write the profile to another file")
         text = merging.profile_text(result.device)
         try:
             with profile.open("w" if force else "x", encoding="utf-8", newline="\n") as stream:
                 stream.write(text)
         except FileExistsError as problem:
-            raise OutputError(f"{profile} exists: another name, or --force to overwrite it") from problem
+            raise OutputError(f"{profile} exists: use another name, or --force to overwrite it") from problem
         except OSError as problem:
             raise OutputError(f"cannot write {profile}: {problem.strerror or problem}") from problem
     code = out.answer(format_, _answer(result))
@@ -103,7 +104,7 @@ def _numbers(own: OwnList, found: Inventory, device: str) -> Answer:
         lines += ["", f"{told}: {len(numbers)}"]
         lines += [fill(" ".join(numbers), 100, initial_indent="  ", subsequent_indent="  ")] if numbers else []
     if own.continues is not None:
-        lines += ["", f"the list goes on in r{own.continues}, which is not in the file: read it, too"]
+        lines += ["", f"the list continues in r{own.continues}, which is not in the file: read it, too"]
     elif not own.ended:
         lines += ["", "there is no 0 at the end: if the array has more elements, read them, too"]
     data = {key: numbers for key, (_, numbers) in parts.items()}

@@ -26,13 +26,15 @@ if TYPE_CHECKING:
 )
 @click.argument("parameters", nargs=-1, metavar="[PARAMETER...]")
 @click.option("--device", required=True, metavar="DEVICE", help="Device profile, or the path of one.")
-@click.option("--draw", type=click.IntRange(1, 1000), metavar="N", help="Draw N for a spot check: no facts.")
-@click.option("--seed", type=int, default=0, help="What the draw depends on.  [default: 0]")
+@click.option(
+    "--draw", type=click.IntRange(1, 1000), metavar="N", help="Draw N parameters for a spot check, without their facts."
+)
+@click.option("--seed", type=int, default=0, help="Seed of the draw.  [default: 0]")
 @format_option("answer")
 def command(*, parameters: tuple[str, ...], device: str, draw: int | None, seed: int, format_: OutputFormat) -> int:
-    """Show what the catalogue knows about parameters of a device: all of them, or those named by number or name."""
+    """Show what the catalogue knows about the parameters of a device: all, or those given by number or name."""
     if draw is not None and parameters:
-        raise click.UsageError("--draw chooses the parameters: name none")
+        raise click.UsageError("--draw chooses the parameters: do not name any")
     from plcgen.protocols.ds47.catalogue import pages
     from plcgen.protocols.ds47.devices import find_device
 

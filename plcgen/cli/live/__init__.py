@@ -18,7 +18,7 @@ SECTIONS: Sections = (
 
 command = VerbGroup(
     "live",
-    help="Read from drives and CPUs over the S7 protocol. Nothing here writes.",
+    help="Read from drives and CPUs over the S7 protocol. None of these verbs writes.",
     sections=SECTIONS,
     package="plcgen.cli.live",
     examples=(

@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 def command(*, spec: Path, given: tuple[str, ...], timeout: float, format_: OutputFormat) -> int:
     """Compare the values that the jobs of a spec write with what is in the drives.
 
-    A constant has to be there; for an input the value is shown. Drives without an address are left out and named.
+    A constant must have the same value in the drive; for an input, the value is shown. Drives without an address are
+    skipped and listed.
     Exit code 1 if something deviates or could not be read.
     """
 
@@ -61,6 +62,6 @@ def _by_drive(plan: DrivePlan, given: tuple[str, ...]) -> dict[str, str]:
                 raise click.UsageError(f"the spec has the drives {', '.join(keys[:8])}: write --drive {keys[0]}={text}")
             key = keys[0]
         if key not in keys:
-            raise click.UsageError(f'there is no drive "{key}" in the spec, but {", ".join(keys[:8])}')
+            raise click.UsageError(f'the spec has no drive "{key}", only {", ".join(keys[:8])}')
         found[key] = host
     return found

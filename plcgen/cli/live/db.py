@@ -24,7 +24,7 @@ _SLOTS = {"s7-300": 2, "s7-400": 3, "s7-1200": 1, "s7-1500": 1}
 @click.option("--cpu", "host", required=True, metavar="ADDRESS", help="IPv4 address of the CPU, or ADDRESS:PORT.")
 @click.option("--rack", type=click.IntRange(0, 7), default=0, show_default=True, metavar="N")
 @click.option("--slot", type=click.IntRange(0, 31), metavar="N", help="Slot of the CPU.  [default: by family]")
-@click.option("--all", "every", is_flag=True, help="Also blocks whose number the spec does not give (default for V5).")
+@click.option("--all", "every", is_flag=True, help="Include blocks whose number the spec does not give (default for V5).")
 @timeout_option
 @format_option("answer")
 def command(
@@ -32,10 +32,10 @@ def command(
 ) -> int:
     """Compare the data blocks of a spec with those in a CPU.
 
-    Of telegrams that have a number in the spec, length, constants and start values have to be those of the spec; what
-    the program changes (reference, inputs) is shown. Of commands, units and recipes the length counts. Their numbers
-    are those of the symbol table (STEP 7 V5) or of the XML documents; where sources were compiled in the TIA Portal,
-    they may be others, so --all asks for them. S7-1200/1500: PUT/GET must be permitted.
+    For telegrams that have a number in the spec, length, constants and start values must be those of the spec; what
+    the program changes (reference, inputs) is only shown. For commands, units and recipes, the length counts. Their
+    numbers are those of the symbol table (STEP 7 V5) or of the XML documents; where sources were compiled in the TIA
+    Portal, they may differ, so --all is needed to include them. S7-1200/1500: PUT/GET must be permitted.
     """
 
     def question() -> Answer:

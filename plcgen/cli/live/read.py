@@ -98,7 +98,7 @@ def _known(
     from plcgen.protocols.ds47.devices import device_names, find_device
 
     if name and device is None:
-        raise word.problem("PG703", f'"{text}" is a name, and names belong to a device', "--device says which one")
+        raise word.problem("PG703", f'"{text}" is a name, and names belong to a device', "say which one with --device")
     devices_ = [device] if device else [find_device(one) for one in device_names()]
     found = [one.by_name(name) if name else one.parameters.get(pnu or 0) for one in devices_]
     known = [one for one in found if one is not None and one.type]

@@ -28,7 +28,7 @@ SECTIONS: Sections = (
             ("stop", "Put the CPU into STOP (with --yes-stop)."),
         ),
     ),
-    ("Simulate", (("serve", "Be an S7-200 on a pseudo terminal, serial port or TCP port."),)),
+    ("Simulate", (("serve", "Simulate an S7-200 on a pseudo terminal, serial port or TCP port."),)),
 )
 
 

@@ -11,7 +11,7 @@ from plcgen.diagnostics import Diagnostic, Span
 from plcgen.protocols.ppi.wire.fdl import SD1, SD2, SD3, SD4
 from plcgen.protocols.ppi.wire.stream import split
 
-SPELLINGS = "write bytes as 68 1B 1B 68, 681B1B68, 16#68 or 0x68; times and TX/RX in front of a line are skipped"
+SPELLINGS = "write bytes as 68 1B 1B 68, 681B1B68, 16#68 or 0x68; times and TX/RX at the start of a line are skipped"
 _TIME = r"[\[(]?[0-9][0-9:.,\-/T ]*[0-9][\])]?\s+"
 _DIRECTION = r"\[?(?:TX|RX|SEND|RECV|OUT|IN|WRITE|READ|REQ|RES)\]?\s*:?|->|<-|>>|<<|>|<"
 _PREFIX = re.compile(rf"\s*(?:{_TIME})?(?:{_DIRECTION})[:\s]+", re.IGNORECASE)

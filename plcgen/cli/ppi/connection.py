@@ -37,14 +37,18 @@ def line_options(verb: Callback) -> Callback:
             metavar="RATE",
             help="Speed of a serial port.  [default: 9600]",
         ),
-        click.option("--station", type=click.IntRange(0, 126), default=2, metavar="N", help="The PLC.  [default: 2]"),
-        click.option("--source", type=click.IntRange(0, 126), default=0, metavar="N", help="Ourselves.  [default: 0]"),
+        click.option(
+            "--station", type=click.IntRange(0, 126), default=2, metavar="N", help="Station of the PLC.  [default: 2]"
+        ),
+        click.option(
+            "--source", type=click.IntRange(0, 126), default=0, metavar="N", help="Our own station.  [default: 0]"
+        ),
         click.option(
             "--timeout",
             type=click.FloatRange(0.01, 60),
             default=0.4,
             metavar="SECONDS",
-            help="Wait for the beginning of an answer.  [default: 0.4]",
+            help="How long to wait for the beginning of an answer.  [default: 0.4]",
         ),
     )
     for option in reversed(options):

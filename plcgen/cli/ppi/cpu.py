@@ -38,7 +38,9 @@ def _mode(name: str, help_: str) -> click.Command:
     """Make the verb ``run`` or ``stop``; without ``--yes-run`` or ``--yes-stop`` it sends nothing."""
 
     @verb(name, f"plcgen ppi {name} --port /dev/ttyUSB0 --yes-{name}", help=help_)
-    @click.option(f"--yes-{name}", "confirmed", is_flag=True, help="Really do it; without it nothing is sent.")
+    @click.option(
+        f"--yes-{name}", "confirmed", is_flag=True, help="Confirm the command; without this option nothing is sent."
+    )
     @line_options
     @format_option("answer")
     def command(*, confirmed: bool, format_: OutputFormat, **given: Any) -> int:

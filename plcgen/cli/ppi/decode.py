@@ -31,21 +31,23 @@ STDIN = "<stdin>"
 @click.argument("hex_", nargs=-1, metavar="[HEX...]")
 @click.option("--file", "file", type=PATH, metavar="FILE", help="Read a capture: hexadecimal lines, or raw bytes.")
 @click.option(
-    "--tolerant", is_flag=True, help="Accept what real lines produce (F9 for E5, pads, constant FC), and say so."
+    "--tolerant",
+    is_flag=True,
+    help="Accept and report what real lines produce (F9 instead of E5, padding, constant FC).",
 )
-@click.option("-s", "--short", is_flag=True, help="One line a telegram.")
+@click.option("-s", "--short", is_flag=True, help="One line per telegram.")
 @format_option("answer")
 def command(*, hex_: tuple[str, ...], file: Path | None, tolerant: bool, short: bool, format_: OutputFormat) -> int:
     """Explain PPI telegrams byte by byte: from arguments, a file or stdin.
 
-    All bytes are one stream; frames are found in it, and what belongs to no frame is named. An answer is shown with
-    the addresses of the request before it. Exit code 1 if anything is malformed.
+    All bytes form one stream, in which the frames are found; bytes that belong to no frame are reported. An answer is
+    shown with the addresses of the request before it. Exit code 1 if anything is malformed.
     """
     from plcgen.cli.ppi.capture import SPELLINGS
     from plcgen.protocols.ppi.texts import decode_pieces, telegrams_answer
 
     if hex_ and file is not None:
-        raise click.UsageError("give the bytes as arguments or as --file, not both")
+        raise click.UsageError("give the bytes as arguments or with --file, not both")
     capture, known = _capture(hex_, file)
     found = list(capture.problems)
     telegrams = decode_pieces(capture.pieces(tolerant=tolerant), tolerant=tolerant)

@@ -49,7 +49,7 @@ class _How:
 @click.option("--ref", "reference", type=click.IntRange(0, 65535), default=0, help="PDU reference.  [default: 0]")
 @click.option("--first", is_flag=True, help="First request of a sequence: 6C (the default; poll: 5C).")
 @click.option("--fcb", type=click.IntRange(0, 1), help="Frame count bit of a later request: 0 is 5C, 1 is 7C.")
-@click.option("--pack", is_flag=True, help="As many telegrams as needed, neighbours read together.")
+@click.option("--pack", is_flag=True, help="Use as many telegrams as needed, and read neighbours together.")
 @click.option("--experimental", is_flag=True, help="Allow force, unforce and writing of T and C, all unconfirmed.")
 @cpu_option
 @symbols_option
@@ -110,7 +110,7 @@ def _require_usage(verb: str, rest: Sequence[str], *, first: bool, fcb: int | No
         example = "VW100=1234" if verb in {"write", "force"} else "VB100"
         raise click.UsageError(f"{verb} needs an address, for example {example}")
     if first and fcb is not None:
-        raise click.UsageError("--first and --fcb exclude each other")
+        raise click.UsageError("--first and --fcb cannot be used together")
     if stations[0] == stations[1]:
         raise click.UsageError(f"--station and --source are both {stations[0]}")
 

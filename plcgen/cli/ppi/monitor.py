@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     type=click.FloatRange(0, 3600),
     default=1.0,
     metavar="SECONDS",
-    help="From read to read.  [default: 1]",
+    help="Time from one read to the next.  [default: 1]",
 )
 @click.option("--count", type=click.IntRange(1), metavar="N", help="End after N reads.  [default: at Ctrl-C]")
 @line_options
@@ -53,7 +53,7 @@ def command(
 ) -> int:
     """Read values again and again: a live table on a terminal, otherwise a line (with --json an object) for each read.
 
-    A station that does not answer is asked again; a lost line ends it. Exit code 1 if the last read failed.
+    A station that does not answer is asked again; a lost line ends the command. Exit code 1 if the last read failed.
     """
     from plcgen.cli.ppi.places import find_profile, find_symbols, places
     from plcgen.output.formats import json, text

@@ -141,7 +141,7 @@ def telegram_problems(problem: PpiError) -> tuple[Diagnostic, ...]:
     codes = {Kind.LIMIT: "PG715", Kind.ADDRESS: "PG716", Kind.EXPERIMENTAL: "PG716"}
     helps = {
         Kind.LIMIT: "plcgen ppi read and write, and encode --pack, use as many telegrams as needed",
-        Kind.EXPERIMENTAL: "--experimental does it all the same",
+        Kind.EXPERIMENTAL: "--experimental allows it",
     }
     return tuple(
         Diagnostic(codes.get(found.kind, "PG716"), found.message, Span(ARGUMENTS), help=helps.get(found.kind, ""))

@@ -33,7 +33,9 @@ if TYPE_CHECKING:
 @click.option("--station", type=click.IntRange(0, 126), metavar="N", help="Address of the station.  [default: 2]")
 @click.option("--set", "sets", multiple=True, metavar="ADDRESS=VALUE", help="Give an address or symbol a value.")
 @symbols_option
-@click.option("--tcp", metavar="HOST:PORT", help="Listen for connections, as a serial server does; port 0 is any.")
+@click.option(
+    "--tcp", metavar="HOST:PORT", help="Listen for connections, as a serial server does; port 0 means any free port."
+)
 @click.option("--port", metavar="DEVICE", help="Use a serial port instead of a pseudo terminal.")
 @click.option(
     "--baud", type=click.IntRange(300), default=9600, metavar="RATE", help="Speed of --port.  [default: 9600]"
@@ -43,9 +45,9 @@ if TYPE_CHECKING:
     type=click.FloatRange(0),
     default=600.0,
     metavar="SECONDS",
-    help="End a connection that is silent so long; 0: never.  [default: 600]",
+    help="End a connection that is silent for this long; 0: never.  [default: 600]",
 )
-@click.option("--fault", "faults", multiple=True, metavar="KIND[:KEY=VALUE,...]", help="Let the line go wrong.")
+@click.option("--fault", "faults", multiple=True, metavar="KIND[:KEY=VALUE,...]", help="Inject a fault on the line.")
 @click.option("--log", is_flag=True, help="Show every frame, decoded.")
 @stream_option
 def command(*, as_json: bool, log: bool, baud: int, idle: float, **given: Any) -> int:
@@ -54,7 +56,7 @@ def command(*, as_json: bool, log: bool, baud: int, idle: float, **given: Any) -
     The first line of the output is the name of the line to open: a pseudo terminal, unless --tcp or --port is given.
     """
     if given["tcp"] is not None and given["port"] is not None:
-        raise click.UsageError("--tcp and --port exclude each other: a station has one line")
+        raise click.UsageError("--tcp and --port cannot be used together: a station has one line")
     out = console()
     bus = _bus(given["file"], given["cpu"], given["station"], given["symbols"], given["sets"], given["faults"])
     line = _line(given["tcp"], given["port"], baud)

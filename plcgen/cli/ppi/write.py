@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     "plcgen ppi write setpoint=16#04D2 --symbols press.csv --port socket://10.0.0.5:4000 --yes-write",
 )
 @click.argument("words", nargs=-1, required=True, metavar="ADDRESS=VALUE...")
-@click.option("--yes-write", is_flag=True, help="Really write; without it only what would be written is shown.")
+@click.option("--yes-write", is_flag=True, help="Write the values; without this option they are only shown.")
 @click.option("--experimental", is_flag=True, help="Allow writing of T and C, which no capture confirms.")
 @line_options
 @cpu_option

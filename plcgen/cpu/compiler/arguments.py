@@ -83,7 +83,7 @@ class Arguments:
         if system is None:  # one of an elementary type keeps its value
             missing = [name for name in missing if self.is_structured(place, name)]
         if missing and system is not None and self.context.link.dialect.is_tia:  # Siemens' LAcycCom calls WRREC so
-            self.context.error("PG827", f"the soft CPU takes no call without {missing[0]}", node)
+            self.context.error("PG827", f"the soft CPU does not accept a call without {missing[0]}", node)
             return None
         if missing and self.context.link.dialect.is_tia:
             self.context.error("PG822", f"{missing[0]} is missing", node, "every IN_OUT parameter needs a variable")
@@ -120,9 +120,7 @@ class Arguments:
         seen.add(upper)
         if (argument.operator == "=>") != (kind is _OUT):
             wanted = "=>" if kind is _OUT else ":="
-            self.context.error(
-                "PG822", f"{argument.name} is an {kind.value} parameter: it goes with {wanted}", argument
-            )
+            self.context.error("PG822", f"{argument.name} is an {kind.value} parameter: use {wanted}", argument)
             return None
         return kind
 
@@ -204,7 +202,7 @@ class Arguments:
         """Store one input; a structured IN_OUT of ``called`` may be lent as a copy."""
         type_ = scalar_name(target.shape)
         if type_ == "VARIANT":
-            self.context.error("PG827", "the soft CPU knows no VARIANT in a function block", argument)
+            self.context.error("PG827", "the soft CPU does not support VARIANT in a function block", argument)
             self.references.reference(argument.value)
             return
         if type_ in {"POINTER", "ANY"} and not (
@@ -232,7 +230,7 @@ class Arguments:
     def place_of_argument(self, argument: ast.Argument) -> MemoryPlace | None:
         """Variable given to an OUT or IN_OUT parameter; PG823 if it must not be written."""
         if isinstance(argument.value, ast.Slice):
-            self.context.error("PG827", "the soft CPU takes no slice here", argument.value)
+            self.context.error("PG827", "the soft CPU does not accept a slice here", argument.value)
             return None
         place = self.places.place(argument.value)
         if place is not None and place.section is _IN:

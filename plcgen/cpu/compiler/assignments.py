@@ -60,7 +60,7 @@ class Assignments:
         if (place.mem, place.off, place.dyn, place.local) in self.context.run_tags and not place.dynbit:
             # does not compile for S7-1200/1500; on S7-300/400 the result is undefined (help of both families, FOR)
             severity = Severity.WARNING if self.context.classic else Severity.ERROR
-            message = f"{self.context.text(node)} counts the loop around it"
+            message = f"{self.context.text(node)} is the loop variable of the FOR around it"
             self.context.error("PG823", message, node, "leave a loop with EXIT, or count with WHILE", severity)
         if place.section is SectionKind.INPUT:
             # STEP 7 V5 lets an FB write its inputs: public libraries reset their commands that way

@@ -102,7 +102,7 @@ class Branches:
                 return "False"
             const = ord(value.const) if isinstance(value.const, str) and len(value.const) == 1 else value.const
             if not isinstance(const, int):
-                self.context.error("PG821", f"the label {self.context.text(end)} is no constant", end)
+                self.context.error("PG821", f"the label {self.context.text(end)} is not a constant", end)
                 return "False"
             low, high = limits(type_) or (const, const)
             if not low <= const <= high:

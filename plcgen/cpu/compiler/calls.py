@@ -200,7 +200,7 @@ class Calls:
         own = self.context.link.instance_type(found)
         systems = system_fbs(classic=self.context.classic)
         if own != type_ and systems.get(own) is not systems.get(type_):
-            self.context.error("PG825", f"{target.name} is no instance of {type_}", node)
+            self.context.error("PG825", f"{target.name} is not an instance of {type_}", node)
             return
         self.call_instance(node, self.places.data_block(found), type_)
 
@@ -224,7 +224,7 @@ class Calls:
             if known is not None and known.kind is BlockKind.FB:
                 self.context.error("PG827", f"the soft CPU does not execute {type_}", node)
             else:
-                self.context.error("PG825", f"{self.context.text(node.target)} is no instance of a block", node)
+                self.context.error("PG825", f"{self.context.text(node.target)} is not an instance of a block", node)
             self.arguments.look_at(node)
             return
         if passed is not None and passed.outputs:

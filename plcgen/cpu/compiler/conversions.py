@@ -81,7 +81,7 @@ def constant_as(context: Context, value: Val, target: str, node: ast.Expression)
         number = integer_constant(context, const, target, node)
         if number is not None:
             return number
-    context.error("PG821", f"{context.text(node)} is no {target} constant", node)
+    context.error("PG821", f"{context.text(node)} is not a valid {target} constant", node)
     return "0"
 
 
@@ -101,7 +101,7 @@ def integer_constant(context: Context, const: int, target: str, node: ast.Expres
     if low == 0 and target in INTEGERS and -(high + 1) // 2 <= const < 0 and context.rules.dialect.is_tia:
         # exports of the TIA Portal have it: -1 as a mark in an unsigned variable
         message = f"{context.text(node)} becomes {const + high + 1} in {target} ({low}..{high})"
-        context.error("PG824", message, node, "write the value that is meant", Severity.WARNING)
+        context.error("PG824", message, node, "write the value that you mean", Severity.WARNING)
         return source_of(const + high + 1)
     if not low <= const <= high:
         context.error("PG824", f"{context.text(node)} is outside {target} ({low}..{high})", node)

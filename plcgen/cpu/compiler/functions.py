@@ -185,7 +185,7 @@ class Functions:
         if type_ not in BITS and (type_ not in INTEGERS or self.context.classic):
             return self.refuse(node, name, value)
         if count.type not in INTEGERS and count.type not in {INT_CONST, UNKNOWN} and not (free and count.type in BITS):
-            self.context.error("PG821", f"N counts bits, it is no {count.type or 'structure'}", bound["N"])
+            self.context.error("PG821", f"N counts bits, it cannot be a {count.type or 'structure'}", bound["N"])
         bits = WIDTHS[type_]
         code, steps = coerce(self.context, value, type_, bound["IN"]), count.wrapped
         pure = value.pure and count.pure

@@ -68,7 +68,7 @@ class Labels:
         for statement in _flat(statements):
             if isinstance(statement, ast.Label):
                 if statement.name.upper() in self.numbers:
-                    message = f"the label {statement.name} is there twice"
+                    message = f"the label {statement.name} appears twice"
                     self.context.error("PG805", message, statement, "rename one of them")
                 self.numbers[statement.name.upper()] = len(parts)
                 parts.append([])
@@ -210,7 +210,7 @@ class Loops:
                 self.out.emit("W[0]=n")
             self.out.emit(self.context.leave)
         elif not self.loops:
-            self.context.error("PG820", f"{node.keyword} stands outside a loop", node)
+            self.context.error("PG820", f"{node.keyword} is outside a loop", node)
             self.out.emit("pass")
         elif node.keyword == "EXIT":
             self.out.emit("break")

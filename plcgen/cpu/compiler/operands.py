@@ -46,7 +46,7 @@ class Operands:
             return self.references.pointer(node)
         found = classify(node.text, node.kind)
         if found is None:
-            self.context.error("PG824", f"{node.text} is no constant", node)
+            self.context.error("PG824", f"{node.text} is not a constant", node)
             return unknown()
         type_, value = found
         if is_refused(type_, self.context.link.dialect):
@@ -74,5 +74,5 @@ class Operands:
 
     def listed(self, node: ast.Aggregate | ast.Repetition) -> Val:
         """PG827 about ``[1, 2]`` and ``3(0)``."""
-        self.context.error("PG827", "a list of values stands in declarations only", node)
+        self.context.error("PG827", "a list of values is allowed in declarations only", node)
         return unknown()

@@ -73,7 +73,7 @@ class Places:
         if isinstance(node, ast.Dereference):
             self.context.error("PG827", "the soft CPU does not follow REF_TO references", node)
             return None
-        self.context.error("PG823", f"{self.context.text(node)} is no variable", node)
+        self.context.error("PG823", f"{self.context.text(node)} is not a variable", node)
         return None
 
     def symbol(self, node: ast.Name) -> Symbol | None:
@@ -218,7 +218,7 @@ class Places:
                     self.expressions.value(index)
                 return place.inside(0, shape.element, overlay=True)
             if not isinstance(shape.type, ArrayType) or shape.element is None or place.local:
-                self.context.error("PG821", f"{self.context.text(node.base)} is no array", node)
+                self.context.error("PG821", f"{self.context.text(node.base)} is not an array", node)
                 return None
             bounds = shape.type.bounds
             indices = node.indices[position : position + len(bounds)]
@@ -271,7 +271,7 @@ class Places:
         bits, type_ = {"X": (1, "BOOL"), "B": (8, "BYTE"), "W": (16, "WORD"), "D": (32, "DWORD")}[node.width]
         whole = WIDTHS.get(value.type, 0)
         if (node.index + 1) * bits > whole or value.type in REALS:
-            self.context.error("PG824", f".%{node.width}{node.index} lies outside {value.type or 'a structure'}", node)
+            self.context.error("PG824", f".%{node.width}{node.index} is outside {value.type or 'a structure'}", node)
             return None
         return bits, type_
 
@@ -339,7 +339,7 @@ class Places:
         match = _INDEXED.fullmatch(tail)
         block = self.context.link.find(head.strip('"'))
         if match is None or block is None or block.shape is None or not node.arguments:
-            self.context.error("PG823", f"{self.context.text(node)} is no variable", node)
+            self.context.error("PG823", f"{self.context.text(node)} is not a variable", node)
             return None
         indices = tuple(argument.value for argument in node.arguments)
         return self.computed(f"d{block.index}", match[1].upper(), indices, block.shape.bits // 8)

@@ -41,7 +41,7 @@ class Statements:
             reached = [self.statement(inner) for inner in node.body]
             return all(reached)
         if isinstance(node, ast.Label):
-            self.context.error("PG827", f"the label {node.name} stands inside another statement", node)
+            self.context.error("PG827", f"the label {node.name} is inside another statement", node)
             return True
         self.context.point("statement", node)
         self.context.probe(node, "statement")

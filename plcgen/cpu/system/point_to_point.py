@@ -165,7 +165,7 @@ class PortBlock:
     def watch(self, memory: Memory, offset: int) -> None:
         """Note a read of STATUS; PG832 if the block was not called in this scan."""
         if self.called.get((id(memory), offset)) not in {self.scan, None}:
-            self.report("PG832", f"STATUS of {self.kind} is read after its scan: it counts for one call only")
+            self.report("PG832", f"STATUS of {self.kind} is read after its scan: it is valid for one call only")
 
 
 class Sender(PortBlock):
@@ -345,7 +345,7 @@ class ReceiveConfiguration(PortBlock):
         """Read the conditions and check them."""
         area, first, room = buffer
         if area is None or room < layout_block(RECEIVE_CONDITIONS, {}).size:
-            self.report("PG834", f"RECEIVE_CONDITIONS of {self.kind} is no Receive_Conditions")
+            self.report("PG834", f"RECEIVE_CONDITIONS of {self.kind} is not a Receive_Conditions")
             self.finish(memory, offset, (False, True), BAD_START)
             return
         start, end, most, gap = (int.from_bytes(area[first + at : first + at + 2]) for at in conditions().values())

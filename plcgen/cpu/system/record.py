@@ -210,7 +210,7 @@ class RecordBlock:
         if target is not None and target.area == "L":
             self.report("PG831", f"RECORD of {self.kind} is local data: it is gone before the job ends")
         if target is None or first < 0 or first + room > len(target):
-            self.report("PG834", f"RECORD of {self.kind} does not lie inside a data block")
+            self.report("PG834", f"RECORD of {self.kind} is not inside a data block")
             return BAD_RECORD
         if job.length > room and self.write:
             return BAD_RECORD
@@ -270,4 +270,4 @@ class RecordBlock:
     def watch(self, memory: Memory, offset: int) -> None:
         """Note a read of STATUS; PG832 if the block was not called in this scan."""
         if self.called.get((id(memory), offset)) not in {self.scan, None}:
-            self.report("PG832", f"STATUS of {self.kind} is read after its scan: it counts for one call only")
+            self.report("PG832", f"STATUS of {self.kind} is read after its scan: it is valid for one call only")

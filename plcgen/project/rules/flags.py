@@ -45,14 +45,14 @@ def symbols(project: Project) -> Iterator[Diagnostic]:
             span = _span(project, (*job.path, "trigger", signal))
             block = made.get(symbol.name.lower())
             if block is not None:
-                message = f'{symbol} ({signal} of {job.key}) is in {block.kind} "{block.name}", which plcgen makes'
+                message = f'{symbol} ({signal} of {job.key}) is in {block.kind} "{block.name}", which plcgen generates'
                 help_ = "name a tag or data block of your own program, or leave the signal out"
                 yield Diagnostic("PG404", message, span, help=help_)
             known, place = first.setdefault(symbol.text().lower(), (f"{signal} of {job.key}", span))
             if place is not span:
                 yield Diagnostic(
                     "PG403",
-                    f"{symbol} ({signal} of {job.key}) is {known} as well",
+                    f"{symbol} ({signal} of {job.key}) is also {known}",
                     span,
                     help="one signal would overwrite the other: use another tag",
                     notes=(Note("first use", place),),
@@ -69,7 +69,7 @@ def out_of_range(project: Project) -> Iterator[Diagnostic]:
                 f"{address} ({signal}) does not exist: "
                 f"the flags of an {project.target.family.upper()} end with MB{size - 1}",
                 _span(project, path),
-                help="use a lower address; small CPUs have fewer flags than the largest one of the family",
+                help="use a lower address; smaller CPUs have fewer flags than the largest one of the family",
             )
 
 

@@ -23,12 +23,12 @@ _COMMON = (
 
 
 def languages(project: Project) -> Iterator[Diagnostic]:
-    """PG107: something is not the tag of a language, or a language is named twice."""
+    """PG107: something is not a language tag, or a language is named twice."""
     seen: set[str] = set()
     for position, tag in enumerate(project.languages):
         span = project.loaded.span(("plc", "languages", position))
         if not _LANGUAGE.match(tag):
-            yield Diagnostic("PG107", f'"{tag}" is not the tag of a language', span, help=_tag_help(tag))
+            yield Diagnostic("PG107", f'"{tag}" is not a language tag', span, help=_tag_help(tag))
         elif tag in seen:
             yield Diagnostic("PG107", f'language "{tag}" is named twice', span, help="remove one of them")
         seen.add(tag)

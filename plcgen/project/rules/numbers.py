@@ -54,7 +54,7 @@ def out_of_range(project: Project) -> Iterator[Diagnostic]:
                 f'automatic {block.kind} numbers reach {block.number} ("{block.name}"): '
                 f"an {family} has {block.kind}1 to {block.kind}{highest}",
                 key_or_value(project, ("plc", "numbers", key)),
-                help=f"let plc.numbers.{key} begin lower, or divide the spec",
+                help=f"let plc.numbers.{key} start lower, or split the spec",
             )
 
 
@@ -74,7 +74,7 @@ def too_many(project: Project) -> Iterator[Diagnostic]:
                 f"{count} {what}: a CPU {cpu.name} holds {most.value}{most.remark}",
                 key_or_value(project, ("plc", "cpu")),
                 Severity.WARNING,
-                help="divide the spec among CPUs, or take another CPU; the rest of the program has blocks, too",
+                help="split the spec between CPUs, or use another CPU; the rest of the program has blocks, too",
             )
             return
 

@@ -35,7 +35,7 @@ def _number(key: str) -> str:
 def _value_name(name: str) -> str:
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or re.fullmatch(r"[PpRr]0*[0-9]+", name):
         raise problem(
-            f'"{name}" is not a name of a value: letters, digits and underscores', help_="for example inactive"
+            f'"{name}" is not a valid name of a value: letters, digits and underscores', help_="for example inactive"
         )
     return name
 

@@ -65,9 +65,15 @@ def _beside(folder: Path, name: str, place: Span) -> Path:
     """Path of a profile beside the spec."""
     path = below(folder, name)
     if path is None:
-        message, help_ = f'the device profile "{name}" is not below the folder of the spec', "copy it beside the spec"
+        message, help_ = (
+            f'the device profile "{name}" is not below the folder of the spec',
+            "copy it to the folder of the spec",
+        )
     elif not path.is_file():
-        message, help_ = f'there is no device profile "{name}"', "the path begins at the spec, with / between folders"
+        message, help_ = (
+            f'there is no device profile "{name}"',
+            "the path is relative to the spec, with / between folders",
+        )
     else:
         return path
     raise DiagnosticError([Diagnostic("PG201", message, place, help=help_)])

@@ -52,7 +52,7 @@ def why_read_only(key: str, pnu: int, *, catalogued: str = "") -> str:
     ``catalogued`` is what the catalogue says about it: r, w, rw, or nothing.
     """
     if key.strip()[:1] in {"r", "R"}:
-        return "r marks a parameter that can only be read"
+        return "r marks a read-only parameter"
     if pnu in READ_ONLY:
         return f"PROFIdrive's parameter {pnu} can only be read"
     return "the catalogue says that it can only be read" if catalogued == "r" else ""

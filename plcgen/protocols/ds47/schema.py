@@ -43,11 +43,11 @@ def _address(value: int) -> int:
 
 
 def _hardware_id(value: int | str) -> int | str:
-    where = "it stands in the device view or among the system constants"
+    where = "it is in the device view or among the system constants"
     if value == 0:
-        raise problem("0 is no hardware identifier", help_=where)
+        raise problem("0 is not a hardware identifier", help_=where)
     if isinstance(value, str) and ('"' in value or not value.isprintable() or not value.strip()):
-        raise problem(f"{value!r} is no name of a system constant", help_=where)
+        raise problem(f"{value!r} is not the name of a system constant", help_=where)
     return value
 
 
@@ -125,7 +125,7 @@ class PlacedDrive(NamedTuple):
 def _signed(value: object) -> object:
     if not isinstance(value, dict):
         help_ = "for example {P971: saved once after commissioning}"
-        raise problem("a sign-off names each parameter by number, and the reason", help_=help_)
+        raise problem("a sign-off gives each parameter by number, with the reason", help_=help_)
     return value
 
 
@@ -145,7 +145,9 @@ SignOff = Annotated[
 
 def _restored(value: object) -> object:
     if isinstance(value, str) and value != "restore":
-        raise problem(f'"{value}" is not what can be done on an error', help_="write restore, or leave on_error out")
+        raise problem(
+            f'"{value}" is not something that can be done on an error', help_="write restore, or leave on_error out"
+        )
     return {} if value == "restore" else value
 
 

@@ -21,7 +21,7 @@ _PLC_TYPES = {
 
 
 class TypeTextError(PlcgenError, ValueError):
-    """A text is no data type of a parameter; ``help`` says which there are."""
+    """A text is not a data type of a parameter; ``help`` says which there are."""
 
     def __init__(self, message: str, help_: str = "") -> None:
         super().__init__(message)

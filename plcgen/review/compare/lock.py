@@ -123,7 +123,7 @@ def _check_target(path: Path, *, force: bool) -> None:
     except DiagnosticError as problem:
         if all(d.code == "PG634" for d in problem.diagnostics):
             return
-        message = "the file exists and is no layout lock"
+        message = "the file exists and is not a layout lock"
         help_ = "choose another --out, or overwrite it with --force"
         raise DiagnosticError([Diagnostic("PG501", message, Span(str(path)), help=help_)]) from problem
 

@@ -58,7 +58,7 @@ class _Line(NamedTuple):
 def _line(text: object) -> _Line:
     match = _VALUE.match(text) if isinstance(text, str) and len(text) <= _LONGEST else None
     if match is None:
-        raise problem("this is no member: offset, size, type, start value")
+        raise problem("this is not a member: offset, size, type, start value")
     offset = bits = None
     if match["byte"] is not None:
         offset = 8 * int(match["byte"]) + int(match["bit"])
@@ -91,7 +91,7 @@ def _protocol(key: str) -> str:
 def _block_key(key: str) -> str:
     kind, _, name = key.partition(" ")
     if kind not in _KINDS or not name:
-        raise problem(f'"{key[:60]}" is no block: kind ({", ".join(_KINDS)}) and name')
+        raise problem(f'"{key[:60]}" is not a block: kind ({", ".join(_KINDS)}) and name')
     return key
 
 
@@ -164,7 +164,7 @@ def _as_text(root: YamlNode) -> YamlNode:
     form = root.get("format") if root.kind == "map" else None
     if form is None or form.raw != str(FORMAT):
         shown = "none" if form is None else form.raw
-        message = f"this is no layout lock of format {FORMAT} (format: {shown})"
+        message = f"this is not a layout lock of format {FORMAT} (format: {shown})"
         raise DiagnosticError([Diagnostic(_CODE, message, (form or root).span, help=_HELP)])
     waiting = [root]
     while waiting:
@@ -255,7 +255,7 @@ class _Reader:
             assignments=tuple(given.start_values.items()), code_hash=given.code.removeprefix("sha256:"), span=node.span,
         )  # fmt: skip
         if given.hash != content_hash(block):
-            message = f"{key}: the lines do not belong to the hash {given.hash[:40] or '(none)'}"
+            message = f"{key}: the lines do not match the hash {given.hash[:40] or '(none)'}"
             help_ = "the lock was edited or merged by hand: write it again with plcgen lock"
             self.report.add(Diagnostic("PG634", message, node.find(["hash"]).span, help=help_))
         return block

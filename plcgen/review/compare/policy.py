@@ -59,7 +59,7 @@ _TABLE = (
         "member-spelling",
         _D,
         "letter case of a name",
-        "S7 names do not tell cases apart, OPC UA clients do: breaking there",
+        "S7 names are not case-sensitive, OPC UA clients are: breaking there",
     ),
     ChangeKind(
         "member-reordered",
@@ -105,7 +105,10 @@ _TABLE = (
     ChangeKind("job-drive", _B, "job works on another drive", "requests go to another device"),
     ChangeKind("job-timing", _C, "timeout, pauses or retries changed", "jobs end earlier or later"),
     ChangeKind(
-        "job-trigger", _B, "absolute flags of a job changed", "whoever sets or reads the old flags is not heard"
+        "job-trigger",
+        _B,
+        "absolute flags of a job changed",
+        "what sets or reads the old flags no longer has any effect",
     ),
 )
 KINDS: Mapping[str, ChangeKind] = MappingProxyType({kind.id: kind for kind in _TABLE})

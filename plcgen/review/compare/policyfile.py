@@ -29,7 +29,7 @@ def _level(word: object) -> Level:
     except ValueError:
         shown = f'"{word}"' if isinstance(word, str | int | float) else "this"
         help_ = "one of breaking, compatible, documentation"
-        raise problem(f"{shown} is no class of change", code="PG631", help_=help_) from None
+        raise problem(f"{shown} is not a class of change", code="PG631", help_=help_) from None
 
 
 class Policy(RootModel[dict[Annotated[str, AfterValidator(_kind)], Annotated[Level, BeforeValidator(_level)]]]):

@@ -75,7 +75,7 @@ def snapshot(paths: Sequence[Path], *, classic: bool = False) -> Snapshot:
     if not specs:
         return snapshot_of(read_sources(paths, classic=classic), _label(paths))
     if len(paths) > 1:
-        message = "a spec is compared alone: name it without other files"
+        message = "a spec is compared on its own: name it without other files"
         return Snapshot(_label(paths), diagnostics=[Diagnostic("PG632", message, Span(str(specs[0])))])
     return spec_snapshot(specs[0])
 

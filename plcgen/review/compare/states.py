@@ -188,7 +188,7 @@ def _doubt(problems: Sequence[Diagnostic], block: Block) -> Diagnostic:
     first = problems[0]
     reasons = ", ".join(dict.fromkeys(problem.message for problem in problems[:4]))
     message = f'{block.kind} "{block.name}" is compared without offsets: {reasons}'
-    help_ = first.help or "name the files that declare the type, too"
+    help_ = first.help or "also name the files that declare the type"
     return Diagnostic("PG630", message, first.span, Severity.WARNING, help=help_)
 
 

@@ -78,14 +78,14 @@ class ProgramSize:
                 others = f", and {len(over) - 1} more" if len(over) > 1 else ""
                 message = f'about {kilobytes(size)} {what} {block.kind} "{block.name}"{others}: '
                 message += f"a CPU {cpu.name} takes {kilobytes(limit.value)} in a block{limit.remark}"
-                help_ = "divide the job or the array, or take another CPU"
+                help_ = "split the job or the array, or use another CPU"
                 yield Diagnostic("PG412", message, place, Severity.WARNING, help=help_)
         for what, used, fact in self._memories():
             if used > fact.value:
                 message = f"about {kilobytes(used)}{what}{' by a coarse estimate' if self.estimate.coarse else ''}: "
                 message += f"a CPU {cpu.name} has {kilobytes(fact.value)} of work memory"
                 message += what.replace(" of", " for") + fact.remark
-                help_ = "divide the spec among CPUs, or take another CPU; the rest of the program needs memory, too"
+                help_ = "split the spec between CPUs, or use another CPU; the rest of the program needs memory, too"
                 yield Diagnostic("PG413", message, place, Severity.WARNING, help=help_)
 
 

@@ -84,7 +84,7 @@ class Branches:
             condition = self.expressions.read()
             cursor.accept(";")
         else:
-            cursor.report(cursor.expected("UNTIL", "UNTIL and a condition stand before END_REPEAT"))
+            cursor.report(cursor.expected("UNTIL", "UNTIL and a condition must come before END_REPEAT"))
         self.statements.close("END_REPEAT", opener)
         return ast.Repeat(cursor.starts[opener], cursor.last_end, body, condition)
 

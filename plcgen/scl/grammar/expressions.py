@@ -204,7 +204,7 @@ class Expressions:
             if text[0] == "%":
                 width, digits = text[1].upper(), text[2:]
                 if width not in _SLICE_WIDTHS or not digits.isdigit():
-                    raise cursor.fault(f"'{text}' is no slice", text="write .%X0, .%B0, .%W0 or .%D0")
+                    raise cursor.fault(f"'{text}' is not a slice", text="write .%X0, .%B0, .%W0 or .%D0")
                 cursor.pos = pos + 1
                 return ast.Slice(base.start, end, base, width, int(digits[:6]))
             cursor.pos = pos + 1
@@ -266,7 +266,7 @@ class Expressions:
                 cursor.pos += 1
                 break
             elif kinds[cursor.pos] == ";" and cursor.kind(1) in WORDS and cursor.kind(2) in {":=", "=>"}:
-                cursor.report(cursor.expected("',' or ')'", "a comma stands between two arguments"))
+                cursor.report(cursor.expected("',' or ')'", "arguments are separated by commas"))
                 cursor.pos += 1
             else:
                 raise cursor.expected("',' or ')'")

@@ -47,7 +47,7 @@ def _meant(word: str, keywords: list[str]) -> str:
 
 def rename(cursor: Cursor, index: int, keyword: str) -> None:
     """Report a misspelt keyword and take it for the right one."""
-    fault = cursor.fault(f"{cursor.texts[index]} is no keyword", index=index, text=f"write {keyword}")
+    fault = cursor.fault(f"{cursor.texts[index]} is not a keyword", index=index, text=f"write {keyword}")
     cursor.kinds[index] = keyword
     cursor.report(fault)
 

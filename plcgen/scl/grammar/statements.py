@@ -147,7 +147,7 @@ class Statements:
         """Step over declarations between the statements."""
         cursor = self.cursor
         fault = cursor.fault(
-            f"{cursor.kinds[cursor.pos]} after the first statement", text="declarations stand before BEGIN"
+            f"{cursor.kinds[cursor.pos]} after the first statement", text="declarations must come before BEGIN"
         )
         while (kind := cursor.kinds[cursor.pos]) not in STOPS:
             cursor.pos += 1

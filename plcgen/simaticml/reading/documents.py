@@ -190,7 +190,7 @@ def _code(element: Element, file: str, diagnostics: list[Diagnostic]) -> str | N
         for network in children(child(child(unit, "AttributeList"), "NetworkSource")):
             if local(network) != "StructuredText":
                 name = _LANGUAGES.get(local(network), local(network))
-                message = f"a network in {name} is not read: of this block only the interface counts"
+                message = f"a network in {name} is not read: only the interface of this block is used"
                 diagnostics.append(Diagnostic("PG814", message, span(network, file), Severity.NOTE))
                 return None
             networks.append(CodeReader(file, diagnostics).read(network))
@@ -221,7 +221,7 @@ def _number(digits: str, place: Span, diagnostics: list[Diagnostic]) -> int | No
     if re.fullmatch(r"[0-9]{1,9}", digits):
         return int(digits)
     if digits:
-        diagnostics.append(Diagnostic("PG812", f"{digits} is no block number", place))
+        diagnostics.append(Diagnostic("PG812", f"{digits} is not a block number", place))
     return None
 
 

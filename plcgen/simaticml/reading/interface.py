@@ -188,7 +188,7 @@ class InterfaceReader:
             self.report(f"{name}: {wrong}", element)
             return None
         if unknown:
-            message = f"the constant {unknown} has its value outside this document"
+            message = f"the constant {unknown} is defined outside this document"
             place = span(element, self.file)
             self.diagnostics.append(Diagnostic("PG806", message, place, Severity.WARNING, help=_CONSTANT_HELP))
         elif type_ is not None:
@@ -240,7 +240,7 @@ class InterfaceReader:
         """Text of a StartValue; None if it is empty, or no value at all."""
         found = (element.text or "").strip()
         if found and not (SINGLE(found) or is_start_value(found)):
-            self.report(f"{found[:40]} is no start value", element)
+            self.report(f"{found[:40]} is not a start value", element)
             return None
         return found or None
 

@@ -187,7 +187,7 @@ class _Check:
         last = 0
         for uid, element in _uids(code):
             if not _DECIMAL.fullmatch(uid):
-                self.report(f"UId {uid[:20]} is no number", element)
+                self.report(f"UId {uid[:20]} is not a number", element)
                 continue
             if uid in seen:
                 self.report(f"UId {uid} is used twice in one network", element)

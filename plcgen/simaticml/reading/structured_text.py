@@ -123,7 +123,7 @@ class CodeReader:
         elif name in {"Expression", "Reference"}:
             self.elements(inner)
         else:
-            self.report(f"{name} is no SCL", inner)
+            self.report(f"{name} is not SCL", inner)
         if len(children) == 1:
             return
         for behind in children[children.index(inner) + 1 :]:
@@ -239,7 +239,7 @@ class CodeReader:
                 break
         value = _POINTER.sub("P#", value, count=1) if value[:2] in {"P#", "p#"} else value
         if not is_literal(value):
-            self.report(f"{value[:40] or '(nothing)'} is no constant", element)
+            self.report(f"{value[:40] or '(nothing)'} is not a constant", element)
             return
         self.out.append(value)
 

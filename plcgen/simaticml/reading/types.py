@@ -100,7 +100,7 @@ def impossible(type_: DataType) -> str:
     """What no compiler takes of a type; empty if there is nothing."""
     while isinstance(type_, ArrayType):
         if len(type_.bounds) > MAX_DIMENSIONS:
-            return f"an array has {MAX_DIMENSIONS} dimensions at most"
+            return f"an array has at most {MAX_DIMENSIONS} dimensions"
         for low, high in type_.bounds:
             if high < low:
                 return f"the array ends before it begins ({low}..{high})"

@@ -87,12 +87,12 @@ def test_a_source_is_shown_as_one():
 @pytest.mark.parametrize(
     ("type_", "data", "doubt"),
     [
-        ("FloatingPoint", "7F 80 00 00", "no finite number"),
-        ("FloatingPoint", "7F C0 00 00", "no finite number"),
+        ("FloatingPoint", "7F 80 00 00", "not a finite number"),
+        ("FloatingPoint", "7F C0 00 00", "not a finite number"),
         ("FloatingPoint", "00 00 03 E8", "the type is probably another one"),
         ("FloatingPoint", "C1 20 00 00", "outside the limits 0..100"),
         ("Unsigned16", "00 65", "outside the limits"),
-        ("Unsigned32", "00 01", "2 bytes came"),
+        ("Unsigned32", "00 01", "2 bytes were received"),
         ("Boolean", "07", "neither 0 nor 1"),
         ("VisibleString[2]", "41 07", "cannot be printed"),
     ],

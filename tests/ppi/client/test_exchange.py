@@ -96,12 +96,12 @@ def test_what_a_line_does_for_a_while(fault):
     [
         ("silence:times=always", "station 2 does not answer (3 times sent)"),
         ("deaf:times=always", "station 2 does not answer (3 times sent)"),
-        ("garbage:data=11,times=always", "3 damaged frames instead of an answer of station 2 (3 times sent)"),
+        ("garbage:data=11,times=always", "3 damaged frames instead of an answer from station 2 (3 times sent)"),
         ("silence:at=poll,times=always", "station 2 does not answer (10 polls)"),
         ("not_ready:times=always", "station 2 is not ready: E5 without end (10 polls)"),
-        ("fcs:times=always", "10 damaged frames instead of an answer of station 2 (10 polls)"),
-        ("cut:value=20,at=poll,times=always", "a frame of station 2 broke off after 20 bytes (10 polls)"),
-        ("cut:value=3,at=poll,times=always", "10 damaged frames instead of an answer of station 2 (10 polls)"),
+        ("fcs:times=always", "10 damaged frames instead of an answer from station 2 (10 polls)"),
+        ("cut:value=20,at=poll,times=always", "a frame from station 2 broke off after 20 bytes (10 polls)"),
+        ("cut:value=3,at=poll,times=always", "10 damaged frames instead of an answer from station 2 (10 polls)"),
         ("reference:times=always,value=9", "no answer from station 2 (10 polls): an answer to request 0009h"),
         ("nack:times=always", "station 2 has no resource (NACK 02h, 3 times sent)"),
         ("nack:at=poll,times=always", "station 2 has no resource (NACK 02h, 10 polls)"),
@@ -128,7 +128,7 @@ def test_a_whole_frame_with_a_wrong_sum_did_not_break_off():
     client, _, _, _ = connect(["fcs:times=always"])
     with pytest.raises(NoAnswerError) as caught:
         client.read("VW100")
-    assert caught.value.diagnostics[0].message.startswith("10 damaged frames instead of an answer of station 2")
+    assert caught.value.diagnostics[0].message.startswith("10 damaged frames instead of an answer from station 2")
 
 
 def test_foreign_traffic_without_end_does_not_hold_us():

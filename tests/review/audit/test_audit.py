@@ -509,7 +509,7 @@ def test_two_reads_into_one_db_are_an_error(project):
     edit(project / "OB1.awl", "P#DB6.DBX0.0 BYTE 10", "P#DB4.DBX0.0 BYTE 10")
     found = [d for d in findings(project) if d.code == "PG659"]
     assert [d.message for d in found] == [
-        'DB "RD_DataBuffer_1" is read by nobody: its request is sent, but no RDREC fetches the answer',
-        "RDREC in OB1 fills P#DB4.DBX0.0 BYTE 10, which RDREC in OB1 fills already",
+        'DB "RD_DataBuffer_1" is never filled: its request is sent, but no RDREC fetches the answer',
+        "RDREC in OB1 fills P#DB4.DBX0.0 BYTE 10, which RDREC in OB1 already fills",
     ]
     assert found[1].notes[0].span.line < found[1].span.line

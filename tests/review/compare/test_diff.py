@@ -210,19 +210,19 @@ def test_policy(tmp_path):
     [
         ("- a", [("PG106", 1, 1, "a policy is a mapping of change ids to classes")]),
         ("", [("PG101", 1, 1, "the file is empty")]),
-        ("code-changed: [breaking]", [("PG631", 1, 15, "this is no class of change")]),
+        ("code-changed: [breaking]", [("PG631", 1, 15, "this is not a class of change")]),
         (
             "code-changd: breaking\ncode-changed: severe\nstart-value: 5\njob-added: BREAKING\njob-timing:\n",
             [
                 ("PG631", 1, 1, 'there is no kind of change "code-changd"'),
-                ("PG631", 2, 15, '"severe" is no class of change'),
-                ("PG631", 3, 14, '"5" is no class of change'),
-                ("PG631", 5, 12, "this is no class of change"),
+                ("PG631", 2, 15, '"severe" is not a class of change'),
+                ("PG631", 3, 14, '"5" is not a class of change'),
+                ("PG631", 5, 12, "this is not a class of change"),
             ],
         ),
         ("job-added: breaking\njob-added: compatible\nx: y", [
             ("PG103", 2, 1, 'key "job-added" appears twice'), ("PG631", 3, 1, 'there is no kind of change "x"'),
-            ("PG631", 3, 4, '"y" is no class of change'),
+            ("PG631", 3, 4, '"y" is not a class of change'),
         ]),
     ],
 )  # fmt: skip

@@ -169,7 +169,7 @@ def test_an_unknown_scope_is_refused(scope: str) -> None:
     [
         ("Array[5..1] of Int", "x: the array ends before it begins (5..1)"),
         ("Array[0..2147483648] of Int", "x: the array bounds 0..2147483648 are no 32-bit numbers"),
-        ("Array[0..1,0..1,0..1,0..1,0..1,0..1,0..1] of Int", "x: an array has 6 dimensions at most"),
+        ("Array[0..1,0..1,0..1,0..1,0..1,0..1,0..1] of Int", "x: an array has at most 6 dimensions"),
         ("String[255]", "x: STRING has 1 to 254 characters, not 255"),
         ("Array[0..1] of String[0]", "x: STRING has 1 to 254 characters, not 0"),
         ("WString[16383]", "x: WSTRING has 1 to 16382 characters, not 16383"),

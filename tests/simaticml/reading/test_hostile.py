@@ -354,7 +354,7 @@ def test_names_of_elements_do_not_fill_the_memory() -> None:
     [
         ('<Token Text=";" UId="22"/><Blank UId="21"/>', "UId 21 comes after 22: they ascend in document order"),
         ('<Token Text=";" UId="21"/><Blank UId="21"/>', "UId 21 is used twice in one network"),
-        ('<Token Text=";" UId="x"/>', "UId x is no number"),
+        ('<Token Text=";" UId="x"/>', "UId x is not a number"),
     ],
 )
 def test_uids_ascend(elements: str, message: str) -> None:

@@ -120,7 +120,7 @@ def _missing(plan: DrivePlan, match: Match, matches: Sequence[Match]) -> None:
         return
     ref = match.ref
     message = f'no DB for the {match.role} of {match.name}: neither DB{ref.number} nor "{ref.name}" is in the sources'
-    help_ = "name its file too, or say in the spec which DB it is (request/response: {db, name})"
+    help_ = "also name its file, or state in the spec which DB it is (request/response: {db, name})"
     span = plan.loaded.key_span(match.job.path)
     match.report("PG650", message, span, help_, severity=Severity.WARNING)
 

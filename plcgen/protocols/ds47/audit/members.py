@@ -116,8 +116,8 @@ class _Check:
         if at_end:
             return
         for slot in slots:
-            message = f"{slot.path} at byte {slot.offset} is no part of the telegram: everything after it moves"
-            self.match.report("PG653", message, slot.span, "remove it, or move it behind the telegram")
+            message = f"{slot.path} at byte {slot.offset} is not part of the telegram: everything after it is shifted"
+            self.match.report("PG653", message, slot.span, "remove it, or move it after the telegram")
         self.moved = True
 
     # --- by width -------------------------------------------------------------------------------------

@@ -57,7 +57,7 @@ def _fetched_twice(audits: Sequence[CallAudit]) -> None:
             continue
         other = first.setdefault(id(audit.match), audit)
         if other is not audit:
-            message = f"{audit.call.title} fills {audit.call.record.text}, which {other.call.title} fills already"
+            message = f"{audit.call.title} fills {audit.call.record.text}, which {other.call.title} already fills"
             notes = (Note("the other call", other.call.span),)
             audit.report("PG659", message, audit.call.span, "give each RDREC a response DB of its own", notes=notes)
 
@@ -74,7 +74,7 @@ def _never_fetched(audits: Sequence[CallAudit], matches: Sequence[Match]) -> Non
     fetched = {id(audit.match.telegram) for audit in audits if audit.match is not None and not audit.call.writes}
     for match in matches:
         if match.role == "response" and match.buffer is not None and id(match.telegram) in sent - fetched:
-            message = f"{match.buffer.title} is read by nobody: its request is sent, but no RDREC fetches the answer"
+            message = f"{match.buffer.title} is never filled: its request is sent, but no RDREC fetches the answer"
             match.report("PG659", message, match.buffer.span, "call RDREC with this DB as RECORD after WRREC")
 
 
@@ -108,7 +108,7 @@ def _record(audit: CallAudit, matches: Sequence[Match]) -> None:
         return
     if record.start:
         message = f"RECORD of {call.title} begins at byte {record.start} of {record.text}, the telegram at byte 0"
-        audit.report("PG659", message, record.span, "let RECORD begin with the first byte of the DB")
+        audit.report("PG659", message, record.span, "let RECORD begin at the first byte of the DB")
     need = len(match.telegram.request.data) if call.writes else _longest(match)
     room = _room(record, match)
     if record.length is not None and record.length < need and (match.buffer is None or match.buffer.size >= need):
@@ -181,9 +181,7 @@ def _fetched(audit: CallAudit, match: Match, value: int, place: Span) -> None:
         message = (
             f"MLEN is {value}, {which} answer of {match.name} has {need if which != 'the positive' else positive} bytes"
         )
-        help_ = (
-            f"MLEN := {need} (positive {positive}, negative {negative}): a longer record is refused with 80A1 or cut"
-        )
+        help_ = f"MLEN := {need} (positive {positive}, negative {negative}): a longer record is refused (80A1) or cut"
         audit.report("PG658", message, place, help_, notes=_spec(match))
         return
     record = audit.call.record
@@ -244,5 +242,7 @@ def _alone(audit: CallAudit, plan: DrivePlan) -> None:
     index = call.arguments["INDEX"]
     if index.value is not None and index.value & 0xFFFF not in known:
         audit.notes.append(f"INDEX {index.text} is not that of a drive of the spec")
-    what = "is a variable: which job it is for is not known" if record is None or record.local else "is of no job"
+    what = (
+        "is a variable: it is not known which job it is for" if record is None or record.local else "belongs to no job"
+    )
     audit.notes.append(f"RECORD {record.text if record is not None else ''} {what}")

@@ -46,7 +46,7 @@ def _buffer(match: Match, plan: DrivePlan) -> None:
         return
     optimized = buffer.block.optimized
     if optimized or (optimized is None and plan.target.t15):
-        message = f"{buffer.title} has optimized access: its members have no fixed places"
+        message = f"{buffer.title} has optimized access: its members have no fixed offsets"
         match.report("PG654", message, buffer.span, "{ S7_Optimized_Access := 'FALSE' }")
     pairs = check_members(match, expected_fields(match), buffer.slots)
     if match.role == "request":

@@ -48,7 +48,7 @@ def _swapped(match: Match, pairs: Sequence[Pair], memory: bytes) -> set[str]:
                 f"start values of {here.path} and {there.path} are swapped: they ask for "
                 f"P{int.from_bytes(given[0])}[{int.from_bytes(given[1])}] instead of {wanted}"
             )
-            match.report("PG656", message, here.span, "exchange the two values")
+            match.report("PG656", message, here.span, "swap the two values")
             return {"pnu", "subindex"}
     return set()
 

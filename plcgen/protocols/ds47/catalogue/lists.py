@@ -92,7 +92,7 @@ def load_list(path: Path) -> ParameterList:
 def load_sheets(path: Path) -> Sequence[Sequence[Row]]:
     """The rows of a file: one sheet of a CSV, the sheets of a workbook. Raises as ``load_list`` does."""
     if path.suffix.lower() in {".xls", ".ods"}:
-        raise wrong(path, f"{path.suffix} is not read", "save it as XLSX or CSV")
+        raise wrong(path, f"{path.suffix} files are not supported", "save it as XLSX or CSV")
     try:
         data = read_bounded(path, MAX_BYTES)
     except OSError as problem:

@@ -88,7 +88,7 @@ def _stated(base: Parameter, one: ListedParameter, skipped: list[str]) -> Iterat
     fmt = read_type(base.type)[0] if base.type else None
     low, high = one.minimum, one.maximum
     if low is not None and high is not None and low > high:
-        skipped.append(f"line {one.line}: {_called(one)} has a minimum over its maximum")
+        skipped.append(f"line {one.line}: {_called(one)} has a minimum above its maximum")
         return
     limits: tuple[tuple[Fact, float | None], ...] = (("min", low), ("max", high))
     for fact, limit in limits:
@@ -96,7 +96,7 @@ def _stated(base: Parameter, one: ListedParameter, skipped: list[str]) -> Iterat
             continue
         value = _fitting(fmt, limit)
         if value is None:
-            skipped.append(f"line {one.line}: {fact} {limit:g} of {_called(one)} is none of type {base.type}")
+            skipped.append(f"line {one.line}: {fact} {limit:g} of {_called(one)} is not a value of type {base.type}")
         else:
             yield fact, value
 

@@ -102,7 +102,7 @@ def _named(rows: Sequence[tuple[int, list[str]]], path: Path) -> dict[int, list[
         gap = next((index for index in range(len(elements)) if index not in elements), None)
         if gap is not None:
             line = min(one.line for index, one in elements.items() if index > gap)
-            raise wrong(path, f"r{number}[{gap}] is missing in front of this line", "copy the whole array", line)
+            raise wrong(path, f"r{number}[{gap}] is missing before this line", "copy the whole array", line)
     return {number: [elements[index] for index in sorted(elements)] for number, elements in found.items()}
 
 
@@ -154,7 +154,7 @@ def _up_to_zeros(elements: Sequence[_Element], path: Path) -> Iterator[_Element]
     zero = False
     for one in elements:
         if zero and one.value:
-            message = f"{one.value} comes after a 0, with which such a list ends"
+            message = f"{one.value} comes after the 0 that ends such a list"
             raise wrong(path, message, "give the values in the order of their indexes", one.line)
         zero = zero or not one.value
         if not zero:

@@ -30,7 +30,7 @@ def page(device: Device, parameter: Parameter) -> Page:
     names, how = known.pop("values", ({}, ""))
     sections = [("Facts", "\n".join(_line(device, fact, value, grade) for fact, (value, grade) in known.items()))]
     if not parameter.type:
-        sections.append(("Type", "unknown: a job has to give it, {parameter: .., type: ..}"))
+        sections.append(("Type", "unknown: a job must give it, {parameter: .., type: ..}"))
     if names:
         sections.append((f"Names of values ({how})", told_value(names)))
     if parameter.observed is not None:

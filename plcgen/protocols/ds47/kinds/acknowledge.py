@@ -17,7 +17,7 @@ ACKNOWLEDGES = 3981
 
 def _meant(value: object) -> object:
     if value is False:
-        raise problem("a job that shall not acknowledge is none", help_="write true, or leave the job out")
+        raise problem("a job that does not acknowledge does nothing", help_="write true, or leave the job out")
     return {} if value is True else value
 
 

@@ -17,7 +17,7 @@ ACTIVATES, ACTIVE = 105, 106
 
 def _state(value: object) -> object:
     if (isinstance(value, str) and value not in {"not_present", "input"}) or type(value) is int:
-        raise problem(f'"{value}" is no state of a drive object', help_="write true, false, not_present or input")
+        raise problem(f'"{value}" is not a state of a drive object', help_="write true, false, not_present or input")
     return {"state": value} if isinstance(value, bool | str) else value
 
 

@@ -128,7 +128,7 @@ def within_limit(interval: int, info: ValidationInfo) -> int:
     """The interval of questions, if the first of them does not come after the limit."""
     limit = info.data.get("limit")
     if limit is not None and interval > limit:
-        raise problem("the first question comes after the limit", help_="make interval shorter or limit longer")
+        raise problem("the first poll would come after the limit", help_="make interval shorter or limit longer")
     return interval
 
 

@@ -49,7 +49,7 @@ class WaitSettings(StrictModel):
     def _in_time(self) -> WaitSettings:
         if self.interval > self.timeout:
             raise problem(
-                "the second question comes after the timeout", help_="make interval shorter or timeout longer"
+                "the second poll would come after the timeout", help_="make interval shorter or timeout longer"
             )
         return self
 
@@ -57,14 +57,14 @@ class WaitSettings(StrictModel):
 def _condition(place: int, key: str, value: Any) -> dict[str, Any]:
     if not isinstance(value, bool | int | float | str) or value == "":
         help_ = f'for example {{{key}: 1}} or {{{key}: "> 100.0"}}'
-        raise problem(f"it is not said what {key} must be", help_=help_)
+        raise problem(f"the value that {key} must have is missing", help_=help_)
     operator = "="
     wanted: bool | int | float | str | None = value
     compared = _COMPARISON.match(value) if isinstance(value, str) else None
     if compared is not None:
         operator, wanted = compared[1], resolve_plain(compared[2])
     if wanted is None or wanted == "":
-        raise problem(f'"{value}" compares {key} with nothing', help_=f'for example "{operator} 100.0"')
+        raise problem(f'"{value}" has no value to compare {key} with', help_=f'for example "{operator} 100.0"')
     found = _BIT.match(key)
     return {
         "parameter": key if found is None else found[1],
@@ -97,7 +97,7 @@ def _conditions(value: object) -> object:
         if key not in WAIT_TIMES
     )
     if not conditions:
-        raise problem("it is not said for what the step waits", help_="for example {r722.0: 1, timeout: 5s}")
+        raise problem("the step does not say what it waits for", help_="for example {r722.0: 1, timeout: 5s}")
     return {"conditions": conditions, **{key: value[key] for key in WAIT_TIMES if key in value}}
 
 
@@ -120,8 +120,8 @@ class SequenceStep(StrictModel):
         given = [key for key in SequenceStep.model_fields if getattr(self, key)]
         if len(given) != 1:
             what = " and ".join(given) if given else "nothing"
-            help_ = "a step is one of read, write, until: make a step of each"
-            raise problem(f"a step does one thing, this one {what}", help_=help_)
+            help_ = "a step is one of read, write, until: make a separate step for each"
+            raise problem(f"a step does only one thing, but this one {what}", help_=help_)
         return self
 
 

@@ -84,13 +84,15 @@ class S7Connection:
             with self._limit():
                 return bytes(self._client.read_area(Area.DB, db, start, size))
         except (S7ConnectionError, S7TimeoutError, OSError) as problem:
-            raise self._lost(f"{self.place} broke off: {_line(problem)}") from problem
+            raise self._lost(f"the connection to {self.place} was lost: {_line(problem)}") from problem
         except S7Error as problem:
             if self._late or not self._client.get_connected():
-                raise self._lost(f"{self.place} broke off: {_line(problem)}") from problem
+                raise self._lost(f"the connection to {self.place} was lost: {_line(problem)}") from problem
             raise RefusedError(_line(problem)) from problem
         except (ValueError, IndexError, KeyError) as problem:
-            raise self._lost(f"{self.place} answered something that is no S7 telegram: {_line(problem)}") from problem
+            raise self._lost(
+                f"{self.place} answered with something that is not an S7 telegram: {_line(problem)}"
+            ) from problem
 
     @contextlib.contextmanager
     def _limit(self) -> Iterator[None]:

@@ -73,7 +73,7 @@ def decoded(parameter: Parameter, index: int, data: bytes) -> Reading:
     fmt, octets = read_type(parameter.type)
     size = octets or fmt.size
     if len(data) != size:
-        return Reading(parameter, index, data, None, f"{len(data)} bytes came, {parameter.type} has {size}")
+        return Reading(parameter, index, data, None, f"{len(data)} bytes were received, {parameter.type} has {size}")
     (value,) = unpack_values(fmt, octets or 1, data) if fmt.kind is not FormatKind.OPAQUE else [data]
     doubt = _doubt(parameter, fmt, data, value)
     return Reading(parameter, index, data, None if doubt else value, doubt)
@@ -86,7 +86,7 @@ def _doubt(parameter: Parameter, fmt: Format, data: bytes, value: Value) -> str:
         return "text with characters that cannot be printed"
     if isinstance(value, float):
         if not math.isfinite(value):
-            return "no finite number, so the type is probably another one"
+            return "not a finite number, so the type is probably another one"
         if value and abs(value) < _TINY:
             return f"{value:.3g} as {fmt.name}, so the type is probably another one"
     if isinstance(value, int | float) and not isinstance(value, bool) and not parameter.bico:

@@ -42,12 +42,12 @@ def kind_of(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> JobK
         if job.verify is not None:
             return saved[0]
         message = f'job "{key}" saves what it has not read back'
-        help_ = "add verify: readback, or make two jobs of it"
+        help_ = "add verify: readback, or split it into two jobs"
         report.add(Diagnostic("PG218", message, loaded.key_span(("jobs", key)), help=help_))
         return None
     names = " or ".join(kind.key for kind in given)
     what = f"either {names}, not both" if given else "what to read, what to write or what to save"
-    help_ = "make two jobs of it" if given else f"add {' or '.join(kind.example for kind in kinds())}"
+    help_ = "split it into two jobs" if given else f"add {' or '.join(kind.example for kind in kinds())}"
     report.add(Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help=help_))
     return None
 
@@ -163,7 +163,7 @@ class Accesses:
         device, name = self.resolver.device.key, item.parameter
         if known is not None and known.type and setting is not None and known.maximum is None:
             message = f"nobody has looked up whether {name} of {device} takes {setting}"
-            help_ = f"if your drive does, say so in it: parameters: {{{name}: {{type: {known.type}, max: 12}}}}"
+            help_ = f"if your drive does, define it there: parameters: {{{name}: {{type: {known.type}, max: 12}}}}"
             self.report.add(Diagnostic("PG243", message, self.loaded.span((*path, "setting")), help=help_))
             return False
         if known is not None and known.type:

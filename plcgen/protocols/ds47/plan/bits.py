@@ -84,9 +84,9 @@ class BitResolver:
         fmt, place = word.format, (*path, "parameter")
         top = 8 * fmt.size - 1
         if word.count > 1:
-            self._problem(f"{word.label} is several values: a bit is in one of them", place, "write one index")
+            self._problem(f"{word.label} has several values: a bit belongs to one of them", place, "write one index")
         elif word.sources or word.parameter.bico:
-            self._problem(f"{word.label} is a source, no word with bits", place, "write it as a whole: r722.2")
+            self._problem(f"{word.label} is a source, not a word with bits", place, "write it as a whole: r722.2")
         elif fmt.kind not in {FormatKind.SIGNED, FormatKind.UNSIGNED} or fmt.size > _LONGEST:
             index = f"write {word.label}[{number}] for an index" if word.first is None else "write it as a whole"
             self._problem(f"{word.label} is {fmt.name}, which has no bits", place, index)

@@ -258,8 +258,10 @@ def _own_blocks(
     if keys:
         why = f"has {telegrams} telegrams" if telegrams > 1 else f"has {drives} drives"
         why = works or why
-        message = f'"{path[-1]}" {why}: data blocks of its own are for one telegram of one drive that reads or writes'
-        help_ = "leave the data blocks out, or make several jobs of it"
+        message = (
+            f'"{path[-1]}" {why}: only one telegram of one drive that reads or writes can have data blocks of its own'
+        )
+        help_ = "leave the data blocks out, or split the job"
         report.add(Diagnostic("PG223", message, loaded.key_span((*path, keys[0])), help=help_))
     return False
 
@@ -311,7 +313,7 @@ def _packed(
         return None if divided(packed, loaded, report) else packed
     if packed is not None:
         message = f"the job needs more than {pack.MAX_TELEGRAMS} telegrams"
-        report.add(Diagnostic("PG307", message, loaded.key_span(uses[0].path[:2]), help="make several jobs of it"))
+        report.add(Diagnostic("PG307", message, loaded.key_span(uses[0].path[:2]), help="split it into several jobs"))
         return None
     long = max(uses, key=lambda use: use.count * use.format.size)
     message = f"{long.label} does not fit one record of {device.record_limit} bytes"
@@ -329,7 +331,7 @@ def _report_unsplittable(
     parts = [Part(use, 0, use.count) for use in uses]
     write = uses[0].writes
     place = loaded.span((*path, kind.key))
-    help_ = "allow several telegrams (split: auto) or make two jobs of it"
+    help_ = "allow several telegrams (split: auto) or split it into two jobs"
     if len(parts) > device.max_parameters:
         message = f"{len(parts)} parameters in one telegram; {device.key} takes {device.max_parameters}"
         report.add(Diagnostic("PG302", message, place, help=help_))

@@ -68,8 +68,8 @@ def _state(name: str, path: SpecPath, resolver: UseResolver) -> Use | None:
             return None if found is None else replace(found, state=True)
         problem = f"is {known.type}: the bits that say whether the drive runs are in a word"
     else:
-        problem = "has not been looked up: it is not known whether it says that the drive runs"
+        problem = "has not been looked up: it is not known whether it shows that the drive runs"
     help_ = f"look it up in the list manual and define it in the drive: parameters: {{r{STATE}: {{type: Unsigned16}}}}"
     message = f"r{STATE} of {resolver.device.key} {problem}"
-    resolver.problem("PG257", message, place, f"{help_}; or sign off restoring while it runs")
+    resolver.problem("PG257", message, place, f"{help_}; or sign off restoring while the drive runs")
     return None

@@ -43,8 +43,8 @@ class Recipes:
         where = self._numbering.where
         for use in uses:
             if use.format.is_string or element_type(use.format, where) is None:
-                message = f"{use.label} is {use.format.name}: a recipe has numbers that this CPU has a type for"
-                resolver.problem("PG255", message, (*use.path, "parameter"), "read or write it in a job of its own")
+                message = f"{use.label} is {use.format.name}: a recipe takes only numbers of a type that this CPU has"
+                resolver.problem("PG255", message, (*use.path, "parameter"), "read or write it in a separate job")
             else:
                 yield use
 
@@ -58,7 +58,7 @@ class Recipes:
             values = tuple(self._values(key, entry, uses, resolver))
             made = self.found[key] = PlannedRecipe(key, type_, db, uses, entry.names, values, entry.comment or {})
         elif _meanings(made.uses) != _meanings(uses):
-            message = f'the parameters of recipe "{key}" are others for "{job}" than for the job that used it first'
+            message = f'the parameters of recipe "{key}" are not the same for "{job}" as for the job that used it first'
             help_ = "make a recipe for each kind of drive"
             self._report.add(Diagnostic("PG255", message, self._loaded.key_span(("jobs", job)), help=help_))
         return made
@@ -102,7 +102,7 @@ class Recipes:
                 for resolver in first if _strange(item, known) else ():
                     resolver.resolve(item, position, ("recipes", key, "parameters", position - 1), write=True)
             if not told:
-                message = f'no job uses recipe "{key}": nothing is made of it'
+                message = f'no job uses recipe "{key}": nothing is generated from it'
                 help_ = f"add a job: {{drive: .., write_recipe: {key}}}"
                 place = self._loaded.key_span(("recipes", key))
                 self._report.add(Diagnostic("PG256", message, place, Severity.WARNING, help=help_))

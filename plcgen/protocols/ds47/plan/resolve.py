@@ -163,7 +163,7 @@ def _own_parameters(
                     "PG103",
                     f'parameter {reference.pnu} is defined twice: "{first}" and "{text}"',
                     loaded.key_span(path),
-                    help="remove one of them; letter case and zeros in front make no difference",
+                    help="remove one of them; letter case and leading zeros make no difference",
                     notes=(Note("first definition", loaded.key_span((*path[:-1], first))),),
                 )
             )

@@ -30,9 +30,9 @@ class Room:
         self._left -= max((len(one.telegrams) for one in jobs), default=0)
         if self._all < 0:
             message = f"the drive jobs up to here have more than {MAX_TELEGRAMS} telegrams"
-            return message, "divide the project: no CPU has room for so many"
+            return message, "split the project: no CPU has room for so many"
         if self._left < 0:
             message = f"the drive jobs up to here have more than {self.different} different telegrams"
             rest = f"a spec of {self.length:,} bytes has at most {SHORT} and one for every {BYTES} bytes"
-            return message, f"look at the ranges of indexes, or divide the project: {rest}"
+            return message, f"look at the ranges of indexes, or split the project: {rest}"
         return None

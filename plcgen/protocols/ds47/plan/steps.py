@@ -82,7 +82,7 @@ def divided(packed: Sequence[tuple[Part, ...]], loaded: LoadedSpec, report: Repo
     for first, second in pairwise(steps):
         if first.step == second.step:
             message = f"the conditions of step {first.step} do not fit one telegram"
-            help_ = "make several steps of it: each waits for its own"
+            help_ = "split it into several steps: each waits for its own conditions"
             report.add(Diagnostic("PG251", message, loaded.span(second.path), help=help_))
             return True
     return False

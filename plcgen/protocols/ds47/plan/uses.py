@@ -75,11 +75,11 @@ class UseResolver:
         fmt, octets = settled
         values = 1 if reference.first is None or reference.last is None else reference.last - reference.first + 1
         if octets and values > 1:
-            self.problem("PG206", f"{item.parameter}: several indexes of a string are several reads", place)
+            self.problem("PG206", f"{item.parameter}: several indexes of a string need several reads", place)
             return None
         count = octets if fmt.is_string else values
         if count * fmt.size > MAX_TELEGRAMS * self.device.record_limit:
-            help_ = "take fewer indexes, or several jobs"
+            help_ = "use fewer indexes, or several jobs"
             self.problem("PG307", f"{item.parameter} needs more than {MAX_TELEGRAMS} telegrams", place, help_)
             return None
         start = item.value if isinstance(item, WriteItem) and item.value is not None else None
@@ -133,7 +133,7 @@ class UseResolver:
             access = "r" if reference.pnu in guards.READ_ONLY else "rw"
             return Parameter(reference.pnu, given or "", access=access)
         if not known.type and given is None:
-            message = f"P{reference.pnu} ({known.title}) is known without its data type: {known.source}"
+            message = f"P{reference.pnu} ({known.title}) is in the catalogue without its data type: {known.source}"
             help_ = "look it up in the list manual of your firmware and give it: {type: Unsigned16}"
             self.problem("PG204", message, place, help_)
             return None

@@ -40,7 +40,7 @@ def clocking(job: DriveJob) -> Iterator[DriveScenario]:
         later=nothing,
     )
     yield DriveScenario(
-        name="there is a time only behind the edge",
+        name="there is a time only after the edge",
         moment=nothing, later=late, status=(WORDS["NO_TIME"],), checked=False,
     )  # fmt: skip
 

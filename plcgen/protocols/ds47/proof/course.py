@@ -76,7 +76,7 @@ class Course:
         again = {n for n, (one, other) in enumerate(pairs, 1) if one is other}
         again |= {self.handed} if status == WORDS["OCCUPIED"] and self.handed else set()
         if self.free != again:
-            raise ScenarioError(f"the unit was free behind telegrams {sorted(self.free)} instead of {sorted(again)}")
+            raise ScenarioError(f"the unit was free after telegrams {sorted(self.free)} instead of {sorted(again)}")
         if status == WORDS["NOT_REACHED"]:
             self._questions(scenario)
         step = self.telegrams[self.handed - 1].step if status != DONE and self.handed else 0

@@ -158,7 +158,7 @@ def compare(what: str, expected: Sequence[Expected], shown: wireshark.Dissected,
             unknown.add(str(value))
             return ""
         if position >= len(shown.fields):
-            return f"Wireshark sees the {what} end in front of {name} = {value}"
+            return f"Wireshark sees the {what} end before {name} = {value}"
         field, text = shown.fields[position]
         if field == wireshark.UNKNOWN:
             unknown.add(f"the format {expected[position - 2][1]:02X}h")

@@ -27,11 +27,11 @@ def listing(job: DriveJob) -> Iterator[DriveScenario]:
 def _changes(job: DriveJob) -> Iterator[DriveScenario]:
     """A message comes before, within or behind the telegrams of some of the tries."""
     telegrams, tries = len(job.telegrams), _tries(job)
-    yield DriveScenario(name="a message comes in front of the first telegram", events={1: comes(job)}, follow=False)
+    yield DriveScenario(name="a message comes before the first telegram", events={1: comes(job)}, follow=False)
     for tried in range(1, tries + 1):
         for at in range(2, telegrams + 1):
             events = {telegrams * before + at: comes(job) for before in range(tried)}
-            where = f"in front of telegram {at} of the first {tried} tries"
+            where = f"before telegram {at} of the first {tried} tries"
             yield _run(job, f"a message comes {where}", events, tried)
     for step in (0x100, 0x10000 - 1, 0x10000 - 0x100):
         name = f"a message comes, and {step} is added to the counter"

@@ -168,8 +168,8 @@ class Restoration:
         else:
             wanted = self.outcome()
         if (status, last) != wanted:
-            shown = f"16#{status:04X} behind telegram {last}"
-            raise ScenarioError(f"it ends with {shown} instead of 16#{wanted[0]:04X} behind telegram {wanted[1]}")
+            shown = f"16#{status:04X} after telegram {last}"
+            raise ScenarioError(f"it ends with {shown} instead of 16#{wanted[0]:04X} after telegram {wanted[1]}")
         if tells and cause not in scenario.causes:
             shown = " or ".join(f"16#{word:04X}" for word in scenario.causes)
             raise ScenarioError(f"cause is 16#{cause:04X} instead of {shown}")

@@ -133,7 +133,7 @@ def _guard(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     yield DriveScenario(name="a save before another", follow=False)
     yield DriveScenario(name="at once again", since=0, status=soon, checked=False, follow=False)
     yield DriveScenario(name="again just within the distance", since=near, status=soon, checked=False, follow=False)
-    yield DriveScenario(name="again behind the distance", since=far, follow=False)
+    yield DriveScenario(name="again after the distance", since=far, follow=False)
     yield DriveScenario(
         name="a save of which nobody knows whether the drive took it",
         reads={save: LOST}, status=(WORDS["UNKNOWN"],), telegram=save, answered=False, follow=False,

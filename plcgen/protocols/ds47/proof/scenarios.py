@@ -143,7 +143,7 @@ def _old_refusal(telegram: DriveTelegram) -> DriveScenario:
         return old + bytes.fromhex("440200110007") + good
 
     return DriveScenario(
-        name=f"an old refusal in front of the answer to telegram {telegram.number}",
+        name=f"an old refusal before the answer to telegram {telegram.number}",
         reads={telegram.number: edit, telegram.number + 2: STATE_CONFLICT},
         again=1,
         follow=False,
@@ -281,7 +281,7 @@ def silence(job: DriveJob) -> tuple[int, ...]:
 
 def _signals(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
     """Execute, inputs, the slot, restarts."""
-    yield DriveScenario(name="all inputs change behind the edge", meddle=True, busy=(3, 3))
+    yield DriveScenario(name="all inputs change after the edge", meddle=True, busy=(3, 3))
     yield DriveScenario(name="an address with bit 15", output=True, follow=False)
     for at in (2, scans):
         name = f"execute falls before scan {at} and rises in the call after the end"

@@ -100,7 +100,7 @@ def left_out(plan: DrivePlan) -> list[str]:
     found = []
     if tried != POINTS:
         shown = ", ".join(map(str, tried))
-        found.append(f"restarts, downloads and lost drives only {shown} scans behind the start of all jobs")
+        found.append(f"restarts, downloads and lost drives only {shown} scans after the start of all jobs")
     if blocks > FEW:
         found.append(f"other instances of {blocks - FEW} job blocks at {FEW} of {len(OFFSETS)} start offsets")
     if len(plan.jobs) > LARGE:

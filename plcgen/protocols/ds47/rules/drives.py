@@ -44,7 +44,7 @@ def without_clock(plan: DrivePlan) -> Iterator[Diagnostic]:
             "PG254",
             f"drive object {drive.drive_object} of {drive.key} has no clock: it is in the control unit",
             key_or_value(plan, (*drive.path, "drive_object")),
-            help="make the control unit a drive of the unit, with drive_object: 1, and set its clock",
+            help="add the control unit to the unit as a drive with drive_object: 1, and set its clock",
         )
 
 
@@ -80,7 +80,7 @@ def separate_objects(plan: DrivePlan) -> Iterator[Diagnostic]:
         inner = ", ".join(f"{drive.key}: {{..}}" for drive in drives[:2])
         yield Diagnostic(
             "PG224",
-            f"{names} have several drive objects of {key}: a control unit takes one request at a time",
+            f"{names} are different drive objects of a {key}: a control unit takes one request at a time",
             plan.loaded.key_span(drives[1].path),
             Severity.WARNING,
             help=f"units: {{cu1: {{device: {key}, drives: {{{inner}}}}}}}, with one drive in a unit that has no other",
@@ -93,11 +93,11 @@ def places(plan: DrivePlan) -> Iterator[Diagnostic]:
     for unit in plan.units:
         if plan.slots(unit) > room.slots:
             message = f"{plan.slots(unit)} job instances on {unit.key}: a unit has {room.slots} places"
-            yield Diagnostic("PG225", message, plan.loaded.key_span(unit.path), help="join jobs of the unit")
+            yield Diagnostic("PG225", message, plan.loaded.key_span(unit.path), help="combine jobs of the unit")
     if len(plan.units) > room.channels:
         unit = plan.units[room.channels]
         message = f"{len(plan.units)} units: a CPU has {room.channels} places"
-        yield Diagnostic("PG225", message, plan.loaded.key_span(unit.path), help="divide the project")
+        yield Diagnostic("PG225", message, plan.loaded.key_span(unit.path), help="split the project")
 
 
 def shared_address(plan: DrivePlan) -> Iterator[Diagnostic]:
@@ -111,7 +111,7 @@ def shared_address(plan: DrivePlan) -> Iterator[Diagnostic]:
             continue
         yield Diagnostic(
             "PG221",
-            f'drives "{earlier.key}" and "{drive.key}" are the same: one {key}, one drive object',
+            f'drives "{earlier.key}" and "{drive.key}" have the same {key} and the same drive object',
             given.span,
             Severity.WARNING,
             help=f'use "{earlier.key}" for both, or correct the {key} or the drive_object',

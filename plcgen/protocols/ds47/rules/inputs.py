@@ -25,7 +25,7 @@ def unconnected(plan: DrivePlan) -> Iterator[Diagnostic]:
             if found is not None and use.writes and not given_start(plan, shape, use):
                 device = found.drive.device.key
                 what = "member of the records" if use.recorded else "input"
-                message = f"{use.label} is a limit or reference of {device}, and its {what} has no start value"
+                message = f"{use.label} is a limit or reference value of {device}, and its {what} has no start value"
                 help_ = f"write {use.label}: {{start: ..}}, or a constant"
                 help_ = f"write {{parameter: {use.label}, start: ..}}" if use.recorded else help_
                 yield Diagnostic("PG226", message, parameter_span(plan, use), help=help_)

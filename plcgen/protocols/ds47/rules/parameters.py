@@ -35,7 +35,7 @@ def _no_access(plan: DrivePlan, job: DriveJob, use: Use) -> tuple[str, str] | No
     if use.writes and not use.parameter.source and spelling(plan, job, use).strip()[:1] in {"r", "R"}:
         if use.parameter.pnu in own_numbers(plan, job):
             return None
-        what = "is written with r, which marks a parameter that can only be read"
+        what = "is written with r, which marks a read-only parameter"
         return what, f"write P{use.parameter.pnu} if the drive accepts values for it"
     if not use.writes and use.parameter.access == "w" and use.verifies is None and use.remembers is None:
         return "can only be written", f"remove it from {job.kind}"
@@ -125,9 +125,9 @@ def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:
                 continue
             size = use.count * use.format.size
             if use.format.name in _OPAQUE:
-                help_ = "no S7 CPU has this type: take the bytes apart in your own code"
+                help_ = "no S7 CPU has this type: decode the bytes in your own program"
             else:
-                help_ = "an S7-1500 has a type for it; on this CPU, take the bytes apart in your own code"
+                help_ = "an S7-1500 has a type for it; on this CPU, decode the bytes in your own program"
             yield Diagnostic(
                 "PG220",
                 f"{use.label} is {use.format.name}: an {family} holds it only as {size} bytes",
@@ -146,7 +146,7 @@ def unknown_types(plan: DrivePlan) -> Iterator[Diagnostic]:
             told.add(known)
             yield Diagnostic(
                 "PG228",
-                f"{use.label}{of_drive(plan, job)} is {use.format.name} by general knowledge: nobody has looked it up",
+                f"{use.label}{of_drive(plan, job)} is {use.format.name} from general knowledge: nobody has looked it up",
                 parameter_span(plan, use),
                 Severity.WARNING,
                 help=f"look it up, then define it in the drive: parameters: {{P{use.parameter.pnu}: {{type: ..}}}}",
@@ -169,7 +169,7 @@ def definitions(plan: DrivePlan) -> Iterator[Diagnostic]:
                 "PG107",
                 f"{text}: min {own.min:g} is larger than max {own.max:g}",
                 plan.loaded.span((*path, "min")),
-                help="exchange the two",
+                help="swap the two",
                 notes=(Note("max", plan.loaded.span((*path, "max"))),),
             )
 

@@ -23,7 +23,7 @@ def readable(plan: DrivePlan) -> Iterator[Diagnostic]:
             "PG246",
             f"{use.label}{of_drive(plan, job)} cannot be read back: {why}",
             parameter_span(plan, use),
-            help="write it in a job of its own, without verify",
+            help="write it in a separate job, without verify",
         )
 
 
@@ -31,7 +31,7 @@ def _why_not(parameter: Parameter) -> str:
     if parameter.access == "w":
         return "it can only be written"
     if parameter.pnu == UTC[-1]:
-        return "it is a time, which goes on"
+        return "it is a time, which keeps running"
     return "the drive sets it back automatically" if parameter.pnu in guards.SET_BACK else ""
 
 
@@ -43,8 +43,8 @@ def not_restored(plan: DrivePlan) -> Iterator[Diagnostic]:
         place = plan.loaded.key_span((*job.path, "on_error"))
         own = len(job.telegrams) - len(job.saving)
         if job.restores and own > _EACH_WAY:
-            message = f'"{job.shape}" needs {own} telegrams: what is restored fits one each way'
-            yield Diagnostic("PG258", message, place, help="make several jobs of it")
+            message = f'"{job.shape}" needs {own} telegrams: restoring takes one telegram in each direction'
+            yield Diagnostic("PG258", message, place, help="split it into several jobs")
         elif not job.verified and job.kind in {"write", "write_recipe"}:
             message = f'"{job.shape}" does not read back: it would not know what to restore'
             yield Diagnostic("PG258", message, place, help="add verify: readback")

@@ -30,9 +30,9 @@ def counted_apart(plan: DrivePlan) -> Iterator[Diagnostic]:
         what = f"P{number} of {job.drive.key}"
         yield Diagnostic(
             "PG244",
-            f'"{earlier.key}" and "{job.key}" both save {what}: neither knows when the other one did',
+            f'"{earlier.key}" and "{job.key}" both save {what}: neither knows when the other one saved',
             parameter_span(plan, job.uses[-1]),
-            help="start one job from both places: it counts all saves",
+            help="start one job from both places: that job then counts all saves",
             notes=(Note("first use", parameter_span(plan, earlier.uses[-1])),),
         )
 

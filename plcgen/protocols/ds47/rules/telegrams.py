@@ -87,7 +87,7 @@ def request_buffer(plan: DrivePlan) -> Iterator[Diagnostic]:
                     "PG304",
                     f"one {which} size for {len(job.telegrams)} telegrams: this job is split",
                     span,
-                    help="leave size out, or make several jobs of it",
+                    help="leave size out, or split it into several jobs",
                 )
             elif which == "request":
                 yield from _request_size(plan, job.telegrams[0], size, job)
@@ -111,7 +111,7 @@ def _request_size(plan: DrivePlan, telegram: DriveTelegram, size: int, job: Driv
             f"request size {size} has no effect: the telegram and {block} have {needed} bytes",
             span,
             Severity.WARNING,
-            help="leave size out: a drive refuses bytes behind the telegram",
+            help="leave size out: a drive refuses bytes after the telegram",
         )
 
 

@@ -43,7 +43,7 @@ def load_drive(text: str, file: str = "<drive>") -> Drive:
 def _object_number(key: object) -> object:
     if isinstance(key, str) and key.isdecimal() and int(key) <= 0xFF:
         return int(key)
-    raise problem(f'"{key}" is no drive object number')
+    raise problem(f'"{key}" is not a drive object number')
 
 
 class BehaviourKeys(StrictModel):
@@ -98,7 +98,7 @@ def _format(name: object) -> Format:
     except KeyError:
         pass
     known = ", ".join(item.name for item in formats.FORMATS if item.writable)
-    raise problem(f'"{name}" is no data type', help_=f"types: {known}")
+    raise problem(f'"{name}" is not a data type', help_=f"types: {known}")
 
 
 _TYPES: dict[str, Any] = {
@@ -115,7 +115,7 @@ def _value(fmt: Format, value: Any) -> Value:
     except FormatValueError as wrong:
         raise problem(str(wrong)) from None
     except ValueError:
-        raise problem(f'"{value}" is no hexadecimal text') from None
+        raise problem(f'"{value}" is not hexadecimal text') from None
     found: Value = value
     return found
 
@@ -228,7 +228,7 @@ class ParameterKeys(StrictModel):
     @classmethod
     def _holds_all(cls, array: bool | None, info: ValidationInfo) -> bool | None:  # noqa: FBT001 - pydantic's signature
         if array is False and len(info.data.get("values") or ()) > 1:
-            raise problem(f"the parameter is no array but has {len(info.data['values'])} values")
+            raise problem(f"the parameter is not an array but has {len(info.data['values'])} values")
         return array
 
     @field_validator("state_limits")

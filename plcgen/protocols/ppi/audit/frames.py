@@ -26,7 +26,7 @@ _LENGTHS = frozenset({
     Kind.ITEM_COUNT, Kind.VALUE_LENGTH, Kind.LIMIT,
 })  # fmt: skip
 _HELP = {
-    "PG670": "count the bytes: LE from DA to the last one before FCS, the parameters 2 + 12 an item, the data",
+    "PG670": "count the bytes: LE from DA to the last one before FCS, the parameters 2 + 12 per item, the data",
     "PG672": "plcgen ppi decode shows what each byte is",
 }
 
@@ -155,7 +155,7 @@ def _report_sum(found: FoundTelegram, had: int, wanted: int) -> None:
     at = len(found.data) - _TAIL
     message = f"{found.place(at)}: the checksum FCS is {had:02X}h, the bytes from DA on add up to {wanted:02X}h"
     more = bool(found.findings.found)
-    help_ = "add the bytes up again when the others are right" if more else f"16#{wanted:02X}"
+    help_ = "add up the bytes again when the other bytes are right" if more else f"16#{wanted:02X}"
     found.findings.report("PG671", message, found.span(at), help_)
 
 

@@ -106,7 +106,7 @@ def check_sending(found: ModuleCall, telegrams: Iterable[FoundTelegram]) -> None
         message = f"{found.title} sends from {room.text}, the telegram begins at byte {first.start}"
         notes = (Note("the telegram", first.span(0)),)
         found.findings.report(
-            "PG674", message, room.span, "let the call begin with the first byte of the telegram", notes=notes
+            "PG674", message, room.span, "let the call begin at the first byte of the telegram", notes=notes
         )
         return
     argument = found.call.arguments.get("LEN") or found.call.arguments.get("LENGTH")

@@ -64,11 +64,14 @@ class Heard:
         if cause is HeardKind.BUSY:
             return f"station {station} has no resource (NACK 02h, {tries})", "the CPU is busy: try again later"
         if cause is HeardKind.BROKEN:
-            what = f"a frame of station {station} broke off after {self.broken} bytes ({tries})"
+            what = f"a frame from station {station} broke off after {self.broken} bytes ({tries})"
             return what, "raise --timeout: the line is slow or delivers in pieces"
         if cause is HeardKind.DAMAGED:
             frames = f"{self.damaged} damaged frame{'s' * (self.damaged != 1)}"
-            return f"{frames} instead of an answer of station {station} ({tries})", "check baud rate, parity and wiring"
+            return (
+                f"{frames} instead of an answer from station {station} ({tries})",
+                "check baud rate, parity and wiring",
+            )
         if cause is HeardKind.NOT_READY:
             return f"station {station} is not ready: E5 without end ({tries})", "the CPU is busy: try again later"
         if cause is HeardKind.OTHER:

@@ -87,8 +87,8 @@ def _item(name: str, symbols: SymbolTable | None) -> Item:
     except PpiAddressError as problem:
         if symbols is None or any(char in "0123456789" for char in name):
             raise PlaceError(problem.code, problem.message, problem.help) from problem
-        hint = did_you_mean(name, symbols.names) or "symbols are looked up in any letter case"
-        raise PlaceError(problem.code, f'"{name}" is no symbol of the table and no address', hint) from problem
+        hint = did_you_mean(name, symbols.names) or "upper and lower case are the same in symbols"
+        raise PlaceError(problem.code, f'"{name}" is neither a symbol of the table nor an address', hint) from problem
 
 
 def parse_assignment(text: str, symbols: SymbolTable | None = None) -> tuple[Place, ItemWrite]:

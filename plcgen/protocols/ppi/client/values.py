@@ -65,7 +65,7 @@ def check_type(item: Item, name: str) -> str:
     type_ = name.upper()
     if type_ not in _WIDTHS:
         raise ItemValueError(
-            f'"{name}" is no data type', f"{did_you_mean(type_, TYPES)} types: {', '.join(TYPES)}".strip()
+            f'"{name}" is not a data type', f"{did_you_mean(type_, TYPES)} types: {', '.join(TYPES)}".strip()
         )
     width = _WIDTHS[type_]
     bit = item.size == TransportSize.BIT
@@ -129,7 +129,7 @@ def _whole(value: float, kind: str) -> bytes:
     """An integer of its type; unsigned types take negative numbers of the same width as well."""
     if not isinstance(value, int):
         raise ItemValueError(
-            f"{value} is no whole number", "give the type REAL for a floating-point number: VD100:REAL=1.5"
+            f"{value} is not a whole number", "give the type REAL for a floating-point number: VD100:REAL=1.5"
         )
     low, high = _RANGES[kind]
     low = min(low, _RANGES[_SIGNED.get(kind, kind)][0])
@@ -184,7 +184,7 @@ def _unquoted(text: str) -> str:
 def _bool(text: str) -> bool:
     value = _BOOLS.get(text.lower())
     if value is None:
-        raise ItemValueError(f'"{text}" is no bit', "a bit is 0 or 1")
+        raise ItemValueError(f'"{text}" is not a bit', "a bit is 0 or 1")
     return value
 
 
@@ -197,7 +197,7 @@ def _is_real(text: str) -> bool:
 
 def _real(text: str) -> float:
     if _REAL.fullmatch(text) is None:
-        raise ItemValueError(f'"{text}" is no number', "for example 1.5, -2 or 1e3")
+        raise ItemValueError(f'"{text}" is not a number', "for example 1.5, -2 or 1e3")
     number = float(text)
     if not math.isfinite(number):
         raise ItemValueError(f"{text} is too large for a REAL")
@@ -216,7 +216,7 @@ def _integer(text: str) -> int:
         help_ = (
             "give the type REAL for a floating-point number" if _is_real(text) else "for example 1234, -5 or 16#04D2"
         )
-        raise ItemValueError(f'"{text[:40]}" is no whole number', help_)
+        raise ItemValueError(f'"{text[:40]}" is not a whole number', help_)
     return sign * int(digits, base)
 
 

@@ -118,7 +118,7 @@ def _module(key: str, master: PpiMaster, loaded: LoadedSpec, report: Report, *, 
         report.add(Diagnostic("PG233", message, loaded.span(("ppi", key, "module")), help="module: cm-ptp"))
     elif loaded.spec.plc.family == "s7-400":
         message = "the CP 341 belongs to an S7-300"
-        help_ = "an S7-400 reaches it through an ET 200M only, which this generator does not know"
+        help_ = "an S7-400 reaches it only through an ET 200M, which this generator does not support"
         report.add(Diagnostic("PG233", message, loaded.span(("ppi", key, "module")), help=help_))
     _firmware(key, master, loaded, report)
     return master.module
@@ -132,7 +132,7 @@ def _firmware(key: str, master: PpiMaster, loaded: LoadedSpec, report: Report) -
     found = tuple(int(part) for part in master.firmware.lstrip("Vv").split("."))
     if found < least:
         name, wanted = BY_THE_CPU[master.module], ".".join(map(str, least))
-        message = f"a {name} with firmware {master.firmware} does not know Send_P2P, Receive_P2P and Port_Config"
+        message = f"a {name} with firmware {master.firmware} does not support Send_P2P, Receive_P2P and Port_Config"
         help_ = f"they need firmware {wanted} or later: update the module"
         report.add(Diagnostic("PG233", message, loaded.span(("ppi", key, "firmware")), help=help_))
 
@@ -150,7 +150,7 @@ def _baud(key: str, master: PpiMaster, loaded: LoadedSpec, report: Report) -> in
     if master.baud in BAUD_RATES:
         return master.baud
     message = f"{master.baud} bit/s is not possible"
-    help_ = "an S7-200 speaks PPI with 9600 or 19200 bit/s at its serial neighbours"
+    help_ = "an S7-200 uses PPI at 9600 or 19200 bit/s with serial modules"
     if master.baud in {187500, 187}:
         message = "187.5 kbit/s is not possible: CM 1241, CM PtP and CP 341 have no such baud rate"
         help_ = "set the port of the S7-200 to 9600 or 19200 bit/s in its system block"
@@ -172,7 +172,7 @@ def _profile(station: PpiStation, loaded: LoadedSpec, path: tuple[str, ...], rep
     name = station.cpu.upper().removeprefix("CPU").strip()
     if name not in known:
         hint = did_you_mean(name, list(known))
-        message = f'"{station.cpu}" is no S7-200 CPU'
+        message = f'"{station.cpu}" is not an S7-200 CPU'
         help_ = f"{hint} known CPUs: {', '.join(known)}".strip()
         report.add(Diagnostic("PG241", message, loaded.span(path), help=help_))
         return max(known.values(), key=lambda profile: sum(profile.sizes.values()))
@@ -196,7 +196,7 @@ def _symbols(key: str, name: str, station: PpiStation, loaded: LoadedSpec, repor
         why = problem.strerror or str(problem)
         message = f"the symbol table {station.symbols} cannot be read: {why}"
         place = loaded.span(("ppi", key, "stations", name, "symbols"))
-        help_ = "export it from STEP 7-Micro/WIN; the path begins at the spec"
+        help_ = "export it from STEP 7-Micro/WIN; the path is relative to the spec"
         report.add(Diagnostic("PG236", message, place, help=help_))
     return SymbolTable(())
 

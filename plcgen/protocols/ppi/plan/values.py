@@ -179,7 +179,7 @@ class ValueResolver:
         ) or (whole and name not in {"BOOL", "CHAR"}) or (isinstance(value, float) and name == "REAL")  # fmt: skip
         if not right:
             self.problem(
-                "PG211", f'"{value}" is no value of type {_title(name)}', place, "write a number, true or false"
+                "PG211", f'"{value}" is not a value of type {_title(name)}', place, "write a number, true or false"
             )
             return None
         try:

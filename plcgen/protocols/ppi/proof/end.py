@@ -43,7 +43,7 @@ class End:
         for number, ((end, _), begin) in enumerate(zip(sent, begins, strict=True), 1):
             wanted = pace[2] if number == len(sent) else pace[min(number, 2) - 1]
             if not wanted - 1 <= begin - end <= wanted + slack:
-                raise ScenarioError(f"{begin - end:.0f} ms behind frame {number} instead of {wanted}")
+                raise ScenarioError(f"{begin - end:.0f} ms after frame {number} instead of {wanted}")
 
     def check_last(self, status: int) -> None:
         """What the diagnostics say of the last telegram and its last frame."""

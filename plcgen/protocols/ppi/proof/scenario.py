@@ -156,7 +156,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
     yield from _in_front(most, polls)
     yield from _alone(master)
     for octets in (1, 3, 4, 20, -1):
-        yield PpiScenario(name=f"reply that breaks off behind {octets} bytes and goes on", broken=octets)
+        yield PpiScenario(name=f"reply that breaks off after {octets} bytes and goes on", broken=octets)
     yield PpiScenario(
         name="reply that breaks off, its rest after the next poll",
         broken=20,
@@ -186,17 +186,15 @@ def _in_front(most: int, polls: int) -> Iterator[PpiScenario]:
     """Frames of others, tokens and noise in front of answers; an answer that is late for another reason."""
     in_front: tuple[tuple[str, At], ...] = (("token", "any"), ("foreign", "any"), ("noise", "poll"))
     for kind, at in in_front:
-        yield PpiScenario(name=f"{kind} in front of every answer", faults=(fault(kind, at, None),))
-    yield PpiScenario(name="noise in front of E5", faults=(fault("noise", "request"),), retries=min(1, most))
+        yield PpiScenario(name=f"{kind} before every answer", faults=(fault(kind, at, None),))
+    yield PpiScenario(name="noise before E5", faults=(fault("noise", "request"),), retries=min(1, most))
     yield PpiScenario(
-        name="a frame of others and noise in front of the reply",
+        name="a frame of others and noise before the reply",
         bend=lambda reply: OTHERS + b"\xff" + reply,
         ignored=1,
         damaged=1,
     )
-    yield PpiScenario(
-        name="a frame of others behind the reply", bend=lambda reply: reply + OTHERS, ignored=0, damaged=0
-    )
+    yield PpiScenario(name="a frame of others after the reply", bend=lambda reply: reply + OTHERS, ignored=0, damaged=0)
     yield PpiScenario(
         name="a frame of others and a reply that breaks off",
         bend=lambda reply: OTHERS + reply,
@@ -480,7 +478,7 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
         )
     first = 3 if most else 2  # noise in front of E5 costs a repetition, or is taken for one
     yield PpiScenario(
-        name="noise in front of E5, then sending of the poll fails forever",
+        name="noise before E5, then sending of the poll fails forever",
         faults=(fault("noise", "request"),),
         port=dict.fromkeys(range(first, first + max(1, most)), 0x80D1),
         module=0x80D1,

@@ -39,7 +39,7 @@ def procedures(plan: PpiPlan, program: Program, master: PlannedMaster) -> Iterat
 
     yield Procedure("every job with the values as delivered", bed, as_delivered)
     yield Procedure("all jobs at once", bed, together)
-    yield Procedure("jobs behind each other", bed, behind)
+    yield Procedure("jobs one after the other", bed, behind)
     if any(job.cycle for job in master.jobs):
         yield Procedure("jobs with a cycle", bed, cycles)
     yield Procedure("longest scan", bed, longest_scan)
@@ -185,7 +185,7 @@ def behind(rig: MasterRig) -> None:
     for job in jobs:
         strange = [other for other in jobs if other.station is not job.station]
         for before in dict.fromkeys((jobs[-1], *strange[-1:])):
-            name = f"{job.key} behind {before.key}"
+            name = f"{job.key} after {before.key}"
             for rig.job, fresh in ((before, True), (job, False)):
                 Run(PpiScenario(name=name, fresh=fresh, retries=None, polls=None), conduct, Statistics()).go()
 

@@ -46,9 +46,9 @@ def _addresses(plan: PpiPlan, master: PlannedMaster) -> Iterator[Diagnostic]:
         if earlier[1] is not span:
             yield Diagnostic(
                 "PG235",
-                f'station "{station.key}" has the address {station.address}, and so has {earlier[0]}',
+                f'station "{station.key}" has the address {station.address}, which is also that of {earlier[0]}',
                 span,
-                help="every participant of a line has an address of its own",
+                help="every station and master on a line needs an address of its own",
                 notes=(Note("first use", earlier[1]),),
             )
 
@@ -169,7 +169,7 @@ def _waits(plan: PpiPlan, master: PlannedMaster) -> Iterator[Diagnostic]:
             more = f" of {characters} bytes" if characters > E5 else ""
             yield Diagnostic(
                 "PG311",
-                f"{key} is over after {spelled(value)}, before {what}{more} can have been received",
+                f"{key} ends after {spelled(value)}, before {what}{more} can have been received",
                 key_or_value(plan, (*master.path, key)),
                 help=f"at least {spelled(least)}, at {master.baud} bit/s with cycles of OB1 of up to "
                 f"{spelled(master.ob1_cycle)}; without the key it is computed",

@@ -33,7 +33,7 @@ _SPELLINGS = "write VB100, VW100, VD100, V100.3, M0.0, SMB34, AIW0, T32, C5, HC0
 
 
 class PpiAddressError(PlcgenError, ValueError):
-    """Text that is no S7-200 address: diagnostic code, what is wrong, how to write it."""
+    """Text that is not an S7-200 address: diagnostic code, what is wrong, how to write it."""
 
     def __init__(self, code: str, message: str, help_: str = _SPELLINGS) -> None:
         self.code, self.message, self.help = code, message, help_
@@ -140,11 +140,11 @@ def _ways(area: Area, number: int) -> str:
 def _unreadable(text: str) -> PpiAddressError:
     letters = re.match(r"%?[A-Za-z]+", text.strip())
     if letters is None or len(text) > _LONGEST:
-        return PpiAddressError("PG711", f'"{text[:_LONGEST]}" is no S7-200 address')
+        return PpiAddressError("PG711", f'"{text[:_LONGEST]}" is not an S7-200 address')
     name = letters[0].lstrip("%").upper()
     stem = name[:-1] if len(name) > 1 and name[-1] in _WIDTHS else name
     if name in _AREAS or stem in _AREAS:
-        return PpiAddressError("PG711", f'"{text}" is no S7-200 address')
+        return PpiAddressError("PG711", f'"{text}" is not an S7-200 address')
     known = ", ".join(area.name for area in Area)
     hint = did_you_mean(stem, [area.name for area in Area])
     return PpiAddressError("PG711", f'"{text}": there is no memory area "{stem}"', f"{hint} areas: {known}".strip())

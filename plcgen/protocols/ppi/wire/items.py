@@ -270,7 +270,7 @@ def _check_value(findings: ItemFindings, data: bytes, value: Value, number: int,
     if not value.data:
         findings.add(Kind.VALUE_LENGTH, at + 2, f"{what} has no bytes")
     if value.padded and data[value.end]:
-        findings.add(Kind.PAD, value.end, f"the pad byte behind {what} is {data[value.end]:02X}h instead of 00h")
+        findings.add(Kind.PAD, value.end, f"the pad byte after {what} is {data[value.end]:02X}h instead of 00h")
 
 
 def result_of(value: Value) -> ItemResult:

@@ -278,12 +278,12 @@ def _leftovers(form: AnswerForm) -> Iterator[EngineScenario]:
             def change(blocks: list[bytes]) -> None:
                 blocks[0], blocks[-1] = bytes.fromhex("440200110007"), b""
 
-            name = "last block missing, 41 00 left behind"
+            name = "last block missing, 41 00 left over"
             yield form.broken(name, form.negative(change), litter=b"\x41\x00")
         return
     before, total = 0, form.letter.answer
     for index, (at, size) in enumerate(form.letter.blocks, 1):
-        name = f"block {index} missing, format 0Eh left behind"
+        name = f"block {index} missing, format 0Eh left over"
         yield form.broken(name, cut(at), litter=b"\x0e\x01")
         if before:
             wrong = bytes((0x0E, 1)) + bytes(before - 2)
@@ -313,7 +313,7 @@ def _failed(form: AnswerForm, sizes: list[int]) -> Iterator[EngineScenario]:
         yield form.scenario(name, "PARAMETER_ERROR", form.negative(change), errors=errors)
         length = 4 + sum(6 if index in chosen else size for index, size in enumerate(sizes))
         for more in (1, 2):
-            yield form.broken(f"{name}, {more} bytes behind", form.negative(change, bytes(more)), length + more)
+            yield form.broken(f"{name}, {more} bytes after it", form.negative(change, bytes(more)), length + more)
 
 
 def _written(form: AnswerForm) -> Iterator[EngineScenario]:

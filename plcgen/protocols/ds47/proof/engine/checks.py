@@ -203,7 +203,7 @@ def left_out(work: EngineWork) -> list[str]:
     groups = {piece.group for piece in work.pieces}
     found = ["two instances with one slot, of which one interrupts the other in several scans"]
     if work.effort != "thorough":
-        found = ["an interrupt at every point of every scan", "every set of blocks loaded behind every scan", *found]
+        found = ["an interrupt at every point of every scan", "every set of blocks loaded after every scan", *found]
     if work.effort in {"sizes", "ordinary"}:
         found.insert(0, "70,000 jobs in a row on one instance")
     if work.effort == "sizes":

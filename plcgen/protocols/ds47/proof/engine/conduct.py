@@ -159,7 +159,7 @@ class EngineConduct:
         if unit.get("state") != IDLE:
             run.call(run.scenario.scan)
         if unit.get("state") != IDLE or unit.get("turn.grant"):
-            raise ScenarioError(f"the unit is not free behind the job: {self.where()}")
+            raise ScenarioError(f"the unit is not free after the job: {self.where()}")
         if self.rig.gate.get("channels[1].ask") and not self.rig.cpu.jobs:
             raise ScenarioError("the channel still asks for a place")
 

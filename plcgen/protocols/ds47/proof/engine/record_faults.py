@@ -217,7 +217,7 @@ def _lost(errand: Errand) -> Iterator[EngineScenario]:
             swallowed=range(number, number + 1), pause=500, most=20, retries=None, calls=None,
         )  # fmt: skip
         yield _lost_once(
-            errand, f"the drive is switched off and on behind request {number}", number,
+            errand, f"the drive is switched off and on after request {number}", number,
             away=range(number, number + 1), pause=500, most=20, retries=None, calls=None,
         )  # fmt: skip
         retries = 1 if errand.once else 2 if last else 0

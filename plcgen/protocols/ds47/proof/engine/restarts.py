@@ -33,7 +33,7 @@ def restarts(*, classic: bool, thorough: bool = False) -> Iterator[tuple[str, Ru
         yield f"{kind} with three jobs on one unit", partial(_together, kind)
     yield "channel loaded while nobody else waits", _load_alone
     for at in (7, 9):
-        yield f"channel loaded behind scan {at} of the first job of the last slot", partial(_load_first, at)
+        yield f"channel loaded after scan {at} of the first job of the last slot", partial(_load_first, at)
     for errand in (READ_SPLIT, WRITE_SPLIT, TRIGGER):
         for count in range(1, len(PARTS)):
             for parts in itertools.combinations(PARTS, count):
@@ -109,7 +109,7 @@ def _told(field: JobField, number: int, at: int) -> None:
     field.rig.load("Channel1")
     status = field.until_end((number,), most=WITHIN)[number]
     if status not in ENDS:
-        raise ScenarioError(f"job {number}, its channel loaded behind scan {at}, ends with 16#{status:04X}")
+        raise ScenarioError(f"job {number}, its channel loaded after scan {at}, ends with 16#{status:04X}")
 
 
 def _load_first(at: int, field: JobField) -> None:
@@ -125,7 +125,7 @@ def _load_first(at: int, field: JobField) -> None:
         field.step()
     _told(field, 3, at)
     if field.times_sent(3) > 1:
-        raise ScenarioError(f"a trigger was sent twice, its channel loaded behind scan {at}")
+        raise ScenarioError(f"a trigger was sent twice, its channel loaded after scan {at}")
 
 
 def _load(errand: Errand, parts: tuple[tuple[str, str], ...], scans: range, field: JobField) -> None:
@@ -158,12 +158,12 @@ def _load(errand: Errand, parts: tuple[tuple[str, str], ...], scans: range, fiel
         found = field.until_end(waiting, most=WITHIN)
         for number, status in found.items():
             if status not in ENDS:
-                raise ScenarioError(f"job {number}, loaded behind scan {at}, ends with 16#{status:04X}")
+                raise ScenarioError(f"job {number}, loaded after scan {at}, ends with 16#{status:04X}")
             if status == DONE and field.job(number).db.flag("execute"):
                 field.right(number)
         field.wire()
         if errand.once and field.times_sent(1) > 1 and ("Job1", "statTicket") not in parts:
-            raise ScenarioError(f"a trigger was sent twice, loaded behind scan {at}")
+            raise ScenarioError(f"a trigger was sent twice, loaded after scan {at}")
         field.drop(1, 2)
         for _ in range(350):
             field.step(20 if field.rig.units[0].get("state") else 0)
