@@ -139,7 +139,7 @@ class DocumentedDrive:
             UnansweredError: no parameter request, or not to the record of one.
         """
         if record not in RECORDS:
-            raise UnansweredError(f"record {record:04X}h is none for parameters")
+            raise UnansweredError(f"record {record:04X}h is not a parameter record")
         reader = _Reader(request)
         reference, service, drive_object, count = reader.take("BBBB", "header")
         if reference == 0:

@@ -202,7 +202,7 @@ class Spec(StrictModel):
 
     version: Literal[1] = Field(1, description="version of the spec format")
     include: Include = Field(
-        (), description="files with more of this spec, in its folder or below; what stands here wins"
+        (), description="files with more of this spec, in its folder or below; this file overrides them"
     )
     variables: Variables = Field({}, description="values by name: $(name) stands for one, inside a text for its text")
     plc: Plc = Field(description="the controller")

@@ -88,7 +88,7 @@ def _block(project: Project, folder: Folder, ref: BlockRef | None, block: Block,
     twin = folder.text.get(block.name.upper())
     both = set(block.attributes) & set(twin.attributes) if twin is not None else set()
     if document and twin is not None and any(block.attributes[name] != twin.attributes[name] for name in both):
-        yield "author, family, name or version are others than in the source"
+        yield "author, family, name or version differ from the source"
     if block.kind is BlockKind.DB and not (block.instance_of or project.target.v5) and block.non_retain == ref.retain:
         yield "does not keep its values (NON_RETAIN)" if ref.retain else "keeps its values (RETAIN)"
     optimized = _access(project, folder, block)

@@ -275,7 +275,7 @@ class _Tables:
             head = _SHEET.match(part)
             block = self.folder.text.get(head[2].replace("\\", "").upper()) if head else None
             if head is None or block is None:
-                yield f"{part.splitlines()[0]} is no block"
+                yield f"{part.splitlines()[0]} is not a block"
                 continue
             seen.add(block.name)
             number = self.numbers.get(block.name)
@@ -333,7 +333,7 @@ class _Tables:
         if name in self.own:
             return  # in the user's own program
         if found is None:
-            yield f"{name} is no place"
+            yield f"{name} is not a place"
         elif block is None:
             if address not in flags:
                 yield f"{name} at {address} is neither in a block nor a flag of the spec"

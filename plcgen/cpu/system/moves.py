@@ -178,7 +178,7 @@ class MemoryMoves:
         if memory is None:
             return (0x803A | parameter << 8) - 0x10000
         if offset < 0 or offset + size > len(memory):
-            self.report("PG834", f"bytes {offset} to {offset + size - 1} do not lie in {describe(memory)}")
+            self.report("PG834", f"bytes {offset} to {offset + size - 1} are not in {describe(memory)}")
             return (0x8000 | parameter << 8 | code) - 0x10000
         return 0
 
@@ -235,7 +235,7 @@ class MemoryMoves:
         found = self.area(code, number)
         if found is None or offset < 0 or offset + size > len(found):
             where = f"area 16#{code:02X}, DB{number}" if found is None else describe(found)
-            raise AccessFaultError("PG834", f"byte {offset} does not lie in {where}")
+            raise AccessFaultError("PG834", f"byte {offset} is not in {where}")
         return found
 
     def peek(self, code: int, number: int, offset: int, size: int) -> int:

@@ -192,7 +192,7 @@ class JobSettings(StrictModel):
     response: BufferSettings = Field(BufferSettings(), description="response DB")
     block: BlockName = Field(BlockName(), description="the job's function block")
     buffers: Literal["instance", "db"] = Field(
-        "instance", description="where the telegrams lie: in the block's instance, or in data blocks of their own"
+        "instance", description="where the telegrams are: in the block's instance, or in data blocks of their own"
     )
     names: Naming | None = Field(None, description="overrides plc.names for this job")
     verify: Literal["readback"] | None = Field(
@@ -213,7 +213,7 @@ class JobSettings(StrictModel):
         le=10_000,
         description="bound on retries of one telegram; absent: as many as have pauses of 80 % of the timeout together",
     )
-    split: Literal["auto", "never"] = Field("auto", description="may the job be split into several telegrams")
+    split: Literal["auto", "never"] = Field("auto", description="whether the job may be split into several telegrams")
     allow: SignOff = Field(default_factory=dict, description="dangerous parameters this job may write: why")
     allow_safety: SignOff = Field(default_factory=dict, description="Safety parameters this job may write: why")
     comment: Text | None = Field(None, description=COMMENT)

@@ -97,8 +97,10 @@ class MasterJob(StrictModel):
         None, description="flag that starts the job, or a flag per signal"
     )
     timeout: Duration = Field(10_000, description="whole job, waiting for the port and all retries included")
-    split: Literal["auto", "never"] = Field("auto", description="may the job be split into several telegrams")
-    merge: bool = Field(default=True, description="may neighbouring addresses share an item and its return code")
+    split: Literal["auto", "never"] = Field("auto", description="whether the job may be split into several telegrams")
+    merge: bool = Field(
+        default=True, description="whether neighbouring addresses may share an item and its return code"
+    )
     comment: Text | None = Field(None, description=COMMENT)
 
 
@@ -128,7 +130,7 @@ class PpiMaster(StrictModel):
 class PpiSection(StrictModel):
     """PPI masters."""
 
-    ppi: dict[str, PpiMaster] = Field(min_length=1, description="PPI masters, one a serial port")
+    ppi: dict[str, PpiMaster] = Field(min_length=1, description="PPI masters, one per serial port")
 
 
 def complete(schema: dict[str, Any]) -> None:

@@ -34,7 +34,7 @@ def page(device: Device, parameter: Parameter) -> Page:
     if names:
         sections.append((f"Names of values ({how})", told_value(names)))
     if parameter.observed is not None:
-        sections.append(("Seen in a drive", f"{parameter.observed}, which is no factory setting"))
+        sections.append(("Seen in a drive", f"{parameter.observed}, which is not a factory setting"))
     danger = device.danger(parameter.pnu)
     if danger:
         sections.append(("Dangerous", f"{danger}; a job that writes it needs a sign-off"))

@@ -28,7 +28,7 @@ class AcknowledgeSettings(StrictModel):
         5_000, description="longest time until the drive has no fault any more, 100 ms to 1 min"
     )
     interval: Annotated[Duration, Field(ge=100, le=10_000), AfterValidator(within_limit)] = Field(
-        500, description="from one question to the next, 100 ms to 10 s"
+        500, description="time between two polls, 100 ms to 10 s"
     )
 
 

@@ -29,10 +29,10 @@ class ActivateSettings(StrictModel):
         "input: what the block's input state says, 1, 0 or 2"
     )
     limit: Annotated[Duration, Field(ge=1_000)] = Field(
-        60_000, description="longest time until r0106 says so, from 1 s; counted from the first question"
+        60_000, description="longest time until r0106 says so, from 1 s; counted from the first poll"
     )
     interval: Annotated[Duration, Field(ge=100, le=60_000), AfterValidator(within_limit)] = Field(
-        1_000, description="from one question to the next, 100 ms to 1 min"
+        1_000, description="time between two polls, 100 ms to 1 min"
     )
 
 

@@ -39,7 +39,7 @@ class Awaited:
     """What a value that is read must be: as ``operator`` says, compared with the value that its use has.
 
     ``bit`` is the only one that counts, if it is not None; ``limit`` is how long it is waited for, ``interval`` the
-    time from one question to the next, both in ms. ``follows``: what is wanted is bit 0 of what the first telegram of
+    time time between two polls, both in ms. ``follows``: what is wanted is bit 0 of what the first telegram of
     the job has written.
     """
 

@@ -57,9 +57,12 @@ class MessageSettings(StrictModel):
     """How much of a buffer is read, what of each message, and how often it is tried."""
 
     history: int = Field(
-        0, ge=0, le=7, description="so many acknowledged fault cases too, or so many times eight alarms that have gone"
+        0,
+        ge=0,
+        le=7,
+        description="number of acknowledged fault cases to read as well, or of groups of eight alarms that have gone",
     )
-    tries: int = Field(3, ge=1, le=10, description="how often a buffer is read that changes meanwhile")
+    tries: int = Field(3, ge=1, le=10, description="how many times a buffer is read that changes in the meantime")
 
 
 class FaultSettings(MessageSettings):

@@ -30,5 +30,5 @@ def _recipe_kind(key: str, does: str) -> JobKind:
 RECIPES = (
     _recipe_kind("write", "the drive gets the values of a record"),
     _recipe_kind("read", "a record gets the values of the drive"),
-    _recipe_kind("compare", "a record is held against the drive"),
+    _recipe_kind("compare", "a record is compared with the drive"),
 )

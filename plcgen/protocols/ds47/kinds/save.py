@@ -31,13 +31,13 @@ class SaveSettings(StrictModel):
         30_000, description="longest time until the parameter returns to 0, 1 s to 10 min"
     )
     interval: Annotated[Duration, Field(ge=100, le=10_000), AfterValidator(within_limit)] = Field(
-        1_000, description="from one question whether it has returned to 0 to the next, 100 ms to 10 s"
+        1_000, description="time between two polls for its return to 0, 100 ms to 10 s"
     )
     distance: Annotated[Duration, Field(ge=60_000)] = Field(
         600_000, description="shortest time from one save to the next, at least 1 min"
     )
     setting: Literal[10, 11, 12] | None = Field(
-        None, description="saves as this setting, beside the one that is loaded at power-on"
+        None, description="saves as this setting, in addition to the one that is loaded at power-on"
     )
 
 
@@ -54,7 +54,7 @@ SAVE = JobKind(
     key="save",
     writes=True,
     shape=Annotated[SaveSettings, short_item("persist")],
-    description="drive_object or unit: what the drive shall keep without power, or {persist, limit, ..}",
+    description="drive_object or unit: what the drive must keep without power, or {persist, limit, ..}",
     example="save: drive_object",
     items=_save_items,
     short=short_form(SaveSettings, (*SAVES, "ram")),

@@ -40,9 +40,9 @@ class WaitSettings(StrictModel):
     """A step that waits: conditions that must all be true in one answer, how long, and how often it is asked."""
 
     conditions: tuple[WaitCondition, ...]
-    timeout: Annotated[Duration, Field(ge=100)] = Field(10_000, description="longest time that is waited, from 100 ms")
+    timeout: Annotated[Duration, Field(ge=100)] = Field(10_000, description="longest waiting time, from 100 ms")
     interval: Annotated[Duration, Field(ge=100, le=60_000)] = Field(
-        500, description="from one question to the next, 100 ms to 1 min"
+        500, description="time between two polls, 100 ms to 1 min"
     )
 
     @model_validator(mode="after")

@@ -156,12 +156,12 @@ def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterat
     wanted = {name for name in SIGNALS if name not in flags} | values
     prefix = f"{job.member}."
     for name in sorted(wanted ^ found):
-        yield f"{prefix}{name} {'is missing' if name in wanted else 'is no member of the job'}"
+        yield f"{prefix}{name} {'is missing' if name in wanted else 'is not a member of the job'}"
     types = SIGNALS if job.clock is None else {**SIGNALS, clocked.TIME: job.clock.name}
     for name in sorted(wanted & found & set(types) - {use.member for use in (*job.inputs, *job.outputs)}):
         entry = locate(layout, f"{prefix}{name}")
         if not isinstance(entry.type, Elementary) or entry.type.name != types[name]:
-            yield f"{prefix}{name} is no {types[name]}"
+            yield f"{prefix}{name} is not of type {types[name]}"
     for use in job.inputs:
         if use.member in found:
             entry = locate(layout, f"{prefix}{use.member}")

@@ -63,7 +63,7 @@ def _address(plan: DrivePlan, drive: PlannedDrive, said: DocumentedDevice) -> It
         numbers = ", ".join(map(str, said.drive_objects))
         yield Diagnostic("PG640", f"drive object {number}: {said.source} says {numbers}", place)
     if drive.record_index not in profidrive.RECORDS:
-        message = f"record {drive.record_index:04X}h is none for parameters: 002Fh, B02Eh and B02Fh are"
+        message = f"record {drive.record_index:04X}h is not a parameter record: use 002Fh, B02Eh or B02Fh"
         yield Diagnostic("PG640", message, place)
 
 

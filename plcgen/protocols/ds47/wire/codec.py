@@ -131,7 +131,7 @@ def _read_address(reader: _Reader, position: int) -> ParameterAddress:
     attribute, elements = reader.number(1, what), reader.number(1, what)
     pnu, subindex = reader.number(2, what), reader.number(2, what)
     if attribute not in set(Attribute):
-        reader.violation(at, f"{what}: the attribute {attribute:02X}h is none of 10h, 20h, 30h")
+        reader.violation(at, f"{what}: the attribute {attribute:02X}h is not 10h, 20h or 30h")
     if elements > MAX_ELEMENTS:
         reader.violation(at + 1, f"{what}: {elements} elements; at most {MAX_ELEMENTS}")
     if pnu == 0:
@@ -257,7 +257,7 @@ def decode_response(data: bytes, *, request: Request | None = None, strict: bool
 def _read_blocks(reader: _Reader, identifier: int, count: int, blocks: list[Block]) -> None:
     """Read as many blocks as the response id promises; a single error may stand for all of them."""
     if identifier not in set(ResponseId):
-        reader.problem(1, f"the response id {identifier:02X}h is none of 01h, 02h, 80h, 81h, 82h")
+        reader.problem(1, f"the response id {identifier:02X}h is not 01h, 02h, 80h, 81h or 82h")
         raise _CutShortError
     expected = {ResponseId.CHANGE: 0, ResponseId.NOT_SUPPORTED: 1}.get(ResponseId(identifier), count)
     for position in range(1, expected + 1):

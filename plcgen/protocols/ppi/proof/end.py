@@ -117,7 +117,7 @@ class End:
             if asked > rig.master.polls:
                 raise ScenarioError(f"{asked} polls of one request")
             if isinstance(frame, VariableFrame) and _neutral(data) not in {_neutral(request) for request in planned}:
-                raise ScenarioError(f"sent {data.hex(' ').upper()}, which is none of the planned telegrams")
+                raise ScenarioError(f"sent {data.hex(' ').upper()}, which is not one of the planned telegrams")
             if repeated and self.scenario.measured:
                 raise ScenarioError(f"{data.hex(' ')} was repeated although nothing was lost")
         self.check_sync()

@@ -68,7 +68,7 @@ def _require(frame: VariableFrame | FixedFrame | DataFrame | TokenFrame) -> None
     function = None if isinstance(frame, TokenFrame) else frame.function
     for value in (frame.destination, frame.source, 0 if function is None else function):
         if not 0 <= value <= 0xFF:
-            raise PpiError.of(Kind.STATION, f"{value} is no byte")
+            raise PpiError.of(Kind.STATION, f"{value} is not a byte")
     _check_stations(found, frame.destination, frame.source, 0, token=function is None)
     if function is not None:
         _check_function(found, function, 0)
@@ -125,10 +125,10 @@ def examine_frame(data: bytes) -> Examined:
         _check_end(found, data, 1)
         return Acknowledgement(start), found
     if start != SD4:
-        text = f"{start:02X}h starts no frame; frames start with 10h, 68h, A2h, DCh or are E5h"
+        text = f"{start:02X}h does not start a frame; frames start with 10h, 68h, A2h, DCh or are E5h"
         return None, [Violation(Kind.START, 0, text)]
     if len(data) < 3:
-        return None, [Violation(Kind.SHORT, len(data), f"a token frame has 3 bytes, here are {len(data)}")]
+        return None, [Violation(Kind.SHORT, len(data), f"a token frame has 3 bytes, but there are {len(data)}")]
     _check_end(found, data, 3)
     _check_stations(found, data[1], data[2], 1, token=True)
     return TokenFrame(data[1], data[2]), found
@@ -156,7 +156,7 @@ def _variable(data: bytes) -> Examined:
     """SD2: both lengths, the second start byte, checksum and end byte are checked each on its own."""
     found: list[Violation] = []
     if len(data) < 4:
-        text = f"an SD2 frame starts with 68 LE LE 68, here are {len(data)} bytes"
+        text = f"an SD2 frame starts with 68 LE LE 68, but there are {len(data)} bytes"
         return None, [Violation(Kind.SHORT, len(data), text)]
     length, repeated = data[1], data[2]
     if not LEAST_LENGTH <= length <= MOST_LENGTH:
@@ -169,7 +169,7 @@ def _variable(data: bytes) -> Examined:
     if len(data) != size and len(data) == repeated + 6:
         size = len(data)
     if len(data) < size:
-        text = f"LE = {length} makes a frame of {size} bytes, here are {len(data)}"
+        text = f"LE = {length} makes a frame of {size} bytes, but there are {len(data)}"
         found.append(Violation(Kind.SHORT, len(data), text))
         return None, found
     _check_end(found, data, size)

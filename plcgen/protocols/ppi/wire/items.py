@@ -146,7 +146,7 @@ def encode_results(results: Sequence[ItemResult]) -> bytes:
 
 def _require_value(result: ItemResult, number: int) -> None:
     if result.size_code not in {SizeCode.BIT, SizeCode.WORDS, SizeCode.OCTETS}:
-        raise PpiError.of(Kind.SIZE_CODE, f"item {number}: the size code {result.size_code:02X}h is none of 3, 4, 9")
+        raise PpiError.of(Kind.SIZE_CODE, f"item {number}: the size code {result.size_code:02X}h is not 3, 4 or 9")
     if not result.data:
         raise PpiError.of(Kind.VALUE_LENGTH, f"item {number}: the value has no bytes")
     if result.size_code == SizeCode.BIT and result.data not in {b"\x00", b"\x01"}:
@@ -264,9 +264,9 @@ def _check_value(findings: ItemFindings, data: bytes, value: Value, number: int,
         elif value.data[0] > 1:
             findings.add(Kind.VALUE, at + 4, f"{what}: a bit is 00 or 01, not {value.data[0]:02X}h")
     elif value.size_code not in _MEASURED:
-        findings.add(Kind.SIZE_CODE, at + 1, f"{what}: the size code {value.size_code:02X}h is none of 03h, 04h, 09h")
+        findings.add(Kind.SIZE_CODE, at + 1, f"{what}: the size code {value.size_code:02X}h is not 03h, 04h or 09h")
     elif value.size_code == _WORDS and value.length % 8:
-        findings.add(Kind.VALUE_LENGTH, at + 2, f"{what}: {value.length} bits are no whole bytes")
+        findings.add(Kind.VALUE_LENGTH, at + 2, f"{what}: {value.length} bits are not whole bytes")
     if not value.data:
         findings.add(Kind.VALUE_LENGTH, at + 2, f"{what} has no bytes")
     if value.padded and data[value.end]:

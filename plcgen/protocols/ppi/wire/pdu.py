@@ -210,7 +210,7 @@ def examine_pdu(data: bytes, base: int = 0) -> tuple[Pdu | None, list[Violation]
         read: _Read = _job if rosctr == Rosctr.JOB else _userdata
         return read(findings, data, JOB_HEADER), findings.found
     if rosctr not in _REPLIES:
-        findings.add(Kind.ROSCTR, 1, f"ROSCTR {rosctr:02X}h is none of 1 (job), 2, 3 (answer), 7 (userdata)")
+        findings.add(Kind.ROSCTR, 1, f"ROSCTR {rosctr:02X}h is not 1 (job), 2, 3 (answer) or 7 (userdata)")
         return None, findings.found
     if len(data) < REPLY_HEADER:
         findings.add(Kind.SHORT, len(data), f"an answer has at least {REPLY_HEADER} bytes, not {len(data)}")
@@ -385,7 +385,7 @@ def _results(findings: ItemFindings, data: bytes, start: int, reference: int) ->
         return ReadReply(reference, tuple(result_of(value) for value in values)) if len(values) == count else None
     codes = data[at:]
     if len(codes) != count:
-        findings.add(Kind.DATA_LENGTH, at, f"{count} items were written, here are {len(codes)} return codes")
+        findings.add(Kind.DATA_LENGTH, at, f"{count} items were written, but there are {len(codes)} return codes")
     for offset, code in enumerate(codes[:count]):
         if code not in _KNOWN_CODES:
             findings.add(Kind.RETURN_CODE, at + offset, f"item {offset + 1}: the return code {code:02X}h is unknown")
