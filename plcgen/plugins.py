@@ -25,7 +25,7 @@ def plugins(group: str, shape: type[Plugin]) -> dict[str, Plugin]:
         except (Exception, SystemExit) as problem:  # code of others: whatever it raises is told
             raise PluginError(f"the plug-in {point.name} ({point.value}) cannot be loaded: {problem}") from problem
         if not isinstance(loaded, shape):
-            raise PluginError(f"{point.value} in {group} is not a {shape.__name__}")
+            raise PluginError(f"{point.value} in {group} is not of type {shape.__name__}")
         found[point.name] = loaded
     return found
 

@@ -92,7 +92,7 @@ def test_completion(plcgen, monkeypatch):
 def test_entry_points_that_are_no_format(toy, plcgen):
     """Said by name: an object of another class, a format of another name. Shipped names are taken."""
     toy("FORMAT = 1\n")
-    with pytest.raises(PluginError, match=r"toy_format:FORMAT in plcgen.outputs is no OutputFormat"):
+    with pytest.raises(PluginError, match=r"toy_format:FORMAT in plcgen.outputs is not of type OutputFormat"):
         registry.find("toy")
     sys.modules.pop("toy_format")
     toy(TOY, "other = toy_format:FORMAT")

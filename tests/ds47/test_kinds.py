@@ -79,7 +79,7 @@ def test_two_kinds_in_one_job_are_told(toy: Path) -> None:
 def test_what_is_no_kind_is_told(distribution) -> None:
     """An entry point that names something else."""
     distribution("toy_kind", "plcgen.kinds", "identify = toy_kind:KIND", "KIND = 1")
-    with pytest.raises(PluginError, match=r"toy_kind:KIND in plcgen.kinds is no JobKind"):
+    with pytest.raises(PluginError, match=r"toy_kind:KIND in plcgen.kinds is not of type JobKind"):
         kinds()
 
 
