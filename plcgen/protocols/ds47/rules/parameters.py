@@ -144,9 +144,10 @@ def unknown_types(plan: DrivePlan) -> Iterator[Diagnostic]:
         known = (job.drive.device.key, use.parameter.pnu)
         if known not in told:
             told.add(known)
+            what = f"{use.label}{of_drive(plan, job)} is {use.format.name}"
             yield Diagnostic(
                 "PG228",
-                f"{use.label}{of_drive(plan, job)} is {use.format.name} from general knowledge: nobody has looked it up",
+                f"{what} from general knowledge: nobody has looked it up",
                 parameter_span(plan, use),
                 Severity.WARNING,
                 help=f"look it up, then define it in the drive: parameters: {{P{use.parameter.pnu}: {{type: ..}}}}",
