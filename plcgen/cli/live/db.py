@@ -24,7 +24,9 @@ _SLOTS = {"s7-300": 2, "s7-400": 3, "s7-1200": 1, "s7-1500": 1}
 @click.option("--cpu", "host", required=True, metavar="ADDRESS", help="IPv4 address of the CPU, or ADDRESS:PORT.")
 @click.option("--rack", type=click.IntRange(0, 7), default=0, show_default=True, metavar="N")
 @click.option("--slot", type=click.IntRange(0, 31), metavar="N", help="Slot of the CPU.  [default: by family]")
-@click.option("--all", "every", is_flag=True, help="Include blocks whose number the spec does not give (default for V5).")
+@click.option(
+    "--all", "every", is_flag=True, help="Include blocks whose number the spec does not give (default for V5)."
+)
 @timeout_option
 @format_option("answer")
 def command(

@@ -87,7 +87,7 @@ def _conditions(value: object) -> object:
     if isinstance(value, str):
         short = _SHORT.match(value)
         if short is None:
-            raise problem(f'"{value}" is no comparison', help_="for example r722.0 = 1, or {r722.0: 1, timeout: 5s}")
+            raise problem(f'"{value}" is not a comparison', help_="for example r722.0 = 1, or {r722.0: 1, timeout: 5s}")
         value = {short[1]: short[2]}
     if not isinstance(value, dict):
         return value
