@@ -100,7 +100,7 @@ def test_shards_that_make_no_whole_are_an_error(plant: tuple[Path, Verification]
     assert said(*files, faults="full").count("made from another spec, other files or options") == 3
     other = json.loads(files[2].read_text()) | {"shard": 4, "of": 4}
     (tmp_path / "4.json").write_text(json.dumps(other))
-    assert said(*files[:2], tmp_path / "4.json") == "shard 4/4 beside those of 3"
+    assert said(*files[:2], tmp_path / "4.json") == "shard 4/4 together with shards of 3"
     (tmp_path / "4.json").write_text("[]")
     assert said(tmp_path / "4.json") == "not the file of a shard"
     source = plant[0].parent / "plant_generated/scl/Get.scl"
