@@ -18,7 +18,7 @@ RECORDS = Path(__file__).parent / "data" / "work_memory.json"
 
 def sizes(folder: Path) -> dict[str, int]:
     """Figures of a folder of sources: lines, blocks, bytes."""
-    from plcgen.review.memory.estimate import estimate
+    from plcgen.inspection.memory.estimate import estimate
     from plcgen.scl.dialect import Dialect
 
     found = estimate(folder, Dialect.STEP7_V5)

@@ -40,6 +40,7 @@ PUBLIC = [
     "generate",
     "layout",
     "lock",
+    "review",
     "schema",
     "simulate",
     "verify",

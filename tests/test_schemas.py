@@ -22,12 +22,12 @@ from plcgen.cli.main import run
 from plcgen.cli.schema import KINDS
 from plcgen.diagnostics import DiagnosticError
 from plcgen.display.view import PLAIN
+from plcgen.inspection.compare.lockread import read_lock
+from plcgen.inspection.compare.policyfile import load_policy
 from plcgen.output.registry import find
 from plcgen.protocols.ds47.recording.faults import plan_faults
 from plcgen.protocols.ds47.sim.load import load_drive
 from plcgen.protocols.ppi.sim.load import load_bus
-from plcgen.review.compare.lockread import read_lock
-from plcgen.review.compare.policyfile import load_policy
 
 
 @cache

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
         encode_write,
         explain,
     )
-    from plcgen.review.layout.tables import LayoutResult
+    from plcgen.inspection.layout.tables import LayoutResult
     from plcgen.s7.families import Family
 
 __all__ = [
@@ -84,7 +84,7 @@ _TELEGRAMS = frozenset(
 
 _ELSEWHERE = {
     "Family": "plcgen.s7.families",
-    "LayoutResult": "plcgen.review.layout.tables",
+    "LayoutResult": "plcgen.inspection.layout.tables",
     "schema": "plcgen.api.schemas",
 }
 

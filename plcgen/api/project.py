@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from plcgen.documents.writing import WrittenFolder
+    from plcgen.inspection.memory.fit import ProgramSize
     from plcgen.project.nouns import Project
     from plcgen.project.target import Target
     from plcgen.proof import Asked, Means
     from plcgen.proof.checks import Verification
     from plcgen.proof.shards import ShardResult
-    from plcgen.review.memory.fit import ProgramSize
     from plcgen.signoff.model import Review
     from plcgen.trace.model import Trace
 
@@ -71,8 +71,8 @@ class GenerateResult:
 
     def size(self) -> ProgramSize | None:
         """What the files in the folder take of the PLC; None if there are none, or more than 16 MB of sources."""
-        from plcgen.review.memory.estimate import estimate
-        from plcgen.review.memory.fit import ProgramSize
+        from plcgen.inspection.memory.estimate import estimate
+        from plcgen.inspection.memory.fit import ProgramSize
         from plcgen.sources.blocks import read_sources
         from plcgen.sources.generated import generated_sources
 
@@ -151,8 +151,8 @@ def _misfits(project: Project) -> tuple[Diagnostic, ...]:
     """What of the project's blocks does not fit its CPU, by an estimate of their texts."""
     from plcgen.documents.engine import emit
     from plcgen.documents.environment import render_all
-    from plcgen.review.memory.estimate import estimate
-    from plcgen.review.memory.fit import ProgramSize
+    from plcgen.inspection.memory.estimate import estimate
+    from plcgen.inspection.memory.fit import ProgramSize
     from plcgen.sources.blocks import read_texts
     from plcgen.sources.text import decode
 

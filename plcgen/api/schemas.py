@@ -51,16 +51,16 @@ def _profile() -> dict[str, Any]:
 
 
 def _policy() -> dict[str, Any]:
+    from plcgen.inspection.compare.policy import KINDS
+    from plcgen.inspection.compare.policyfile import Policy
     from plcgen.project.editor import file_schema
-    from plcgen.review.compare.policy import KINDS
-    from plcgen.review.compare.policyfile import Policy
 
     found = file_schema("policy", VERSION, "Which class a kind of change has for you.", Policy)
     return {**found, "propertyNames": {"enum": list(KINDS)}}
 
 
 def _lock() -> dict[str, Any]:
-    from plcgen.review.compare.lockread import lock_schema
+    from plcgen.inspection.compare.lockread import lock_schema
 
     return lock_schema()
 

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Literal
 from plcgen.api.arguments import expect
 from plcgen.api.project import problems_of
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
-from plcgen.review.layout.tables import BlockTable, LayoutResult
+from plcgen.inspection.layout.tables import BlockTable, LayoutResult
 from plcgen.s7.families import FAMILIES, Family
 
 if TYPE_CHECKING:
+    from plcgen.inspection.compare.lock import LockResult
+    from plcgen.inspection.compare.model import Comparison
     from plcgen.proof.checks import Verification
-    from plcgen.review.compare.lock import LockResult
-    from plcgen.review.compare.model import Comparison
 
 SPEC_SUFFIXES = frozenset({".yaml", ".yml"})
 
@@ -48,7 +48,7 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
         ArgumentError: if ``family`` is another word.
     """
     from plcgen.input.hashes import path_hashes
-    from plcgen.review.layout.planned import project_tables
+    from plcgen.inspection.layout.planned import project_tables
 
     expect("family", family, FAMILIES)
     tables: list[BlockTable] = []
@@ -76,7 +76,7 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
 def _source_tables(
     paths: Sequence[Path], report: Report, family: Family | None, block: str, *, expand: bool
 ) -> list[BlockTable]:
-    from plcgen.review.layout.declared import block_tables
+    from plcgen.inspection.layout.declared import block_tables
     from plcgen.s7.system import family_types
     from plcgen.sources.files import read_files
 
@@ -163,7 +163,7 @@ def diff(
     ``policy`` holds ``id=class`` settings and policy files, later ones win; ``classic``: SimaticML documents are
     for S7-300/400.
     """
-    from plcgen.review.compare.run import compare
+    from plcgen.inspection.compare.run import compare
 
     return compare(_paths(old), _paths(new), policy, classic=classic)
 
@@ -172,7 +172,7 @@ def lock(
     *paths: Path | str, out: Path | str = "plcgen.lock.yaml", classic: bool = False, force: bool = False
 ) -> LockResult:
     """Write the layout lock of sources (files or folders) or one spec; without paths, of those the lock names."""
-    from plcgen.review.compare.lock import write_lock
+    from plcgen.inspection.compare.lock import write_lock
 
     return write_lock([Path(path) for path in paths], Path(out), classic=classic, force=force)
 
@@ -184,7 +184,7 @@ def check_lock(
     classic: bool = False,
 ) -> Comparison:
     """Compare a layout lock with sources or a spec; without paths, with those the lock names."""
-    from plcgen.review.compare.lock import check_lock as run
+    from plcgen.inspection.compare.lock import check_lock as run
 
     return run([Path(path) for path in paths], Path(lock), policy, classic=classic)
 

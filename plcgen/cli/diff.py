@@ -57,7 +57,7 @@ def command(
     out = console()
     if list_changes:
         from plcgen.display.table import text_table
-        from plcgen.review.compare.text import changes_table
+        from plcgen.inspection.compare.text import changes_table
 
         lines = text_table(("id", "class", "change", "because"), changes_table(), indent=0)
         out.result("\n".join(lines) + "\n", output)

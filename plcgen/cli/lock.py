@@ -13,8 +13,8 @@ from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
     from plcgen.cli.output import Console
+    from plcgen.inspection.compare.model import Comparison
     from plcgen.output.registry import OutputFormat
-    from plcgen.review.compare.model import Comparison
 
 
 @verb(

@@ -17,9 +17,9 @@ from plcgen.plugins import plugins
 
 if TYPE_CHECKING:
     from plcgen.display.results import Answer, Findings
+    from plcgen.inspection.compare.model import Comparison
+    from plcgen.inspection.layout.tables import LayoutResult
     from plcgen.proof.checks import Verification
-    from plcgen.review.compare.model import Comparison
-    from plcgen.review.layout.tables import LayoutResult
     from plcgen.signoff.model import Review
     from plcgen.trace.model import Trace
 

@@ -10,10 +10,10 @@ from typing import Any
 
 from plcgen.diagnostics import Severity
 from plcgen.display.data import FORMAT
+from plcgen.inspection.compare.policy import Level
+from plcgen.inspection.sheet import Role
 from plcgen.proof.checks import Outcome
 from plcgen.proof.ledger import Grade
-from plcgen.review.compare.policy import Level
-from plcgen.review.sheet import Role
 
 Shape = dict[str, Any]
 

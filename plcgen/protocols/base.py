@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic, Report, Span
     from plcgen.display.page import Page
     from plcgen.documents.nouns import Contribution
+    from plcgen.inspection.compare.model import DriveState, JobState
+    from plcgen.inspection.sheet import ReviewSheet
     from plcgen.project.nouns import Buffer, BufferField, Plan
     from plcgen.project.numbering import Numbering
     from plcgen.project.spec import LoadedSpec, SpecPath
     from plcgen.proof.audited import Audited
     from plcgen.proof.suite import Proof
     from plcgen.protocols.dissection import ByteField
-    from plcgen.review.compare.model import DriveState, JobState
-    from plcgen.review.sheet import ReviewSheet
     from plcgen.sources.blocks import Sources
     from plcgen.trace.face import Recording
 

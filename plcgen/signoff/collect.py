@@ -11,18 +11,18 @@ from typing import Any, cast
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
+from plcgen.inspection.compare.lock import DEFAULT, check_lock
+from plcgen.inspection.compare.lockread import read_lock
+from plcgen.inspection.compare.model import Comparison
+from plcgen.inspection.compare.policyfile import load_policy
+from plcgen.inspection.compare.run import compare, compare_snapshots
+from plcgen.inspection.layout.planned import project_tables
+from plcgen.inspection.layout.tables import BlockTable
+from plcgen.inspection.sheet import JobInstance, ReviewSheet
 from plcgen.project.nouns import Project
 from plcgen.project.opening import open_spec
 from plcgen.proof import Asked, verify
 from plcgen.proof.effort import Faults
-from plcgen.review.compare.lock import DEFAULT, check_lock
-from plcgen.review.compare.lockread import read_lock
-from plcgen.review.compare.model import Comparison
-from plcgen.review.compare.policyfile import load_policy
-from plcgen.review.compare.run import compare, compare_snapshots
-from plcgen.review.layout.planned import project_tables
-from plcgen.review.layout.tables import BlockTable
-from plcgen.review.sheet import JobInstance, ReviewSheet
 from plcgen.signoff.excerpts import excerpts
 from plcgen.signoff.model import LayoutPair, RecordedRun, Review, ReviewedFile, ReviewRequest
 from plcgen.signoff.revision import BaseFiles, base_files

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from plcgen.display.data import head, verification_data
-from plcgen.review.compare.data import comparison_data
-from plcgen.review.sheet import ExchangeSheet, Message
+from plcgen.inspection.compare.data import comparison_data
+from plcgen.inspection.sheet import ExchangeSheet, Message
 from plcgen.signoff.model import Review
 from plcgen.trace.data import trace_data
 

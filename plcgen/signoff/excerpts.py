@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from plcgen.input.files import read_bounded
-from plcgen.review.sheet import ExchangeSheet, Message
+from plcgen.inspection.sheet import ExchangeSheet, Message
 from plcgen.signoff.model import Excerpt, SourceLine
 from plcgen.sources.generated import generated_sources
 from plcgen.sources.text import decode

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from plcgen.display.cells import clean
 from plcgen.display.markdown import code, escape
 from plcgen.display.table import markdown_table
-from plcgen.review.compare.model import Comparison
-from plcgen.review.layout.tables import BlockTable
+from plcgen.inspection.compare.model import Comparison
+from plcgen.inspection.layout.tables import BlockTable
 from plcgen.signoff.grid import matrix
 from plcgen.signoff.model import Review
 from plcgen.signoff.page import outcomes, verdict, write_rows

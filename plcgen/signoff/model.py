@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.inspection.compare.model import Comparison
+from plcgen.inspection.layout.tables import BlockTable
+from plcgen.inspection.sheet import ReviewSheet
 from plcgen.proof.checks import Check, Outcome, Verification
 from plcgen.proof.ledger import Assumption, Grade
-from plcgen.review.compare.model import Comparison
-from plcgen.review.layout.tables import BlockTable
-from plcgen.review.sheet import ReviewSheet
 from plcgen.trace.model import Trace
 
 

@@ -9,10 +9,10 @@ from typing import Any
 
 from plcgen.diagnostics import Diagnostic
 from plcgen.display.cells import clean
+from plcgen.inspection.compare.model import Change, Comparison
+from plcgen.inspection.layout.pictures import views
+from plcgen.inspection.sheet import ExchangeSheet, Message, MessageField, Role, WriteEntry
 from plcgen.proof.checks import Outcome
-from plcgen.review.compare.model import Change, Comparison
-from plcgen.review.layout.pictures import views
-from plcgen.review.sheet import ExchangeSheet, Message, MessageField, Role, WriteEntry
 from plcgen.signoff.grid import matrix, scenarios
 from plcgen.signoff.model import LayoutPair, RecordedRun, Review
 from plcgen.signoff.timeline import time_line

@@ -151,7 +151,7 @@ def test_version_imports_no_click():
 @pytest.mark.slow
 def test_a_check_leaves_out_what_other_verbs_need():
     """Neither their results, nor CPU types, system blocks, literals, templates or XML."""
-    others = {"plcgen.api.sources", "plcgen.api.telegrams", "plcgen.review.layout.tables", "plcgen.project.cpus"}
+    others = {"plcgen.api.sources", "plcgen.api.telegrams", "plcgen.inspection.layout.tables", "plcgen.project.cpus"}
     others |= {"plcgen.s7.system", "plcgen.s7.blocks", "plcgen.s7.literals", "jinja2", "lxml"}
     assert not imported("check", "--quiet", str(FAQ)) & others
 

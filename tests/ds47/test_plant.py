@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.review.memory.estimate import estimate
+from plcgen.inspection.memory.estimate import estimate
 from plcgen.scl.dialect import Dialect
 from plcgen.sources.text import decode
 

@@ -15,11 +15,11 @@ from projects import FAQ
 
 from plcgen import api
 from plcgen.display.view import PLAIN, View
+from plcgen.inspection.layout.declared import block_tables
+from plcgen.inspection.layout.grid import grid, title
+from plcgen.inspection.layout.planned import project_tables
+from plcgen.inspection.layout.tables import LayoutResult, letter, size_text
 from plcgen.output.registry import find
-from plcgen.review.layout.declared import block_tables
-from plcgen.review.layout.grid import grid, title
-from plcgen.review.layout.planned import project_tables
-from plcgen.review.layout.tables import LayoutResult, letter, size_text
 from plcgen.s7.evidence import RULES
 from plcgen.sources.text import parse_source
 

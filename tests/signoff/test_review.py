@@ -14,9 +14,9 @@ from signoff.reviews import LONG, faq_review, git, hostile_review, ppi_review, s
 
 from plcgen import api
 from plcgen.diagnostics import DiagnosticError
+from plcgen.inspection.sheet import Role
 from plcgen.proof.checks import Check, CheckGroup, Outcome, Trial, Verification
 from plcgen.protocols.ds47.sheet import review_sheet
-from plcgen.review.sheet import Role
 from plcgen.signoff.grid import scenarios
 from plcgen.signoff.markdown import LIMIT
 

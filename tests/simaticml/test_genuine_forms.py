@@ -2,7 +2,7 @@
 
 The fragments are written by hand from counts of public exports (docs/simaticml.md, "Evidence"), without IDs and without
 the line breaks between elements. What is read besides is in reading/test_exports.py; that a default which an export
-writes or not is no change, in tests/review/compare.
+writes or not is no change, in tests/inspection/compare.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from plcgen.output.registry import OutputFormat
 
 if TYPE_CHECKING:
     from plcgen.display.view import View
-    from plcgen.review.layout.tables import BlockTable, LayoutResult, LayoutRow
+    from plcgen.inspection.layout.tables import BlockTable, LayoutResult, LayoutRow
 
 _BOM = "\ufeff"
 COLUMNS = (

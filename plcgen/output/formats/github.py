@@ -12,8 +12,8 @@ from plcgen.output.verification import problems
 if TYPE_CHECKING:
     from plcgen.display.results import Findings
     from plcgen.display.view import View
+    from plcgen.inspection.compare.model import Change, Comparison
     from plcgen.proof.checks import Verification
-    from plcgen.review.compare.model import Change, Comparison
 
 _CHANGE = {"breaking": "warning", "compatible": "notice", "documentation": "notice"}
 _COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
@@ -76,7 +76,7 @@ def _comparison(comparison: Comparison, view: View) -> str:
 
 
 def _changed(change: Change, fail_on: str) -> str:
-    from plcgen.review.compare.policy import fails
+    from plcgen.inspection.compare.policy import fails
 
     command = "error" if fails(change.level, fail_on) else _CHANGE[change.level.value]
     text = "\n".join([f"{change.level.value}: {change.subject}: {change.text}", *change.details])

@@ -8,7 +8,7 @@ from plcgen.output.registry import OutputFormat
 
 if TYPE_CHECKING:
     from plcgen.display.view import View
-    from plcgen.review.layout.tables import LayoutResult
+    from plcgen.inspection.layout.tables import LayoutResult
     from plcgen.signoff.model import Review
 
 CHUNK = 32
@@ -17,7 +17,7 @@ CHUNK = 32
 
 def _layout(result: LayoutResult, _view: View) -> str:
     from plcgen.documents.environment import render_text
-    from plcgen.review.layout.pictures import TONES, views
+    from plcgen.inspection.layout.pictures import TONES, views
     from plcgen.signoff.page import ROLES, script_view
 
     view = {
@@ -34,7 +34,7 @@ def _layout(result: LayoutResult, _view: View) -> str:
 def _review(review: Review, _view: View) -> str:
     from plcgen._version import __version__
     from plcgen.documents.environment import render_text
-    from plcgen.review.layout.pictures import TONES
+    from plcgen.inspection.layout.pictures import TONES
     from plcgen.signoff.page import page_view
 
     view = page_view(review, render_text("html/page.js.j2", {}))

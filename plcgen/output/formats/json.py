@@ -11,9 +11,9 @@ from plcgen.output.registry import OutputFormat
 if TYPE_CHECKING:
     from plcgen.display.results import Answer, Findings
     from plcgen.display.view import View
+    from plcgen.inspection.compare.model import Comparison
+    from plcgen.inspection.layout.tables import LayoutResult
     from plcgen.proof.checks import Verification
-    from plcgen.review.compare.model import Comparison
-    from plcgen.review.layout.tables import LayoutResult
     from plcgen.signoff.model import Review
     from plcgen.trace.model import Trace
 
@@ -32,13 +32,13 @@ def _verifications(found: Sequence[Verification], _view: View) -> str:
 
 
 def _layout(result: LayoutResult, _view: View) -> str:
-    from plcgen.review.layout.data import layout_data
+    from plcgen.inspection.layout.data import layout_data
 
     return dump(layout_data(result))
 
 
 def _comparison(comparison: Comparison, view: View) -> str:
-    from plcgen.review.compare.data import comparison_data
+    from plcgen.inspection.compare.data import comparison_data
 
     return dump(comparison_data(comparison, view.fail_on))
 

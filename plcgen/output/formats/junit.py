@@ -12,8 +12,8 @@ from plcgen.output.registry import OutputFormat
 if TYPE_CHECKING:
     from plcgen.display.results import Findings
     from plcgen.display.view import View
+    from plcgen.inspection.compare.model import Comparison
     from plcgen.proof.checks import Check, CheckGroup, Verification
-    from plcgen.review.compare.model import Comparison
 
 _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _ESCAPES = {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"}
@@ -104,7 +104,7 @@ def _suites(verification: Verification, spec: str = "") -> list[str]:
 
 def _comparison(comparison: Comparison, view: View) -> str:
     """One test case for each block, job or drive that changed; it fails if a change fails the run (``--fail-on``)."""
-    from plcgen.review.compare.policy import fails
+    from plcgen.inspection.compare.policy import fails
 
     cases = []
     for subject, changes in comparison.subjects():

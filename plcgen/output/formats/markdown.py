@@ -11,8 +11,8 @@ from plcgen.output.registry import OutputFormat
 
 if TYPE_CHECKING:
     from plcgen.display.view import View
-    from plcgen.review.compare.model import Change, Comparison
-    from plcgen.review.layout.tables import LayoutResult
+    from plcgen.inspection.compare.model import Change, Comparison
+    from plcgen.inspection.layout.tables import LayoutResult
     from plcgen.signoff.model import Review
 
 _MARK = {"breaking": ":red_circle:", "compatible": ":yellow_circle:", "documentation": ":white_circle:"}
@@ -22,7 +22,7 @@ _MANY = 12
 
 def _layout(result: LayoutResult, _view: View) -> str:
     """One heading and one table a block, its footnotes below."""
-    from plcgen.review.layout.text import shown_columns
+    from plcgen.inspection.layout.text import shown_columns
 
     parts = []
     for block in result.blocks:
@@ -42,7 +42,7 @@ def _indented(cell: str) -> str:
 
 def _comparison(comparison: Comparison, view: View) -> str:
     """The verdict, one table, the long lists folded away."""
-    from plcgen.review.compare.text import shortened
+    from plcgen.inspection.compare.text import shortened
 
     lines = ["### Changes of PLC blocks", "", _verdict(comparison, view), ""]
     if not comparison.changes:

@@ -15,8 +15,8 @@ from plcgen.output.verification import problems
 if TYPE_CHECKING:
     from plcgen.display.results import Findings
     from plcgen.display.view import View
+    from plcgen.inspection.compare.model import Change, Comparison
     from plcgen.proof.checks import Check, Verification
-    from plcgen.review.compare.model import Change, Comparison
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 _LEVEL = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
@@ -128,7 +128,7 @@ def _verifications(found: Sequence[Verification], _view: View) -> str:
 
 def _comparison(comparison: Comparison, view: View) -> str:
     """One rule per kind of change, a fingerprint that stays when lines move."""
-    from plcgen.review.compare.policy import KINDS
+    from plcgen.inspection.compare.policy import KINDS
 
     used = [kind for kind in KINDS.values() if any(change.kind == kind.id for change in comparison.changes)]
     index = {kind.id: number for number, kind in enumerate(used)}

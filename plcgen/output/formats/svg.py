@@ -9,7 +9,7 @@ from plcgen.output.registry import OutputFormat
 
 if TYPE_CHECKING:
     from plcgen.display.view import View
-    from plcgen.review.layout.tables import LayoutResult
+    from plcgen.inspection.layout.tables import LayoutResult
 
 _TITLE = 34
 _BOLD = 8.0
@@ -18,7 +18,7 @@ _BOLD = 8.0
 
 def _layout(result: LayoutResult, _view: View) -> str:
     from plcgen.documents.environment import render_text
-    from plcgen.review.layout.pictures import HEAD, TONES, views
+    from plcgen.inspection.layout.pictures import HEAD, TONES, views
 
     blocks = views(result.blocks)
     top, wide = 0, 300.0

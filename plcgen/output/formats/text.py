@@ -10,9 +10,9 @@ from plcgen.output.registry import OutputFormat
 if TYPE_CHECKING:
     from plcgen.display.results import Answer, Findings
     from plcgen.display.view import View
+    from plcgen.inspection.compare.model import Comparison
+    from plcgen.inspection.layout.tables import LayoutResult
     from plcgen.proof.checks import Verification
-    from plcgen.review.compare.model import Comparison
-    from plcgen.review.layout.tables import LayoutResult
     from plcgen.trace.model import Trace
 
 
@@ -35,13 +35,13 @@ def _verifications(found: Sequence[Verification], view: View) -> str:
 
 
 def _layout(result: LayoutResult, view: View) -> str:
-    from plcgen.review.layout.text import layout_text
+    from plcgen.inspection.layout.text import layout_text
 
     return layout_text(result.blocks, view)
 
 
 def _comparison(comparison: Comparison, view: View) -> str:
-    from plcgen.review.compare.text import comparison_text
+    from plcgen.inspection.compare.text import comparison_text
 
     return comparison_text(comparison, view)
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from plcgen.inspection.compare.model import DriveState, JobState, TelegramState
 from plcgen.project.nouns import Buffer, BufferField
 from plcgen.protocols.dissection import ByteField
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive
 from plcgen.protocols.ds47.wire.dissect import dissect_request
-from plcgen.review.compare.model import DriveState, JobState, TelegramState
 
 
 def buffers(plan: DrivePlan) -> Iterator[tuple[Buffer[BufferField], str]]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
+from plcgen.inspection.layout.tables import member_address
+from plcgen.inspection.sheet import ExchangeSheet, JobInstance, Message, MessageField, ReviewSheet, Role, WriteEntry
 from plcgen.project.nouns import Buffer
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Parameter
@@ -12,8 +14,6 @@ from plcgen.protocols.ds47.plan.values import value_text
 from plcgen.protocols.ds47.views.texts import field_texts
 from plcgen.protocols.ds47.wire.dissect import dissect_request
 from plcgen.protocols.ds47.wire.formats import ERROR, padded
-from plcgen.review.layout.tables import member_address
-from plcgen.review.sheet import ExchangeSheet, JobInstance, Message, MessageField, ReviewSheet, Role, WriteEntry
 from plcgen.s7.types import Elementary
 
 _ROLES = {

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from plcgen.diagnostics import Report
     from plcgen.display.page import Page
     from plcgen.documents.nouns import Contribution
+    from plcgen.inspection.compare.model import DriveState, JobState
+    from plcgen.inspection.sheet import ReviewSheet
     from plcgen.project.nouns import Buffer, BufferField
     from plcgen.project.numbering import Numbering
     from plcgen.project.spec import LoadedSpec
@@ -20,8 +22,6 @@ if TYPE_CHECKING:
     from plcgen.protocols.ppi.plan.nouns import PpiPlan
     from plcgen.protocols.ppi.proof.suite import PpiProof
     from plcgen.protocols.ppi.recording.recording import PpiRecording
-    from plcgen.review.compare.model import DriveState, JobState
-    from plcgen.review.sheet import ReviewSheet
     from plcgen.sources.blocks import Sources
 
 

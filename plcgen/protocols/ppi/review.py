@@ -6,11 +6,11 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
+from plcgen.inspection.compare.model import DriveState, JobState, TelegramState
 from plcgen.project.nouns import Buffer, BufferField
 from plcgen.protocols.dissection import ByteField
 from plcgen.protocols.ppi.plan.nouns import PpiPlan
 from plcgen.protocols.ppi.wire.dissect import dissect
-from plcgen.review.compare.model import DriveState, JobState, TelegramState
 
 
 def buffers(plan: PpiPlan) -> Iterator[tuple[Buffer[BufferField], str]]:

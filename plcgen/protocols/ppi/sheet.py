@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from plcgen.inspection.layout.tables import member_address
+from plcgen.inspection.sheet import ExchangeSheet, JobInstance, Message, MessageField, ReviewSheet, Role, WriteEntry
 from plcgen.project.nouns import Buffer
 from plcgen.protocols.ppi.plan.nouns import LEAD, PlannedMaster, PpiField, PpiJob, PpiPlan, PpiTelegram
 from plcgen.protocols.ppi.views.documents import value_text
 from plcgen.protocols.ppi.views.texts import FIELD_TEXTS
 from plcgen.protocols.ppi.wire.dissect import dissect
-from plcgen.review.layout.tables import member_address
-from plcgen.review.sheet import ExchangeSheet, JobInstance, Message, MessageField, ReviewSheet, Role, WriteEntry
 from plcgen.s7.types import Elementary
 
 _ROLES = {

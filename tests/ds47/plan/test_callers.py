@@ -8,13 +8,13 @@ import pytest
 
 from bench.specs import PLCS, grid
 from plcgen import api
+from plcgen.inspection.memory.estimate import estimate
 from plcgen.project.nouns import Project
 from plcgen.project.opening import open_spec
 from plcgen.proof.checks import Outcome
 from plcgen.protocols.ds47.plan import callers
 from plcgen.protocols.ds47.plan.callers import CHANNEL, GATE, Footprint, footprint
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.review.memory.estimate import estimate
 from plcgen.s7.layout import layout_block
 from plcgen.sources.blocks import read_sources
 

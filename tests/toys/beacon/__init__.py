@@ -16,14 +16,14 @@ from plcgen.documents.control import signals
 from plcgen.documents.members import assignments, buffer_member
 from plcgen.documents.nouns import Command, Contribution, DataBlock, FunctionBlock, TypeBlock
 from plcgen.input.validation import StrictModel
+from plcgen.inspection.compare.model import DriveState, JobState, TelegramState
+from plcgen.inspection.sheet import ReviewSheet
 from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, PlannedJob, PlannedTrigger, Telegram
 from plcgen.proof.audited import Audited
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.suite import LaidOut
 from plcgen.protocols.base import Named, Rules
 from plcgen.protocols.dissection import ByteField, Walker
-from plcgen.review.compare.model import DriveState, JobState, TelegramState
-from plcgen.review.sheet import ReviewSheet
 from plcgen.s7.image import image
 from plcgen.s7.types import ELEMENTARY
 

@@ -1,0 +1,84 @@
+"""``compare``: paths in, changes out."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.inspection.compare.blocks import compare_blocks
+from plcgen.inspection.compare.jobs import compare_jobs
+from plcgen.inspection.compare.model import Comparison, Snapshot
+from plcgen.inspection.compare.planned import spec_snapshot
+from plcgen.inspection.compare.policy import Level
+from plcgen.inspection.compare.policyfile import load_policy
+from plcgen.inspection.compare.states import snapshot_of
+from plcgen.sources.blocks import read_sources
+
+SPEC_SUFFIXES = frozenset({".yaml", ".yml"})
+_DERIVED = frozenset({"code-changed", "start-value", "block-text", "member-comment", "constant-changed"})
+"""What follows from a change of the spec anyway, where both sides are specs."""
+
+
+def compare(
+    old: Sequence[Path], new: Sequence[Path], policy: Sequence[str] = (), *, classic: bool = False
+) -> Comparison:
+    """Compare two sets of sources, folders or specs; every problem is a diagnostic of the result.
+
+    A spec against sources means the sources that would be generated from it.
+    """
+    labels = (_label(old), _label(new))
+    try:
+        levels = load_policy(policy)
+    except DiagnosticError as problem:
+        return Comparison(*labels, (), problem.diagnostics)
+    before, after = _both(old, new, classic=classic)
+    return compare_snapshots(before, after, levels)
+
+
+def compare_snapshots(old: Snapshot, new: Snapshot, policy: Mapping[str, Level]) -> Comparison:
+    """Compare two states."""
+    diagnostics = tuple(dict.fromkeys([*old.diagnostics, *new.diagnostics]))
+    if any(not side.blocks and any(d.severity.label == "error" for d in side.diagnostics) for side in (old, new)):
+        return Comparison(old.label, new.label, (), diagnostics)
+    changes = compare_jobs(old, new, policy)
+    blocks = compare_blocks(old.blocks, new.blocks, policy, comments=old.complete and new.complete)
+    if old.jobs is not None and new.jobs is not None:
+        twins = old.mirrored & new.mirrored
+        blocks = [c for c in blocks if c.kind not in _DERIVED and not _is_twin(c.subject, twins)]
+        blocks = [dataclasses.replace(change, old_span=None, new_span=None) for change in blocks]
+    return Comparison(old.label, new.label, (*changes, *blocks), diagnostics, len(new.blocks))
+
+
+def _is_twin(subject: str, names: frozenset[str]) -> bool:
+    kind, _, name = subject.partition(" ")
+    return kind.startswith("UDT") and name.strip('"').upper() in names
+
+
+def _both(old: Sequence[Path], new: Sequence[Path], *, classic: bool) -> tuple[Snapshot, Snapshot]:
+    """Both states; a type that only one side's files declare serves the other side too."""
+    if any(path.suffix.lower() in SPEC_SUFFIXES for path in (*old, *new)):
+        return snapshot(old, classic=classic), snapshot(new, classic=classic)
+    before, after = read_sources(old, classic=classic), read_sources(new, classic=classic)
+    lent = dict(before.types)
+    for side, other in ((before, after.types), (after, lent)):
+        for part in (side, *side.parts.values()):
+            for name, block in other.items():
+                part.types.setdefault(name, block)
+    return snapshot_of(before, _label(old)), snapshot_of(after, _label(new))
+
+
+def snapshot(paths: Sequence[Path], *, classic: bool = False) -> Snapshot:
+    """State of a spec, or of files and folders; a spec stands alone."""
+    specs = [path for path in paths if path.suffix.lower() in SPEC_SUFFIXES]
+    if not specs:
+        return snapshot_of(read_sources(paths, classic=classic), _label(paths))
+    if len(paths) > 1:
+        message = "a spec is compared on its own: name it without other files"
+        return Snapshot(_label(paths), diagnostics=[Diagnostic("PG632", message, Span(str(specs[0])))])
+    return spec_snapshot(specs[0])
+
+
+def _label(paths: Sequence[Path]) -> str:
+    return ", ".join(path.as_posix() for path in paths[:3]) + (f" (+{len(paths) - 3})" if len(paths) > 3 else "")
