@@ -50,4 +50,5 @@ ACKNOWLEDGE = JobKind(
     items=_acknowledge_items,
     short=short_form(AcknowledgeSettings, (True,)),
     poll=lambda settings: Poll(settings.interval, settings.limit, 0),
+    fixed=True,
 )

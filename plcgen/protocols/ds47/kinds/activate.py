@@ -58,4 +58,5 @@ ACTIVATE = JobKind(
     items=lambda settings: tuple(one.item for one in _activate_steps(settings)),
     short=short_form(ActivateSettings, (True, False, "not_present", "input")),
     steps=_activate_steps,
+    fixed=True,
 )

@@ -25,4 +25,6 @@ CLOCK = JobKind(
     description="utc: sets the clock of the control unit to the time at the input utc",
     example="clock: utc",
     items=_clock_items,
+    fixed=True,
+    sets_clock=True,
 )

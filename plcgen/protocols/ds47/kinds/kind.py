@@ -108,6 +108,8 @@ class JobKind:
     ``messages`` that the accesses are those of a buffer of messages, ``compares`` that the values of ``WriteItem`` are
     not written, but held against those that are read; ``steps`` says which accesses
     belong to which step of a sequence. ``recorded``: the value names a recipe, for which ``items`` are asked.
+    ``fixed``: the parameters are the kind's own, which the device must have; ``bits``: an item may be a bit of a word;
+    ``read_back``: a job may have ``verify: readback`` and ``on_error``; ``saves`` and ``sets_clock`` say what it does.
     """
 
     key: str
@@ -122,6 +124,11 @@ class JobKind:
     compares: bool = False
     steps: Callable[[Any], Iterator[StepItem]] | None = None
     recorded: bool = False
+    fixed: bool = False
+    bits: bool = False
+    read_back: bool = False
+    saves: bool = False
+    sets_clock: bool = False
 
 
 def within_limit(interval: int, info: ValidationInfo) -> int:

@@ -106,6 +106,7 @@ def _buffer_kind(key: str, what: str, shape: Any, counter: int, numbers: Mapping
         items=partial(_message_items, counter, numbers),
         short=short_form(shape, WHOLE),
         messages=partial(_messages, history=key == "faults"),
+        fixed=True,
     )
 
 

@@ -24,6 +24,7 @@ def _recipe_kind(key: str, does: str) -> JobKind:
         items=_members,
         compares=key == "compare",
         recorded=True,
+        read_back=key == "write",
     )
 
 

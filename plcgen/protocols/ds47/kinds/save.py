@@ -59,4 +59,5 @@ SAVE = JobKind(
     items=_save_items,
     short=short_form(SaveSettings, (*SAVES, "ram")),
     poll=lambda settings: Poll(settings.interval, settings.limit, settings.distance),
+    saves=True,
 )

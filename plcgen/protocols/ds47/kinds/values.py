@@ -23,6 +23,8 @@ WRITE = JobKind(
     description="parameter: value, parameter: {value, as, type, start}, or a list of such",
     example="write: {P50303: 10.0}",
     short=lambda definitions: short_items_schema(definitions, "WriteItem", "parameter", lists=True),
+    bits=True,
+    read_back=True,
 )
 
 COMPARE = JobKind(

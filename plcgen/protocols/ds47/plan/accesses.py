@@ -87,14 +87,13 @@ class Accesses:
         if not items:
             message = f'job "{self.path[-1]}" names no parameter'
             self.report.add(Diagnostic("PG218", message, self.loaded.span((*self.path, kind.key))))
-        if kind.key == "save" and not self._savable(items[0], place):
+        if kind.saves and not self._savable(items[0], place):
             return ()
-        own = kind.messages is not None or kind.key in {"acknowledge", "activate", "clock"}
-        if own and not self._listable(items, place):
+        if kind.fixed and not self._listable(items, place):
             return ()
         if kind.steps is not None:
             return resolved_steps(tuple(kind.steps(given)), place, self.loaded, self.resolver)
-        if kind.key == "write" and has_bits(items):
+        if kind.bits and has_bits(items):
             return self._with_bits(kind, items, place)
         uses = self._resolved(kind, items, place, before)
         if len(uses) == len(items):
@@ -103,7 +102,7 @@ class Accesses:
 
     def _resolved(self, kind: JobKind, items: Items, place: SpecPath, before: int) -> tuple[Use, ...]:
         """The items that the drive knows."""
-        whole = kind.poll is not None or kind.messages is not None or kind.key == "clock"
+        whole = kind.fixed or kind.poll is not None
         found = []
         for number, item in enumerate(items):
             where = place if whole else (*place, number)
@@ -141,7 +140,7 @@ class Accesses:
 
     def _restores(self, kind: JobKind) -> ErrorSettings | None:
         """How old values are written back; None if they are not."""
-        can = self.job.verify is not None and kind.key in {"write", "write_recipe"}
+        can = self.job.verify is not None and kind.read_back
         return self.job.on_error if can else None
 
     def _comparable(self, use: Use) -> bool:

@@ -200,7 +200,7 @@ class DriveJobPlanner:
 
 def _clock(kind: JobKind, numbering: Numbering) -> Elementary | None:
     """Type of the time at the input of a job that sets a clock."""
-    return ELEMENTARY["DTL" if numbering.where.t15 else "DATE_AND_TIME"] if kind.key == "clock" else None
+    return ELEMENTARY["DTL" if numbering.where.t15 else "DATE_AND_TIME"] if kind.sets_clock else None
 
 
 _PLACES = 32
@@ -252,7 +252,9 @@ def _own_blocks(
     keys = [which for which, given in buffers.items() if given.db is not None or given.name is not None]
     keys += ["buffers"] if job.buffers == "db" else []
     sized = any(given.size is not None for given in buffers.values())
-    works = {"compare": "compares", "clock": "sets a clock"}.get(kind.key, "has a recipe" if kind.recorded else "")
+    works = (
+        "has a recipe" if kind.recorded else "compares" if kind.compares else "sets a clock" if kind.sets_clock else ""
+    )
     if telegrams == 1 and drives == 1 and not works:
         return bool(keys) or sized
     if keys:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from plcgen.diagnostics import Diagnostic
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.kinds.clock import UTC
+from plcgen.protocols.ds47.kinds.registry import kind_called
 from plcgen.protocols.ds47.rules.places import of_drive, on_any_drive, parameter_span
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ def not_restored(plan: DrivePlan) -> Iterator[Diagnostic]:
         if job.restores and own > _EACH_WAY:
             message = f'"{job.shape}" needs {own} telegrams: restoring takes one telegram in each direction'
             yield Diagnostic("PG258", message, place, help="split it into several jobs")
-        elif not job.verified and job.kind in {"write", "write_recipe"}:
+        elif not job.verified and kind_called(job.kind).read_back:
             message = f'"{job.shape}" does not read back: it would not know what to restore'
             yield Diagnostic("PG258", message, place, help="add verify: readback")
         elif not job.restores:
