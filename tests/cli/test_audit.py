@@ -6,7 +6,7 @@ import shutil
 import pytest
 from projects import FAQ, ROOT
 
-SOURCES = ROOT / "tests" / "review" / "audit" / "faq"
+SOURCES = ROOT / "tests" / "inspection" / "audit" / "faq"
 
 
 @pytest.fixture
