@@ -124,7 +124,9 @@ class Program:
         program.check_recursion()
         known = {file for file, _ in beside.interfaces}
         unique = dict.fromkeys([*beside.diagnostics, *(d for d in program.diagnostics if d.span.file not in known)])
-        program.diagnostics = sorted(_without_refused(unique), key=lambda d: d.sort_key)
+        replaced = program.link.unknown.replaced()
+        said = (d for d in _without_refused(unique) if d.severity is not Severity.WARNING or d.span not in replaced)
+        program.diagnostics = sorted(said, key=lambda d: d.sort_key)
         return program
 
     def report(self, code: str, message: str, span: Span | None = None, text: str = "") -> None:

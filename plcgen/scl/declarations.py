@@ -321,7 +321,8 @@ class _Builder:
             if isinstance(inner, ast.Name) and (inner.scope == "quoted" or inner.name.upper() in self.unresolved):
                 message = f"the constant {self.text(inner)} is defined outside this source"
                 span = self.result.span(inner)
-                if len(self.diagnostics) < MAX_ERRORS and self.is_news(inner):
+                news = self.unknown is None or self.unknown.warn(span, *keys_of(inner, self.name))
+                if news and len(self.diagnostics) < MAX_ERRORS:
                     self.diagnostics.append(Diagnostic("PG806", message, span, Severity.WARNING, help=_CONSTANT_HELP))
                 return True
         return False

@@ -532,7 +532,7 @@ def test_bounds_by_user_constants_are_known(plcgen, tmp_path):
     (tmp_path / "plc" / "Shelf.db").unlink()
     assert places(tmp_path / "plc") == outside
     table.unlink()
-    assert ("Buffer.scl", "PG806", 3) in places(tmp_path / "plc")
+    assert ("Buffer.scl", "PG820", 8) in places(tmp_path / "plc")
 
 
 def test_a_document_without_iec_check_has_it_off(plcgen, exports, tmp_path):
