@@ -25,8 +25,13 @@ _BYTES = re.compile(r"\(\s*(\d+(?:\s*,\s*\d+)*)\s*\)", re.ASCII)
 _PLACE = {
     "TIMER": re.compile(r"T\s*(\d{1,5})", re.IGNORECASE | re.ASCII),
     "COUNTER": re.compile(r"[CZ]\s*(\d{1,5})", re.IGNORECASE | re.ASCII),
+    **{
+        name: re.compile(rf"{name.removeprefix('BLOCK_')}\s*(\d{{1,5}})", re.IGNORECASE | re.ASCII)
+        for name in NUMBERS
+        if name.startswith("BLOCK_")
+    },
 }
-"""A timer or counter by its number, as in ``T 5``; STEP 7 in German writes ``Z 5`` for a counter."""
+"""A timer, counter or block by its number: ``T 5``, ``Z 5`` of German STEP 7, ``FB 12`` as TIA Portal exports it."""
 _ESCAPE = re.compile(r"\$(?:([$'\"LNPRT])|([0-9A-F]{4})|([0-9A-F]{2})|(.?))", re.IGNORECASE | re.DOTALL)
 _CONTROL = {"L": "\n", "N": "\r\n", "P": "\f", "R": "\r", "T": "\t"}
 _TEXT = frozenset({"CHAR", "WCHAR"})
