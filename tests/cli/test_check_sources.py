@@ -87,6 +87,18 @@ def test_a_program_is_compiled(plcgen, tmp_path):
     assert (result.code, result.err) == (0, "no problems in add.scl (1 block)\n")
 
 
+def test_tags_come_from_a_table_that_the_editor_exported(plcgen, tmp_path):
+    """It is no SimaticML, but what the TIA Portal writes as XML; named, or anywhere in the folder."""
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "add.scl").write_text(GOOD.replace("#first + 1", '#first + "level" + "LAST"'))
+    command = ("check", "src", "--program", "--target", "tia-1500")
+    assert plcgen(*command).out.count("error[PG820]") == 2
+    table = "<Tagtable name='T'><Tag type='Int' addr='%MW10'>level</Tag><Constant type='Int' value='5'>LAST</Constant>"
+    for path, named in (("tags.xml", ("--tags", "tags.xml")), ("src/tags.xml", ())):
+        (tmp_path / path).write_text(f"<?xml version='1.0' encoding='utf-8'?>\n{table}</Tagtable>\n")
+        assert plcgen(*command, *named).code == 0
+
+
 def test_symbols_of_step7_v5_come_from_an_asc_table(plcgen, tmp_path):
     """126 columns behind the number: symbol 24, address 12, type 10, comment 80; a block has its number from it."""
     rows = [

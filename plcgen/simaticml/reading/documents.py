@@ -11,13 +11,22 @@ from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types import ArrayType, Member
 from plcgen.simaticml.reading.interface import InterfaceReader
 from plcgen.simaticml.reading.structured_text import CodeReader
-from plcgen.simaticml.reading.tables import Tag, TagTable, UserConstant, WatchEntry, WatchTable, tag_table, watch_table
+from plcgen.simaticml.reading.tables import (
+    Tag,
+    TagTable,
+    UserConstant,
+    WatchEntry,
+    WatchTable,
+    editor_table,
+    tag_table,
+    watch_table,
+)
 from plcgen.simaticml.reading.types import parse_datatype
 from plcgen.simaticml.reading.xml import child, children, load, local, parse_xml, span, text
 from plcgen.simaticml.writing.documents import HEADER, INSTRUCTION, LIBRARY_VERSION
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping
     from pathlib import Path
 
     from lxml.etree import _Element as Element
@@ -105,8 +114,10 @@ def _blocks(
 
 
 def read_tag_table(source: Path | str | bytes, file: str | None = None) -> tuple[list[TagTable], list[Diagnostic]]:
-    """Tag tables of one document; diagnostics as for :func:`read_simaticml`."""
-    root, name, diagnostics = _open(source, file)
+    """Tag tables of one document, or the one of an export of the editor; diagnostics as for :func:`read_simaticml`."""
+    root, name, diagnostics = _open(source, file, {"Document", "Tagtable"})
+    if root is not None and local(root) == "Tagtable":
+        return [editor_table(root, name, diagnostics)], diagnostics
     found = (tag_table(table, name, diagnostics) for table in children(root, "SW.Tags.PlcTagTable"))
     return [table for table in found if table is not None], diagnostics
 
@@ -118,13 +129,15 @@ def read_watch_table(source: Path | str | bytes, file: str | None = None) -> tup
     return [table for table in found if table is not None], diagnostics
 
 
-def _open(source: Path | str | bytes, file: str | None) -> tuple[Element | None, str, list[Diagnostic]]:
+def _open(
+    source: Path | str | bytes, file: str | None, roots: Collection[str] = ("Document",)
+) -> tuple[Element | None, str, list[Diagnostic]]:
     try:
         data, name = load(source, file)
         root = parse_xml(data, name)
     except DiagnosticError as error:
         return None, "", list(error.diagnostics)
-    if local(root) != "Document":
+    if local(root) not in roots:
         wrong = Diagnostic("PG812", f"the root element is {root.tag}, not Document", span(root, name))
         return None, name, [wrong]
     return root, name, []

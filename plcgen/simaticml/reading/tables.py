@@ -1,4 +1,4 @@
-"""Tag tables and watch tables of SimaticML documents as frozen values."""
+"""Tag tables and watch tables as frozen values: of SimaticML documents, and tag tables of the TIA Portal's editor."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ from plcgen.simaticml.reading.xml import child, children, local, span, text
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
+
+_VALUES = {"Tag": "addr", "Constant": "value"}
+"""Rows of a table of the editor, and the attribute that says where a tag or what a constant is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +81,22 @@ def tag_table(element: Element, file: str, diagnostics: list[Diagnostic]) -> Tag
             if found is not None:
                 constants.append(UserConstant(found["Name"], found["DataTypeName"], found["Value"], place))
     return TagTable(head["Name"], tuple(tags), tuple(constants))
+
+
+def editor_table(root: Element, file: str, diagnostics: list[Diagnostic]) -> TagTable:
+    """A table as the editor of the TIA Portal exports it: a Tag or Constant for each row, whose text is its name."""
+    tags, constants = [], []
+    for row in children(root):
+        place, name, type_ = span(row, file), text(row).strip(), row.get("type", "")
+        kind, key = local(row), _VALUES.get(local(row))
+        value = row.get(key, "") if key else ""
+        if key and not (name and type_ and value):
+            diagnostics.append(Diagnostic("PG812", f"{kind} needs a name and the attributes type and {key}", place))
+        elif kind == "Tag":
+            tags.append(Tag(name, type_, value, row.get("remark", ""), place))
+        elif kind == "Constant":
+            constants.append(UserConstant(name, type_, value, place))
+    return TagTable(root.get("name", ""), tuple(tags), tuple(constants))
 
 
 def watch_table(element: Element, file: str, diagnostics: list[Diagnostic]) -> WatchTable | None:

@@ -268,6 +268,23 @@ def test_tag_tables():
     assert [d.code for d in diagnostics] == ["PG812", "PG812"]
 
 
+EXPORTED = (
+    "<?xml version='1.0' encoding='utf-8'?>\n<Tagtable name='Drive'>\n  <!-- exported by the TIA Portal -->\n"
+    "  <Tag type='Bool' hmiVisible='True' retain='False' remark='starts &amp; stops' addr='%M50.0'>Request</Tag>\n"
+    "  <Tag type='Bool' remark='' addr=''>Nowhere</Tag>\n"
+    "  <Constant type='Int' remark='' value='47'>LAST</Constant>\n</Tagtable>\n"
+)
+"""A tag table as the editor of the TIA Portal exports it: the other form besides SimaticML, with the same suffix."""
+
+
+def test_tag_tables_of_the_editor():
+    (found,), diagnostics = read_tag_table(EXPORTED.encode(), "t.xml")
+    assert found.name == "Drive"
+    assert found.tags == (Tag("Request", "Bool", "%M50.0", "starts & stops", found.tags[0].span),)
+    assert [(c.name, c.type, c.value) for c in found.constants] == [("LAST", "Int", "47")]
+    assert [(d.code, d.span.line) for d in diagnostics] == [("PG812", 5)]
+
+
 def test_watch_tables():
     table = (
         '<SW.WatchAndForceTables.PlcWatchTable ID="0"><AttributeList><Name>Watch</Name></AttributeList>'
