@@ -82,7 +82,7 @@ class Cpu:
         self._eno = [True]
         self.records = RecordJobs(self.bus, self._clock, self._eno, places, idle_needs_place=self.family == "s7-1500")
         self._passes = [0, loop_limit]
-        self.coverage = [0] * len(program.probes)
+        self.counters = [0] * len(program.probes)
         self._decisions: list[Table] = []
         self._compiled: dict[str, Compiled] = {}
         self.areas = {area: Memory(AREA_SIZE, area) for area in "IQMP"}
@@ -131,7 +131,7 @@ class Cpu:
             "W": self._passes,
             "E": self._eno,
             "G": [False],
-            "H": self.coverage,
+            "H": self.counters,
             "D": self._decisions,
         }
         names |= {"Z": self.preemption.point, "dis_airt": self.preemption.delay, "en_airt": self.preemption.enable}
@@ -144,7 +144,7 @@ class Cpu:
     def _load(self, blocks: Iterable[Compiled]) -> None:
         """Make the functions of compiled blocks, with the tables of their conditions."""
         decisions = self.program.link.decisions[len(self._decisions) :]
-        self._decisions += (Table(decision, self.coverage) for decision in decisions)
+        self._decisions += (Table(decision, self.counters) for decision in decisions)
         for compiled in blocks:
             if compiled.code is not None:
                 exec(compiled.code, self._names)  # noqa: S102 - code of our own compiler
@@ -331,9 +331,14 @@ class Cpu:
         transfers = sum(len(block.jobs) for block in self._records if isinstance(block, PortBlock))
         return transfers + len(self.records.jobs)
 
+    @property
+    def coverage(self) -> list[int]:
+        """How often each place of the program was passed, in the order of its probes."""
+        return self.program.passed(self.counters)
+
     def forget_coverage(self) -> None:
         """Count from 0 again."""
-        self.coverage[:] = bytes(len(self.coverage))
+        self.counters[:] = bytes(len(self.counters))
         for table in self._decisions:
             table.clear()
 

@@ -108,7 +108,9 @@ class Linkage:
     ``user_constants`` as they are written, ``numbers`` the whole numbers among them.
     ``mixed``: blocks with standard and with optimised access meet. ``eno``: some block speaks of ENO or OK. ``litter``:
     local data holds garbage at the start of a call, of two kinds in turn. ``probes`` and ``decisions`` grow while
-    blocks are compiled for coverage, ``points`` while they are compiled for preemption.
+    blocks are compiled for coverage; ``counted_by`` has for each probe the number of the one that counts for it, the
+    first of those that run equally often unless a fault ends the scan. ``points`` grow while blocks are compiled for
+    preemption.
 
     ``stated`` says of single blocks whether their IEC check is on, ``iec_check`` of all others.
     ``opaque`` are the types that nobody declares: they are reported once, and nothing is said about what they hold.
@@ -129,6 +131,7 @@ class Linkage:
     coverage: bool = False
     litter: bool = False
     probes: list[Probe] = field(default_factory=list)
+    counted_by: list[int] = field(default_factory=list)
     decisions: list[Decision] = field(default_factory=list)
     points: list[Probe] = field(default_factory=list)
     iec_check: IecCheck = IecCheck.AS_STATED

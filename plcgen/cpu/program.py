@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import groupby
@@ -61,8 +61,13 @@ class Program:
 
     @property
     def probes(self) -> list[Probe]:
-        """What coverage counts, in the order of the counters."""
+        """Places of which coverage says how often they were passed."""
         return self.link.probes
+
+    def passed(self, counters: Sequence[int], first: int = 0) -> list[int]:
+        """How often the places from number ``first`` on were passed, from as many counters of a CPU."""
+        counted_by = self.link.counted_by[first : first + len(counters)]
+        return [counters[number - first] for number in counted_by]
 
     def runs(self) -> tuple[tuple[str, int, int], ...]:
         """File, begin and end of the probes that follow each other in one file: a few pieces for each file."""

@@ -158,7 +158,7 @@ class Run(Generic[S]):
                 self.outputs = self.conduct.outputs()
             self.conduct.happen(self, happening)
         length = self.conduct.scan(self)
-        self.before = self.rig.cpu.coverage[self.rig.source.probes]
+        self.before = self.rig.cpu.counters[self.rig.source.probes]
         self.call(self.random.randint(1, 50) if self.scenario.jitter else length)
         self.observe()
 
@@ -249,8 +249,9 @@ class Runner(Generic[S]):
         if rig.cpu.misuses:
             misuse = rig.cpu.misuses[0]
             return Failure(title, run.scans, str(misuse), misuse.file, misuse.line)
-        place, counters = rig.source.probes, rig.cpu.coverage
-        counted = zip(rig.program.probes[place], counters[place], run.before, strict=False)
+        place = rig.source.probes
+        passed, before = (rig.program.passed(one, place.start) for one in (rig.cpu.counters[place], run.before))
+        counted = zip(rig.program.probes[place], passed, before, strict=False)
         found = [
             probe
             for probe, count, before in counted

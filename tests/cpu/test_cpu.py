@@ -110,6 +110,42 @@ def test_coverage():
     assert [(probe.line - 7, probe.kind) for probe in found.uncovered()] == [(5, "pass"), (6, "statement")]
 
 
+def test_coverage_behind_jumps():
+    """Each statement is counted as often as it runs: behind RETURN and EXIT less often, behind a label more often."""
+    code = """#n := #n + 1;
+REPEAT
+IF #n = 2 THEN
+RETURN;
+END_IF;
+#a := #a + 1;
+UNTIL #a >= 3 END_REPEAT;
+WHILE TRUE DO
+#b := #b + 1;
+IF #b > 4 THEN
+EXIT;
+END_IF;
+#c := #b;
+END_WHILE;
+again:
+#d := #d + 1;
+IF #d < 3 THEN
+GOTO again;
+END_IF;
+#e := #d;"""
+    found = Cpu(load({"vars": "n : Int; a : Int; b : Int; c : Int; d : Int; e : Int;", "code": code}, coverage=True))
+    found.call("Test_DB")
+    found.call("Test_DB")  # n = 2: it returns
+    statements = {
+        probe.line - 7: count
+        for probe, count in zip(found.program.probes, found.coverage, strict=True)
+        if probe.kind == "statement"
+    }
+    assert found.misuses == []
+    assert statements == {
+        0: 2, 1: 2, 2: 4, 3: 1, 5: 3, 7: 1, 8: 5, 9: 5, 10: 1, 12: 4, 15: 3, 16: 3, 17: 2, 19: 1,
+    }  # fmt: skip
+
+
 def test_no_coverage_costs_nothing():
     """Without coverage the generated code has no counters."""
     program = load({"vars": "a : Int;", "code": "#a := 1;"})

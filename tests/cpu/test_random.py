@@ -4,6 +4,7 @@ The walk keeps every variable as bytes of its own layout, so that views, branche
 """
 
 import random
+import re
 
 import pytest
 from cpu.support import load
@@ -34,6 +35,19 @@ class Walk:
         self.rnd = random.Random(seed)  # noqa: S311 - reproducible programs, no secrets
         self.memory = bytearray(24)
         self.depth = 0
+        self.passed = []
+        """How often each statement ran; its number stands in a comment in front of it."""
+
+    def counted(self, text, run):
+        """A statement with its number."""
+        number = len(self.passed)
+        self.passed.append(0)
+
+        def passing():
+            self.passed[number] += 1
+            return run()
+
+        return f"(*{number}*){text}", passing
 
     def read(self, name, index=0):
         """Value of a variable."""
@@ -134,6 +148,10 @@ class Walk:
         return "\n".join(text for text, _ in made), lambda: [run() for _, run in made]
 
     def statement(self, depth=0):
+        """Text and function of a statement, counted."""
+        return self.counted(*self.uncounted(depth))
+
+    def uncounted(self, depth):
         """Text and function of a statement."""
         rnd = self.rnd
         pick = rnd.randrange(12) if depth < 3 else rnd.randrange(8)
@@ -195,32 +213,52 @@ class Walk:
         """FOR over an own temporary, with CONTINUE and EXIT."""
         self.depth += 1
         name, last = f"i{depth}", self.rnd.randint(0, 4)
-        skip, leave = self.truth(), self.truth()
+        skip, leave = (self.counted(*self.truth()) for _ in range(2))
+        again, out = (self.counted(text, lambda: None) for text in ("CONTINUE;", "EXIT;"))
         first, second = self.body(1, depth + 1), self.body(1, depth + 1)
-        text = f"FOR #{name} := 0 TO {last} DO\n{first[0]}\nIF {skip[0]} THEN CONTINUE; END_IF;\n"
-        text += f"IF {leave[0]} THEN EXIT; END_IF;\n{second[0]}\nEND_FOR;"
+        text = f"FOR #{name} := 0 TO {last} DO\n{first[0]}\n"
+        for (condition, _), (jump, _) in ((skip, again), (leave, out)):
+            text += condition.replace("*)", "*)IF ", 1) + f" THEN {jump} END_IF;\n"
+        text += f"{second[0]}\nEND_FOR;"
 
         def run():
             for _ in range(last + 1):
                 first[1]()
                 if skip[1]():
+                    again[1]()
                     continue
                 if leave[1]():
+                    out[1]()
                     break
                 second[1]()
 
         return text, run
 
 
+def numbered(program):
+    """Index of the probe of each statement by its number."""
+    source = program.link.blocks["TEST"].result.tokens.source
+    probes = {(p.line, p.column): n for n, p in enumerate(program.probes) if p.kind == "statement"}
+    found = {}
+    for mark in re.finditer(r"\(\*(\d+)\*\)", source):
+        before = source[: mark.end()]
+        found[int(mark[1])] = probes[before.count("\n") + 1, len(before) - before.rfind("\n")]
+    return found
+
+
 @pytest.mark.parametrize("seed", [*range(30), *(pytest.param(n, marks=pytest.mark.slow) for n in range(30, 150))])
 def test_random_programs(seed):
-    """Memory is the same, byte by byte, after each of five calls."""
+    """After each of five calls memory is the same, byte by byte; every statement is counted as often as it ran."""
     walk = Walk(seed)
     text, run = walk.body(14, 0)
     case = {"vars": VARS, "temp": " ".join(f"i{n} : Int;" for n in range(4)), "code": text}
-    cpu = Cpu(load(case))
+    program = load(case, coverage=True)
+    cpu, plain, numbers = Cpu(program), Cpu(load(case)), numbered(program)
     for _ in range(5):
         cpu.call("Test_DB")
+        plain.call("Test_DB")
         run()
-        assert cpu.misuses == []
-        assert bytes(walk.memory) == bytes(cpu.db("Test_DB")), text
+        assert cpu.misuses == plain.misuses == []
+        assert bytes(walk.memory) == bytes(cpu.db("Test_DB")) == bytes(plain.db("Test_DB")), text
+        coverage = cpu.coverage
+        assert walk.passed == [coverage[numbers[number]] for number in range(len(walk.passed))], text

@@ -29,8 +29,9 @@ class Branches:
         saved = self.access.cache
         self.access.cache = dict(saved)
         self.out.indent += " "
-        self.context.probe(node, kind)
-        reached = self.statements.body(body)
+        with self.context.apart():
+            self.context.probe(node, kind)
+            reached = self.statements.body(body)
         self.out.indent = self.out.indent[:-1]
         if reached:
             exits.append(self.access.cache)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from plcgen.cpu.compiler.scope import Scope
@@ -78,7 +79,8 @@ class Context:
     """One block on its way to Python: ``dynamic`` adds a base offset ``o`` to every access to the instance.
 
     ``preemptive`` adds points at which another OB may run (``Z``), and nothing is known from one access to the next.
-    ``known`` are the counters of the same block without points.
+    ``known`` are the counters of the same block without points. ``counting`` is the counter of what runs as often as
+    the next statement, ``jumps`` how many statements leave what is around them.
     ``names`` of the diagnostics are about unknown names; ``run_tags`` are the places of the variables that the loops
     around count with.
     ``calls`` are the blocks it calls by upper-case name, ``moving`` those that are its multi-instances, ``calling`` how
@@ -105,6 +107,8 @@ class Context:
     uses_eno: bool = False
     names: int = 0
     run_tags: list[tuple[str, int, str, str]] = field(default_factory=list)
+    counting: int | None = None
+    jumps: int = 0
 
     def __post_init__(self) -> None:
         self.unit = self.owner.tree
@@ -139,19 +143,37 @@ class Context:
         return " ".join(self.owner.result.tokens.source[node.start : node.end].split())
 
     def probe(self, node: ast.Node, kind: str) -> None:
-        """Count this place, if coverage is wanted."""
+        """Count this place, if coverage is wanted: a statement with what runs as often as it does."""
         if self.link.coverage:
-            self.out.emit(f"H[{self.counter(node, kind)}]+=1")
+            shared = self.counting if kind in {"statement", "loop"} else None
+            number = self.counter(node, kind, shared)
+            if shared is None:
+                self.out.emit(f"H[{number}]+=1")
+                self.counting = number
 
-    def counter(self, node: ast.Node, kind: str) -> int:
-        """Number of a counter of this place."""
+    def counter(self, node: ast.Node, kind: str, shared: int | None = None) -> int:
+        """Number of this place, which is that of its counter unless it has a ``shared`` one."""
         span = self.span(node)
         probe = Probe(span.file, span.line, span.column, kind)
         number = self.known.get(probe)
         if number is None:
             number = len(self.link.probes)
             self.link.probes.append(probe)
+            self.link.counted_by.append(number if shared is None else shared)
         return number
+
+    @contextmanager
+    def apart(self) -> Iterator[None]:
+        """Around what has counters of its own; what is before and behind it runs equally often if nothing jumps."""
+        counting, jumps = self.counting, self.jumps
+        self.counting = None
+        yield
+        self.counting = counting if self.jumps == jumps else None
+
+    def jump(self) -> None:
+        """The statements behind run less often than those before."""
+        self.jumps += 1
+        self.counting = None
 
     @property
     def keeps_ok(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from plcgen.cpu.compiler.access import Access
@@ -48,6 +49,7 @@ class Labels:
 
     def goto(self, node: ast.Goto) -> bool:
         """GOTO a label that stands at the top level of the block."""
+        self.context.jump()
         number = self.numbers.get(node.label.upper())
         if number is None:
             body = self.context.unit.statements
@@ -84,7 +86,8 @@ class Labels:
             self.access.forget()
             self.out.emit(f"if pc<={number}:")
             self.out.indent += " "
-            self.statements.body(tuple(part))
+            with self.context.apart():
+                self.statements.body(tuple(part))
             self.out.indent = self.out.indent[:-1]
         self.out.emit("break")
         self.out.indent = self.out.indent[:-1]
@@ -105,8 +108,9 @@ class Loops:
     statements: Statements
     loops: list[Callable[[], None]] = field(default_factory=list)
 
-    def open_loop(self, again: Callable[[], None]) -> None:
-        """Begin a loop: nothing is known, every pass counts for the watchdog."""
+    @contextmanager
+    def loop(self, again: Callable[[], None]) -> Iterator[None]:
+        """Around the code of one pass: nothing is known before and behind it, every pass counts for the watchdog."""
         self.access.forget()
         if not self.watchdog.depth:
             self.out.emit("n=W[0]")
@@ -116,9 +120,8 @@ class Loops:
         self.out.emit("n+=1")
         self.out.emit("if n>W[1]:late()")
         self.loops.append(again)
-
-    def close_loop(self) -> None:
-        """End a loop."""
+        with self.context.apart():
+            yield
         self.loops.pop()
         self.watchdog.depth -= 1
         self.out.indent = self.out.indent[:-1]
@@ -136,9 +139,8 @@ class Loops:
             if place is not None and not self.context.link.is_opaque(place.shape):
                 message = f"a loop counts with an integer, not {type_ or 'a structure'}"
                 self.context.error("PG821", message, node.variable)
-            self.open_loop(lambda: None)  # what is inside is checked all the same
-            self.statements.body(node.body)
-            self.close_loop()
+            with self.loop(lambda: None):  # what is inside is checked all the same
+                self.statements.body(node.body)
             return
         first = self.expressions.value(node.first)
         self.access.store(place, coerce(self.context, first, type_, node.first))
@@ -153,21 +155,20 @@ class Loops:
             self.access.store(place, current.wrapped)
 
         self.context.probe(node, "loop")
-        self.open_loop(again)
-        value = self.access.load(place).code
-        fixed = step.lstrip("(-").rstrip(")").isdigit()
-        ended = f"{value}{'<' if '-' in step else '>'}{last}"
-        if not fixed:
-            ended = f"({value}>{last} if {step}>=0 else {value}<{last})"
-        self.out.emit(f"if {ended}:break")
-        self.context.probe(node, "pass")
-        self.context.run_tags.append((place.mem, place.off, place.dyn, place.local))
-        reached = self.statements.body(node.body)
-        self.context.run_tags.pop()
-        if reached:
-            self.out.line = line
-            again()
-        self.close_loop()
+        with self.loop(again):
+            value = self.access.load(place).code
+            fixed = step.lstrip("(-").rstrip(")").isdigit()
+            ended = f"{value}{'<' if '-' in step else '>'}{last}"
+            if not fixed:
+                ended = f"({value}>{last} if {step}>=0 else {value}<{last})"
+            self.out.emit(f"if {ended}:break")
+            self.context.probe(node, "pass")
+            self.context.run_tags.append((place.mem, place.off, place.dyn, place.local))
+            reached = self.statements.body(node.body)
+            self.context.run_tags.pop()
+            if reached:
+                self.out.line = line
+                again()
 
     def limit_code(self, node: ast.Expression, type_: str) -> str:
         """Limit or step of a FOR, kept in a local unless it is a constant."""
@@ -181,13 +182,12 @@ class Loops:
 
     def while_statement(self, node: ast.While) -> None:
         """WHILE: the condition is evaluated before every pass."""
-        self.open_loop(lambda: None)
-        self.context.point("condition", node.condition)
-        condition = truth(self.context, self.expressions.value(node.condition), node.condition)
-        self.out.emit(f"if not {condition}:break")
-        self.context.probe(node, "pass")
-        self.statements.body(node.body)
-        self.close_loop()
+        with self.loop(lambda: None):
+            self.context.point("condition", node.condition)
+            condition = truth(self.context, self.expressions.value(node.condition), node.condition)
+            self.out.emit(f"if not {condition}:break")
+            self.context.probe(node, "pass")
+            self.statements.body(node.body)
 
     def repeat_statement(self, node: ast.Repeat) -> None:
         """REPEAT: the condition is evaluated behind every pass."""
@@ -197,14 +197,14 @@ class Loops:
             condition = truth(self.context, self.expressions.value(node.condition), node.condition)
             self.out.emit(f"if {condition}:break")
 
-        self.open_loop(again)
-        if self.statements.body(node.body):
-            self.context.move_to(node.condition)
-            again()
-        self.close_loop()
+        with self.loop(again):
+            if self.statements.body(node.body):
+                self.context.move_to(node.condition)
+                again()
 
     def jump(self, node: ast.Jump) -> bool:
         """EXIT, CONTINUE, RETURN."""
+        self.context.jump()
         if node.keyword == "RETURN":
             if self.watchdog.depth:
                 self.out.emit("W[0]=n")

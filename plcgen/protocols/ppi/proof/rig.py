@@ -121,8 +121,9 @@ class MasterRig:
         self._ranges, self._bits = self._shown()
         self.source = Source(program, master.block)
         self.place = (self.source.file, 1)
-        own = program.probes[self.source.probes]
-        self._statements = [number for number, probe in enumerate(own) if probe.kind == "statement"]
+        place = self.source.probes
+        own = zip(program.probes[place], program.link.counted_by[place], strict=True)
+        self._statements = [number - place.start for probe, number in own if probe.kind == "statement"]
         self.draw = random.Random(master.key)  # noqa: S311 - test values
         self.inputs: dict[str, bytes] = {}
         self._supplied: list[tuple[Spot, bytes, bytes]] = []
@@ -162,7 +163,7 @@ class MasterRig:
 
     def statements(self, before: list[int]) -> int:
         """Statements of the block that were executed since its counters of coverage were ``before``."""
-        now = self.cpu.coverage[self.source.probes]
+        now = self.cpu.counters[self.source.probes]
         return sum(now[number] - before[number] for number in self._statements)
 
     def pin(self, name: str) -> str:

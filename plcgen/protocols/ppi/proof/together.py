@@ -285,7 +285,7 @@ def _noise(rig: MasterRig, octets: int) -> int:
         if noise and rig.db.get("state") == State.REPLY:
             rig.port.deliver(noise)
             noise = b""
-        before = rig.cpu.coverage[rig.source.probes]
+        before = rig.cpu.counters[rig.source.probes]
         rig.cpu.call(rig.db.block, step(rig))
         most = max(most, rig.statements(before))
         if not rig.db.flag(rig.pin("busy")):

@@ -156,14 +156,14 @@ def _nobody(field: JobField) -> None:
     field.rig.plan.set("channels", MANY)
     field.again(*JOBS)
     field.rig.call((GATE_CALL,))
-    source = Source(field.rig.program, field.rig.engine.names["gate"])
-    own = [
-        n for n, probe in enumerate(field.rig.program.probes) if probe.file == source.file and probe.kind == "statement"
-    ]
+    program = field.rig.program
+    file = Source(program, field.rig.engine.names["gate"]).file
+    counted = zip(program.probes, program.link.counted_by, strict=True)
+    own = [number for probe, number in counted if probe.file == file and probe.kind == "statement"]
     for _ in range(400):
-        before = sum(field.cpu.coverage[n] for n in own)
+        before = sum(field.cpu.counters[n] for n in own)
         field.step()
-        passed = sum(field.cpu.coverage[n] for n in own) - before
+        passed = sum(field.cpu.counters[n] for n in own) - before
         if passed > 6 * MANY:
             raise ScenarioError(f"an idle gate of {MANY} channels runs {passed} statements")
     field.rig.call(CALLS)
