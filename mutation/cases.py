@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import os
+import re
 import shutil
 import tempfile
 from collections import Counter
@@ -112,11 +113,16 @@ def cases(specs: Iterable[str], kinds: Iterable[str] = tuple(KINDS), *, main: bo
                 yield Case(spec, file, key, mutant, turns[mutant.what])
 
 
+def classic(text: str) -> str:
+    """A text without the # before the names of a block: that of a constant such as W#16#7000 stays."""
+    return re.sub(r"(?<!\w)#", "", text)
+
+
 def spread(work: Iterable[Case]) -> list[Case]:
     """Mutants of the engine that are spelled the same in several targets in one of them, in turn; all others."""
     found: dict[tuple[object, ...], list[Case]] = {}
     for case in work:
-        place = (case.file, case.mutant.what.replace("#", ""), case.turn)
+        place = (case.file, classic(case.mutant.what), case.turn)
         found.setdefault(("" if case.key == ENGINE else case.spec, *place), []).append(case)
     return [same[number % len(same)] for number, same in enumerate(found.values())]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import PurePath
 
-from mutation.cases import Case
+from mutation.cases import Case, classic
 
 EQUIVALENT = {
     r"^\w+: \d+ -> \d+: (CALL|EVENT|PHASE)_[A-Z]+ : I(nt|NT) :=": (
@@ -71,5 +71,5 @@ EQUIVALENT = {
 
 def reason(case: Case) -> str:
     """Why a mutant behaves like the original; empty if it should be noticed."""
-    text = f"{PurePath(case.file).stem}: {case.mutant.what.replace('#', '')} ({case.turn})"
+    text = f"{PurePath(case.file).stem}: {classic(case.mutant.what)} ({case.turn})"
     return next((why for pattern, why in EQUIVALENT.items() if re.search(pattern, text)), "")
