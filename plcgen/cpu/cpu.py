@@ -85,6 +85,7 @@ class Cpu:
         self.counters = [0] * len(program.probes)
         self._decisions: list[Table] = []
         self._compiled: dict[str, Compiled] = {}
+        self._callables: dict[str, tuple[ProgramBlock, tuple[Any, ...]]] = {}
         self.areas = {area: Memory(AREA_SIZE, area) for area in "IQMP"}
         self.blocks: dict[int, Memory] = {}
         self._numbers: dict[int, Memory] = {}
@@ -226,6 +227,11 @@ class Cpu:
 
     def _callable(self, name: str) -> tuple[ProgramBlock, tuple[Any, ...]]:
         """Block and arguments behind the name of an instance data block, OB or FC."""
+        if name not in self._callables:
+            self._callables[name] = self._find_callable(name)
+        return self._callables[name]
+
+    def _find_callable(self, name: str) -> tuple[ProgramBlock, tuple[Any, ...]]:
         entry = self.program.link.find(name)
         if entry is None:
             raise UnknownPathError(f"there is no block {name}")
