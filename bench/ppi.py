@@ -135,10 +135,10 @@ SCATTERED = (
 
 def telegrams() -> tuple[int, int, int, float, float]:
     """Items, telegrams used, telegrams with 19 items each as asked; seconds at 9600 bit/s packed and one by one."""
-    from plcgen.protocols.ppi.wire.address import parse_address
+    from plcgen.protocols.ppi.wire.address import parse_item
     from plcgen.protocols.ppi.wire.pack import pack_read
 
-    items = [parse_address(text) for text in SCATTERED]
+    items = [parse_item(text) for text in SCATTERED]
     plan = pack_read(items)
     packed = sum(_seconds([entry.item for entry in telegram]) for telegram in plan.telegrams)
     alone = sum(_seconds([item]) for item in items)

@@ -98,13 +98,13 @@ def distribution(
     from plcgen.plugins import offered
     from plcgen.project.shape import spec_model
     from plcgen.protocols.ds47.kinds.registry import kinds
-    from plcgen.protocols.ds47.schema import sections
+    from plcgen.protocols.ds47.schema import drive_sections
     from plcgen.protocols.registry import protocols
 
     site, modules = tmp_path / "site", set[str]()
     site.mkdir()
     monkeypatch.syspath_prepend(str(site))
-    caches = (offered, kinds, sections, spec_model, protocols)
+    caches = (offered, kinds, drive_sections, spec_model, protocols)
 
     def forget() -> None:
         for cached in caches:

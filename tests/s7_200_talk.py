@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from plcgen.protocols.ppi.sim import Bus
-from plcgen.protocols.ppi.wire.address import parse_address
+from plcgen.protocols.ppi.wire.address import parse_item
 from plcgen.protocols.ppi.wire.model import (
     FrameCount,
     Item,
@@ -80,4 +80,4 @@ class Talk:
 
 def items(addresses: Sequence[str | Item]) -> list[Item]:
     """Addresses as items."""
-    return [parse_address(entry) if isinstance(entry, str) else entry for entry in addresses]
+    return [parse_item(entry) if isinstance(entry, str) else entry for entry in addresses]

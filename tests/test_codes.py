@@ -69,7 +69,7 @@ def test_stale_pages_are_removed(tmp_path: Path) -> None:
     """A code that is gone takes its page with it; other files stay."""
     (tmp_path / "PG999.md").write_text("old")
     (tmp_path / "notes.md").write_text("mine")
-    pages.write(tmp_path)
+    pages.write_pages(tmp_path)
     assert not (tmp_path / "PG999.md").exists()
     assert (tmp_path / "notes.md").exists()
     assert (tmp_path / "PG303.md").read_text("utf-8").startswith("# PG303: ")

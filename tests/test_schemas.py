@@ -24,7 +24,7 @@ from plcgen.diagnostics import DiagnosticError
 from plcgen.display.view import PLAIN
 from plcgen.inspection.compare.lockread import read_lock
 from plcgen.inspection.compare.policyfile import load_policy
-from plcgen.output.registry import find
+from plcgen.output.registry import output_format
 from plcgen.protocols.ds47.recording.faults import plan_faults
 from plcgen.protocols.ds47.sim.load import load_drive
 from plcgen.protocols.ppi.sim.load import load_bus
@@ -160,7 +160,7 @@ def test_what_the_tool_refuses_does_not_pass(kind: str, text: str, tmp_path: Pat
 
 def test_a_result_with_other_keys_does_not_pass() -> None:
     """A key too many, one too few, a kind that does not exist, a severity that nobody knows."""
-    format_ = find("json")
+    format_ = output_format("json")
     assert format_ is not None
     data = json.loads(format_.render("layout", api.layout(ROOT / "docs" / "pictures" / "conveyor.awl"), PLAIN))
     assert wrong("output", data) == []

@@ -20,7 +20,7 @@ def explain_page(key: str) -> Page | None:
     if _CODE.match(text):
         return _diagnostic(text.upper())
     if text.lower() == hardware.SUBJECT:
-        return hardware.page()
+        return hardware.hardware_page()
     match = _NUMBER.match(text)
     digits = match[1].replace("_", "") if match else ""
     pages = (protocol.explain(digits) for protocol in protocols() if match)

@@ -154,14 +154,14 @@ def _misfits(project: Project) -> tuple[Diagnostic, ...]:
     from plcgen.inspection.memory.estimate import estimate
     from plcgen.inspection.memory.fit import ProgramSize
     from plcgen.sources.blocks import read_texts
-    from plcgen.sources.text import decode
+    from plcgen.sources.text import decode_source
 
     texts: list[tuple[str, str]] = []
     length = 0
     documents = (replace(document, twins=None) for document in emit(project) if document.path.endswith(SOURCE_SUFFIXES))
     for file in render_all(documents):
         length += len(file.data)
-        text = decode(file.data, file.path)
+        text = decode_source(file.data, file.path)
         if length > MAX_SIZED or not isinstance(text, str):
             return ()
         texts.append((file.path, text))

@@ -78,9 +78,9 @@ def decode_status(value: int) -> Status:
     """Explain a STATUS double word of WRREC or RDREC. Raises ArgumentError if the value has more than 32 bits."""
     if not 0 <= value <= 0xFFFFFFFF:
         raise ArgumentError(f"{value} is not a STATUS double word, which has 32 bits")
-    from plcgen.protocols.ds47.wire.status import explain
+    from plcgen.protocols.ds47.wire.status import explain_status
 
-    return explain(value)
+    return explain_status(value)
 
 
 def explain(key: str) -> Page | None:

@@ -23,7 +23,9 @@ def device_named(key: str | None) -> Device | None:
     return None if key is None else devices.find_device(key)
 
 
-def address(argument: Argument, text: str, device: Device | None, count: int | None = None) -> ParameterAddress:
+def parameter_address(
+    argument: Argument, text: str, device: Device | None, count: int | None = None
+) -> ParameterAddress:
     """Read one parameter reference; ``count`` values are written to it, None means it is read."""
     reference = parse_reference(text)
     if reference is None:
@@ -66,7 +68,7 @@ def change(argument: Argument, device: Device | None) -> tuple[ParameterAddress,
     if not equals or not rest:
         raise argument.problem("PG703", f'"{argument.text}" has no value', "P50304=100.0:FloatingPoint")
     text, type_ = _split(rest)
-    place = address(argument, name, device)
+    place = parameter_address(argument, name, device)
     if type_ is None:
         known = device.parameters.get(place.pnu) if device is not None else None
         if known is None or not known.type:
@@ -79,7 +81,7 @@ def change(argument: Argument, device: Device | None) -> tuple[ParameterAddress,
     asked = place.elements
     if indexed and block.count != asked and not fmt.is_string:
         raise argument.problem("PG703", f"{block.count} values for {asked} elements")
-    return address(argument, name, device, None if indexed else block.count), block
+    return parameter_address(argument, name, device, None if indexed else block.count), block
 
 
 def _split(rest: str) -> tuple[str, str | None]:

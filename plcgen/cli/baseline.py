@@ -46,7 +46,7 @@ def read_baseline(path: Path) -> Counter[Key]:
     raise DiagnosticError([Diagnostic(USAGE, message, Span(path.as_posix()), help=help_)])
 
 
-def compare(subjects: Sequence[Subject], baseline: Counter[Key]) -> Compared:
+def compare_baseline(subjects: Sequence[Subject], baseline: Counter[Key]) -> Compared:
     """Leave out what the baseline has, as often as it has it."""
     left = Counter(baseline)
     new: list[Subject] = []

@@ -88,7 +88,7 @@ def command(
     except what was generated from these specs. Nothing is written. Exit code 1 if there is an error anywhere;
     warnings alone give 0.
     """
-    from plcgen.cli.baseline import compare, read_baseline
+    from plcgen.cli.baseline import compare_baseline, read_baseline
     from plcgen.cli.specs import named
     from plcgen.diagnostics import DiagnosticError
     from plcgen.display.results import Findings
@@ -117,7 +117,7 @@ def command(
     subjects = [*subjects[: len(specs)], *_with_left_out(paths, [*map(_settled, subjects[len(specs) :])])]
     more: dict[str, Any] = {"specs": [subject for subject, _ in subjects]}
     if known is not None:
-        compared = compare(subjects, known)
+        compared = compare_baseline(subjects, known)
         subjects = compared.subjects
         more["baseline"] = {"known": compared.known, "gone": compared.gone}
     found = Findings("check", subjects, more)

@@ -105,8 +105,8 @@ def _small(spec: Path) -> bool:
 
 
 def _text() -> OutputFormat:
-    from plcgen.output.registry import find
+    from plcgen.output.registry import output_format
 
-    found = find("text")
+    found = output_format("text")
     assert found is not None  # noqa: S101 - it is shipped
     return found

@@ -93,7 +93,7 @@ def _telegram(verb: str, words: tuple[str, ...], drive_object: int | None, refer
     device = adhoc.device_named(key)
     target = drive_object if drive_object is not None else device.drive_object if device else 1
     if verb == "read":
-        addresses = [adhoc.address(argument, argument.text, device) for argument in arguments(words)]
+        addresses = [adhoc.parameter_address(argument, argument.text, device) for argument in arguments(words)]
         return api.encode_read(addresses, drive_object=target, reference=reference)
     changes = [adhoc.change(argument, device) for argument in arguments(words)]
     return api.encode_write(changes, drive_object=target, reference=reference)

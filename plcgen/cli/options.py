@@ -166,15 +166,15 @@ class _FormatName(click.ParamType[Any]):
     def names(self) -> tuple[str, ...]:
         from plcgen.output import registry
 
-        return registry.names(self.kind)
+        return registry.formats_for(self.kind)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> OutputFormat:
         """The format itself."""
-        from plcgen.output.registry import OutputFormat, find
+        from plcgen.output.registry import OutputFormat, output_format
 
         if isinstance(value, OutputFormat):
             return value
-        found = find(value)
+        found = output_format(value)
         if found is None or not found.shows(self.kind):
             self.fail(f"{value!r} is not one of {', '.join(map(repr, self.names))}.", param, ctx)
         return found

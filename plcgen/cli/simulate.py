@@ -67,7 +67,7 @@ def _show(out: Console, trace: Trace, format_: OutputFormat, output: Path | None
         return
     out.show(format_, "trace", trace, output)
     if not format_.complete and format_.name != "text":
-        from plcgen.trace.text import summary
+        from plcgen.trace.text import run_summary
 
         out.complain(trace.diagnostics)
-        out.say(summary(trace))
+        out.say(run_summary(trace))

@@ -38,7 +38,7 @@ def _read(path: Path) -> str:
             return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         pass
-    from plcgen.sources.text import decode
+    from plcgen.sources.text import decode_source
 
-    text = decode(data, str(path))
+    text = decode_source(data, str(path))
     return text if isinstance(text, str) else data.decode("cp1252", "replace")

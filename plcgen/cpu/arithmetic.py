@@ -106,7 +106,7 @@ def mux(selector: int, *values: Any) -> Any:
     return values[selector] if 0 <= selector < len(values) else values[-1]
 
 
-def from_bcd(value: int, digits: int) -> int:
+def bcd_to_int(value: int, digits: int) -> int:
     """BCD with a sign digit to an integer; no BCD gives 0."""
     body = value & (1 << 4 * digits) - 1
     try:
@@ -116,7 +116,7 @@ def from_bcd(value: int, digits: int) -> int:
     return -number if value >> 4 * digits + 3 & 1 else number
 
 
-def to_bcd(value: int, digits: int) -> int:
+def int_to_bcd(value: int, digits: int) -> int:
     """Integer to BCD with a sign digit."""
     return durations.to_bcd(abs(value) % 10**digits) | (0xF << 4 * digits if value < 0 else 0)
 
@@ -200,6 +200,35 @@ def _replace(text: str, other: str, length: int, position: int) -> str:
     return text[: position - 1] + other + text[position - 1 + max(length, 0) :] if position > 0 else text
 
 
+class Division:
+    """Division for generated code: by zero it gives 0, or what a REAL has for it, and is reported (PG836)."""
+
+    def __init__(self, report: Callable[[str, str], None]) -> None:
+        self._report = report
+
+    def functions(self) -> dict[str, Callable[..., Any]]:
+        """What generated code calls."""
+        return {"div": self._div, "mod": self._mod, "fdiv": self._fdiv}
+
+    def _div(self, left: int, right: int) -> int:
+        if not right:
+            self._report("PG836", "division by zero")
+            return 0
+        return quotient(left, right)
+
+    def _mod(self, left: int, right: int) -> int:
+        if not right:
+            self._report("PG836", "division by zero")
+            return 0
+        return mod(left, right)
+
+    def _fdiv(self, left: float, right: float) -> float:
+        if right:
+            return left / right
+        self._report("PG836", "division by zero")
+        return math.nan if not left or math.isnan(left) else math.copysign(math.inf, left) * math.copysign(1.0, right)
+
+
 def functions() -> dict[str, Callable[..., Any]]:
     """Everything that generated code calls and that needs no CPU."""
     reals: dict[str, Callable[[float], float]] = {
@@ -213,7 +242,7 @@ def functions() -> dict[str, Callable[..., Any]]:
     }  # fmt: skip
     found: dict[str, Callable[..., Any]] = {f"m_{name}": _real(function) for name, function in reals.items()}
     found |= {f"t_{name}": function for name, function in texts.items()}
-    own = (real_ne, power, to_int, bits_real, real_bits, shl, shr, rol, ror, limit, mux, from_bcd, to_bcd)
+    own = (real_ne, power, to_int, bits_real, real_bits, shl, shr, rol, ror, limit, mux, bcd_to_int, int_to_bcd)
     found |= {function.__name__: function for function in own}
     times = (to_s5, from_s5, dt_part, text_to, to_text)
     found |= {function.__name__: function for function in times}

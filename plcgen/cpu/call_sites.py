@@ -161,7 +161,7 @@ class CallSites:
                 if site.called not in followed:
                     continue
                 count += 1
-                step = Reached(site, before, within, placed(site.place, within), depth)
+                step = Reached(site, before, within, absolute_path(site.place, within), depth)
                 if site.called in wanted:
                     found.append((number, root, step))
                 key = (number, site.called, step.instance)
@@ -172,7 +172,7 @@ class CallSites:
         return [(root, step) for _, root, step in sorted(found, key=lambda row: row[0])]
 
 
-def placed(place: DataPath | None, within: DataPath | None) -> DataPath | None:
+def absolute_path(place: DataPath | None, within: DataPath | None) -> DataPath | None:
     """A place as the CPU sees it, for one that may lie in the instance of its block."""
     if place is None or place.root:
         return place

@@ -136,8 +136,9 @@ class Cpu:
             "D": self._decisions,
         }
         names |= {"Z": self.preemption.point, "dis_airt": self.preemption.delay, "en_airt": self.preemption.enable}
-        names |= {"ix": _bad_index, "ck": _address, "late": self._late, "div": self._div, "mod": self._mod}
-        names |= {"fdiv": self._fdiv, "w_bit": _write_bit, "st": self._status_read}
+        names |= {"ix": _bad_index, "ck": _address, "late": self._late}
+        names |= {"w_bit": _write_bit, "st": self._status_read}
+        names |= arithmetic.Division(self._report).functions()
         for system in {id(system): system for system in self.program.systems.values()}.values():
             names[f"S_{system.block.name}"] = self._runner(system)
         return names
@@ -392,24 +393,6 @@ class Cpu:
     def _status_read(self, memory: Memory, offset: int) -> None:
         for block in self._records:
             block.watch(memory, offset)
-
-    def _div(self, left: int, right: int) -> int:
-        if not right:
-            self._report("PG836", "division by zero")
-            return 0
-        return arithmetic.quotient(left, right)
-
-    def _mod(self, left: int, right: int) -> int:
-        if not right:
-            self._report("PG836", "division by zero")
-            return 0
-        return arithmetic.mod(left, right)
-
-    def _fdiv(self, left: float, right: float) -> float:
-        if right:
-            return left / right
-        self._report("PG836", "division by zero")
-        return math.nan if not left or math.isnan(left) else math.copysign(math.inf, left) * math.copysign(1.0, right)
 
 
 def _bad_index(value: int, low: int, high: int) -> int:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from plcgen.cpu.call_sites import CallSite, CallSites, DataPath, Reached, placed
+from plcgen.cpu.call_sites import CallSite, CallSites, DataPath, Reached, absolute_path
 from plcgen.cpu.linkage import Linkage, ProgramBlock
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.s7.blocks import BlockKind, SectionKind
@@ -136,7 +136,7 @@ class _Sharing:
         if argument is None or argument.operator == "=>":
             return None
         place = self.sites.names[call.site.caller.index].place(argument.value)
-        return placed(place, call.within)
+        return absolute_path(place, call.within)
 
     def _two_channels(
         self, names: str, parameter: str, calls: tuple[Reached, Reached], severity: Severity

@@ -229,7 +229,7 @@ def bit_string(type_: str) -> str:
     return next(name for name, bits in BITS.items() if bits == WIDTHS[type_])
 
 
-def whole_number(type_: str, *, classic: bool) -> str:
+def integer_of(type_: str, *, classic: bool) -> str:
     """Integer that a bit string counts as in an arithmetic expression: unsigned, or one with a sign that has room."""
     if classic:
         return "INT" if type_ in {"BYTE", "WORD"} else "DINT"

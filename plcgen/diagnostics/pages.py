@@ -63,7 +63,7 @@ def pages() -> dict[str, str]:
     return {INDEX: index()} | {info.page: page(info) for info in map(code, all_codes())}
 
 
-def write(folder: Path) -> None:
+def write_pages(folder: Path) -> None:
     """Write all pages; pages of codes that no longer exist are removed."""
     folder.mkdir(parents=True, exist_ok=True)
     wanted = pages()
@@ -75,4 +75,4 @@ def write(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    write(Path(sys.argv[1] if len(sys.argv) > 1 else "docs/codes"))
+    write_pages(Path(sys.argv[1] if len(sys.argv) > 1 else "docs/codes"))

@@ -16,7 +16,7 @@ def escape(text: str) -> str:
     return _MARKS.sub(lambda mark: _ENTITIES.get(mark[0], f"\\{mark[0]}"), clean(text))
 
 
-def code(text: str) -> str:
+def code_span(text: str) -> str:
     """Text between backticks, more of them than it has itself."""
     fence = "`" * (1 + max((len(run) for run in re.findall("`+", text)), default=0))
     pad = " " if len(fence) > 1 else ""

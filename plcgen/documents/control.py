@@ -28,7 +28,7 @@ def signals(frame: Frame, texts: dict[str, str] | None = None, *, starts: bool =
     ]
 
 
-def place(command: Command, name: str) -> str:
+def signal_operand(command: Command, name: str) -> str:
     """Operand of a signal or value: its flag or symbol, else its member of the control DB."""
     flag = command.flags.get(name)
     if flag is not None:
@@ -67,14 +67,14 @@ def watch_rows(command: Command) -> Iterator[WatchRow]:
     for signal in command.signals:
         address = command.flags.get(signal.name)
         yield WatchRow(
-            place(command, signal.name),
+            signal_operand(command, signal.name),
             address.text(percent=False) if isinstance(address, Address) else "",
             "Hex" if signal.name == "status" else "Bool",
             "TRUE" if signal.name == "execute" else "",
         )
     for value in (*command.inputs, *command.outputs):
         for suffix, shown in value.shown:
-            yield WatchRow(place(command, value.member.name) + suffix, "", shown, "")
+            yield WatchRow(signal_operand(command, value.member.name) + suffix, "", shown, "")
 
 
 def call(program: FunctionBlock) -> Call | None:
@@ -86,7 +86,7 @@ def call(program: FunctionBlock) -> Call | None:
     for command in program.commands:
         execute, *results = [signal.name for signal in command.signals]
         names = [execute, *(value.member.name for value in command.inputs)]
-        inputs += [f"{command.pin(name)} := {place(command, name)}" for name in names]
+        inputs += [f"{command.pin(name)} := {signal_operand(command, name)}" for name in names]
         names = [*results, *(value.member.name for value in command.outputs)]
-        outputs += [(command.pin(name), place(command, name)) for name in names]
+        outputs += [(command.pin(name), signal_operand(command, name)) for name in names]
     return Call(program.title, program.block.name, program.instance.name, program.open_call, inputs, outputs)

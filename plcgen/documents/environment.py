@@ -86,7 +86,7 @@ def environment(spelling: Spelling = Spelling.TIA) -> jinja2.Environment:
         extensions=[_Respelled],
     )
     made.globals["spelling"] = spelling
-    made.filters |= {"md": markdown.escape, "code": markdown.code, "breakable": _breakable}
+    made.filters |= {"md": markdown.escape, "code": markdown.code_span, "breakable": _breakable}
     return made
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from plcgen.documents.nouns import MemberRow, StartAssignment, WatchRow
 from plcgen.documents.phrases import translated
-from plcgen.documents.spelling import culture, declared_type, elements, literal, one_line, type_words
+from plcgen.documents.spelling import array_elements, culture, declared_type, literal, one_line, type_words
 from plcgen.documents.voice import voice_of
 from plcgen.project.nouns import BlockRef, BufferField, Frame
 from plcgen.s7.types import ArrayType, DataType, Elementary
@@ -45,7 +45,7 @@ def initializer(type_: DataType, data: bytes, *, v5: bool) -> str:
     """Literal of a start value; of an array only if all elements are alike: ``[3(10.0)]``, STEP 7 V5: ``3(10.0)``."""
     if not isinstance(type_, ArrayType):
         return literal(type_, data, v5=v5) if isinstance(type_, Elementary) else ""
-    found = elements(type_, data, v5=v5)
+    found = array_elements(type_, data, v5=v5)
     low, high = type_.bounds[0]
     count = high - low + 1
     if len({text for _, text in found}) != 1 or len(found) != count:
@@ -84,7 +84,7 @@ def buffer_member(
     if isinstance(type_, Elementary) and any(field.data):
         start = literal(type_, field.data, v5=v5)
     elif isinstance(type_, ArrayType) and starts:
-        subs = tuple(elements(type_, field.data, v5=v5))
+        subs = tuple(array_elements(type_, field.data, v5=v5))
     return MemberRow(
         name=field.name,
         type=declared_type(type_, tia=not v5),

@@ -49,7 +49,7 @@ def literal(type_: Elementary, data: bytes, *, v5: bool) -> str:
     return format_literal(unpack_value(data, type_), type_.name, v5)
 
 
-def elements(type_: ArrayType, data: bytes, *, v5: bool) -> list[tuple[int, str]]:
+def array_elements(type_: ArrayType, data: bytes, *, v5: bool) -> list[tuple[int, str]]:
     """Index and literal of every array element that differs from its type's default: a blank for CHAR, else zero."""
     element = type_.element
     if not isinstance(element, Elementary):

@@ -78,7 +78,7 @@ def _document(one: TextList, cultures: Sequence[str], version: str) -> RenderedF
     return render(Document(f"{one.name}.xml", "simaticml/textlist.xml.j2", whole))
 
 
-def table(lists: Sequence[TextList], cultures: Sequence[str], _version: str) -> list[RenderedFile]:
+def _table(lists: Sequence[TextList], cultures: Sequence[str], _version: str) -> list[RenderedFile]:
     """One table with every entry: list, value, the same in hexadecimal digits, a column for each culture."""
     rows = [
         (one.name, str(entry.value), f"{entry.value:04X}", *(entry.texts.get(culture, "") for culture in cultures))
@@ -89,4 +89,4 @@ def table(lists: Sequence[TextList], cultures: Sequence[str], _version: str) -> 
     return [RenderedFile("text_lists.csv", text.encode("utf-8-sig"))]
 
 
-WRITERS: Mapping[str, TextListWriter] = {"xlsx": workbook, "xml": documents, "csv": table}
+WRITERS: Mapping[str, TextListWriter] = {"xlsx": workbook, "xml": documents, "csv": _table}

@@ -47,7 +47,7 @@ def read_text(path: Path, file: str | None = None) -> str:
         ) from problem
 
 
-def decoded(data: bytes) -> str:
+def decoded_list(data: bytes) -> str:
     """Text of a list that some program exported.
 
     By its byte order mark, else UTF-16 if every other byte is 0, else UTF-8, else Windows-1252.

@@ -13,7 +13,7 @@ SCHEME = "socket://"
 CONNECT_SECONDS = 5.0
 
 
-def parse_address(text: str) -> tuple[str, int]:
+def parse_endpoint(text: str) -> tuple[str, int]:
     """Host and port of ``HOST:PORT``, ``[::1]:PORT`` or ``socket://HOST:PORT``. Raises LineError."""
     plain = text.removeprefix(SCHEME).rstrip("/")
     host, colon, port = plain.rpartition(":")
@@ -47,7 +47,7 @@ class TcpLine(WaitingLine):
     @classmethod
     def connect(cls, address: str, timeout: float = CONNECT_SECONDS) -> TcpLine:
         """Connect to a serial server. Raises LineError."""
-        host, port = parse_address(address)
+        host, port = parse_endpoint(address)
         try:
             return cls(socket.create_connection((host, port), timeout), tcp_name(host, port))
         except OSError as problem:
@@ -73,7 +73,7 @@ class TcpServer:
     """Listens for connections; serves one after the other as a serial server with one port does."""
 
     def __init__(self, address: str) -> None:
-        host, port = parse_address(address)
+        host, port = parse_endpoint(address)
         try:
             family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0][0]
             self._socket = socket.create_server((host, port), family=family)

@@ -71,7 +71,7 @@ def version() -> str | None:
     return done.stdout.decode("utf-8", "replace").split("\n", 1)[0].strip().rstrip(".")
 
 
-def dissect(records: Sequence[WireRecord]) -> list[tuple[Dissected, Dissected]]:
+def run_tshark(records: Sequence[WireRecord]) -> list[tuple[Dissected, Dissected]]:
     """Request and answer of every record as the dissector reads them.
 
     Raises:

@@ -63,7 +63,7 @@ class OutputFormat:
 KINDS = tuple(field.name for field in fields(OutputFormat) if field.name not in {"name", "complete"})
 
 
-def find(name: str) -> OutputFormat | None:
+def output_format(name: str) -> OutputFormat | None:
     """The format of a name, None if there is none. Raises PluginError if an entry point is none."""
     if name in _shipped():
         found: OutputFormat = import_module(f"plcgen.output.formats.{name}").FORMAT
@@ -71,9 +71,9 @@ def find(name: str) -> OutputFormat | None:
     return _foreign().get(name)
 
 
-def names(kind: str) -> tuple[str, ...]:
+def formats_for(kind: str) -> tuple[str, ...]:
     """Names of all formats that show a kind of result: ``text`` first, then in alphabetical order."""
-    known = [find(name) for name in _shipped()] + list(_foreign().values())
+    known = [output_format(name) for name in _shipped()] + list(_foreign().values())
     return tuple(sorted((found.name for found in known if found and found.shows(kind)), key=lambda n: (n != "text", n)))
 
 

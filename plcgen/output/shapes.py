@@ -38,7 +38,7 @@ def many(shape: Shape) -> Shape:
     return {"type": "array", "items": shape}
 
 
-def table(shape: Shape) -> Shape:
+def _table(shape: Shape) -> Shape:
     """Values by names that the user has chosen."""
     return {"type": "object", "additionalProperties": shape}
 
@@ -111,7 +111,7 @@ CHECK = record(
 )  # fmt: skip
 VERIFICATION = {
     "spec": TEXT, "folder": TEXT, "project": TEXT, "target": TEXT,
-    "summary": said("How many checks had which outcome.", table(NUMBER)),
+    "summary": said("How many checks had which outcome.", _table(NUMBER)),
     "groups": many(record(name=TEXT, title=TEXT, checks=many(CHECK))),
     "ledger": said(
         "What the result rests on.",
@@ -129,14 +129,14 @@ LAYOUT = {
         record(
             kind=TEXT, name=TEXT, number=maybe(NUMBER), size=maybe(NUMBER), unused_bits=NUMBER, optimized=FLAG,
             role=TEXT, comment=TEXT, file=TEXT, line=NUMBER, data=maybe(hexadecimal()), members=many(_MEMBER),
-            unconfirmed_rules=table(TEXT),
+            unconfirmed_rules=_table(TEXT),
         )
     ),
     "diagnostics": DIAGNOSTICS,
 }  # fmt: skip
 _LEVEL = one_of(*(level.value for level in Level))
 COMPARISON = {
-    "old": TEXT, "new": TEXT, "fail_on": TEXT, "summary": table(NUMBER),
+    "old": TEXT, "new": TEXT, "fail_on": TEXT, "summary": _table(NUMBER),
     "changes": many(
         record(
             id=TEXT, level=_LEVEL, subject=TEXT, path=TEXT, message=TEXT, old=TEXT, new=TEXT,
@@ -149,7 +149,7 @@ COMPARISON = {
 _VALUE = said("What a member holds; a text where JSON has no such number.", ANYTHING)
 _SIGNAL = record(
     id=TEXT, group=TEXT, name=TEXT, kind=one_of("bool", "integer", "word", "real", "text"), bits=NUMBER, unit=TEXT,
-    path=TEXT, names=table(TEXT), start=_VALUE,
+    path=TEXT, names=_table(TEXT), start=_VALUE,
 )  # fmt: skip
 _CALL = record(
     dict.fromkeys(("done", "valid", "ndr"), FLAG),
@@ -165,10 +165,10 @@ _RESULT = record(
 )  # fmt: skip
 TRACE = {
     "spec": TEXT, "folder": TEXT, "project": TEXT, "target": TEXT, "main": TEXT, "scan_time": NUMBER, "scans": NUMBER,
-    "time": said("Milliseconds.", NUMBER), "ended": one_of("jobs", "scans", "stop", ""), "summary": table(NUMBER),
+    "time": said("Milliseconds.", NUMBER), "ended": one_of("jobs", "scans", "stop", ""), "summary": _table(NUMBER),
     "signals": many(_SIGNAL),
     "steps": many(
-        record(scan=NUMBER, time=NUMBER, changes=table(_VALUE), calls=many(_CALL), exchanges=many(_CONTACT))
+        record(scan=NUMBER, time=NUMBER, changes=_table(_VALUE), calls=many(_CALL), exchanges=many(_CONTACT))
     ),
     "jobs": many(
         record(
@@ -212,7 +212,7 @@ def _review() -> Shape:
         "writes": many(_WRITE),
         "instances": many(record(job=TEXT, key=TEXT, partner=TEXT, address=TEXT, trigger=TEXT)),
         "telegrams": many(
-            record(job=TEXT, block=TEXT, number=NUMBER, request=_MESSAGE, answers=many(_MESSAGE), lengths=table(TEXT))
+            record(job=TEXT, block=TEXT, number=NUMBER, request=_MESSAGE, answers=many(_MESSAGE), lengths=_table(TEXT))
         ),
         "layouts": many(record(before=maybe(TEXT), after=maybe(TEXT), changed=FLAG)),
         "runs": many(record(job=TEXT, fault=TEXT, trace={"$ref": "#/$defs/trace"})),
@@ -232,19 +232,19 @@ def _shard() -> Shape:
     statistics = record(runs=NUMBER, scans=NUMBER, longest=NUMBER, hangs=NUMBER, transitions=many(many(NUMBER)))
     part = record(
         run=TEXT, values=TEXT, matrix=TEXT, failures=many(failure), statistics=statistics,
-        trials=many(record(scenario=TEXT, scans=NUMBER, ok=FLAG)), counts=table(many(NUMBER)), broken=FLAG, made=TEXT,
+        trials=many(record(scenario=TEXT, scans=NUMBER, ok=FLAG)), counts=_table(many(NUMBER)), broken=FLAG, made=TEXT,
     )  # fmt: skip
-    keys = {"inputs": SHA256, "shard": NUMBER, "of": NUMBER, "parts": table(part)}
+    keys = {"inputs": SHA256, "shard": NUMBER, "of": NUMBER, "parts": _table(part)}
     return _headed("shard", keys)
 
 
 def _catalogue() -> Shape:
     fact = record(value=ANYTHING, grade=TEXT)
     parameter = record(
-        device=TEXT, parameter=TEXT, name=TEXT, facts=table(fact), observed=ANYTHING, dangerous=ANYTHING,
+        device=TEXT, parameter=TEXT, name=TEXT, facts=_table(fact), observed=ANYTHING, dangerous=ANYTHING,
         changeable=ANYTHING, note=TEXT, source=TEXT,
     )  # fmt: skip
-    return _headed("catalogue", {"parameters": many(parameter)}, {**FOUND, "facts": table(NUMBER)})
+    return _headed("catalogue", {"parameters": many(parameter)}, {**FOUND, "facts": _table(NUMBER)})
 
 
 def _live() -> dict[str, Shape]:

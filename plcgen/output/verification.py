@@ -36,7 +36,7 @@ def verification_text(verification: Verification, view: View) -> str:
     found = problems(verification)
     if found:
         text += diagnostics_text(found, view) + "\n"
-    return text + summary(verification, view) + "\n"
+    return text + _summary(verification, view) + "\n"
 
 
 def verifications_text(found: Sequence[Verification], view: View) -> str:
@@ -106,7 +106,7 @@ def _row(left: str, check: Check, view: View) -> list[str]:
     return [head.rstrip(), *(f"{' ' * _INDENT}{view.paint(line, style)}" for line in below)]
 
 
-def summary(verification: Verification, view: View) -> str:
+def _summary(verification: Verification, view: View) -> str:
     """``34 checks: 31 ok, 2 errors, 1 not run``."""
     from plcgen.proof.checks import Outcome
 

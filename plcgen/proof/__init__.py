@@ -109,11 +109,11 @@ def _sharing(
     asked: Asked, project: Project, progress: Progress | None, means: Means, shard: Shard | None = None
 ) -> tuple[Sharing, VerdictCache | None]:
     """How the parts are run."""
-    from plcgen.proof.shards import merge
+    from plcgen.proof.shards import merge_shards
     from plcgen.proof.sharing import Sharing
 
     cache = _cache(asked, means)
-    given = merge(means.shards, _inputs(asked, project), asked.folder) if means.shards else None
+    given = merge_shards(means.shards, _inputs(asked, project), asked.folder) if means.shards else None
     return Sharing(means.executor, None, cache, shard, given, progress, notes=means.notes), cache
 
 

@@ -12,7 +12,7 @@ from plcgen.diagnostics import DiagnosticError, Report
 from plcgen.proof.checks import Verification
 
 
-def audit(paths: Sequence[Path], spec: Path) -> Verification:
+def audit_files(paths: Sequence[Path], spec: Path) -> Verification:
     """Hold sources against the plan of a spec; every finding is a diagnostic."""
     label = ", ".join(path.as_posix() for path in paths[:3]) + (f" (+{len(paths) - 3})" if len(paths) > 3 else "")
     report = Report()

@@ -23,7 +23,7 @@ from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
 
 from plcgen.input.files import read_bounded
 from plcgen.proof.results import Result
-from plcgen.proof.stored import RESULT, placed, portable
+from plcgen.proof.stored import RESULT, portable, with_folder
 
 FORMAT = 1
 VARIABLE = "PLCGEN_CACHE"
@@ -111,7 +111,7 @@ class VerdictCache:
         with contextlib.suppress(OSError):
             os.utime(path)
         self.hits += 1
-        return replace(placed(result, self.base), made=entry.made)
+        return replace(with_folder(result, self.base), made=entry.made)
 
     def keep(self, key: str, result: Result) -> None:
         """Keep what went well; a cache that cannot be written is none."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from plcgen.proof.values import ANYTHING, FALSE, TRUE, Env, Values, calculated, joined, narrowed
+from plcgen.proof.values import ANYTHING, FALSE, TRUE, Env, Values, calculated, either, narrowed
 from plcgen.scl import ast
 from plcgen.scl.constants import evaluate
 
@@ -143,9 +143,9 @@ class Names:
             true, false = self.split(node.left, env)
             if node.operator == "OR":
                 second = self.split(node.right, false) if false is not None else (None, None)
-                return joined(true, second[0]), second[1]
+                return either(true, second[0]), second[1]
             second = self.split(node.right, true) if true is not None else (None, None)
-            return second[0], joined(false, second[1])
+            return second[0], either(false, second[1])
         if isinstance(node, ast.Binary) and node.operator in OPPOSITE:
             return self.compare(node.operator, node.left, node.right, env)
         if isinstance(node, ast.Name | ast.Literal):

@@ -106,7 +106,7 @@ def check_execution(
             yield from suite.own(program, partner)
         if level == "none":
             continue
-        together = joined([next(found) for _ in work.procedures[number]])
+        together = _joined([next(found) for _ in work.procedures[number]])
         yield together_check(suite, together)
         yield from suite.left_out()
         every += [*results.values(), together]
@@ -197,10 +197,10 @@ def run_together(suite: Suite[Any], program: Program, most: int = MAX_FAILURES) 
         results.append(run_procedure(program, procedure))
         if sum(len(result.failures) for result in results) >= most:
             break
-    return joined(results)
+    return _joined(results)
 
 
-def joined(results: Sequence[Result]) -> Result:
+def _joined(results: Sequence[Result]) -> Result:
     """The results of all procedures of a suite as one; the first failures stand for all."""
     whole = Result(made=made(results, "scenarios"))
     for result in results:

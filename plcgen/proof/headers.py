@@ -47,10 +47,10 @@ def check_headers(project: Project, folder: Folder) -> Iterator[Check]:
             ]
         if blocks is folder.xml:
             problems += [one for path in generated_documents(folder.path) for one in _stated(path)]
-        yield verdict(id_, subject, f"{len(blocks)} blocks", problems, "kinds, numbers and attributes of the plan")
+        yield header_check(id_, subject, f"{len(blocks)} blocks", problems, "kinds, numbers and attributes of the plan")
 
 
-def verdict(id_: str, subject: str, figures: str, problems: list[Diagnostic], good: str) -> Check:
+def header_check(id_: str, subject: str, figures: str, problems: list[Diagnostic], good: str) -> Check:
     """A check of the group ``files``: the first problem, and how many more."""
     if not problems:
         return Check(id_, subject, figures, Outcome.OK, good)

@@ -41,7 +41,7 @@ def check_layout(frame: Frame, folder: Folder, laid: LaidOut) -> Check:
     figures = " ".join(f"{f.name}@{f.offset}{width_mark(f.type)}" for f in fields if laid.shown(f))
     planned = [Row(f.name, f.offset, f.size, f.type) for f in fields]
     places = dict.fromkeys(((home, laid.prefix), (laid.buffer.type, "")))
-    problem = compare(frame, folder, tuple(places), planned, size)
+    problem = _compare(frame, folder, tuple(places), planned, size)
     text = f"{size} B  {laid.note}{figures}"
     if problem is None and size < laid.room:
         message = f"response buffer {laid.room - size} bytes too small"
@@ -59,7 +59,7 @@ def agreement(frame: Frame) -> str:
     return f"2 sources agree: {TELEGRAM}, {TEXT}; no {XML}"
 
 
-def compare(
+def _compare(
     frame: Frame, folder: Folder, refs: tuple[tuple[BlockRef, str], ...], planned: list[Row], size: int
 ) -> Diagnostic | None:
     """The first disagreement between the sources, about the DB and then about its type.
@@ -98,12 +98,12 @@ def _laid_out(
     except DiagnosticError as problem:
         first = problem.diagnostics[0]
         return Diagnostic(first.code, f"{what}: {first.message}", Span(""))
-    return rows(layout, prefix), layout.size
+    return _rows(layout, prefix), layout.size
 
 
 def _disagreement(found: dict[str, tuple[list[Row], int]]) -> str:
     """What each source says where they differ first; empty if all agree. None is outvoted: two of them share a way."""
-    for said in zip_longest(*(rows for rows, _ in found.values())):
+    for said in zip_longest(*(_rows for _rows, _ in found.values())):
         if any(row != said[0] for row in said):
             return _said(found, [_place(row) for row in said])
     sizes = [size for _, size in found.values()]
@@ -121,7 +121,7 @@ def _place(row: Row | None) -> str:
     return "no more members" if row is None else f"{row.name}@{row.offset} ({row.size} B, {type_text(row.type)})"
 
 
-def rows(layout: Layout, prefix: str = "") -> list[Row]:
+def _rows(layout: Layout, prefix: str = "") -> list[Row]:
     """Members on the first level as (name, byte offset, bytes, type), or those of a structure by its path."""
     depth = prefix.count(".")
     entries = (e for e in layout.entries if e.depth == depth and e.path.startswith(prefix))

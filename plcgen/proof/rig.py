@@ -148,10 +148,10 @@ class Source:
         self.probes = slice(own[0], own[-1] + 1) if own else slice(0)
 
 
-def value_text(value: Tree) -> str:
+def shown_value(value: Tree) -> str:
     """A value as a line of the report shows it: four elements of an array."""
     if isinstance(value, list | tuple):
-        return f"[{', '.join(value_text(item) for item in value[:4])}{', ..' if len(value) > 4 else ''}]"
+        return f"[{', '.join(shown_value(item) for item in value[:4])}{', ..' if len(value) > 4 else ''}]"
     if isinstance(value, float):
         return f"{value:.7g}.0" if value.is_integer() and abs(value) < 1e7 else f"{value:.7g}"
     return str(value)

@@ -15,7 +15,7 @@ from plcgen.diagnostics import ArgumentError, Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
 from plcgen.proof.results import Result
 from plcgen.proof.sharing import Shard
-from plcgen.proof.stored import RESULT, placed, portable
+from plcgen.proof.stored import RESULT, portable, with_folder
 
 MAX_FILE = 512 * 1024 * 1024
 MAX_SHARDS = 1000
@@ -90,7 +90,7 @@ def inputs_digest(things: Iterable[object], folder: Path) -> str:
     return files_digest((folder,), hashlib.sha256(repr(tuple(things)).encode()).hexdigest())
 
 
-def merge(files: Sequence[Path], inputs: str, folder: Path) -> dict[str, Result]:
+def merge_shards(files: Sequence[Path], inputs: str, folder: Path) -> dict[str, Result]:
     """The parts of all shards.
 
     Raises:
@@ -117,7 +117,7 @@ def merge(files: Sequence[Path], inputs: str, folder: Path) -> dict[str, Result]
             problems.append(Diagnostic("PG625", message, Span(str(path)), help="name each file once"))
         else:
             seen[shard.number] = path
-            parts |= {name: placed(result, folder) for name, result in results.items()}
+            parts |= {name: with_folder(result, folder) for name, result in results.items()}
     missing = [str(Shard(number, of)) for number in range(1, of + 1) if number not in seen]
     if missing and not problems:
         where = Span(str(files[0])) if files else Span("")

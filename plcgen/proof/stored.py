@@ -24,7 +24,7 @@ def portable(result: Result, folder: Path) -> Result:
     return replace(result, counts=counts, failures=failures)
 
 
-def placed(result: Result, folder: Path) -> Result:
+def with_folder(result: Result, folder: Path) -> Result:
     """The same for the files of a folder."""
 
     def file(name: str) -> str:

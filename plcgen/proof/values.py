@@ -39,7 +39,7 @@ def join(one: Values, two: Values) -> Values:
     return min(least(one), least(two)), max(greatest(one), greatest(two))
 
 
-def joined(one: Env | None, two: Env | None) -> Env | None:
+def either(one: Env | None, two: Env | None) -> Env | None:
     """What may hold behind two ways, of which one may not exist."""
     if one is None or two is None:
         return one if two is None else two

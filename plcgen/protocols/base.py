@@ -44,15 +44,15 @@ class Named:
 class Rules:
     """What a protocol adds to the rules: checks of its own, and what the shared rules must know.
 
-    ``names`` are all names that reach a source or a file, ``texts`` all comments, ``plain`` texts without languages,
-    ``taken`` names that blocks must not have: name, what has it, where it stands. ``remarks`` tell what is worth
-    knowing of a plan in which nothing is wrong.
+    ``names`` are all names that reach a source or a file, ``texts`` all comments, ``untranslated`` texts without
+    languages, ``taken`` names that blocks must not have: name, what has it, where it stands. ``remarks`` tell what is
+    worth knowing of a plan in which nothing is wrong.
     """
 
     checks: tuple[Callable[[Any], Iterator[Diagnostic]], ...]
     names: Callable[[Any], Iterator[Named]]
     texts: Callable[[Any], Iterator[tuple[SpecPath, dict[str, str]]]]
-    plain: Callable[[Any], Iterator[tuple[SpecPath, str]]]
+    untranslated: Callable[[Any], Iterator[tuple[SpecPath, str]]]
     taken: Callable[[Any], Iterator[tuple[str, str, Span | None]]]
     remarks: tuple[Callable[[Any], Iterator[Diagnostic]], ...] = ()
 

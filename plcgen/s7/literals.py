@@ -9,7 +9,7 @@ import re
 from plcgen.diagnostics import PlcgenError
 from plcgen.s7 import durations
 from plcgen.s7.address import parse_pointer
-from plcgen.s7.spelling import single, spell
+from plcgen.s7.spelling import rounded_single, spell
 from plcgen.s7.types import ALIASES, ELEMENTARY, Elementary, StringType, elementary
 from plcgen.s7.values import BIT_STRINGS, NUMBERS, RANGES, SIGNED, UNSIGNED, Value, pack_value
 
@@ -70,7 +70,7 @@ def parse_literal(text: str, type_: Elementary | StringType | str) -> Value:
         reason = error.reason if isinstance(error, LiteralError) else str(error)
         raise LiteralError(text, wanted.name, reason) from None
     if wanted.name == "REAL" and isinstance(value, float):
-        return single(value)
+        return rounded_single(value)
     if wanted.name == "S5TIME" and isinstance(value, int):
         return durations.from_s5time(durations.to_s5time(value))
     return value

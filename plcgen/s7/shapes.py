@@ -102,7 +102,7 @@ class _Cursor:
             self.low -= shape.bits - shape.used
             self.causes |= {ARRAY_END}
         if shape.doubts:
-            self.doubts = joined(self.doubts, shape.doubts)
+            self.doubts = union(self.doubts, shape.doubts)
         return offset, doubts
 
     def _compare(self, shape: Shape, offset: int) -> frozenset[str]:
@@ -114,7 +114,7 @@ class _Cursor:
         else:
             if low != _up(self.low, shape.align) or _up(self.bits, first) != offset:
                 self.causes |= {COMPOSITE_START}
-            doubts = joined(self.doubts, self.causes) if self.doubts else self.causes
+            doubts = union(self.doubts, self.causes) if self.doubts else self.causes
             if shape.has_struct and first != shape.align:
                 self.doubts = doubts  # its own padding is then unknown: the two ways do not surely meet again
         self.bits, self.low = offset + shape.bits, low + shape.bits
@@ -391,7 +391,7 @@ def declared_twice(member: Member, first: Member, owner: Span) -> Diagnostic:
     return Diagnostic("PG805", f'"{member.name}" is declared twice', member.span or owner, help=text, notes=notes)
 
 
-def joined(one: frozenset[str], other: frozenset[str]) -> frozenset[str]:
+def union(one: frozenset[str], other: frozenset[str]) -> frozenset[str]:
     """Union of both; thousands of members share the set that holds the other one already."""
     return one if other <= one else other if one <= other else one | other
 

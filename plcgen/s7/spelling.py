@@ -57,7 +57,7 @@ def _spell_int(value: int, name: str, *, v5: bool) -> str:
     return f"L#{value}" if v5 and name == "DINT" else str(value)
 
 
-def single(value: float) -> float:
+def rounded_single(value: float) -> float:
     """Round to a 32-bit REAL."""
     result: float = struct.unpack(">f", struct.pack(">f", value))[0]
     return result
@@ -71,9 +71,9 @@ def format_real(value: float, *, short: bool = True) -> str:
     if not math.isfinite(value):
         raise ValueError(f"{value} has no literal")
     if short:
-        wanted = single(value)
+        wanted = rounded_single(value)
         spellings = (float(f"{wanted:.{digits}g}") for digits in range(1, 18))
-        value = next(number for number in spellings if abs(number) < 3.4028236e38 and single(number) == wanted)
+        value = next(number for number in spellings if abs(number) < 3.4028236e38 and rounded_single(number) == wanted)
     mantissa, _, exponent = repr(value).partition("e")
     if "." not in mantissa:
         mantissa += ".0"

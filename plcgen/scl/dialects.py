@@ -35,7 +35,7 @@ _PARAMETER_FOLLOWS = frozenset({":=", "=>"})
 _SLASH_STAR = re.compile(r"(?<!\()/\*")
 
 
-def check(
+def check_dialect(
     units: Sequence[ast.Unit], tokens: Tokens, dialect: Dialect, free_text: Sequence[tuple[int, int]] = ()
 ) -> list[Diagnostic]:
     """PG803 for every construct that ``dialect`` refuses, up to a bound; ``free_text`` ranges are no code."""

@@ -42,7 +42,11 @@ def decisions(node: ast.Node) -> Iterator[ast.Expression]:
     """Conditions of two operands or more in a node, those inside operands of others included."""
     inside: set[int] = set()
     for found in ast.walk(node):
-        if isinstance(found, ast.Binary | ast.Unary) and id(found) not in inside and 1 < len(leaves(found)) <= MOST:
+        if (
+            isinstance(found, ast.Binary | ast.Unary)
+            and id(found) not in inside
+            and 1 < len(operands_of(found)) <= MOST
+        ):
             inside |= joints(found)
             yield found
 
@@ -63,17 +67,17 @@ def joints(node: ast.Expression) -> set[int]:
     return found
 
 
-def leaves(node: ast.Expression) -> list[ast.Expression]:
+def operands_of(node: ast.Expression) -> list[ast.Expression]:
     """Operands of a condition from left to right; the expression itself if it is none."""
     if isinstance(node, ast.Unary) and node.operator == "NOT":
-        return leaves(node.operand)
+        return operands_of(node.operand)
     spine: list[ast.Expression] = []
     while isinstance(node, ast.Binary) and node.operator in JOINING:
         spine.append(node.right)
         node = node.left
     if not spine:
         return [node]
-    return [*leaves(node), *(leaf for right in reversed(spine) for leaf in leaves(right))]
+    return [*operands_of(node), *(leaf for right in reversed(spine) for leaf in operands_of(right))]
 
 
 def logic_of(node: ast.Expression, first: int = 0) -> Logic:
@@ -83,7 +87,7 @@ def logic_of(node: ast.Expression, first: int = 0) -> Logic:
     if not isinstance(node, ast.Binary) or node.operator not in JOINING:
         return Leaf(first)
     left = logic_of(node.left, first)
-    right = logic_of(node.right, first + len(leaves(node.left)))
+    right = logic_of(node.right, first + len(operands_of(node.left)))
     return Joined("AND" if node.operator == "&" else node.operator, (left, right))
 
 

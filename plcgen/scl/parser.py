@@ -54,7 +54,7 @@ def parse(text: str, file: str, dialect: Dialect | None = None, *, bodies: bool 
     grammar.statements.compound.clear()  # its memory is free now, not when the garbage collector comes
     found = cursor.diagnostics + _lexical(cursor)
     if dialect is not None:
-        found += dialects.check(units, tokens, dialect, cursor.free_text)
+        found += dialects.check_dialect(units, tokens, dialect, cursor.free_text)
     unique = dict.fromkeys(found)
     return ParseResult(units, tuple(sorted(unique, key=lambda d: d.sort_key)), tokens)
 

@@ -10,7 +10,7 @@ from plcgen.input.files import read_bounded
 from plcgen.inspection.sheet import ExchangeSheet, Message
 from plcgen.signoff.model import Excerpt, SourceLine
 from plcgen.sources.generated import generated_sources
-from plcgen.sources.text import decode
+from plcgen.sources.text import decode_source
 
 _MAX_SOURCE = 2 * 1024 * 1024
 _MEMBER = re.compile(r'\s*"?([A-Za-z_][A-Za-z0-9_]*)"?(?:\s*\{[^}]*\})?\s*:(?!=)')
@@ -47,7 +47,7 @@ def _lines(path: Path | None) -> list[str]:
         data = read_bounded(path, _MAX_SOURCE)
     except OSError:
         return []
-    text = decode(data, path.name) if len(data) <= _MAX_SOURCE else None
+    text = decode_source(data, path.name) if len(data) <= _MAX_SOURCE else None
     return text.splitlines() if isinstance(text, str) else []
 
 

@@ -39,7 +39,7 @@ class ScenarioGrid:
     more: int
 
 
-def scenarios(verification: Verification) -> Iterator[ScenarioGrid]:
+def scenario_grids(verification: Verification) -> Iterator[ScenarioGrid]:
     """Grids of what every job ran through, a few jobs in each."""
     tried = [(check.subject.split(" ")[-1], check.trials) for check in verification.checks() if check.trials]
     for start in range(0, len(tried), JOBS):

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from plcgen.display.cells import clean
-from plcgen.display.markdown import code, escape
+from plcgen.display.markdown import code_span, escape
 from plcgen.display.table import markdown_table
 from plcgen.inspection.compare.model import Comparison
 from plcgen.inspection.layout.tables import BlockTable
@@ -101,20 +101,20 @@ def _parts(review: Review) -> Iterator[_Part]:
 def _head(review: Review) -> _Part:
     mark = ":white_check_mark:" if review.ok else ":x:"
     counts = ", ".join(f"{count} {outcome}" for outcome, count in outcomes(review))
-    base = f", compared with {code(review.base)}" if review.base else ""
+    base = f", compared with {code_span(review.base)}" if review.base else ""
     lines = [
         f"{mark} **{verdict(review)}**: {counts or 'no checks'}{base}",
         "",
         f"- {escape(review.target or 'unknown target')}",
-        f"- spec {code(review.spec)}{_included(review)}, SHA-256 `{review.spec_hash or 'unknown'}`",
-        f"- {len(review.files)} files in {code(review.folder)}, over the list `{review.files_hash or 'unknown'}`",
+        f"- spec {code_span(review.spec)}{_included(review)}, SHA-256 `{review.spec_hash or 'unknown'}`",
+        f"- {len(review.files)} files in {code_span(review.folder)}, over the list `{review.files_hash or 'unknown'}`",
     ]
     return _Part(f"Review of {escape(review.project or review.spec)}", lines, ())
 
 
 def _problem(review: Review, number: int) -> str:
     problem = review.problems[number]
-    place = f" ({code(str(problem.span))})" if problem.span.file else ""
+    place = f" ({code_span(str(problem.span))})" if problem.span.file else ""
     return f"- **{problem.severity.label} {problem.code}** {escape(problem.message)}{place}"
 
 
@@ -126,7 +126,7 @@ def _changes(title: str, found: Comparison) -> _Part:
         for c in changes
     ]
     table = markdown_table(("class", "where", "what", "id"), rows) if rows else []
-    labels = f"{code(found.old)} to {code(found.new)}: {counts}"
+    labels = f"{code_span(found.old)} to {code_span(found.new)}: {counts}"
     return _Part(escape(title), [labels, *(["", *table[:2]] if table else [])], table[2:])
 
 
@@ -183,9 +183,9 @@ def _runs(review: Review) -> Iterator[str]:
     for run in review.runs:
         for job in run.trace.jobs:
             line = time_line(run.trace, job)
-            fault = f" with the fault {code(run.fault)}" if run.fault else ""
-            yield f"- {code(clean(job.key))}{fault}: {escape(line.summary)}"
+            fault = f" with the fault {code_span(run.fault)}" if run.fault else ""
+            yield f"- {code_span(clean(job.key))}{fault}: {escape(line.summary)}"
 
 
 def _included(review: Review) -> str:
-    return f" with {', '.join(map(code, review.included))}" if review.included else ""
+    return f" with {', '.join(map(code_span, review.included))}" if review.included else ""

@@ -13,7 +13,7 @@ from plcgen.inspection.compare.model import Change, Comparison
 from plcgen.inspection.layout.pictures import views
 from plcgen.inspection.sheet import ExchangeSheet, Message, MessageField, Role, WriteEntry
 from plcgen.proof.checks import Outcome
-from plcgen.signoff.grid import matrix, scenarios
+from plcgen.signoff.grid import matrix, scenario_grids
 from plcgen.signoff.model import LayoutPair, RecordedRun, Review
 from plcgen.signoff.timeline import time_line
 
@@ -58,7 +58,7 @@ def page_view(review: Review, script: str) -> dict[str, Any]:
         "more_layouts": max(0, len(review.layouts) - MAX_LAYOUTS),
         "runs": [_run(n, run) for n, run in enumerate(review.runs, 1)],
         "matrix": matrix(review.verification),
-        "scenarios": list(scenarios(review.verification)),
+        "scenarios": list(scenario_grids(review.verification)),
     }
 
 
@@ -116,14 +116,14 @@ def write_rows(review: Review) -> Iterator[dict[str, Any]]:
     for entry in review.sheet.writes:
         yield {
             "job": clean(entry.job), "block": clean(entry.block), "partners": [clean(p) for p in entry.partners],
-            "parameter": clean(entry.parameter), "text": clean(entry.text), "value": written(entry),
+            "parameter": clean(entry.parameter), "text": clean(entry.text), "value": _written(entry),
             "limits": clean(entry.limits), "unit": clean(entry.unit), "trigger": clean(entry.trigger),
             "memory": clean(entry.memory), "danger": clean(entry.danger), "signed": clean(entry.signed),
             "safety": entry.safety, "doubts": [clean(doubt) for doubt in entry.doubts],
         }  # fmt: skip
 
 
-def written(entry: WriteEntry) -> str:
+def _written(entry: WriteEntry) -> str:
     """The value as a reader needs it: a constant, or an input and what it holds while nothing is connected."""
     text = clean(entry.value)
     if not entry.input:

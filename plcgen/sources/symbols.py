@@ -8,7 +8,7 @@ from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.input.files import read_bounded
-from plcgen.sources.text import decode
+from plcgen.sources.text import decode_source
 
 SUFFIXES = frozenset({".sdf", ".asc"})
 MAX_BYTES = 4 * 1024 * 1024
@@ -32,7 +32,7 @@ def read_rows(path: Path) -> tuple[list[tuple[str, str, str]], list[Diagnostic]]
         return [], [Diagnostic("PG804", f"the file cannot be read: {reason}", Span(file))]
     if len(data) > MAX_BYTES:
         return [], [Diagnostic("PG802", f"the symbol table has more than {MAX_BYTES} bytes", Span(file))]
-    text = decode(data, file)
+    text = decode_source(data, file)
     if isinstance(text, Diagnostic):
         return [], [text]
     rows = _sdf(text) if path.suffix.lower() == ".sdf" else _asc(text)

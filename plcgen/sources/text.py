@@ -90,7 +90,7 @@ def load_text(
         return Diagnostic("PG804", f"the file cannot be read: {reason}", Span(file))
     if len(data) > MAX_BYTES:
         return Diagnostic("PG802", f"the file has more than {MAX_BYTES} bytes", Span(file))
-    text = decode(data, file, encoding)
+    text = decode_source(data, file, encoding)
     return text if isinstance(text, Diagnostic) else (text, _refused_encoding(data, text, file, dialect))
 
 
@@ -153,7 +153,7 @@ def parse_source(
     return found, sorted([*result.diagnostics, *diagnostics], key=lambda d: d.sort_key)
 
 
-def decode(data: bytes, file: str, encoding: str | None = None) -> str | Diagnostic:
+def decode_source(data: bytes, file: str, encoding: str | None = None) -> str | Diagnostic:
     """Text of a source file, or PG804 with the place of the first byte that makes no sense."""
     for mark, name in _BOMS:
         if data.startswith(mark):

@@ -34,12 +34,12 @@ def trace_data(trace: Trace) -> dict[str, Any]:
     }
 
 
-def plain(value: Value) -> Any:
+def _plain(value: Value) -> Any:
     """A value that JSON can hold."""
     if isinstance(value, list):
-        return [plain(item) for item in value]
+        return [_plain(item) for item in value]
     if isinstance(value, dict):
-        return {name: plain(item) for name, item in value.items()}
+        return {name: _plain(item) for name, item in value.items()}
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -54,7 +54,7 @@ def _signal(position: int, trace: Trace) -> dict[str, Any]:
         "unit": found.unit,
         "path": found.path,
         "names": {str(number): name for number, name in found.names.items()},
-        "start": plain(trace.start[position]),
+        "start": _plain(trace.start[position]),
     }
 
 
@@ -62,7 +62,7 @@ def _step(step: Step, trace: Trace) -> dict[str, Any]:
     return {
         "scan": step.scan,
         "time": step.time,
-        "changes": {trace.signals[n].id: plain(value) for n, value in step.changes},
+        "changes": {trace.signals[n].id: _plain(value) for n, value in step.changes},
         "calls": [_call(call) for call in step.calls],
         "exchanges": [_contact(contact) for contact in step.contacts],
     }
@@ -112,7 +112,7 @@ def _job(job: JobResult) -> dict[str, Any]:
                 "member": value.member,
                 "title": value.title,
                 "unit": value.unit,
-                "value": None if value.value is None else plain(value.value),
+                "value": None if value.value is None else _plain(value.value),
                 "error": None if value.error is None else f"{value.error:02X}",
                 "info": value.info,
             }

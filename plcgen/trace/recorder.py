@@ -124,7 +124,7 @@ class Watched:
     def value(self) -> Value:
         """Decode the bytes as they are now."""
         try:
-            return plain(self.read())
+            return recorded_value(self.read())
         except ValueError:
             return bytes(self.memory[self.start : self.end]).hex(" ").upper()
 
@@ -161,21 +161,21 @@ def watch(cpu: Cpu, path: str) -> tuple[Watched, DataType]:
     return Watched(memory, offset // 8, -(-(offset + bits) // 8), mask, lambda: cpu[path]), declared
 
 
-def plain(tree: Any) -> Value:
+def recorded_value(tree: Any) -> Value:
     """Make a value of the CPU one that every format can write; characters of an array become one text."""
     if isinstance(tree, list):
-        items = [plain(item) for item in tree]
+        items = [recorded_value(item) for item in tree]
         if items and all(isinstance(item, str) and len(item) == 1 for item in items):
             return "".join(str(item) for item in items)
         return items
     if isinstance(tree, dict):
-        return {name: plain(item) for name, item in tree.items()}
+        return {name: recorded_value(item) for name, item in tree.items()}
     if isinstance(tree, dt.datetime | dt.date):
         return tree.isoformat()
     return tree if isinstance(tree, bool | int | float | str) else str(tree)
 
 
-def kind_of(type_: DataType) -> tuple[Kind, int]:
+def recorded_kind(type_: DataType) -> tuple[Kind, int]:
     """Kind and width in bits of a type; of its elements for an array."""
     while isinstance(type_, ArrayType):
         type_ = type_.element
@@ -193,5 +193,5 @@ def kind_of(type_: DataType) -> tuple[Kind, int]:
 def signal(cpu: Cpu, group: str, name: str, path: str, **more: Any) -> tuple[Signal, Watched]:
     """Build the signal of a member. Raises KeyError and ValueError like ``watch``."""
     watched, type_ = watch(cpu, path)
-    kind, bits = kind_of(type_)
+    kind, bits = recorded_kind(type_)
     return Signal(group, name, kind, bits, path=path, **more), watched

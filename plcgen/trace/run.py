@@ -19,8 +19,8 @@ from plcgen.trace.jobs import JobWatch
 from plcgen.trace.model import BlockCall, CallShape, Contact, Kind, Signal, Step, Trace, Value
 from plcgen.trace.program import load_program
 from plcgen.trace.recorder import Derived, RecordingCpu, Watched, signal
-from plcgen.trace.settings import TimedValue, parse_assignment, parse_time
-from plcgen.trace.values import assign, full_path
+from plcgen.trace.settings import TimedValue, parse_time, parse_timed_value
+from plcgen.trace.values import full_path, set_member
 
 Progress = Callable[[str, int, int], None]
 
@@ -60,7 +60,7 @@ def _simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progres
     recordings = [recording for recording in found if recording is not None]
     chosen = _chosen(recordings, settings.jobs, spec)
     scan_time = parse_time(str(settings.scan_time))
-    assignments = sorted(map(parse_assignment, settings.sets), key=lambda item: item.scan)
+    assignments = sorted(map(parse_timed_value, settings.sets), key=lambda item: item.scan)
     target = project.target
     bus = Periphery()
     _connect(recordings, chosen, settings, bus)
@@ -192,7 +192,7 @@ class _Run:
                 for path in self.others:  # a job with a cycle starts automatically
                     self.cpu[path] = False
             while pending and pending[0].scan <= number:
-                assign(self.cpu, pending.pop(0), controls)
+                set_member(self.cpu, pending.pop(0), controls)
             if number == 1:
                 for job in self.jobs:
                     job.begin()

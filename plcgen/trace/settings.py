@@ -36,7 +36,7 @@ def parse_time(text: str) -> int:
     return int(time)
 
 
-def parse_assignment(text: str) -> TimedValue:
+def parse_timed_value(text: str) -> TimedValue:
     """Read ``MEMBER=VALUE`` or ``MEMBER=VALUE@SCAN``. Raises DiagnosticError."""
     match = _SET.fullmatch(text.strip())
     if match is None or not match["value"].strip():

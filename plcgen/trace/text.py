@@ -41,10 +41,10 @@ def trace_text(trace: Trace, view: View) -> str:
         out.append(diagnostics_text(trace.diagnostics, view))
     for job in trace.jobs:
         out += [*_job(job, trace.words[0], view), ""]
-    return "\n".join([*out, summary(trace, view)]) + "\n"
+    return "\n".join([*out, run_summary(trace, view)]) + "\n"
 
 
-def summary(trace: Trace, view: View = PLAIN) -> str:
+def run_summary(trace: Trace, view: View = PLAIN) -> str:
     """``2 jobs: 1 done, 1 error; 35 scans, 350 ms``."""
     parts = []
     for ending, style in (("done", "ok"), ("error", "error"), ("running", "warning"), ("not started", "warning")):

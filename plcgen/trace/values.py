@@ -48,7 +48,7 @@ def _members(cpu: Cpu, name: str) -> list[str]:
     return [e.path for e in layout_block(entry.block, cpu.program.link.types).entries if not e.shape.fields]
 
 
-def assign(cpu: Cpu, item: TimedValue, controls: Sequence[str]) -> None:
+def set_member(cpu: Cpu, item: TimedValue, controls: Sequence[str]) -> None:
     """Give a member its value. Raises DiagnosticError if the value does not fit."""
     path = full_path(cpu, item.path, controls, "--set")
     _, type_ = watch(cpu, path)

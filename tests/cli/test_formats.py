@@ -49,22 +49,22 @@ def toy(distribution):
 )
 def test_formats_of_a_kind(kind, names):
     """Which formats show what, and the page about the command line says so."""
-    assert list(registry.names(kind)) == names.split()
+    assert list(registry.formats_for(kind)) == names.split()
     assert " ".join(f"`{name}`" for name in names.split()) in (ROOT / "docs" / "cli.md").read_text("utf-8")
 
 
 def test_one_file_per_format():
     """The name of the file is the name of the format, and each shows something."""
     files = {path.stem for path in Path(formats.__file__).parent.glob("*.py")} - {"__init__"}
-    known = {name: registry.find(name) for name in files}
+    known = {name: registry.output_format(name) for name in files}
     assert all(found.name == name and any(map(found.shows, registry.KINDS)) for name, found in known.items())
-    assert registry.find("nope") is None
+    assert registry.output_format("nope") is None
 
 
 def test_a_kind_that_is_not_shown():
     """A format says what it cannot show."""
     with pytest.raises(ValueError, match="the format vcd does not show a layout"):
-        registry.find("vcd").render("layout", None, PLAIN)
+        registry.output_format("vcd").render("layout", None, PLAIN)
 
 
 @pytest.mark.usefixtures("toy")
@@ -93,11 +93,11 @@ def test_entry_points_that_are_no_format(toy, plcgen):
     """Said by name: an object of another class, a format of another name. Shipped names are taken."""
     toy("FORMAT = 1\n")
     with pytest.raises(PluginError, match=r"toy_format:FORMAT in plcgen.outputs is not of type OutputFormat"):
-        registry.find("toy")
+        registry.output_format("toy")
     sys.modules.pop("toy_format")
     toy(TOY, "other = toy_format:FORMAT")
     with pytest.raises(PluginError, match=r"other in plcgen.outputs is a format called toy"):
-        registry.names("findings")
+        registry.formats_for("findings")
     sys.modules.pop("toy_format")
     toy("import nowhere\n", "other = toy_format:FORMAT")
     refused = plcgen("check", "--help")
@@ -107,7 +107,7 @@ def test_entry_points_that_are_no_format(toy, plcgen):
     toy("raise SystemExit(3)\n", "other = toy_format:FORMAT")
     assert plcgen("check", "--help").err == "error: the plug-in other (toy_format:FORMAT) cannot be loaded: 3\n"
     toy(TOY, "json = toy_format:FORMAT")
-    assert registry.find("json").layout is not None
+    assert registry.output_format("json").layout is not None
 
 
 def test_formats_are_imported_when_asked_for():

@@ -17,7 +17,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from plcgen.api import schema
-from plcgen.line.tcp import parse_address
+from plcgen.line.tcp import parse_endpoint
 
 ROOT = Path(__file__).parents[2]
 SOON = 20.0
@@ -58,7 +58,7 @@ def ended(process: subprocess.Popen[str], number: signal.Signals = signal.SIGTER
 
 def exchange(name: str) -> bytes:
     """Read VB100 over TCP: E5 and the answer."""
-    with socket.create_connection(parse_address(name), SOON) as client:
+    with socket.create_connection(parse_endpoint(name), SOON) as client:
         client.sendall(REQUEST)
         found = client.recv(1)
         client.sendall(POLL)
@@ -87,7 +87,7 @@ def test_the_log_shows_every_frame_decoded(tmp_path: Path) -> None:
     """One line per frame: time, direction, meaning, bytes, and what a fault did."""
     args = ("--tcp", "127.0.0.1:0", "--set", "VB100=16#22", "--log", "--quiet", "--fault", "token:at=poll")
     with running(tmp_path, *args) as (process, name):
-        with socket.create_connection(parse_address(name), SOON) as client:
+        with socket.create_connection(parse_endpoint(name), SOON) as client:
             client.sendall(b"\x00" + REQUEST)
             found = client.recv(1)
             client.sendall(POLL)

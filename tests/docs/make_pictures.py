@@ -12,7 +12,7 @@ from projects import ROOT
 
 from plcgen import api
 from plcgen.display.view import PLAIN
-from plcgen.output.registry import find
+from plcgen.output.registry import output_format
 
 PICTURES = {
     "review_faq.png": ("s7-300_6ra80_dp_tia", 1400, 3000),
@@ -27,7 +27,7 @@ def main() -> int:
     if not any(map(shutil.which, NAMES)):
         sys.stderr.write(f"no pictures: {', '.join(NAMES)} are not installed\n")
         return 1
-    format_ = find("html")
+    format_ = output_format("html")
     assert format_ is not None
     with tempfile.TemporaryDirectory() as name:
         room = Path(name)

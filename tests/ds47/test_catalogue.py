@@ -266,6 +266,6 @@ def test_a_definition_in_the_spec_is_looked_up(acme: Path) -> None:
 
 def test_pages_know_danger_and_what_a_drive_had() -> None:
     """What a reader must know before writing."""
-    page = pages.page(find_device("sinamics-s210"), find_device("sinamics-s210").parameters[1532])
+    page = pages.parameter_page(find_device("sinamics-s210"), find_device("sinamics-s210").parameters[1532])
     assert dict(page.sections)["Dangerous"].startswith("the list manual warns: an unloaded drive")
     assert isinstance(find_device("sinamics-dcm").parameters[50303], Parameter)

@@ -9,7 +9,7 @@ import pytest
 from plcgen.display.workbook import workbook_bytes
 from plcgen.input.workbook import Numeral
 from plcgen.protocols.ds47.catalogue.lists import ParameterList, load_list, parse_list
-from plcgen.protocols.ds47.catalogue.merging import merge
+from plcgen.protocols.ds47.catalogue.merging import merge_list
 from plcgen.protocols.ds47.catalogue.numbers import decimal_sign, number
 from plcgen.protocols.ds47.devices import find_device
 
@@ -108,7 +108,7 @@ def test_what_is_left_out_is_told(rows: str, told: str) -> None:
     listed = parsed(rows)
     (line,) = listed.skipped
     assert line.startswith(told)
-    assert merge(find_device("sinamics-g120"), listed, "list").skipped == [line]
+    assert merge_list(find_device("sinamics-g120"), listed, "list").skipped == [line]
     assert [one.pnu for one in listed.parameters] == [1120]
 
 

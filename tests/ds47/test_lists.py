@@ -17,7 +17,7 @@ from plcgen.cli.main import cli
 from plcgen.diagnostics import DiagnosticError
 from plcgen.display.workbook import workbook_bytes
 from plcgen.protocols.ds47.catalogue.lists import ListedParameter, load_list, parse_list
-from plcgen.protocols.ds47.catalogue.merging import Merged, merge, profile_text
+from plcgen.protocols.ds47.catalogue.merging import Merged, merge_list, profile_text
 from plcgen.protocols.ds47.devices import device_names, find_device, read_profile
 
 STARTER = """\
@@ -39,7 +39,7 @@ def parsed(text: str) -> dict[int, ListedParameter]:
 
 
 def merged(text: str, device: str = "sinamics-g120") -> Merged:
-    return merge(find_device(device), parse_list(text, Path("list.csv")), "parameter list list.csv")
+    return merge_list(find_device(device), parse_list(text, Path("list.csv")), "parameter list list.csv")
 
 
 def test_expert_list() -> None:

@@ -8,7 +8,7 @@ import pytest
 from plcgen.protocols.ds47.wire.description import ARRAY, ELEMENTS, READ_ONLY, Description
 from plcgen.protocols.ds47.wire.errors import error_text, known_numbers
 from plcgen.protocols.ds47.wire.formats import FormatValueError
-from plcgen.protocols.ds47.wire.status import Retry, explain, explain_word, status_of
+from plcgen.protocols.ds47.wire.status import Retry, explain_status, explain_word, status_of
 
 
 def test_error_numbers_are_complete():
@@ -95,14 +95,14 @@ def test_error_explained_with_its_information_word():
 )
 def test_status(value, direction, text, retry, error):
     """A STATUS is explained and classed: A2-A4, A7, B5, C0-C6 temporary, A1 of WRREC too, A0 of RDREC restarts."""
-    found = explain(value, direction)
+    found = explain_status(value, direction)
     assert text in found.text
     assert (found.retry, found.error, found.value) == (retry, error, value)
 
 
 def test_status_taken_apart():
     """DF80B512h is function DFh, decode 80h, codes B5h and 12h."""
-    found = explain(0xDF80B512)
+    found = explain_status(0xDF80B512)
     assert (found.function_num, found.error_decode, found.code1, found.code2) == (0xDF, 0x80, 0xB5, 0x12)
     assert status_of("write", 0xB5, 0x12) == 0xDF80B512
     assert status_of("read", 0xB5) == 0xDE80B500

@@ -15,7 +15,7 @@ from plcgen.cli.main import cli, run
 from plcgen.diagnostics import DiagnosticError
 from plcgen.display.workbook import workbook_bytes
 from plcgen.protocols.ds47.catalogue.lists import load_sheets
-from plcgen.protocols.ds47.catalogue.own_list import OwnList, inventory, read_own_list
+from plcgen.protocols.ds47.catalogue.own_list import OwnList, compare_own_list, read_own_list
 from plcgen.protocols.ds47.devices import find_device, read_profile
 
 WATCH = """\
@@ -166,7 +166,7 @@ def test_inventory(tmp_path: Path) -> None:
     assert own is not None
     path = tmp_path / "acme.yaml"
     path.write_text(PROFILE, "utf-8")
-    found = inventory(read_profile(path, "acme"), own)
+    found = compare_own_list(read_profile(path, "acme"), own)
     assert [one.pnu for one in found.both] == [944]
     assert found.drive == [922, 61000]
     assert [one.pnu for one in found.catalogue] == [1120]

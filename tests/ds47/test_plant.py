@@ -9,7 +9,7 @@ import pytest
 from plcgen import api
 from plcgen.inspection.memory.estimate import estimate
 from plcgen.scl.dialect import Dialect
-from plcgen.sources.text import decode
+from plcgen.sources.text import decode_source
 
 ROOT = Path(__file__).parents[2]
 ENGINE = {"DriveChannel", "DriveGate", "DriveTicket"}
@@ -31,7 +31,7 @@ def sources(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     api.generate(ROOT / "specs" / f"{request.param}.yaml", out)
     found = {"": request.param}
     for file in (out / "scl").glob("*.scl"):
-        text = decode(file.read_bytes(), file.name)
+        text = decode_source(file.read_bytes(), file.name)
         assert isinstance(text, str)
         found[file.stem] = text.replace("\r\n", "\n")
     return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from plcgen import api
-from plcgen.protocols.ds47.wire.status import Retry, explain, explain_codes, explain_word
+from plcgen.protocols.ds47.wire.status import Retry, explain_codes, explain_status, explain_word
 
 
 @pytest.mark.parametrize(
@@ -30,7 +30,7 @@ from plcgen.protocols.ds47.wire.status import Retry, explain, explain_codes, exp
 )
 def test_what_the_help_lists_is_explained(status: int, word: str) -> None:
     """None of it is marked as recalled, and none of these is tried again."""
-    found = explain(status)
+    found = explain_status(status)
     assert word in found.text
     assert "recalled" not in found.text
     assert found.retry is Retry.PERMANENT

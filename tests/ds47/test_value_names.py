@@ -10,10 +10,10 @@ import pytest
 
 from plcgen import api
 from plcgen.protocols.ds47.catalogue.merging import profile_text
-from plcgen.protocols.ds47.catalogue.pages import page
+from plcgen.protocols.ds47.catalogue.pages import parameter_page
 from plcgen.protocols.ds47.device import Parameter
 from plcgen.protocols.ds47.devices import device_names, find_device, read_profile
-from plcgen.protocols.ds47.live.parameters import decoded
+from plcgen.protocols.ds47.live.parameters import element_value
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
 SPEC = """\
@@ -51,7 +51,7 @@ def test_names_of_values_read_back(tmp_path: Path) -> None:
 def test_an_answer_is_shown_with_its_name() -> None:
     """The number stays in front; a number without a name is shown as it is."""
     parameter = Parameter(1300, "Integer16", values={"vector": 20})
-    assert [decoded(parameter, 0, bytes([0, value])).text for value in (20, 19)] == ["20 (vector)", "19"]
+    assert [element_value(parameter, 0, bytes([0, value])).text for value in (20, 19)] == ["20 (vector)", "19"]
 
 
 @pytest.mark.parametrize(
@@ -124,7 +124,7 @@ def test_scaling_is_shown() -> None:
     """p0021 of VECTOR and r0026 of S210, as their lists say."""
     assert find_device("sinamics-s150").parameters[21].scaling == "p2000"
     known = find_device("sinamics-s210")
-    assert "scaling  p2001  (read)" in dict(page(known, known.parameters[26]).sections)["Facts"]
+    assert "scaling  p2001  (read)" in dict(parameter_page(known, known.parameters[26]).sections)["Facts"]
 
 
 @pytest.mark.parametrize("device", ["sinamics-s120", "sinamics-s150", "sinamics-g130", "sinamics-g150"])

@@ -12,7 +12,7 @@ from plcgen.line import LineError, LineLostError
 from plcgen.line.endpoint import Clock, EndpointLine
 from plcgen.line.opening import open_line
 from plcgen.line.pty import PtyLine
-from plcgen.line.tcp import TcpLine, TcpServer, parse_address
+from plcgen.line.tcp import TcpLine, TcpServer, parse_endpoint
 
 SOON = 5.0
 """Seconds after which a test gives up; nothing here takes that long."""
@@ -201,9 +201,9 @@ def test_a_port_without_a_listener_is_told() -> None:
     ],
 )
 def test_addresses(text: str, expected: tuple[str, int]) -> None:
-    assert parse_address(text) == expected
+    assert parse_endpoint(text) == expected
 
 
 @pytest.mark.parametrize("text", ["", "4000", "host", "host:", "host:99999", "host:-1", "::1:7x", "::1:7", "a:١"])
 def test_addresses_that_are_none(text: str) -> None:
-    assert code_of(lambda: parse_address(text)) == "PG720"
+    assert code_of(lambda: parse_endpoint(text)) == "PG720"

@@ -10,7 +10,7 @@ from plcgen.oracles import wireshark
 from plcgen.oracles.documents import published
 from plcgen.oracles.wireshark import WireRecord
 from plcgen.proof.checks import Outcome
-from plcgen.protocols.ds47.proof.dissected import FILL, TEXT, compare, request_fields, response_fields
+from plcgen.protocols.ds47.proof.dissected import FILL, TEXT, compare_dissection, request_facts, response_facts
 from plcgen.protocols.ds47.wire import codec, formats
 from plcgen.protocols.ds47.wire.model import Response, ValueBlock
 
@@ -22,9 +22,13 @@ def test_published_telegrams() -> None:
     """Every field of every published telegram, as the codec reads it."""
     spoken = [WireRecord(0xB02F, one.request, one.answer) for one in published()]
     unknown: set[str] = set()
-    for one, (request, answer) in zip(published(), wireshark.dissect(spoken), strict=True):
-        assert not compare("request", request_fields(codec.decode_request(one.request)), request, unknown), one.id
-        assert not compare("answer", response_fields(codec.decode_response(one.answer)), answer, unknown), one.id
+    for one, (request, answer) in zip(published(), wireshark.run_tshark(spoken), strict=True):
+        assert not compare_dissection("request", request_facts(codec.decode_request(one.request)), request, unknown), (
+            one.id
+        )
+        assert not compare_dissection("answer", response_facts(codec.decode_response(one.answer)), answer, unknown), (
+            one.id
+        )
     assert not unknown
 
 
@@ -41,9 +45,9 @@ def test_every_format() -> None:
     answers = [Response(1, 1, 1, 1, (block,)) for block in blocks]
     spoken = [WireRecord(0xB02F, request, codec.encode_response(answer)) for answer in answers]
     known = set()
-    for answer, block, (_, shown) in zip(answers, blocks, wireshark.dissect(spoken), strict=True):
+    for answer, block, (_, shown) in zip(answers, blocks, wireshark.run_tshark(spoken), strict=True):
         unknown: set[str] = set()
-        assert not compare("answer", response_fields(answer), shown, unknown), formats.by_code(block.format)
+        assert not compare_dissection("answer", response_facts(answer), shown, unknown), formats.by_code(block.format)
         if not unknown - {FILL}:
             known.add(block.format)
     assert {*range(0x01, 0x09), 0x0A, 0x41, 0x42, 0x43} <= known
@@ -62,15 +66,15 @@ def test_every_format() -> None:
 )
 def test_a_difference_is_told(record: int, request_: str, message: str) -> None:
     """Field by field."""
-    expected = request_fields(codec.decode_request(bytes.fromhex("01 01 01 01 10 01 04 60 00 00")))
-    shown = wireshark.dissect([WireRecord(record, bytes.fromhex(request_), b"\1\1\1\0")])[0][0]
-    assert message in compare("request", expected, shown, set())
+    expected = request_facts(codec.decode_request(bytes.fromhex("01 01 01 01 10 01 04 60 00 00")))
+    shown = wireshark.run_tshark([WireRecord(record, bytes.fromhex(request_), b"\1\1\1\0")])[0][0]
+    assert message in compare_dissection("request", expected, shown, set())
 
 
 def test_what_is_not_known_is_not_compared() -> None:
     """A text, and what follows the fill byte behind an odd number of bytes."""
     for block, reason in ((ValueBlock(0x05, 1, b"\7"), FILL), (ValueBlock(0x09, 2, b"ab"), TEXT)):
-        fields = response_fields(Response(1, 1, 1, 2, (block, ValueBlock(0x06, 1, b"\0\5"))))
+        fields = response_facts(Response(1, 1, 1, 2, (block, ValueBlock(0x06, 1, b"\0\5"))))
         assert ("stop", reason) in fields
 
 
@@ -83,7 +87,7 @@ def test_without_tshark_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (check.outcome, check.verdict) == (Outcome.NOT_RUN, "not run: tshark is not installed")
     assert found.ok
     with pytest.raises(wireshark.WiresharkError, match="not installed"):
-        wireshark.dissect([])
+        wireshark.run_tshark([])
 
 
 @needs_tshark

@@ -16,10 +16,10 @@ from projects import FAQ
 from plcgen import api
 from plcgen.display.view import PLAIN, View
 from plcgen.inspection.layout.declared import block_tables
-from plcgen.inspection.layout.grid import grid, title
+from plcgen.inspection.layout.grid import cell_title, grid
 from plcgen.inspection.layout.planned import project_tables
 from plcgen.inspection.layout.tables import LayoutResult, letter, size_text
-from plcgen.output.registry import find
+from plcgen.output.registry import output_format
 from plcgen.s7.evidence import RULES
 from plcgen.sources.text import parse_source
 
@@ -29,7 +29,7 @@ TAIL = "END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n"
 
 def show(format_, blocks, view=PLAIN):
     """Blocks in a format."""
-    return find(format_).render("layout", LayoutResult(tuple(blocks), ()), view)
+    return output_format(format_).render("layout", LayoutResult(tuple(blocks), ()), view)
 
 
 def tables(members: str, *, head: str = HEAD, tail: str = TAIL, expand: bool = False):
@@ -103,7 +103,7 @@ def test_every_bit_of_a_block_is_in_exactly_one_cell():
 def test_titles_name_the_address_type_value_and_comment():
     block = tables("x : BOOL;\nw : WORD := W#16#FF;  // Länge\ns : STRING[4];\n")[0]
     runs = [cell.run for row in grid(block).rows for cell in row.cells if cell.first]
-    texts = [title(run, 3, in_db=True) for run in runs]
+    texts = [cell_title(run, 3, in_db=True) for run in runs]
     assert texts == [
         "DB3.DBX0.0  x : BOOL, 1 bit",
         "0.1  unused, 1 B 7 bit",

@@ -13,7 +13,7 @@ from plcgen.display.results import Findings
 from plcgen.display.table import csv_table, markdown_table
 from plcgen.display.view import PLAIN
 from plcgen.output.formats.sarif import uri
-from plcgen.output.registry import find
+from plcgen.output.registry import output_format
 
 _spec = importlib.util.spec_from_file_location("results", Path(__file__).with_name("results.py"))
 results = importlib.util.module_from_spec(_spec)
@@ -22,12 +22,12 @@ _spec.loader.exec_module(results)
 
 def findings(format_, *subjects, **more):
     """What check found, in a format."""
-    return find(format_).render("findings", Findings("check", subjects, more), PLAIN)
+    return output_format(format_).render("findings", Findings("check", subjects, more), PLAIN)
 
 
 def verification(format_, result):
     """A verification in a format."""
-    return find(format_).render("verification", result, PLAIN)
+    return output_format(format_).render("verification", result, PLAIN)
 
 
 def test_json_of_diagnostics():

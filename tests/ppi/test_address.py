@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from ppi.strategies import bits, elements, memory
 
-from plcgen.protocols.ppi.wire.address import PpiAddressError, address_text, parse_address
+from plcgen.protocols.ppi.wire.address import PpiAddressError, address_text, parse_item
 from plcgen.protocols.ppi.wire.areas import Area, TransportSize
 from plcgen.protocols.ppi.wire.model import Item
 
@@ -53,7 +53,7 @@ BYTE, WORD, DWORD = TransportSize.BYTE, TransportSize.WORD, TransportSize.DWORD
 )
 def test_spelling(text, item):
     """International and German mnemonics, counts, V as a data block; areas and sizes by their numbers."""
-    assert parse_address(text) == item
+    assert parse_item(text) == item
 
 
 @pytest.mark.parametrize(
@@ -93,7 +93,7 @@ def test_spelling(text, item):
 def test_refusal(text, code, message, help_):
     """What is no address, why, and what to write instead."""
     with pytest.raises(PpiAddressError) as caught:
-        parse_address(text)
+        parse_item(text)
     assert caught.value.code == code
     assert message in caught.value.message
     assert help_ in caught.value.help
@@ -104,7 +104,7 @@ def test_text_of_an_item(item):
     """An item that an address can mean is written as that address."""
     text = address_text(item)
     try:
-        again = parse_address(text)
+        again = parse_item(text)
     except PpiAddressError:
         assert item.area in {Area.SYS, Area.AI, Area.AQ} or item.size not in {BYTE, WORD, DWORD}
     else:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plcgen.protocols.ppi.wire.address import address_text, parse_address
+from plcgen.protocols.ppi.wire.address import address_text, parse_item
 from plcgen.protocols.ppi.wire.areas import Area, ReturnCode, TransportSize
 from plcgen.protocols.ppi.wire.errors import PpiError
 from plcgen.protocols.ppi.wire.load import READING, WRITING, PackingRules
@@ -17,7 +17,7 @@ from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu
 
 def items(text):
     """Return the items of a list of addresses."""
-    return [parse_address(word) for word in text.split()]
+    return [parse_item(word) for word in text.split()]
 
 
 def spelled(plan):

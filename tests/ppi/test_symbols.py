@@ -4,7 +4,7 @@ import pytest
 
 from plcgen.diagnostics import DiagnosticError
 from plcgen.protocols.ppi.symbols import load_symbols, parse_symbols
-from plcgen.protocols.ppi.wire.address import parse_address
+from plcgen.protocols.ppi.wire.address import parse_item
 
 TABLE = (("Pump", "Q0.1", "main pump"), ("Level", "VD200", "tank, upper"), ("Füllstand", "VW10", ""))
 
@@ -26,9 +26,9 @@ def test_every_export(tmp_path, separator, header, encoding):
     path = tmp_path / "symbols.csv"
     path.write_bytes(rows(separator, header=header).encode(encoding))
     table = load_symbols(path)
-    assert [(s.name, s.item, s.comment) for s in table.symbols] == [(n, parse_address(a), c) for n, a, c in TABLE]
+    assert [(s.name, s.item, s.comment) for s in table.symbols] == [(n, parse_item(a), c) for n, a, c in TABLE]
     assert table.find("PUMP").line == (2 if header else 1)
-    assert table.find("füllstand").item == parse_address("VW10")
+    assert table.find("füllstand").item == parse_item("VW10")
     assert table.find("nothing") is None
     assert table.names == ["Pump", "Level", "Füllstand"]
 
@@ -49,7 +49,7 @@ def test_every_export(tmp_path, separator, header, encoding):
 )
 def test_other_shapes(text):
     """Columns in another order, marker columns, other languages, blanks, quotes, repetitions."""
-    assert parse_symbols(text).find("pump").item == parse_address("Q0.1")
+    assert parse_symbols(text).find("pump").item == parse_item("Q0.1")
 
 
 def problems(text):

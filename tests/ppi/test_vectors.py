@@ -3,7 +3,7 @@
 import pytest
 from ppi.vectors import FRAMES, WRONG, frame, octets, pdu, tables
 
-from plcgen.protocols.ppi.wire.address import address_text, parse_address
+from plcgen.protocols.ppi.wire.address import address_text, parse_item
 from plcgen.protocols.ppi.wire.errors import PpiError
 from plcgen.protocols.ppi.wire.fdl import decode_frame, encode_frame
 from plcgen.protocols.ppi.wire.model import ReadRequest, VariableFrame, WriteRequest
@@ -36,7 +36,7 @@ def test_vector_in_words(name):
     request = pdu(row)
     assert isinstance(request, ReadRequest | WriteRequest)
     items = request.items if isinstance(request, ReadRequest) else tuple(entry.item for entry in request.items)
-    assert tuple(parse_address(text) for text in row["text"]) == items
+    assert tuple(parse_item(text) for text in row["text"]) == items
     assert [address_text(item) for item in items] == row["text"]
 
 

@@ -193,12 +193,12 @@ def test_variables_do_not_multiply(tmp_path: Path) -> None:
 def test_the_review_names_what_is_included(spec: Path) -> None:
     """Beside the hash that covers it."""
     from plcgen.display.view import PLAIN
-    from plcgen.output.registry import find
+    from plcgen.output.registry import output_format
 
     assert api.generate(spec).ok
     review = api.review(spec, faults="none")
     assert review.included == ("common/parameters.yaml", "common/plant.yaml")
     for name in ("html", "json", "markdown"):
-        format_ = find(name)
+        format_ = output_format(name)
         assert format_ is not None
         assert "parameters.yaml" in format_.render("review", review, PLAIN).replace("<wbr>", "")

@@ -10,7 +10,7 @@ from projects import FAQ, ROOT, generated_example
 
 from plcgen import api
 from plcgen.display.view import PLAIN
-from plcgen.output.registry import find
+from plcgen.output.registry import output_format
 from plcgen.signoff.model import Review
 
 LONG = "veryLongMemberNameOfAnEngineerWhoLikesIt"
@@ -62,7 +62,7 @@ def hostile_review(room: Path) -> Review:
 
 def show(name: str, review: Review) -> str:
     """A review in a format."""
-    format_ = find(name)
+    format_ = output_format(name)
     assert format_ is not None
     return format_.render("review", review, PLAIN)
 

@@ -13,7 +13,7 @@ from signoff.reviews import faq_review, hostile_review, ppi_review, show
 
 from plcgen import api
 from plcgen.display.view import PLAIN
-from plcgen.output.registry import find
+from plcgen.output.registry import output_format
 
 WIDTHS = (1400, 800, 480)
 
@@ -24,7 +24,7 @@ def page(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     target = tmp_path / "page.html"
     if request.param == "layout":
         found = api.layout(ROOT / "docs" / "pictures" / "conveyor.awl")
-        format_ = find("html")
+        format_ = output_format("html")
         assert format_ is not None
         text = format_.render("layout", found, PLAIN)
     else:

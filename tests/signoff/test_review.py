@@ -17,7 +17,7 @@ from plcgen.diagnostics import DiagnosticError
 from plcgen.inspection.sheet import Role
 from plcgen.proof.checks import Check, CheckGroup, Outcome, Trial, Verification
 from plcgen.protocols.ds47.sheet import review_sheet
-from plcgen.signoff.grid import scenarios
+from plcgen.signoff.grid import scenario_grids
 from plcgen.signoff.markdown import LIMIT
 
 
@@ -284,7 +284,7 @@ def test_scenarios_stand_in_grids():
         Check("faults.c", "faults c", "", Outcome.NOT_RUN, "not asked for"),
     ]
     group = CheckGroup("execution", "Execution", tuple(checks))
-    first, second = scenarios(Verification("s", "f", "p", "t", (group,), ()))
+    first, second = scenario_grids(Verification("s", "f", "p", "t", (group,), ()))
     assert first.jobs == ("a", "j0", "j1", "j2", "j3", "j4")
     assert first.rows == (
         ("busy twice", (("ok", "12 scans"),) * 6),

@@ -13,7 +13,7 @@ from plcgen.diagnostics import Diagnostic, Severity
 from plcgen.s7.blocks import SectionKind
 from plcgen.scl.dialect import Dialect
 from plcgen.sources import text as reader
-from plcgen.sources.text import decode, read_source
+from plcgen.sources.text import decode_source, read_source
 
 UDT = 'TYPE "größe"\nSTRUCT\n  x : INT;   // Länge\nEND_STRUCT;\nEND_TYPE\n'
 
@@ -79,7 +79,7 @@ def test_another_code_page_can_be_named(tmp_path: Path) -> None:
 )
 def test_bytes_that_are_no_text_are_pointed_at(data: bytes, place: tuple[int, int]) -> None:
     """PG804 with line and column of the first bad byte."""
-    found = decode(data, "a.scl")
+    found = decode_source(data, "a.scl")
     assert isinstance(found, Diagnostic)
     assert (found.code, (found.span.line, found.span.column)) == ("PG804", place)
 
@@ -105,7 +105,7 @@ def test_the_code_page_of_an_ansi_source_is_guessed(tmp_path: Path, name: str, c
 
 def test_a_code_page_that_does_not_exist() -> None:
     """A typo in the name of a code page is a diagnostic."""
-    found = decode(b"\xff", "a.scl", "cp9999")
+    found = decode_source(b"\xff", "a.scl", "cp9999")
     assert isinstance(found, Diagnostic)
     assert found.code == "PG804"
 
@@ -195,4 +195,4 @@ def test_comments_alone_in_utf8_without_mark_are_a_warning(tmp_path: Path, sourc
 @given(st.binary(max_size=200))
 def test_any_bytes_are_text_or_a_diagnostic(data: bytes) -> None:
     """Decoding never raises."""
-    assert isinstance(decode(data, "a.scl"), str | Diagnostic)
+    assert isinstance(decode_source(data, "a.scl"), str | Diagnostic)

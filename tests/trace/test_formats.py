@@ -12,7 +12,7 @@ from dataclasses import replace
 import pytest
 
 from plcgen.display.view import View
-from plcgen.output.registry import find
+from plcgen.output.registry import output_format
 from plcgen.trace.model import Signal, Step, Trace
 
 Run = Callable[..., Trace]
@@ -20,7 +20,7 @@ Run = Callable[..., Trace]
 
 def show(format_: str, trace: Trace, **looks: int) -> str:
     """A run in a format."""
-    return find(format_).render("trace", trace, View(**looks))
+    return output_format(format_).render("trace", trace, View(**looks))
 
 
 class Vcd:

@@ -10,7 +10,7 @@ import pytest
 
 from plcgen import api
 from plcgen.display.view import View
-from plcgen.output.registry import find
+from plcgen.output.registry import output_format
 from plcgen.trace.model import Trace
 
 Run = Callable[..., Trace]
@@ -95,7 +95,7 @@ def test_a_refused_address(run: Run) -> None:
     (job,) = trace.jobs
     assert (job.ending, job.status, trace.ok) == ("error", 0x8401, False)
     assert (job.values[0].error, job.values[0].value) == (5, None)
-    text = find("text").render("trace", trace, View(width=120))
+    text = output_format("text").render("trace", trace, View(width=120))
     assert "VB100  vb100 error 05h address out of range" in text
     assert "level: error 8401 the station refused at least one address" in text
 
@@ -141,13 +141,13 @@ def test_arguments_that_make_no_sense(run: Run, arguments: dict[str, object], me
 def test_formats(run: Run) -> None:
     """JSON has every frame field by field, VCD a scope for the station."""
     trace = run(jobs=["level"])
-    data = json.loads(find("json").render("trace", trace, View()))
+    data = json.loads(output_format("json").render("trace", trace, View()))
     found = [exchange for step in data["steps"] for exchange in step["exchanges"]]
     assert [exchange["telegram"]["ok"] for exchange in found] == [True] * 4
     assert found[0]["text"] == "read request, station 0 to 2 (6C): VB100"
     assert found[3]["text"].endswith("VB100 = 01")
     assert {call["block"] for step in data["steps"] for call in step["calls"]} >= {"SEND_P2P", "RECEIVE_P2P"}
-    vcd = find("vcd").render("trace", trace, View())
+    vcd = output_format("vcd").render("trace", trace, View())
     assert "$scope module pump $end" in vcd
     assert REQUEST.hex().upper() in vcd
 

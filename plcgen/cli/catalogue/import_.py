@@ -38,7 +38,7 @@ def command(*, file: Path, device: str, profile: Path | None, force: bool, forma
     catalogue.
     """
     from plcgen.protocols.ds47.catalogue import lists, merging
-    from plcgen.protocols.ds47.catalogue.own_list import inventory, read_own_list
+    from plcgen.protocols.ds47.catalogue.own_list import compare_own_list, read_own_list
     from plcgen.protocols.ds47.devices import find_device
 
     out = console()
@@ -47,8 +47,8 @@ def command(*, file: Path, device: str, profile: Path | None, force: bool, forma
     if own is not None:
         if profile is not None:
             raise click.UsageError(f"{file} has only numbers: there is nothing to write into a profile")
-        return out.answer(format_, _numbers(own, inventory(find_device(device), own), device))
-    result = merging.merge(find_device(device), lists.listed(sheets, file), f"parameter list {file.name}")
+        return out.answer(format_, _numbers(own, compare_own_list(find_device(device), own), device))
+    result = merging.merge_list(find_device(device), lists.listed(sheets, file), f"parameter list {file.name}")
     if profile is not None:
         if profile.exists() and profile.samefile(file):
             raise click.UsageError(f"{profile} is the list itself: write the profile to another file")

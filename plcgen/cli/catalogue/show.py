@@ -80,7 +80,7 @@ def _details(device: Device, found: Sequence[Parameter], missing: tuple[Diagnost
     rows = [pages.data(device, one) for one in found]
 
     def text(view: View) -> str:
-        return "\n".join(page_text(pages.page(device, one), view) for one in found)
+        return "\n".join(page_text(pages.parameter_page(device, one), view) for one in found)
 
     return Answer({**diagnostics_data("catalogue", missing), "parameters": rows}, text, missing)
 

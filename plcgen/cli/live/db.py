@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.live.places import comparison, place, timeout_option
+from plcgen.cli.live.places import comparison, connection_place, timeout_option
 from plcgen.cli.options import PATH, format_option, verb
 from plcgen.cli.ppi.connection import ask
 
@@ -42,7 +42,7 @@ def command(
 
     def question() -> Answer:
         from plcgen.cli.live.specs import drive_project
-        from plcgen.protocols.ds47.live.comparison import compare_blocks
+        from plcgen.protocols.ds47.live.comparison import compare_buffers
         from plcgen.protocols.ds47.live.connection import S7Connection
         from plcgen.protocols.ds47.live.stored import compare_stored, stored
 
@@ -50,9 +50,9 @@ def command(
         numbered = every or plan.target.v5
         if not numbered and not any(job.pinned for job in plan.jobs):
             raise click.UsageError("no data block of the spec has a number of its own: --all asks for the others")
-        where = place(host, "--cpu", rack, _SLOTS[plan.target.family] if slot is None else slot)
+        where = connection_place(host, "--cpu", rack, _SLOTS[plan.target.family] if slot is None else slot)
         with S7Connection(where, timeout) as reader:
-            rows = list(compare_blocks(plan, reader))
+            rows = list(compare_buffers(plan, reader))
             rows += compare_stored(project, plan, reader) if numbered else ()
         skipped = [] if numbered else [f'"{block.name}" (--all asks)' for block in stored(plan)]
         return comparison("live db", rows, "what", skipped)

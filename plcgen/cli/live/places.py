@@ -28,7 +28,7 @@ def timeout_option(verb: Callback) -> Callback:
     )(verb)
 
 
-def place(text: str, option: str, rack: int = 0, slot: int = 0) -> Place:
+def connection_place(text: str, option: str, rack: int = 0, slot: int = 0) -> Place:
     """``HOST`` or ``HOST:PORT``."""
     from plcgen.protocols.ds47.live.connection import PORT, Place
 

@@ -9,7 +9,7 @@ import click
 
 from plcgen.cli.arguments import Argument, arguments
 from plcgen.cli.completed import devices
-from plcgen.cli.live.places import place, timeout_option
+from plcgen.cli.live.places import connection_place, timeout_option
 from plcgen.cli.options import format_option, verb
 from plcgen.cli.ppi.connection import ask
 
@@ -42,7 +42,7 @@ def command(
     A type after a colon says how to read the bytes: r0052:Unsigned16. Without one it comes from the catalogue: of
     --device, or of all devices if those that know the number agree. Each element is one request.
     """
-    where = place(host, "--drive")
+    where = connection_place(host, "--drive")
 
     def question() -> Answer:
         from plcgen.protocols.ds47.devices import find_device

@@ -140,7 +140,7 @@ def _encode(
 def _requests(
     verb: str, rest: Sequence[str], how: _How, cpu: CpuProfile | None, symbols: SymbolTable | None
 ) -> Sequence[Request]:
-    from plcgen.cli.ppi.places import assignments, places
+    from plcgen.cli.ppi.places import read_assignments, read_places
     from plcgen.protocols.ppi.wire import model
     from plcgen.protocols.ppi.wire.areas import READ_LIMIT, WRITE_LIMIT
     from plcgen.protocols.ppi.wire.pack import pack_read, pack_write
@@ -154,11 +154,11 @@ def _requests(
     if verb in bare:
         return [bare[verb]]
     if verb in {"read", "unforce"}:
-        items = [place.item for place in places(rest, symbols, cpu, None if how.pack else READ_LIMIT)]
+        items = [place.item for place in read_places(rest, symbols, cpu, None if how.pack else READ_LIMIT)]
         if verb == "unforce":
             return [model.ForceRequest(reference, item, None) for item in items]
         return pack_read(items).requests(reference) if how.pack else [model.ReadRequest(reference, tuple(items))]
-    entries = [entry for _, entry in assignments(rest, symbols, cpu, None if how.pack else WRITE_LIMIT)]
+    entries = [entry for _, entry in read_assignments(rest, symbols, cpu, None if how.pack else WRITE_LIMIT)]
     if verb == "force":
         return [model.ForceRequest(reference, entry.item, entry.data) for entry in entries]
     return pack_write(entries).requests(reference) if how.pack else [model.WriteRequest(reference, tuple(entries))]

@@ -55,12 +55,12 @@ def command(
 
     A station that does not answer is asked again; a lost line ends the command. Exit code 1 if the last read failed.
     """
-    from plcgen.cli.ppi.places import find_profile, find_symbols, places
+    from plcgen.cli.ppi.places import find_profile, find_symbols, read_places
     from plcgen.output.formats import json, text
 
     try:
         table = find_symbols(symbols)
-        asked = places(words, table, find_profile(cpu))
+        asked = read_places(words, table, find_profile(cpu))
         with open_client(given, table) as client:
             return _watch(console(), client, asked, (interval, count), as_json=as_json)
     except DiagnosticError as problem:

@@ -63,7 +63,7 @@ def find_symbols(name: str | None) -> SymbolTable | None:
     return load_symbols(Path(name))
 
 
-def places(
+def read_places(
     words: Sequence[str], symbols: SymbolTable | None, cpu: CpuProfile | None, limit: int | None = None
 ) -> list[Place]:
     """Read what is to be read; ``limit`` is the longest value. Raises DiagnosticError with every problem."""
@@ -78,7 +78,7 @@ def places(
     return _each(words, read)
 
 
-def assignments(
+def read_assignments(
     words: Sequence[str], symbols: SymbolTable | None, cpu: CpuProfile | None, limit: int | None = None
 ) -> list[tuple[Place, ItemWrite]]:
     """Read what is to be written, see ``places``. Raises DiagnosticError with every problem, overlaps included."""

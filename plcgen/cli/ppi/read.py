@@ -35,12 +35,12 @@ def command(
     A type after a colon says how to read the bytes: BYTE, WORD, INT, DWORD, DINT, REAL, CHAR, STRING. Without one
     bytes, words and double words are unsigned numbers. Exit code 1 if the station refuses an item.
     """
-    from plcgen.cli.ppi.places import find_profile, find_symbols, places
+    from plcgen.cli.ppi.places import find_profile, find_symbols, read_places
     from plcgen.protocols.ppi.client.texts import readings_answer
 
     def question() -> Answer:
         table = find_symbols(symbols)
-        asked = places(words, table, find_profile(cpu))
+        asked = read_places(words, table, find_profile(cpu))
         with open_client(given, table) as client:
             return readings_answer(given["port"], client.read(*asked))
 

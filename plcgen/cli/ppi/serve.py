@@ -83,7 +83,7 @@ def _bus(
     from plcgen.input.text import read_text
     from plcgen.protocols.ppi.sim.bus import Bus
     from plcgen.protocols.ppi.sim.fault_text import parse_fault
-    from plcgen.protocols.ppi.sim.load import assign, load_bus
+    from plcgen.protocols.ppi.sim.load import load_bus, set_address
     from plcgen.protocols.ppi.wire.address import address_text
 
     problems: list[Diagnostic] = []
@@ -102,7 +102,7 @@ def _bus(
             problems += problem.diagnostics
     for text in sets if bus.stations else ():
         try:
-            assign(bus, text)
+            set_address(bus, text)
         except DiagnosticError as problem:
             problems += problem.diagnostics
     if problems:

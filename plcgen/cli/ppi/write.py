@@ -44,11 +44,11 @@ def command(
     All values are checked before the first telegram is sent. Exit code 1 if the station refuses an item, 2 without
     --yes-write.
     """
-    from plcgen.cli.ppi.places import assignments, find_profile, find_symbols
+    from plcgen.cli.ppi.places import find_profile, find_symbols, read_assignments
     from plcgen.protocols.ppi.client.texts import entries_text, written_answer
 
     def question() -> Answer:
-        entries = assignments(words, find_symbols(symbols), find_profile(cpu))
+        entries = read_assignments(words, find_symbols(symbols), find_profile(cpu))
         if not yes_write:
             console().say(entries_text(entries))
             raise click.UsageError("nothing was written: writing needs --yes-write")

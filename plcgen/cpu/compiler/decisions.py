@@ -12,7 +12,7 @@ from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.values import Val
 from plcgen.cpu.decisions import Decision
 from plcgen.scl import ast
-from plcgen.scl.logic import DECIDES, MOST, Joined, Leaf, Logic, joints, leaves, logic_of
+from plcgen.scl.logic import DECIDES, MOST, Joined, Leaf, Logic, joints, logic_of, operands_of
 
 _HARD = re.compile(r"\b(?:ck|opened|deref|power|Z)\(")
 """Code that may be a fault, or lets another OB run: only where the operands before ask for it."""
@@ -41,7 +41,7 @@ class Decisions:
 
     def value(self, node: ast.Binary | ast.Unary) -> Val:
         """Compile an operator."""
-        operands = [] if id(node) in self.inside else leaves(node)
+        operands = [] if id(node) in self.inside else operands_of(node)
         if not 1 < len(operands) <= MOST:
             return self.plain[type(node)](node)
         wanted = {id(operand) for operand in operands}

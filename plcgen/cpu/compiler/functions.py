@@ -26,7 +26,7 @@ from plcgen.cpu.type_rules import (
     canonical,
     common_type,
     conversions,
-    whole_number,
+    integer_of,
 )
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.scl import ast
@@ -149,7 +149,7 @@ class Functions:
         bound = self.bind(node, ("IN",))
         value = self.expressions.value(bound["IN"])
         if value.type in BITS and not self.context.rules.checked and not self.context.classic:
-            type_ = whole_number(value.type, classic=False)
+            type_ = integer_of(value.type, classic=False)
             return Val(coerce(self.context, value, type_, bound["IN"]), type_, pure=value.pure)
         if value.type not in NUMERIC:
             return self.refuse(node, "ABS", value)
@@ -301,6 +301,6 @@ class Functions:
         value = self.expressions.value(bound["IN"])
         if name.endswith(("_TO_INT", "_TO_DINT")):
             code = coerce(self.context, value, "DWORD" if double else "WORD", bound["IN"])
-            return Val(f"from_bcd({code},{7 if double else 3})", "DINT" if double else "INT", pure=value.pure)
+            return Val(f"bcd_to_int({code},{7 if double else 3})", "DINT" if double else "INT", pure=value.pure)
         code = coerce(self.context, value, "DINT" if double else "INT", bound["IN"])
-        return Val(f"to_bcd({code},{7 if double else 3})", "DWORD" if double else "WORD", pure=value.pure)
+        return Val(f"int_to_bcd({code},{7 if double else 3})", "DWORD" if double else "WORD", pure=value.pure)

@@ -29,8 +29,8 @@ from plcgen.cpu.type_rules import (
     bit_string,
     common_bits,
     common_type,
+    integer_of,
     remedy,
-    whole_number,
 )
 from plcgen.diagnostics import Severity
 from plcgen.s7.types import HARDWARE
@@ -231,7 +231,7 @@ class Operators:
             if common == "BYTE" and self.context.classic:  # it counts as USINT, says the help, a type they do not have
                 self.context.error("PG827", "the soft CPU does not compute with BYTE as S7-300/400 do", node)
                 return unknown()
-            common = whole_number(common, classic=self.context.classic)
+            common = integer_of(common, classic=self.context.classic)
         if common in HARDWARE and WIDTHS[common] == WIDTHS["UINT"] and not self.context.rules.checked:
             common = "UINT"  # the number of a connection that a library counts up
         if common not in NUMERIC:
@@ -265,7 +265,7 @@ class Operators:
         mixed = value.type in BITS and other in {*REALS, REAL_CONST}
         if not mixed or self.context.rules.checked or self.context.classic:
             return value
-        type_ = whole_number(value.type, classic=False)
+        type_ = integer_of(value.type, classic=False)
         return Val(coerce(self.context, value, type_, node), type_, pure=value.pure)
 
     def ring(self, value: Val, common: str, node: ast.Expression) -> str:

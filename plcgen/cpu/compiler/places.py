@@ -13,7 +13,7 @@ from plcgen.cpu.compiler.literals import literal_value
 from plcgen.cpu.compiler.opened import WIDTHS as _AREA_WIDTHS
 from plcgen.cpu.compiler.opened import OpenedBlocks
 from plcgen.cpu.compiler.scope import bare_shape, scalar_name
-from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Symbol, Val, constant, unknown
+from plcgen.cpu.compiler.values import UNKNOWN, MemoryPlace, Symbol, Val, unknown, whole_constant
 from plcgen.cpu.linkage import ProgramBlock
 from plcgen.cpu.system.interfaces import system_fbs
 from plcgen.cpu.type_rules import BITS, INTEGERS, POINTERS, REALS, TEXTS, WIDTHS, canonical
@@ -86,13 +86,13 @@ class Places:
         """A system constant or a user constant of a tag table."""
         number = self.context.link.constants.get(name.upper())
         if number is not None:
-            return Symbol(name, SectionKind.CONSTANT, constant=constant(number))
+            return Symbol(name, SectionKind.CONSTANT, constant=whole_constant(number))
         type_, literal = self.context.link.user_constants.get(name.upper(), ("", ""))
         value = literal_value(literal, type_.upper())
         if type_ and value is None:
             return Symbol(name, SectionKind.CONSTANT, constant=unknown())
         if isinstance(value, int) and not isinstance(value, bool) and type_.upper() in {*INTEGERS, *BITS}:
-            return Symbol(name, SectionKind.CONSTANT, constant=constant(value))
+            return Symbol(name, SectionKind.CONSTANT, constant=whole_constant(value))
         return Symbol(name, SectionKind.CONSTANT, constant=Val(repr(value), canonical(type_), value)) if type_ else None
 
     def undeclared(self, node: ast.Name) -> bool:
@@ -223,7 +223,7 @@ class Places:
             bounds = shape.type.bounds
             indices = node.indices[position : position + len(bounds)]
             if len(indices) < len(bounds):
-                shape = rows(shape, len(indices))
+                shape = _rows(shape, len(indices))
             place = self.element(place, shape, indices)
             position += len(bounds)
         return place
@@ -367,7 +367,7 @@ class Places:
             self.out.emit(f"st({base.mem},{self.access.address(base)})")
 
 
-def rows(array: Shape, count: int) -> Shape:
+def _rows(array: Shape, count: int) -> Shape:
     """Return an array of several dimensions as one of ``count`` dimensions whose elements are arrays."""
     assert isinstance(array.type, ArrayType)  # noqa: S101 - the caller looked
     bounds, bits = array.type.bounds, array.strides[count - 1]

@@ -80,7 +80,7 @@ def unknown() -> Val:
     return Val("0", UNKNOWN)
 
 
-def constant(number: int) -> Val:
+def whole_constant(number: int) -> Val:
     """Value of a whole number without a type."""
     return Val(repr(number), INT_CONST, number)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from plcgen.inspection.compare.starts import literal_start, plain
+from plcgen.inspection.compare.starts import literal_start, normalized
 from plcgen.s7.blocks import Block, SectionKind
 from plcgen.s7.types import DataType, Member, StructType
 from plcgen.simaticml.datatypes import innermost
@@ -32,7 +32,7 @@ def instance_starts(block: Block, owner: Block | None) -> tuple[tuple[str, str],
         own = _canonical(literal, type_)
         before = "" if usual is None else _canonical(usual, type_)
         if owner is None or own != before:
-            changed[path] = own or plain(literal)
+            changed[path] = own or normalized(literal)
     return tuple(changed.items())
 
 
@@ -59,7 +59,7 @@ def _leaves(block: Block) -> Iterator[tuple[str, Member]]:
 
 def _canonical(literal: str, type_: DataType | None) -> str:
     """The same text for every spelling of a value; empty for the default of its type."""
-    return plain(literal) if type_ is None else literal_start(Member("", innermost(type_), literal))
+    return normalized(literal) if type_ is None else literal_start(Member("", innermost(type_), literal))
 
 
 def _without_indices(path: str) -> str:

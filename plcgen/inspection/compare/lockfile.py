@@ -7,7 +7,7 @@ import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from plcgen.inspection.compare.members import place
+from plcgen.inspection.compare.members import offset_text
 from plcgen.inspection.compare.model import BlockState, DriveState, JobState, MemberState, Snapshot
 
 HEADER = (
@@ -137,7 +137,7 @@ def _members(member: MemberState, section: str) -> Iterator[tuple[str, str, str]
     where = ""
     if member.offset is not None and member.bits is not None:
         size = f"{member.bits} bit" if member.bits % 8 else f"{member.bits // 8} B"
-        where = f"{place(member.offset)} {size} "
+        where = f"{offset_text(member.offset)} {size} "
     start = f" := {member.start}" if member.start else ""
     braces = ", ".join(f"{name.upper()}={value}" for name, value in member.attributes)
     yield section, member.path, f"{where}{member.type}{start}{f' {{{braces}}}' if braces else ''}"

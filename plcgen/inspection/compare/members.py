@@ -259,22 +259,22 @@ def _predecessors(members: Sequence[MemberState]) -> dict[int, MemberState]:
 
 def _move(run: Sequence[tuple[MemberState, MemberState, int]], before: MemberState | None, *, last: bool) -> Found:
     leaves = [(a, b) for a, b, _ in run if not b.inner] or [(a, b) for a, b, _ in run]
-    details = tuple(f"{b.path} {place(a.offset)} -> {place(b.offset)}" for a, b, _ in run)
+    details = tuple(f"{b.path} {offset_text(a.offset)} -> {offset_text(b.offset)}" for a, b, _ in run)
     first, new = run[0][0], run[0][1]
     by = _distance(run[0][2])
     if len(leaves) == 1:
-        message = f"moved by {by}: {place(first.offset)} -> {place(new.offset)}"
+        message = f"moved by {by}: {offset_text(first.offset)} -> {offset_text(new.offset)}"
         path = leaves[0][1].path
     else:
         path = new.path
-        example = f"{len(leaves)} members, the first one {place(first.offset)} -> {place(new.offset)}"
+        example = f"{len(leaves)} members, the first one {offset_text(first.offset)} -> {offset_text(new.offset)}"
         if last and before is not None:
             message = f"everything after {before.path} moved by {by}: {example}"
         elif last:
             message = f"everything moved by {by}: {example}"
         else:
             message = f"{new.path} to {run[-1][1].path} moved by {by}: {example}"
-    old, now = place(first.offset), place(new.offset)
+    old, now = offset_text(first.offset), offset_text(new.offset)
     return Found("member-moved", path, message, old, now, first.span, new.span, details if len(leaves) > 1 else ())
 
 
@@ -290,7 +290,7 @@ def _cut(text: str) -> str:
     return f'"{text if len(text) <= 60 else text[:57] + "..."}"'
 
 
-def place(bits: int | None) -> str:
+def offset_text(bits: int | None) -> str:
     """Offset as S7 editors write it: ``6.0``."""
     return "?" if bits is None else f"{bits // 8}.{bits % 8}"
 
@@ -317,7 +317,7 @@ def _size(bits: int) -> str:
 
 def _shown(member: MemberState) -> str:
     start = f" := {member.start}" if member.start else ""
-    at = "" if member.offset is None else f" at {place(member.offset)}"
+    at = "" if member.offset is None else f" at {offset_text(member.offset)}"
     return f"{member.path} : {member.type}{start}{at}"
 
 

@@ -24,7 +24,7 @@ _LONGEST_TEXT = 300
 _MOST_VALUES = 10_000
 
 
-def plain(text: str) -> str:
+def normalized(text: str) -> str:
     """A literal without blanks and in upper case outside quotes."""
     parts = text.split("'")
     parts[::2] = ["".join(part.split()).upper() for part in parts[::2]]
@@ -37,11 +37,11 @@ def literal_start(member: Member) -> str:
         try:
             data = pack_literal(member.start, member.type)
         except LiteralError:
-            return plain(member.start)
+            return normalized(member.start)
         if member.type == ELEMENTARY["BOOL"]:
             return "TRUE" if data[0] else ""
         return scalar_start(data, member.type)
-    return plain(member.start or "")
+    return normalized(member.start or "")
 
 
 def scalar_start(data: bytes, type_: DataType) -> str:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.inspection.compare.instances import instance_starts
 from plcgen.inspection.compare.model import BlockState, MemberState, Snapshot
-from plcgen.inspection.compare.starts import array_start, literal_start, plain, scalar_start
+from plcgen.inspection.compare.starts import array_start, literal_start, normalized, scalar_start
 from plcgen.s7.blocks import Block, BlockKind, SectionKind, is_retentive
 from plcgen.s7.image import image
 from plcgen.s7.layout import layout_block
@@ -113,7 +113,7 @@ class _State:
         """BEGIN lines for what is declared elsewhere; those of the block's own members are start values."""
         if foreign:
             return instance_starts(self.source, self.owner)
-        pairs = [(_path(a.path), plain(a.literal)) for a in self.source.assignments]
+        pairs = [(_path(a.path), normalized(a.literal)) for a in self.source.assignments]
         inside = tuple(f"{path}." for path in self.named)
         return tuple(pair for pair in pairs if re.sub(r"\[[^\]]*\]", "", pair[0]).startswith(inside))
 
@@ -162,7 +162,7 @@ class _State:
     def start(self, member: Member, shape: Shape, offset: int) -> str:
         """Canonical start value: from the image, so that every spelling of a value is the same."""
         if isinstance(_element_type(shape.type), NamedType):  # single values are assignments
-            return "" if self.memory is None else plain(member.start or "")
+            return "" if self.memory is None else normalized(member.start or "")
         if isinstance(shape.type, StructType):
             return ""
         if self.memory is None:

@@ -28,7 +28,7 @@ def comparison_text(comparison: Comparison, view: View) -> str:
             if hidden:
                 lines.append(f"{' ' * _MARGIN}.. and {hidden} more {change.kind} (--verbose)")
         lines.append("")
-    return "\n".join([*lines, summary(comparison, view)]) + "\n"
+    return "\n".join([*lines, _summary(comparison, view)]) + "\n"
 
 
 def shortened(changes: Sequence[Change], view: View) -> Iterator[tuple[Change, int]]:
@@ -52,7 +52,7 @@ def _change(change: Change, view: View) -> list[str]:
     return lines
 
 
-def summary(comparison: Comparison, view: View) -> str:
+def _summary(comparison: Comparison, view: View) -> str:
     """``2 breaking, 1 compatible, 3 documentation; 2 at or above breaking``."""
     if not comparison.changes:
         return view.paint("no semantic differences", "ok")

@@ -16,7 +16,7 @@ from plcgen.s7.blocks import BlockKind
 from plcgen.s7.evidence import NO_DOUBTS, rule
 from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block, split_path
-from plcgen.s7.shapes import joined
+from plcgen.s7.shapes import union
 from plcgen.s7.spelling import type_text
 from plcgen.s7.types import ArrayType, Elementary
 
@@ -169,7 +169,7 @@ class _Memory:
     def alike(self, shape: Shape, base: int) -> bool:
         """Whether all elements of the array at bit ``base`` hold the same."""
         bits = shape.element.bits if shape.element is not None else 0
-        found = (self.loaded[(base + at) // 8 : (base + at + bits) // 8] for _, at in places(shape))
+        found = (self.loaded[(base + at) // 8 : (base + at + bits) // 8] for _, at in element_offsets(shape))
         first = next(found, b"")
         return all(part == first for part in found)
 
@@ -196,7 +196,7 @@ class _Rows:
                     self.gap(end, start, depth)
                 end = start + (extent(child.shape) if child.shape.element else child.shape.bits)
             member, inner = child.member, child.shape
-            own = joined(doubts, child.doubts) if child.doubts else doubts
+            own = union(doubts, child.doubts) if child.doubts else doubts
             self.row(member.name, _type(member, inner), inner, start, depth, own, prefix + member.name, member)
             if inner.fields or inner.element is not None:
                 self.inside(inner, start, depth + 1, prefix + member.name, own)
@@ -224,13 +224,13 @@ class _Rows:
         if element is None or not isinstance(shape.type, ArrayType):
             return
         total = math.prod(high - low + 1 for low, high in shape.type.bounds)
-        for done, (index, offset) in enumerate(places(shape)):
+        for done, (index, offset) in enumerate(element_offsets(shape)):
             place = start + offset
             if (done and not self.expand) or len(self.found) >= self.room:
                 self.fold(shape, (offset, place), depth, (done, total), index, doubts)
                 return
             self.gap(end, place, depth)
-            own = joined(doubts, shape.stride_doubts) if done else doubts
+            own = union(doubts, shape.stride_doubts) if done else doubts
             name = f"[{index}]"
             self.row(name, type_text(element.type), element, place, depth, own, f"{path}{name}", None)
             self.inside(element, place, depth + 1, f"{path}{name}", own)
@@ -260,7 +260,7 @@ class _Rows:
         if not self.expand and self.memory is not None and not self.memory.alike(shape, place - offset):
             text += ", other start values"
         byte, bits = (None, 0) if self.block.optimized else (place // 8, extent(shape) - offset)
-        rules = self.rules(joined(doubts, shape.stride_doubts))
+        rules = self.rules(union(doubts, shape.stride_doubts))
         self.found.append(LayoutRow(byte, None, bits, "", name, text, "", depth, kind=MORE, rules=rules))
 
     def row(
@@ -290,7 +290,7 @@ class _Rows:
         address = ""
         if self.block.kind is BlockKind.DB:
             address = member_address(self.block.number, byte, shown, shape.bits if plain else 8)
-        rules = self.rules(joined(doubts, shape.doubts) if shape.doubts else doubts)
+        rules = self.rules(union(doubts, shape.doubts) if shape.doubts else doubts)
         bits = shape.bits if plain else extent(shape)
         self.found.append(LayoutRow(byte, shown, bits, address, name, type_, start, depth, comment, rules=rules))
 
@@ -298,7 +298,7 @@ class _Rows:
         """Start value of an array in one row, with those of single elements if they change anything."""
         if self.expand or self.memory is None or not self.memory.changed(place, extent(shape)):
             return start
-        names = (index for index, _ in places(shape))
+        names = (index for index, _ in element_offsets(shape))
         given = (f"[{n}] := {self.begin[key]}" for n in names if (key := f"{path.lower()}[{n}]") in self.begin)
         listed = list(itertools.islice(given, _MAX_SINGLE))
         if len(listed) == _MAX_SINGLE:
@@ -343,7 +343,7 @@ def _type(member: Member, shape: Shape) -> str:
     return f"{declared} AT {member.at}" if member.at is not None else declared
 
 
-def places(shape: Shape) -> Iterator[tuple[str, int]]:
+def element_offsets(shape: Shape) -> Iterator[tuple[str, int]]:
     """Index and offset in bits of every element, the last index counting fastest."""
     if not isinstance(shape.type, ArrayType):
         return

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from plcgen.display.cells import clean, cut, width
 from plcgen.inspection.layout.data import member_paths
-from plcgen.inspection.layout.grid import Cell, Grid, GridRow, grid, title
+from plcgen.inspection.layout.grid import Cell, Grid, GridRow, cell_title, grid
 
 if TYPE_CHECKING:
     from plcgen.inspection.layout.tables import BlockTable, LayoutRow
@@ -189,7 +189,7 @@ def _rectangle(
     run = piece.run
     y, height = place
     wide = piece.width * cell / 8
-    text = title(run, block.number, in_db=block.kind == "DB")
+    text = cell_title(run, block.number, in_db=block.kind == "DB")
     style = (f"r-{run.role}" if run.role else f"t{run.tone % TONES}") if run.name else "gap"
     turned = _is_turned(piece, wide)
     label, value = _texts(block, piece, int((wide - 8) / _CHARACTER))

@@ -59,7 +59,7 @@ def symbols(project: Project) -> Iterator[Diagnostic]:
                 )
 
 
-def out_of_range(project: Project) -> Iterator[Diagnostic]:
+def flags_out_of_range(project: Project) -> Iterator[Diagnostic]:
     """PG404: a flag lies behind the end of the CPU's flag memory."""
     size = project.target.flag_bytes
     for _, _, signal, path, address in _flags(project):

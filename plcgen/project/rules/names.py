@@ -28,7 +28,7 @@ _FIXED = ("plc",)
 _ENCODINGS = {"cp1252": "Windows-1252", "utf-8-sig": "UTF-8"}
 
 
-def names(project: Project) -> Iterator[Diagnostic]:
+def check_names(project: Project) -> Iterator[Diagnostic]:
     """PG405: a name the target, SCL or a file system does not take."""
     tool = "STEP 7 V5" if project.target.v5 else "TIA Portal"
     reported: set[Span] = set()
@@ -160,7 +160,7 @@ def _comments(project: Project) -> Iterator[tuple[SpecPath, str]]:
     """Texts that become comments, with their places."""
     for plan in project.plans:
         rules = plan.protocol.rules()
-        yield from rules.plain(plan)
+        yield from rules.untranslated(plan)
         for path, texts in rules.texts(plan):
             yield from _texts(project, path, texts)
 

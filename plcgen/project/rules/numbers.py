@@ -31,7 +31,7 @@ def used_twice(project: Project) -> Iterator[Diagnostic]:
         )
 
 
-def out_of_range(project: Project) -> Iterator[Diagnostic]:
+def numbers_out_of_range(project: Project) -> Iterator[Diagnostic]:
     """PG402: a block number the CPU does not have."""
     reported: set[str] = set()
     for block in _numbered(project):

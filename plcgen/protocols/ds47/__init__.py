@@ -34,9 +34,9 @@ class Ds47:
 
     def section(self, *, alone: bool) -> type[BaseModel]:
         """Drives and jobs; both may be missing beside another protocol."""
-        from plcgen.protocols.ds47.schema import sections
+        from plcgen.protocols.ds47.schema import drive_sections
 
-        return sections(alone=alone)
+        return drive_sections(alone=alone)
 
     def complete(self, schema: dict[str, Any]) -> None:
         """Short forms of jobs."""
@@ -95,9 +95,9 @@ class Ds47:
 
     def request_fields(self, data: bytes) -> list[ByteField]:
         """A request field by field."""
-        from plcgen.protocols.ds47.review import request_fields
+        from plcgen.protocols.ds47.review import shown_request
 
-        return request_fields(data)
+        return shown_request(data)
 
     def explain(self, digits: str) -> Page | None:
         """Error numbers of drives, status words of job blocks, STATUS of WRREC and RDREC."""

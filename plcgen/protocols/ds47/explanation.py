@@ -6,8 +6,7 @@ from plcgen.display.page import Page
 from plcgen.display.view import PLAIN
 from plcgen.protocols.ds47.texts import status_text
 from plcgen.protocols.ds47.wire.errors import MANUFACTURER_FIRST, error_text
-from plcgen.protocols.ds47.wire.status import explain as explain_status
-from plcgen.protocols.ds47.wire.status import explain_codes, explain_word
+from plcgen.protocols.ds47.wire.status import explain_codes, explain_status, explain_word
 from plcgen.protocols.ds47.words import STATUS_WORDS
 
 _CODES = range(0xA0, 0xF0)

@@ -36,7 +36,7 @@ _SECTIONS = {
 }
 
 
-def page() -> Page:
+def hardware_page() -> Page:
     """What ``plcgen explain hardware-id`` prints."""
     sections = tuple((heading, " ".join(text.split())) for heading, text in _SECTIONS.items())
     return Page(SUBJECT, "which hardware identifier or address leads to a drive", sections)

@@ -48,6 +48,6 @@ def jobs(plan: DrivePlan) -> Iterator[JobState]:
         yield JobState(job.key, job.drive.key, telegrams, timing, trigger, place)
 
 
-def request_fields(data: bytes) -> list[ByteField]:
+def shown_request(data: bytes) -> list[ByteField]:
     """A request field by field."""
     return dissect_request(data)

@@ -14,7 +14,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, cre
 
 from plcgen.input.validation import StrictModel, problem
 from plcgen.plugins import expect_free
-from plcgen.project.editor import offered
+from plcgen.project.editor import suggested
 from plcgen.project.schema import (
     COMMENT,
     ONE_OR_MORE,
@@ -257,7 +257,7 @@ class DriveSections(StrictModel):
 
 
 @functools.cache
-def sections(*, alone: bool) -> type[DriveSections]:
+def drive_sections(*, alone: bool) -> type[DriveSections]:
     """Shape of drives and jobs with every kind of job; both may be missing beside another protocol.
 
     Raises PluginError if a kind has a key that every job has.
@@ -281,7 +281,7 @@ def _offer(definition: dict[str, Any], key: str, names: Iterable[str]) -> None:
     entry = definition["properties"][key]
     null = [{"type": "null"}] if "null" in str(entry.pop("anyOf", "")) else []
     entry.pop("type", None)
-    entry["anyOf"] = [*offered(names)["anyOf"], *null]
+    entry["anyOf"] = [*suggested(names)["anyOf"], *null]
 
 
 def complete(schema: dict[str, Any]) -> None:
@@ -300,7 +300,7 @@ def complete(schema: dict[str, Any]) -> None:
     for name in ("ReadItem", "RecipeItem", "WriteItem"):
         _offer(definitions[name], "parameter", names)
     read, write, compare = (job[key]["anyOf"] for key in ("read", "write", "compare"))
-    read[0] = read[1]["items"]["anyOf"][0] = offered(names)
+    read[0] = read[1]["items"]["anyOf"][0] = suggested(names)
     definitions["WriteValue"] = write[0]["additionalProperties"]
     for shape, access in ((write, "w"), (compare, "r")):
         shape[0]["additionalProperties"] = {"$ref": "#/$defs/WriteValue"}

@@ -10,7 +10,7 @@ from plcgen.project.nouns import Buffer
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Parameter
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
-from plcgen.protocols.ds47.plan.values import value_text
+from plcgen.protocols.ds47.plan.values import literals_text
 from plcgen.protocols.ds47.views.texts import field_texts
 from plcgen.protocols.ds47.wire.dissect import dissect_request
 from plcgen.protocols.ds47.wire.formats import ERROR, padded
@@ -63,7 +63,7 @@ def _write(plan: DrivePlan, shape: DriveJob, use: Use) -> WriteEntry:
         partners=tuple(job.drive.key for job in jobs),
         parameter=use.label,
         text=parameter.title,
-        value=source or value_text(use, plan.target),
+        value=source or literals_text(use, plan.target),
         input=any(not one.constant for one in (use.bits or (use,))) and not source,
         limits="" if use.bits else _limits(parameter.minimum, parameter.maximum),
         unit=parameter.unit,

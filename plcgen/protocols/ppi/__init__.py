@@ -95,9 +95,9 @@ class Ppi:
 
     def request_fields(self, data: bytes) -> list[ByteField]:
         """A request field by field."""
-        from plcgen.protocols.ppi.review import request_fields
+        from plcgen.protocols.ppi.review import shown_request
 
-        return request_fields(data)
+        return shown_request(data)
 
     def explain(self, digits: str) -> Page | None:
         """The words of masters stand in their own table, docs/ppi-master.md."""

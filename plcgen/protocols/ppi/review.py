@@ -52,7 +52,7 @@ _DERIVED = ("checksum", "length LE", "parameter length", "data length")
 _REMARK = re.compile(r" \([^)]*\)")
 
 
-def request_fields(data: bytes) -> list[ByteField]:
+def shown_request(data: bytes) -> list[ByteField]:
     """A frame field by field, without lengths and checksum: they follow from the others."""
     named = (replace(field, name=_REMARK.sub("", field.name)) for field in dissect(data))
     return [field for field in named if not field.name.startswith(_DERIVED)]

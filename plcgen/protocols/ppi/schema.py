@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from plcgen.input.validation import StrictModel
-from plcgen.project.editor import offered
+from plcgen.project.editor import suggested
 from plcgen.project.schema import (
     COMMENT,
     OF_AN_INPUT,
@@ -143,7 +143,7 @@ def complete(schema: dict[str, Any]) -> None:
         "trigger": TRIGGER_SCHEMA,
     }
     station = definitions["PpiStation"]["properties"]["cpu"]
-    station["anyOf"] = [*offered(profiles())["anyOf"], {"type": "integer"}]
+    station["anyOf"] = [*suggested(profiles())["anyOf"], {"type": "integer"}]
     station.pop("type", None)
     for key, shape in shapes.items():
         job[key] = {**shape, "description": job[key]["description"]}

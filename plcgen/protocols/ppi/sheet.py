@@ -8,7 +8,7 @@ from plcgen.inspection.layout.tables import member_address
 from plcgen.inspection.sheet import ExchangeSheet, JobInstance, Message, MessageField, ReviewSheet, Role, WriteEntry
 from plcgen.project.nouns import Buffer
 from plcgen.protocols.ppi.plan.nouns import LEAD, PlannedMaster, PpiField, PpiJob, PpiPlan, PpiTelegram
-from plcgen.protocols.ppi.views.documents import value_text
+from plcgen.protocols.ppi.views.documents import written_value
 from plcgen.protocols.ppi.views.texts import FIELD_TEXTS
 from plcgen.protocols.ppi.wire.dissect import dissect
 from plcgen.s7.types import Elementary
@@ -65,7 +65,7 @@ def _writes(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Iterator[Write
     if job.kind in {"run", "stop"}:
         yield entry("CPU", "operating mode", job.kind.upper(), f"switches the CPU to {job.kind.upper()}")
     for value in job.values if job.kind == "write" else ():
-        yield entry(value.label, value.title, value_text(plan, value), given=not value.constant)
+        yield entry(value.label, value.title, written_value(plan, value), given=not value.constant)
 
 
 def _exchange(master: PlannedMaster, job: PpiJob, telegram: PpiTelegram, number: int) -> ExchangeSheet:

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Report, Span
 from plcgen.input.files import read_bounded
-from plcgen.input.text import decoded
-from plcgen.protocols.ppi.wire.address import PpiAddressError, parse_address
+from plcgen.input.text import decoded_list
+from plcgen.protocols.ppi.wire.address import PpiAddressError, parse_item
 from plcgen.protocols.ppi.wire.model import Item
 
 MAX_BYTES = 16 * 1024 * 1024
@@ -64,7 +64,7 @@ def load_symbols(path: Path) -> SymbolTable:
     if len(data) > MAX_BYTES:
         limit = f"the file has more than {MAX_BYTES // 1024 // 1024} MiB"
         raise DiagnosticError([Diagnostic("PG717", limit, Span(str(path)), help=_HELP)])
-    return parse_symbols(decoded(data), str(path))
+    return parse_symbols(decoded_list(data), str(path))
 
 
 def parse_symbols(text: str, name: str = "<symbols>") -> SymbolTable:
@@ -136,7 +136,7 @@ def _columns(rows: list[tuple[int, list[_Cell]]]) -> tuple[int, int, int] | None
 
 def _is_address(text: str) -> bool:
     try:
-        parse_address(text)
+        parse_item(text)
     except PpiAddressError:
         return False
     return True
@@ -157,7 +157,7 @@ def _symbol(
             report.add(Diagnostic("PG717", f"the {missing} is missing", _span(name, number, cell), help=_HELP))
         return None
     try:
-        return PpiSymbol(symbol.text, parse_address(address.text), comment.text, number)
+        return PpiSymbol(symbol.text, parse_item(address.text), comment.text, number)
     except PpiAddressError as problem:
         report.add(Diagnostic("PG717", problem.message, _span(name, number, address), help=problem.help))
         return None

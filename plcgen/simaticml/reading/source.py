@@ -61,7 +61,7 @@ def quoted(name: str) -> str:
     return '"' + _BREAKS.sub(" ", name).replace('"', "_") + '"'
 
 
-def plain(name: str) -> str:
+def _plain(name: str) -> str:
     """The name of a member, in quotes if it needs them."""
     return name if _PLAIN.fullmatch(name) and name.upper() not in lexer.KEYWORDS else quoted(name)
 
@@ -129,9 +129,9 @@ def _member(member: Member, indent: int) -> Iterator[str]:
     pad = " " * indent
     pairs = "; ".join(f"{name} := '{_value(value)}'" for name, value in member.attributes)
     attributes = f" {{{pairs}}}" if pairs else ""
-    at = f" AT {plain(member.at)}" if member.at else ""
+    at = f" AT {_plain(member.at)}" if member.at else ""
     comment = f"  // {_one_line(member.comment)}" if member.comment else ""
-    head = f"{pad}{plain(member.name)}{attributes}{at} : "
+    head = f"{pad}{_plain(member.name)}{attributes}{at} : "
     inner = innermost(member.type)
     if isinstance(inner, StructType):
         dimensions = datatype(member.type).removesuffix("Struct")
@@ -183,7 +183,7 @@ def _body(groups: Sequence[Section], *, whole: bool) -> Iterator[str]:
 
 def _bare(member: Member, path: Path, assigned: list[Assignment]) -> Member:
     """A member whose array values stand behind BEGIN instead, one line each."""
-    here = (*path, plain(member.name))
+    here = (*path, _plain(member.name))
     if isinstance(member.type, StructType):
         inner = tuple(_bare(m, here, assigned) for m in member.type.members)
         return replace(member, type=StructType(inner))
@@ -211,6 +211,6 @@ def _differences(block: Block, of: Block | None) -> Iterator[str]:
 def _values(block: Block) -> dict[str, tuple[str, str]]:
     """Start values one by one with their paths, by path without quotes and case; assigned ones replace others."""
     members = (m for s in block.sections if s.kind is not SectionKind.CONSTANT for m in s.members)
-    found = [(".".join(plain(name) + index for name, index in way), value) for way, value in single_values(members)]
+    found = [(".".join(_plain(name) + index for name, index in way), value) for way, value in single_values(members)]
     found += [(_one_line(assignment.path), assignment.literal) for assignment in block.assignments]
     return {path.replace('"', "").upper(): (path, _one_line(literal)) for path, literal in found}

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.system import system_block
 from plcgen.simaticml.escape import content
-from plcgen.simaticml.writing.interface import TextsOf, section_names, sections
+from plcgen.simaticml.writing.interface import TextsOf, interface_element, section_names
 from plcgen.simaticml.writing.scope import is_system
 from plcgen.simaticml.writing.starts import Starts
 
@@ -65,7 +65,7 @@ class _Ids:
         return f"{self.next - 1:X}"
 
 
-def kind_of(block: Block) -> str:
+def _kind_of(block: Block) -> str:
     """Tag of the object that a block becomes."""
     if block.kind is BlockKind.UDT:
         return "SW.Types.PlcStruct"
@@ -82,7 +82,7 @@ def document(
     ``code`` are the numbered elements of StructuredText; ``types`` are the known types and FBs by upper-case
     name, for start values inside user types.
     """
-    kind = kind_of(block)
+    kind = _kind_of(block)
     starts = Starts(types)
     members = [m for s in block.sections for m in s.members]
     for assignment in block.assignments:
@@ -91,7 +91,7 @@ def document(
     names = section_names(kind, classic=setting.classic)
     if (of is not None and of.kind is BlockKind.UDT) or library_element(block).upper().startswith(_STRUCTURES):
         names = section_names("SW.Blocks.GlobalDB", classic=setting.classic)
-    interface = sections(block, kind, setting.version.interface_namespace, setting.texts_of, starts, names)
+    interface = interface_element(block, kind, setting.version.interface_namespace, setting.texts_of, starts, names)
     attributes = _attributes(block, kind, setting, interface, of)
     ids = _Ids()
     head = ids()

@@ -47,7 +47,7 @@ def section_names(kind: str, *, classic: bool) -> tuple[SectionKind, ...]:
     return found[1:] if classic and kind == "SW.Blocks.OB" else found
 
 
-def sections(
+def interface_element(
     block: Block, kind: str, namespace: str, texts: TextsOf, starts: Starts, names: Sequence[SectionKind]
 ) -> str:
     """The Interface attribute of an object with these sections, without the indentation of its first line."""
@@ -73,11 +73,11 @@ def _section(block: Block, section: SectionKind, kind: str, texts: TextsOf, star
     for group in block.sections:
         if group.kind is section:
             retain = whole or (group.retain == "RETAIN" and kind != "SW.Blocks.InstanceDB")
-            found += [member(m, texts, starts if values else None, retain=retain) for m in group.members]
+            found += [written_member(m, texts, starts if values else None, retain=retain) for m in group.members]
     return found
 
 
-def member(
+def written_member(
     declared: Member,
     texts: TextsOf,
     starts: Starts | None,
@@ -149,7 +149,7 @@ def _member(
     element = innermost(declared.type)
     if isinstance(element, StructType):
         around = (*around, *arrays(declared.type))
-        parts += [member(m, texts, starts, here, inner, around=around) for m in element.members]
+        parts += [written_member(m, texts, starts, here, inner, around=around) for m in element.members]
     elif isinstance(element, NamedType) and starts is not None and starts.below(here):
         parts.append(_expanded(starts.members(element), starts, here, inner))
     if starts is not None:

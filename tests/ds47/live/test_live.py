@@ -19,7 +19,7 @@ from plcgen.cli.main import run
 from plcgen.protocols.ds47 import live
 from plcgen.protocols.ds47.device import Parameter
 from plcgen.protocols.ds47.live.connection import Place, S7Connection
-from plcgen.protocols.ds47.live.parameters import address, decoded
+from plcgen.protocols.ds47.live.parameters import element_address, element_value
 
 TEN = bytes.fromhex("41 20 00 00")  # 10.0 = 1.25 * 2 ** 3: exponent 130, fraction .25
 
@@ -33,10 +33,10 @@ def plcgen(*words: str) -> tuple[int, str, str]:
 
 def test_addresses():
     """node-red-contrib-s7 issue 28: r2114[0] and r2114[1] of the control unit are DB2114 DWORD1024 and DWORD1025."""
-    assert [address(1, index) for index in (0, 1)] == [1024, 1025]
-    assert address(3, 7) == 3 * 1024 + 7
+    assert [element_address(1, index) for index in (0, 1)] == [1024, 1025]
+    assert element_address(3, 7) == 3 * 1024 + 7
     with pytest.raises(ValueError, match="1023"):
-        address(1, 1024)
+        element_address(1, 1024)
 
 
 def test_read():
@@ -99,7 +99,7 @@ def test_a_source_is_shown_as_one():
 )
 def test_what_cannot_be_a_value_is_none(type_, data, doubt):
     """Infinity, NaN, 1000 taken for a REAL (1.4e-42), -10 below 0, 101 above 100, a wrong length, odd characters."""
-    found = decoded(Parameter(1, type_, minimum=0, maximum=100), 0, bytes.fromhex(data))
+    found = element_value(Parameter(1, type_, minimum=0, maximum=100), 0, bytes.fromhex(data))
     assert (found.value, found.text) == (None, "")
     assert doubt in found.doubt
 

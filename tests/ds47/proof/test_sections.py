@@ -32,9 +32,9 @@ def planned(text: str, folder: Path) -> DrivePlan:
 def test_every_job_is_in_one_section_with_all_that_it_needs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """600 jobs, one too many: each behind the gate and the channel of its unit, as in OB1."""
     plan = planned(grid(12, 50), tmp_path)
-    assert [section.plan for section in sections.sections(plan)] == [plan]
+    assert [section.plan for section in sections.plant_sections(plan)] == [plan]
     monkeypatch.setattr(sections, "LARGE", 599)
-    found = sections.sections(plan)
+    found = sections.plant_sections(plan)
     assert [job.key for section in found for job in section.plan.jobs] == [job.key for job in plan.jobs]
     channels = {unit.key: caller.instance.name for caller in plan.callers for unit in plan.channels(caller)}
     for caller, section in zip(plan.callers, found, strict=True):

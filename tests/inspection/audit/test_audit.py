@@ -14,7 +14,7 @@ from projects import FAQ, SPECS, generated_example
 
 import plcgen
 from plcgen.display.view import PLAIN
-from plcgen.output.registry import find
+from plcgen.output.registry import output_format
 from plcgen.proof.checks import Outcome
 
 HERE = Path(__file__).parent / "faq"
@@ -408,14 +408,14 @@ def test_broken_spec(tmp_path):
 def test_reports():
     """JSON, SARIF, JUnit and GitHub through the reporters of verify, under the name of the verb."""
     result = plcgen.audit(HERE, spec=FAQ)
-    assert json.loads(find("json").render("verification", result, PLAIN))["kind"] == "audit"
-    run = json.loads(find("sarif").render("verification", result, PLAIN))["runs"][0]
+    assert json.loads(output_format("json").render("verification", result, PLAIN))["kind"] == "audit"
+    run = json.loads(output_format("sarif").render("verification", result, PLAIN))["runs"][0]
     assert [r["ruleId"] for r in run["results"]] == ["PG651"]
-    document = ET.fromstring(find("junit").render("verification", result, PLAIN))  # noqa: S314 - our own output
+    document = ET.fromstring(output_format("junit").render("verification", result, PLAIN))  # noqa: S314 - our own output
     assert document.get("failures") == "1"
     names = {case.get("classname") for case in document.iter("testcase")}
     assert names == {"plcgen.audit.buffers", "plcgen.audit.calls"}
-    assert find("github").render("verification", result, PLAIN).startswith("::error file=")
+    assert output_format("github").render("verification", result, PLAIN).startswith("::error file=")
 
 
 def test_a_wrong_width_among_names_that_say_nothing(project):

@@ -16,7 +16,7 @@ from plcgen.display.view import View
 from plcgen.inspection.compare.model import Comparison
 from plcgen.inspection.compare.policy import KINDS, Level, fails
 from plcgen.inspection.compare.policyfile import load_policy
-from plcgen.output.registry import find
+from plcgen.output.registry import output_format
 
 CASES = read_yaml((ROOT / "tests" / "vectors" / "diff.yaml").read_text("utf-8"))
 GOLDEN = ROOT / "examples" / FAQ.stem / "expected"
@@ -24,7 +24,7 @@ GOLDEN = ROOT / "examples" / FAQ.stem / "expected"
 
 def show(format_: str, result: Comparison, **looks: object) -> str:
     """A comparison in a format."""
-    return find(format_).render("comparison", result, View(**looks))
+    return output_format(format_).render("comparison", result, View(**looks))
 
 
 def sources(case: dict[str, object], side: str) -> str:

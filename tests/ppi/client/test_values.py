@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from plcgen.protocols.ppi.client.places import PlaceError, parse_assignment, parse_place
-from plcgen.protocols.ppi.client.values import pack, unpack
-from plcgen.protocols.ppi.wire.address import parse_address
+from plcgen.protocols.ppi.client.values import pack_item, unpack
+from plcgen.protocols.ppi.wire.address import parse_item
 
 
 @pytest.mark.parametrize(
@@ -117,7 +117,7 @@ def test_values_come_back(text, data):
     """unpack(pack(value)) is the value."""
     place = parse_place(text)
     value = data.draw(CASES[text])
-    assert unpack(place.item, pack(place.item, value, place.type), place.type) == value
+    assert unpack(place.item, pack_item(place.item, value, place.type), place.type) == value
 
 
 @given(
@@ -133,7 +133,7 @@ def test_any_text(text):
 
 def test_items_are_those_of_the_address():
     """A place has the item of its address."""
-    assert parse_place("VW100:INT").item == parse_address("VW100")
+    assert parse_place("VW100:INT").item == parse_item("VW100")
 
 
 def test_high_speed_counters_with_and_without_status():

@@ -7,7 +7,7 @@ import pytest
 from plcgen.diagnostics import DiagnosticError
 from plcgen.protocols.ppi.sim.cpu import Mode, Service, Switch
 from plcgen.protocols.ppi.sim.faults import Fault, FaultKind
-from plcgen.protocols.ppi.sim.load import assign, load_bus
+from plcgen.protocols.ppi.sim.load import load_bus, set_address
 
 PLANT = """\
 stations:
@@ -225,7 +225,7 @@ def test_options_for_one_station_do_not_suit_several() -> None:
 )
 def test_values_of_the_command_line(text: str, address: int, name: str, value: object) -> None:
     bus = load_bus(PLANT)
-    assign(bus, text)
+    set_address(bus, text)
     assert bus.stations[address][name] == value
 
 
@@ -242,6 +242,6 @@ def test_values_of_the_command_line(text: str, address: int, name: str, value: o
 )  # fmt: skip
 def test_values_of_the_command_line_that_are_none(text: str, words: str) -> None:
     with pytest.raises(DiagnosticError, match=words) as caught:
-        assign(load_bus(PLANT), text)
+        set_address(load_bus(PLANT), text)
     assert {found.code for found in caught.value.diagnostics} == {"PG901"}
     assert caught.value.diagnostics[0].span.file == f"--set {text}"

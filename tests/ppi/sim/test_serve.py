@@ -11,7 +11,7 @@ import pytest
 
 from plcgen.line.opening import open_line
 from plcgen.line.pty import PtyLine
-from plcgen.line.tcp import TcpServer, parse_address
+from plcgen.line.tcp import TcpServer, parse_endpoint
 from plcgen.protocols.ppi.sim import Bus, Station
 from plcgen.protocols.ppi.sim.serve import MOST_CONNECTIONS, Serving
 from plcgen.protocols.ppi.wire.areas import Area
@@ -43,7 +43,7 @@ def receive(connection: socket.socket, size: int) -> bytes:
 
 @contextmanager
 def connected(name: str) -> Iterator[socket.socket]:
-    with socket.create_connection(parse_address(name), SOON) as connection:
+    with socket.create_connection(parse_endpoint(name), SOON) as connection:
         yield connection
 
 

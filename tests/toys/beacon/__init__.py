@@ -67,7 +67,7 @@ RULES = Rules(
     checks=(_unknown_lamps,),
     names=_names,
     texts=lambda plan: (((*job.path, "comment"), job.comment) for job in plan.jobs),
-    plain=lambda _plan: iter(()),
+    untranslated=lambda _plan: iter(()),
     taken=lambda _plan: iter([("BeaconTags", "the tag table of the lamps", None)]),
 )
 

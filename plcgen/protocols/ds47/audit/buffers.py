@@ -88,7 +88,7 @@ def _by_content(match: Match, buffer: FoundBuffer) -> bool:
     """Whether the start values are a request for the same parameters, in the same order."""
     if match.role != "request" or buffer.memory is None:
         return False
-    request = decoded(buffer.memory)
+    request = _decoded(buffer.memory)
     if request is None:
         return False
     wanted = [(part.use.parameter.pnu, part.subindex) for part in match.telegram.parts]
@@ -106,7 +106,7 @@ def _by_shape(match: Match, buffer: FoundBuffer) -> bool:
     return have[: len(wanted)] == wanted
 
 
-def decoded(memory: bytes) -> Request | None:
+def _decoded(memory: bytes) -> Request | None:
     """The request that start values form; None if they form none."""
     try:
         return decode_request(memory)
@@ -131,7 +131,7 @@ def stray_requests(plan: DrivePlan, found: Sequence[FoundBuffer], matches: Seque
     known: list[DriveTelegram] = [telegram for job in plan.jobs for telegram in job.telegrams]
     strays = []
     for buffer in found:
-        request = None if id(buffer) in taken or buffer.memory is None else decoded(buffer.memory)
+        request = None if id(buffer) in taken or buffer.memory is None else _decoded(buffer.memory)
         if request is None or any(t.request.data == buffer.memory for t in known):
             continue
         what = ", ".join(f"P{a.pnu}[{a.subindex}]" for a in request.addresses[:4])

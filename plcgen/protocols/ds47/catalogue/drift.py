@@ -6,7 +6,7 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.catalogue.lists import ListedParameter, one_line
+from plcgen.protocols.ds47.catalogue.lists import ListedParameter, cell_text
 from plcgen.protocols.ds47.catalogue.pages import label, told_value
 from plcgen.protocols.ds47.device import Device, facts
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
@@ -97,7 +97,7 @@ def _row(job: DriveJob, use: Use, one: ListedParameter | None) -> DriftRow:
 
 
 def _told_value(value: float | str | None) -> str:
-    return "" if value is None else one_line(value)[:40] if isinstance(value, str) else f"{value:g}"
+    return "" if value is None else cell_text(value)[:40] if isinstance(value, str) else f"{value:g}"
 
 
 def _verdict(use: Use, one: ListedParameter, wanted: Sequence[float], values: Sequence[float | str | None]) -> str:

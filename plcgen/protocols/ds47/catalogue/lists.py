@@ -18,7 +18,7 @@ from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
-from plcgen.input.text import decoded
+from plcgen.input.text import decoded_list
 from plcgen.input.workbook import Numeral, Row, WorkbookError, read_sheets
 from plcgen.protocols.ds47.catalogue.numbers import decimal_sign, looks_like_number, number
 
@@ -101,7 +101,7 @@ def load_sheets(path: Path) -> Sequence[Sequence[Row]]:
         raise DiagnosticError([cannot]) from problem
     if len(data) > MAX_BYTES:
         raise wrong(path, f"the file has more than {MAX_BYTES // 1024 // 1024} MiB", "export fewer parameters at once")
-    return _book(data, path) if data.startswith(_ZIP) else [list(_rows(decoded(data), path))]
+    return _book(data, path) if data.startswith(_ZIP) else [list(_rows(decoded_list(data), path))]
 
 
 def _book(data: bytes, path: Path) -> Sequence[Sequence[Row]]:
@@ -193,22 +193,22 @@ def _listed(texts: Mapping[str, str], line: int, decimal: str, skipped: list[str
     match = _PARAMETER.match(name)
     if match is None or int(match[2]) > 0xFFFF:
         if _MEANT.match(name):
-            skipped.append(f"line {line}: {one_line(name)} is no parameter: p or r and a number up to 65535")
+            skipped.append(f"line {line}: {cell_text(name)} is no parameter: p or r and a number up to 65535")
         return None
     index = None if match[3] is None else int(match[3])
     numbers = {key: _number(texts.get(key, ""), decimal) for key in _NUMBERS}
     for key, read in numbers.items():
         if isinstance(read, str) and read and (key != "value" or looks_like_number(read)):
-            skipped.append(f'line {line}: {_NUMBERS[key]} "{one_line(read)}" of {name} cannot be read{_why(read)}')
+            skipped.append(f'line {line}: {_NUMBERS[key]} "{cell_text(read)}" of {name} cannot be read{_why(read)}')
     low, high = (None if isinstance(read, str) else read for read in (numbers["min"], numbers["max"]))
     return ListedParameter(
         pnu=int(match[2]),
         read_only=match[1] in "rR",
         line=line,
-        title=one_line(texts.get("title", "")),
-        unit=one_line(texts.get("unit", "")).strip("-"),
+        title=cell_text(texts.get("title", "")),
+        unit=cell_text(texts.get("unit", "")).strip("-"),
         type=texts.get("type", ""),
-        changeable=one_line(texts.get("changeable", "")),
+        changeable=cell_text(texts.get("changeable", "")),
         minimum=low,
         maximum=high,
         values={} if numbers["value"] == "" else {index or 0: numbers["value"]},
@@ -238,7 +238,7 @@ def _joined(known: ListedParameter, other: ListedParameter) -> ListedParameter:
     return replace(ListedParameter(**pairs), values=values, indexes=max(counts) if counts else None)
 
 
-def one_line(text: str) -> str:
+def cell_text(text: str) -> str:
     """A text as a profile takes it: one printable line of at most 300 characters."""
     return "".join(character for character in " ".join(text.split()) if character.isprintable())[:300]
 

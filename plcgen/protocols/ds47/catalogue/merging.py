@@ -10,7 +10,7 @@ from typing import Any
 
 from plcgen.input.yaml import Scalar
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.catalogue.lists import ListedParameter, ParameterList, one_line
+from plcgen.protocols.ds47.catalogue.lists import ListedParameter, ParameterList, cell_text
 from plcgen.protocols.ds47.catalogue.pages import label
 from plcgen.protocols.ds47.device import UNKNOWN, Device, Fact, Grade, Parameter, facts
 from plcgen.protocols.ds47.types import TypeTextError, read_type
@@ -43,7 +43,7 @@ class Merged:
     skipped: Sequence[str]
 
 
-def merge(device: Device, listed: ParameterList, source: str) -> Merged:
+def merge_list(device: Device, listed: ParameterList, source: str) -> Merged:
     """Lay a list over the catalogue of a device. Values become observed ones: a list does not say what is default."""
     parameters = dict(device.parameters)
     changes: list[ListedChange] = []
@@ -136,7 +136,7 @@ def _laid_over(base: Parameter, one: ListedParameter, stated: Mapping[Fact, Any]
     observed = base.observed if one.value is None else _fitting(fmt, one.value)
     low, high = stated.get("min", base.minimum), stated.get("max", base.maximum)
     doubted = {fact: value for fact, value in base.doubted.items() if fact not in stated}
-    cited = one_line(source if not base.source or base.source.startswith(source) else f"{source}; {base.source}")
+    cited = cell_text(source if not base.source or base.source.startswith(source) else f"{source}; {base.source}")
     return replace(
         base,
         title=stated.get("title", base.title),

@@ -71,7 +71,7 @@ def read_own_list(sheets: Sequence[Sequence[Row]], path: Path) -> OwnList | None
     return _joined(arrays, path) if arrays else None
 
 
-def inventory(device: Device, own: OwnList) -> Inventory:
+def compare_own_list(device: Device, own: OwnList) -> Inventory:
     """Hold a list against the catalogue of a device."""
     known = [device.parameters[pnu] for pnu in sorted(device.parameters) if pnu not in LISTS]
     return Inventory(

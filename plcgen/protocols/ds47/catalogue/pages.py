@@ -24,7 +24,7 @@ def label(parameter: Parameter) -> str:
     return f"{'r' if parameter.access == 'r' else 'P'}{parameter.pnu}"
 
 
-def page(device: Device, parameter: Parameter) -> Page:
+def parameter_page(device: Device, parameter: Parameter) -> Page:
     """One parameter of a device."""
     known = facts(parameter)
     names, how = known.pop("values", ({}, ""))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from plcgen.project.nouns import Buffer
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.live.connection import Reader, RefusedError
-from plcgen.protocols.ds47.live.parameters import Reading, decoded, read_parameter
+from plcgen.protocols.ds47.live.parameters import Reading, element_value, read_parameter
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.wire.formats import FormatKind
 
@@ -50,7 +50,7 @@ def _use(job: DriveJob, use: Use, reader: Reader) -> Iterator[LiveRow]:
         if use.bits:
             yield from _bits(job, use, found)
             continue
-        wanted = decoded(use.parameter, found.index, data).text or data.hex(" ").upper()
+        wanted = element_value(use.parameter, found.index, data).text or data.hex(" ").upper()
         label = use.label.partition("[")[0] + (f"[{found.index}]" if use.first is not None else "")
         verdict = _verdict(use, data, found)
         shown = found.text or found.data.hex(" ").upper()
@@ -81,7 +81,7 @@ def _next_to(use: Use, wanted: bytes, found: bytes) -> bool:
     return abs(int.from_bytes(wanted) - int.from_bytes(found)) <= 1
 
 
-def compare_blocks(plan: DrivePlan, reader: Reader) -> Iterator[LiveRow]:
+def compare_buffers(plan: DrivePlan, reader: Reader) -> Iterator[LiveRow]:
     """The data blocks of telegrams that have a number, against those in a CPU: length, constants, start values."""
     seen: set[int] = set()
     for job in plan.jobs:
@@ -94,13 +94,13 @@ def compare_blocks(plan: DrivePlan, reader: Reader) -> Iterator[LiveRow]:
 
 def _block(buffer: Buffer[DriveField], number: int, reader: Reader) -> Iterator[LiveRow]:
     name = f'DB{number} "{buffer.home.name}"'
-    length, data = read_block(name, number, buffer.size, reader)
+    length, data = read_stored(name, number, buffer.size, reader)
     yield length
     if data and buffer.data:
         yield from (_field(name, buffer, field, data) for field in buffer.fields)
 
 
-def read_block(name: str, number: int, size: int, reader: Reader) -> tuple[LiveRow, bytes]:
+def read_stored(name: str, number: int, size: int, reader: Reader) -> tuple[LiveRow, bytes]:
     """Whether a data block has this length, and its bytes; none if it is missing or shorter."""
     try:
         data = reader.read(number, 0, size)

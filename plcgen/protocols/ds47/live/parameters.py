@@ -47,7 +47,7 @@ class Reading:
         return f"{self.value:.7g}" if isinstance(self.value, float) else str(self.value)
 
 
-def address(drive_object: int, index: int) -> int:
+def element_address(drive_object: int, index: int) -> int:
     """Byte address of an element. Raises ValueError for an index that would lie in the next drive object."""
     if not 0 <= index < OBJECT_STEP:
         raise ValueError(f"index {index} has no address: they end at {OBJECT_STEP - 1}")
@@ -61,14 +61,14 @@ def read_parameter(
     fmt, octets = read_type(parameter.type)
     for index in indexes:
         try:
-            data = reader.read(parameter.pnu, address(drive_object, index), octets or fmt.size)
+            data = reader.read(parameter.pnu, element_address(drive_object, index), octets or fmt.size)
         except RefusedError as problem:
             yield Reading(parameter, index, b"", None, f"refused: {problem}")
         else:
-            yield decoded(parameter, index, data)
+            yield element_value(parameter, index, data)
 
 
-def decoded(parameter: Parameter, index: int, data: bytes) -> Reading:
+def element_value(parameter: Parameter, index: int, data: bytes) -> Reading:
     """What the bytes of an element mean, if they can be its value."""
     fmt, octets = read_type(parameter.type)
     size = octets or fmt.size

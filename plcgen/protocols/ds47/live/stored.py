@@ -8,12 +8,12 @@ from dataclasses import replace
 from plcgen.documents.engine import emit
 from plcgen.documents.environment import render_all
 from plcgen.project.nouns import BlockRef, Project
-from plcgen.protocols.ds47.live.comparison import EQUAL, TOLD, LiveRow, read_block
+from plcgen.protocols.ds47.live.comparison import EQUAL, TOLD, LiveRow, read_stored
 from plcgen.protocols.ds47.live.connection import Reader
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.s7.image import image
 from plcgen.sources.blocks import read_texts
-from plcgen.sources.text import decode
+from plcgen.sources.text import decode_source
 
 
 def stored(plan: DrivePlan) -> tuple[BlockRef, ...]:
@@ -31,7 +31,7 @@ def compare_stored(project: Project, plan: DrivePlan, reader: Reader) -> Iterato
     for block in stored(plan):
         wanted = images[block.name]
         name = f'DB{block.number} "{block.name}"'
-        length, data = read_block(name, block.number, len(wanted), reader)
+        length, data = read_stored(name, block.number, len(wanted), reader)
         yield length
         if data and block.name in recipes:
             differ = sum(one != other for one, other in zip(wanted, data, strict=True))
@@ -42,7 +42,7 @@ def compare_stored(project: Project, plan: DrivePlan, reader: Reader) -> Iterato
 def _images(project: Project, names: set[str]) -> dict[str, bytes]:
     """Start values of data blocks by name, from the files that would be generated."""
     documents = (replace(one, twins=None) for one in emit(project) if one.path.startswith(("udt/", "db/")))
-    texts = ((file.path, decode(file.data, file.path)) for file in render_all(documents))
+    texts = ((file.path, decode_source(file.data, file.path)) for file in render_all(documents))
     sources = read_texts((path, text) for path, text in texts if isinstance(text, str))
     found = (one.block for one in sources.blocks if one.block.name in names)
     return {block.name: bytes(image(block, sources.types)) for block in found}

@@ -32,7 +32,7 @@ _LARGEST = 4
 """Bytes of a value that a list of deviations has room for."""
 
 
-def kind_of(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> JobKind | None:
+def job_kind(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> JobKind | None:
     """The one kind that a job says it is; None after a diagnostic. What is read back may be saved in the same job."""
     given = [kind for kind in kinds() if getattr(job, kind.key) is not None]
     if len(given) == 1:

@@ -110,14 +110,14 @@ class BitResolver:
         start = int(low) if low is not None and low > 0 else 0
         start = int(limit) if limit is not None and limit < 0 else start
         size = word.format.size
-        data = merged(word, (start % (1 << 8 * size)).to_bytes(size), {one.position: one.data for one in word.bits})
+        data = _merged(word, (start % (1 << 8 * size)).to_bytes(size), {one.position: one.data for one in word.bits})
         return replace(word, data=data)
 
     def _problem(self, message: str, path: SpecPath, help_: str) -> None:
         self.resolver.problem("PG259", message, path, help_)
 
 
-def merged(word: Use, old: bytes, bits: dict[int, bytes]) -> bytes:
+def _merged(word: Use, old: bytes, bits: dict[int, bytes]) -> bytes:
     """Bytes of a word in which only its bits are others; they are given by position."""
     number = int.from_bytes(old)
     for one in word.bits:

@@ -14,7 +14,7 @@ from plcgen.project.triggers import plan_trigger
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.kinds.kind import JobKind
 from plcgen.protocols.ds47.plan import pack
-from plcgen.protocols.ds47.plan.accesses import Accesses, kind_of
+from plcgen.protocols.ds47.plan.accesses import Accesses, job_kind
 from plcgen.protocols.ds47.plan.callers import Callers, footprint
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
 from plcgen.protocols.ds47.plan.nouns import (
@@ -66,7 +66,7 @@ class DriveJobPlanner:
     def job(self, key: str, drives: tuple[PlannedDrive, ...]) -> tuple[DriveJob, ...]:
         """One job of the spec on its drives; none if it has no usable parameter."""
         job, path, first = self.loaded.sections(DriveSections).jobs[key], ("jobs", key), drives[0]
-        kind = kind_of(job, key, self.loaded, self.report)
+        kind = job_kind(job, key, self.loaded, self.report)
         resolver = self.resolvers[first.key]
         accesses = Accesses(job, path, self.loaded, self.recipes, resolver, self.report)
         uses = accesses.uses(kind) if kind is not None else ()

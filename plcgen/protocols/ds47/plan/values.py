@@ -12,7 +12,7 @@ from plcgen.s7.values import unpack_value
 _SHOWN = 4
 
 
-def value_text(use: Use, where: Target) -> str:
+def literals_text(use: Use, where: Target) -> str:
     """The literals of its values, the first four of many; octets as hexadecimal digits."""
     from plcgen.s7.literals import format_literal
 

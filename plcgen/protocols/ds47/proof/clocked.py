@@ -33,7 +33,7 @@ def values(moment: Moment) -> tuple[int, int]:
     return (moment[0] - dt.date(1970, 1, 1)).days, moment[1]
 
 
-def image(job: DriveJob, days: int, milliseconds: int) -> bytes:
+def clock_bytes(job: DriveJob, days: int, milliseconds: int) -> bytes:
     """What stands at the input."""
     date = dt.date(1970, 1, 1) + dt.timedelta(days=days)
     seconds, rest = divmod(milliseconds, 1000)

@@ -6,7 +6,7 @@ import datetime as dt
 from collections.abc import Iterator
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob
-from plcgen.protocols.ds47.proof.clocked import DAY_MS, FIRST, LAST, Moment, image, of, values
+from plcgen.protocols.ds47.proof.clocked import DAY_MS, FIRST, LAST, Moment, clock_bytes, of, values
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.words import WORDS
 
@@ -32,7 +32,7 @@ def clocking(job: DriveJob) -> Iterator[DriveScenario]:
     yield DriveScenario(
         name="the time goes on while another job has the unit", occupied=OCCUPIED_MS, moment=soon, later=late
     )
-    nothing = bytes(len(image(job, *values(soon))))
+    nothing = bytes(len(clock_bytes(job, *values(soon))))
     yield DriveScenario(
         name="there is no time any more while another job has the unit",
         occupied=OCCUPIED_MS,
@@ -60,7 +60,7 @@ def _moments() -> Iterator[Moment]:
 
 def _no_times(job: DriveJob) -> Iterator[tuple[str, bytes]]:
     """Each part of a time beside what it may be, all others right."""
-    right = image(job, *values(of(COMMON, 6, 15, 45_296_789)))
+    right = clock_bytes(job, *values(of(COMMON, 6, 15, 45_296_789)))
     dtl = job.clock is not None and job.clock.name == "DTL"
     parts = {"month": 2, "day": 3, "hour": 5, "minute": 6, "second": 7} if dtl else _CLASSIC
     wrong = {"month": (0, 13), "day": (0, 31), "hour": (24,), "minute": (60,), "second": (60,)}
@@ -71,7 +71,7 @@ def _no_times(job: DriveJob) -> Iterator[tuple[str, bytes]]:
     last = {1: 32, 2: 29, 3: 32, 4: 31, 5: 32, 7: 32, 8: 32, 9: 31, 10: 32, 11: 31, 12: 32}
     for month, day in last.items():
         yield f"{COMMON}-{month:02}-{day}", _dated(job, right, month, day)
-    leap = image(job, *values(of(LEAP, 2, 28)))
+    leap = clock_bytes(job, *values(of(LEAP, 2, 28)))
     yield f"{LEAP}-02-30", _dated(job, leap, 2, 30)
     if dtl:
         for year in (1999, 2090):

@@ -17,7 +17,7 @@ from plcgen.proof.folder import Folder, table_rows
 from plcgen.proof.rig import Spot
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedRecipe, Use
 from plcgen.protocols.ds47.proof import clocked, listed
-from plcgen.protocols.ds47.proof.recorded import NUMBER, signals
+from plcgen.protocols.ds47.proof.recorded import NUMBER, recipe_signals
 from plcgen.protocols.ds47.proof.restored import CAUSE
 from plcgen.protocols.ds47.proof.stepped import FAILED
 from plcgen.protocols.ds47.wire import formats
@@ -150,7 +150,7 @@ def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterat
     """What is wrong with the structure of a job."""
     flags = {name for name, _ in job.trigger.items()}
     values = {*clocked.inputs(job), *(use.member for use in job.outputs)}
-    values |= {*(FAILED if job.in_steps else ()), *signals(job)}
+    values |= {*(FAILED if job.in_steps else ()), *recipe_signals(job)}
     values |= {CAUSE} if job.restores else set()
     values |= {path.partition("[")[0] for path in listed.paths(job)}
     wanted = {name for name in SIGNALS if name not in flags} | values

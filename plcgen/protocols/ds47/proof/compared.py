@@ -19,35 +19,35 @@ PLACES = 32
 SIGN = 0x80000000
 
 
-def paths(job: DriveJob) -> Iterator[str]:
+def deviation_members(job: DriveJob) -> Iterator[str]:
     """Members of the block that have the list."""
-    for place in range(1, places(job) + 1):
+    for place in range(1, _places(job) + 1):
         for name in MEMBERS:
             yield f"deviations[{place}].{name}"
     yield "deviationCount"
     yield "equal"
 
 
-def places(job: DriveJob) -> int:
+def _places(job: DriveJob) -> int:
     """Entries of the list."""
     return min(PLACES, sum(use.count for use in job.uses))
 
 
-def content(job: DriveJob, given: Mapping[int, bytes], held: Mapping[int, bytes]) -> bytes:
+def deviation_list(job: DriveJob, given: Mapping[int, bytes], held: Mapping[int, bytes]) -> bytes:
     """The list that wire bytes make, what is wanted and what there is, by position of the use."""
     found = []
     for use in job.uses:
         size = use.format.size
         for at in range(use.count):
             wanted, there = (one[use.position][at * size :][:size] for one in (given, held))
-            if another(use.format, wanted, there):
+            if _another(use.format, wanted, there):
                 number = use.parameter.pnu.to_bytes(4) + (use.subindex + at).to_bytes(4)
                 found.append(number + _real(use.format, wanted) + _real(use.format, there) + _bits(wanted, there))
-    listed = b"".join(found[: places(job)]).ljust(24 * places(job), b"\0")
+    listed = b"".join(found[: _places(job)]).ljust(24 * _places(job), b"\0")
     return listed + len(found).to_bytes(2) + bytes((not found,))
 
 
-def another(format_: Format, wanted: bytes, there: bytes) -> bool:
+def _another(format_: Format, wanted: bytes, there: bytes) -> bool:
     """Whether a value is not the one that is wanted."""
     one, two = int.from_bytes(wanted), int.from_bytes(there)
     if format_.name != "FloatingPoint":

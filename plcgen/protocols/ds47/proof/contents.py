@@ -44,7 +44,7 @@ class ValueSet:
         found = [(use.member, self.given[use.position]) for use in job.inputs]
         if job.timed:
             numbers = (int.from_bytes(self.given[use.position]) for use in job.timed)
-            found.append((clocked.TIME, clocked.image(job, *numbers)))
+            found.append((clocked.TIME, clocked.clock_bytes(job, *numbers)))
         return found
 
     def at(self, job: DriveJob, moment: clocked.Moment) -> ValueSet:
@@ -82,7 +82,7 @@ def with_bits(job: DriveJob, values: ValueSet) -> ValueSet:
         there = held[use.parameter.pnu]
         for old in (there[use.subindex], *range(int(low), int(min(high, low + SEARCHED)))):
             there[use.subindex] = old
-            given[use.position] = written(use, cut(use, there), given)
+            given[use.position] = written(use, taken_values(use, there), given)
             if low <= int(unpack_values(use.format, 1, given[use.position])[0]) <= high:
                 break
     return ValueSet(held, given)
@@ -133,9 +133,9 @@ def _value_set(
             use.position: pack_values(use.format, odd(use, _elements(use), turn, given=True)) for use in job.supplied
         }
         return ValueSet(held, {use.position: use.data for use in job.uses} | given)
-    held = {pnu: sample(use, len(parameters[pnu].values), draw, kind) for pnu, use in uses.items()}
+    held = {pnu: _sample(use, len(parameters[pnu].values), draw, kind) for pnu, use in uses.items()}
     given = {use.position: use.data for use in job.uses}
-    given |= {use.position: pack_values(use.format, sample(use, _elements(use), draw, kind)) for use in job.supplied}
+    given |= {use.position: pack_values(use.format, _sample(use, _elements(use), draw, kind)) for use in job.supplied}
     return ValueSet(held, given)
 
 
@@ -186,10 +186,10 @@ def told(telegram: DriveTelegram, answer: bytes) -> list[tuple[int, bytes]]:
 
 def held(drive: Drive, drive_object: int, use: Use) -> bytes:
     """Wire bytes of the values of a use in a drive. Raises KeyError."""
-    return cut(use, drive.objects[drive_object].parameters[use.parameter.pnu].values)
+    return taken_values(use, drive.objects[drive_object].parameters[use.parameter.pnu].values)
 
 
-def cut(use: Use, values: Sequence[Value]) -> bytes:
+def taken_values(use: Use, values: Sequence[Value]) -> bytes:
     """Wire bytes of those values of a parameter that a use has."""
     return pack_values(use.format, [values[0]] if use.format.is_string else values[use.subindex :][: use.count])
 
@@ -205,7 +205,7 @@ def kept(use: Use, data: bytes, keeps: Sequence[Mapping[int, Keeps]]) -> bytes:
     return pack_values(fmt, values)
 
 
-def sample(use: Use, count: int, draw: random.Random, kind: Contents) -> list[Value]:
+def _sample(use: Use, count: int, draw: random.Random, kind: Contents) -> list[Value]:
     """Values within the limits of a parameter, or the whole range of the type if it has none."""
     fmt, definition = use.format, use.parameter
     if kind in {"low", "high"}:

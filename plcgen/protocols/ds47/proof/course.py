@@ -9,7 +9,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveTelegram
 from plcgen.protocols.ds47.proof.contents import told
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.stepped import expect
+from plcgen.protocols.ds47.proof.stepped import expect_values
 from plcgen.protocols.ds47.proof.words import DONE, IDLE, NO_ANSWER, WORDS
 
 
@@ -32,7 +32,7 @@ class Course:
             same = [n for n, one in enumerate(requests, 1) if one[1:] == found[1 : len(one)]]
             number = next((n for n in same if n >= self.handed), same[0] if same else 1)
             self.handed = number
-            expect(self.rig.drive, self.rig.drive_object, self.telegrams[number - 1])
+            expect_values(self.rig.drive, self.rig.drive_object, self.telegrams[number - 1])
             return number
         now = self._now()
         if now != self._last:
@@ -40,7 +40,7 @@ class Course:
             self.handed += 1
         if self.handed > len(self.telegrams):
             raise ScenarioError(f"a telegram {self.handed} is handed over, the run has {len(self.telegrams)}")
-        expect(self.rig.drive, self.rig.drive_object, self.telegrams[self.handed - 1])
+        expect_values(self.rig.drive, self.rig.drive_object, self.telegrams[self.handed - 1])
         return self.handed
 
     def _now(self) -> tuple[int, int]:

@@ -44,7 +44,7 @@ def dissected_checks(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
     ]
     try:
         spoken = [_spoken(plan, job, request) for job, _, request in telegrams]
-        shown = wireshark.dissect([record for records in spoken for record in records])
+        shown = wireshark.run_tshark([record for records in spoken for record in records])
     except (wireshark.WiresharkError, ExchangeError) as problem:
         found = Diagnostic(
             "PG640",
@@ -61,8 +61,8 @@ def dissected_checks(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
         for record, (sent, received) in zip(records, pairs, strict=True):
             asked = codec.decode_request(record.request)
             read = codec.decode_response(record.answer, strict=False)
-            wrong = wrong or compare("request", request_fields(asked), sent, unknown)
-            wrong = wrong or compare("answer", response_fields(read), received, unknown)
+            wrong = wrong or compare_dissection("request", request_facts(asked), sent, unknown)
+            wrong = wrong or compare_dissection("answer", response_facts(read), received, unknown)
         id_, subject = f"wireshark.{telegram.request.home.name}", telegram_name(job, telegram)
         text = f"{version}{_notes(job, unknown)}"
         if wrong:
@@ -93,7 +93,7 @@ def _notes(job: DriveJob, unknown: set[str]) -> str:
     return "".join(f"; {note}" for note in notes)
 
 
-def request_fields(request: Request) -> list[Expected]:
+def request_facts(request: Request) -> list[Expected]:
     """What the dissector must show of a request."""
     found: list[Expected] = [
         ("request_reference", request.reference),
@@ -113,7 +113,7 @@ def request_fields(request: Request) -> list[Expected]:
     return found
 
 
-def response_fields(response: Response) -> list[Expected]:
+def response_facts(response: Response) -> list[Expected]:
     """What the dissector must show of an answer."""
     found: list[Expected] = [
         ("request_reference", response.reference),
@@ -149,7 +149,7 @@ def _values(block: ValueBlock) -> Iterator[Expected]:
         yield STOP, FILL
 
 
-def compare(what: str, expected: Sequence[Expected], shown: wireshark.Dissected, unknown: set[str]) -> str:
+def compare_dissection(what: str, expected: Sequence[Expected], shown: wireshark.Dissected, unknown: set[str]) -> str:
     """The first field that differs; empty if none does. What the dissector does not know is added to ``unknown``."""
     if not shown.fields:
         return f"Wireshark sees no parameter {what} in the record"

@@ -39,7 +39,7 @@ def check_end(
             results = [*results[:2], restoration.read_back(), *results[3:]]
         told = restoration.remembered(results)
     check_errors(rig, use_results(rig.job, told))
-    check_values(rig, results, before, wanted, asked_again=polled > 0)
+    _check_values(rig, results, before, wanted, asked_again=polled > 0)
     if status == DONE:
         for use in rig.job.uses:
             if not use.writes or use in rig.job.saving or overwritten(rig.job, use):
@@ -95,7 +95,7 @@ def check_refused(rig: JobRig, scenario: DriveScenario, status: int) -> None:
         raise ScenarioError("a start that is refused sends something")
 
 
-def check_values(
+def _check_values(
     rig: JobRig,
     results: list[list[Result]],
     before: list[list[bytes]],

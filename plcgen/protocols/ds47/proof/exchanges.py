@@ -13,7 +13,7 @@ from typing import Literal
 from plcgen.diagnostics import Diagnostic, DiagnosticError, PlcgenError
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
-from plcgen.proof.rig import value_text
+from plcgen.proof.rig import shown_value
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part
 from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -226,19 +226,19 @@ def talk(job: DriveJob, request: bytes, drive: Drive) -> bytes:
     index = job.drive.record_index
     for _ in range(ATTEMPTS):
         code = drive.write_record(index, request)
-        if status.explain(code, "write").retry is not status.Retry.TEMPORARY:
+        if status.explain_status(code, "write").retry is not status.Retry.TEMPORARY:
             break
         drive.advance(RETRY_PAUSE)
     if code:
-        raise ExchangeError("PG606", f"WRREC ends with {code:08X}: {status.explain(code).text}")
+        raise ExchangeError("PG606", f"WRREC ends with {code:08X}: {status.explain_status(code).text}")
     drive.advance(drive.behaviour.processing)
     for _ in range(ATTEMPTS):
         code, answer = drive.read_record(index, 240)
-        if status.explain(code, "read").retry is not status.Retry.TEMPORARY:
+        if status.explain_status(code, "read").retry is not status.Retry.TEMPORARY:
             break
         drive.advance(RETRY_PAUSE)
     if code:
-        raise ExchangeError("PG606", f"RDREC ends with {code:08X}: {status.explain(code).text}")
+        raise ExchangeError("PG606", f"RDREC ends with {code:08X}: {status.explain_status(code).text}")
     return answer
 
 
@@ -278,7 +278,7 @@ def _read_back(
     unit = f" {part.use.parameter.unit}" if part.use.parameter.unit else ""
     db = telegram.response.db
     address = f" at DB{db.number}.DBD{entry.byte}" if db is not None and entry.size == 32 else ""
-    return f"{part.use.label} = {value_text(value)}{unit}{address}"
+    return f"{part.use.label} = {shown_value(value)}{unit}{address}"
 
 
 def _written(job: DriveJob, part: Part, drive: Drive) -> None:

@@ -12,10 +12,19 @@ from plcgen.proof.rig import Members
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof import clocked, listed
-from plcgen.protocols.ds47.proof.contents import ValueSet, alike, cut, held, masked, piece, value_set, values_of
+from plcgen.protocols.ds47.proof.contents import (
+    ValueSet,
+    alike,
+    held,
+    masked,
+    piece,
+    taken_values,
+    value_set,
+    values_of,
+)
 from plcgen.protocols.ds47.proof.pace import Pace
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
-from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, signals
+from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, recipe_signals
 from plcgen.protocols.ds47.proof.rig import record_index
 from plcgen.protocols.ds47.proof.saved import saving_scans
 from plcgen.protocols.ds47.proof.stepped import overwritten
@@ -69,7 +78,7 @@ class Trio:
         self.cpu.bus.attach(id_value, drive)
         id_name = "hardwareId" if self.plan.target.t15 else "driveAddress"
         members = [*clocked.inputs(self.job), *(use.member for use in self.job.outputs), *listed.paths(self.job)]
-        paths = [f"{key}.{name}" for name in (*SIGNALS, id_name, *members, *signals(self.job))]
+        paths = [f"{key}.{name}" for name in (*SIGNALS, id_name, *members, *recipe_signals(self.job))]
         db = Members(self.cpu, self.program, self.block, paths, f"{key}.")
         values = value_set(self.job, drive, drive_object, "next", f"{self.job.shape} {key}")
         if key != "near" or self.job.drive.record_index & 0xFFFF != LOCAL_INDEX:
@@ -125,7 +134,9 @@ class Trio:
             status = one.db.get("status")
             if not one.db.flag("done") or status != DONE:
                 raise ScenarioError(f"instance {one.key} ends with 16#{status:04X}")
-            if listed.shown(self.job, one.db) != listed.wanted(self.job, one.drive, one.drive_object, one.values.given):
+            if listed.shown_list(self.job, one.db) != listed.wanted(
+                self.job, one.drive, one.drive_object, one.values.given
+            ):
                 raise ScenarioError(f"the list of instance {one.key} is not that of its drive")
             if self.job.stores:
                 given = {use.position: held(one.drive, one.drive_object, use) for use in self.job.uses}
@@ -140,7 +151,7 @@ class Trio:
                 if use.precedes:
                     if self._shared(one):
                         continue  # which of them was first is not known
-                    there = cut(use, one.values.held[use.parameter.pnu])
+                    there = taken_values(use, one.values.held[use.parameter.pnu])
                 if use.verifies is not None:
                     there = one.values.given[use.verifies.position]
                 here = one.values.given[use.position] if use.writes else one.db.bytes(use.member, len(there))

@@ -50,7 +50,7 @@ def groups(job: DriveJob) -> int:
 def paths(job: DriveJob) -> Iterator[str]:
     """Members of the block that have the list."""
     if job.deviations is not None:
-        yield from compared.paths(job)
+        yield from compared.deviation_members(job)
     if job.messages is None:
         return
     for place in range(1, GROUP * groups(job) + 1):
@@ -59,7 +59,7 @@ def paths(job: DriveJob) -> Iterator[str]:
     yield "faultCount" if job.messages.member == "faults" else "alarmCount"
 
 
-def shown(job: DriveJob, db: Members, prefix: str = "") -> bytes:
+def shown_list(job: DriveJob, db: Members, prefix: str = "") -> bytes:
     """The list as the block has it."""
     return b"".join(db.bytes(prefix + path) for path in paths(job))
 
@@ -70,7 +70,7 @@ def wanted(job: DriveJob, drive: Drive, drive_object: int, given: Mapping[int, b
     ``given`` are the wire bytes that the drive should have, by position of the use. Raises KeyError.
     """
     if job.deviations is not None:
-        return compared.content(job, given, {use.position: held(drive, drive_object, use) for use in job.uses})
+        return compared.deviation_list(job, given, {use.position: held(drive, drive_object, use) for use in job.uses})
     parameters = drive.objects[drive_object].parameters
     return _entries(job, {pnu: (parameters[pnu].format, parameters[pnu].values) for _, pnu in columns(job)})
 
@@ -78,7 +78,7 @@ def wanted(job: DriveJob, drive: Drive, drive_object: int, given: Mapping[int, b
 def answered(job: DriveJob, answers: Sequence[bytes], given: Mapping[int, bytes]) -> bytes:
     """The list that good answers make, one to each telegram."""
     if job.deviations is not None:
-        return compared.content(job, given, came(job, answers))
+        return compared.deviation_list(job, given, came(job, answers))
     found: dict[int, tuple[Format, list[Value]]] = {}
     for telegram, answer in zip(job.telegrams, answers, strict=True):
         at = 4

@@ -54,7 +54,9 @@ def _run(rig: JobRig, drive: Drive) -> int:
         meaning = MEANINGS.get(status, ("", ""))[1]
         raise ScenarioError(f"with your drive it ends with 16#{status:04X}, {meaning}{_refused(rig)}")
     number = drive.behaviour.aliases.get(job.drive.drive_object, job.drive.drive_object)
-    if listed.shown(job, rig.db) != listed.wanted(job, drive, number, {use.position: use.data for use in job.uses}):
+    if listed.shown_list(job, rig.db) != listed.wanted(
+        job, drive, number, {use.position: use.data for use in job.uses}
+    ):
         raise ScenarioError("the list is not that of your drive")
     if rig.records is not None and job.stores:
         there = {use.position: held(drive, number, use) for use in job.uses}

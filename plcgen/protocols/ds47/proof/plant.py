@@ -21,7 +21,7 @@ from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, shared
 from plcgen.protocols.ds47.proof.restored import CAUSE, OUTCOMES
 from plcgen.protocols.ds47.proof.saved import check_held_back, saving_scans
 from plcgen.protocols.ds47.proof.scenario import Contents, DriveScenario
-from plcgen.protocols.ds47.proof.stepped import FAILED, expect
+from plcgen.protocols.ds47.proof.stepped import FAILED, expect_values
 from plcgen.protocols.ds47.proof.words import DONE, GRANT, WORDS
 from plcgen.protocols.ds47.sim.bench import build_unit
 
@@ -77,7 +77,7 @@ class Plant:
         yield from (name for name in SIGNALS if getattr(job.trigger, name) is None)
         yield from FAILED if job.in_steps else ()
         yield from (CAUSE,) if job.restores else ()
-        yield from recorded.signals(job)
+        yield from recorded.recipe_signals(job)
         yield from clocked.inputs(job)
         yield from (use.member for use in job.outputs)
         yield from listed.paths(job)
@@ -133,7 +133,7 @@ class Plant:
                 step = self.cpu[f'"{job.caller.instance.name}".{job.member}.statStep']
                 for telegram in job.telegrams:
                     if telegram.step == step:
-                        expect(self.units[job.drive.unit.key], job.drive.drive_object, telegram)
+                        expect_values(self.units[job.drive.unit.key], job.drive.drive_object, telegram)
 
     def path(self, job: DriveJob, signal: str) -> str:
         """Where OB1 takes or leaves a signal of a job."""
@@ -322,7 +322,7 @@ class Plant:
     def check_list(self, job: DriveJob, answers: list[list[bytes]]) -> None:
         """A list is that of the last answers; where jobs send the same, and something is written, of earlier ones."""
         given = self.values[job.key].given
-        shown = listed.shown(job, self.control(job), f"{job.member}.")
+        shown = listed.shown_list(job, self.control(job), f"{job.member}.")
         tried = islice(product(*(dict.fromkeys(reversed(found)) for found in answers)), MANY)
         if not any(listed.answered(job, chosen, given) == shown for chosen in tried):
             raise ScenarioError(f"the list of {job.key} is not what came")

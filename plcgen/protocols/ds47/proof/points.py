@@ -32,7 +32,7 @@ def fault(job: DriveJob, telegram: int, place: int, error: int, words: int) -> F
     )
 
 
-def put(telegram: DriveTelegram, values: dict[int, bytes]) -> Edit:
+def replaced_values(telegram: DriveTelegram, values: dict[int, bytes]) -> Edit:
     """Other values at some places of a good answer, as long as those."""
 
     def edit(answer: bytes) -> bytes:

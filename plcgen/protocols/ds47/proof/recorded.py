@@ -18,7 +18,7 @@ REFUSED = ("failedParameter", "failedIndex")
 """Which value of a record is not allowed: DINT each."""
 
 
-def signals(job: DriveJob) -> tuple[str, ...]:
+def recipe_signals(job: DriveJob) -> tuple[str, ...]:
     """What a job with a recipe has at its block besides."""
     if job.recipe is None:
         return ()

@@ -12,7 +12,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram,
 from plcgen.protocols.ds47.proof import clocked, listed
 from plcgen.protocols.ds47.proof.contents import ValueSet, held, kept, piece, value_set
 from plcgen.protocols.ds47.proof.partner import ScriptedDrive
-from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, signals
+from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, recipe_signals
 from plcgen.protocols.ds47.proof.restored import CAUSE
 from plcgen.protocols.ds47.proof.scenario import Contents
 from plcgen.protocols.ds47.proof.stepped import FAILED, triggers
@@ -67,7 +67,7 @@ class JobRig:
         paths += [f"job.{name}" for name in GUARD] if job.guarded else []
         paths += [f"job.{name}" for name in FAILED] if job.in_steps else []
         paths += [f"job.{CAUSE}"] if job.restores else []
-        paths += [f"job.{name}" for name in signals(job)]
+        paths += [f"job.{name}" for name in recipe_signals(job)]
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
         self.records = Records(job, self.db, "jobRecords", 1) if job.recipe is not None else None
         self.unit = self.unit_of(UNITS[0])
@@ -205,7 +205,7 @@ class JobRig:
         if self.records is not None and self.job.stores:
             return self._listed(self.records.shown())
         if self.job.listed is not None:
-            return self._listed(listed.shown(self.job, self.db))
+            return self._listed(listed.shown_list(self.job, self.db))
         return [[self.output(part) for part in t.parts if not t.writes] for t in self.job.telegrams]
 
     def _listed(self, content: bytes) -> list[list[bytes]]:

@@ -8,7 +8,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
 from plcgen.protocols.ds47.proof.clocking import clocking
 from plcgen.protocols.ds47.proof.comparing import comparing
 from plcgen.protocols.ds47.proof.listing import listing
-from plcgen.protocols.ds47.proof.points import FEW, ends, fault, positions, put, value_at
+from plcgen.protocols.ds47.proof.points import FEW, ends, fault, positions, replaced_values, value_at
 from plcgen.protocols.ds47.proof.recipes import recipes
 from plcgen.protocols.ds47.proof.restoring import restored, restoring
 from plcgen.protocols.ds47.proof.rig import VALUE_SETS
@@ -42,7 +42,7 @@ def patient(job: DriveJob) -> bool:
     return not job.once and job.retries >= 3 and (job.retry_pause + CALLS_MS // 2) * 4 * 3 < job.timeout
 
 
-def matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
+def fault_matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
     """All of it; ``scans`` is how long a good run takes, ``longest`` how many bytes a record may have."""
     if job.restores:
         yield from restored(job, _matrix(job, scans, longest))
@@ -99,7 +99,7 @@ def _not_numbers(job: DriveJob) -> Iterator[DriveScenario]:
         for place in places:
             part = telegram.parts[place - 1]
             found[telegram.number, place] = NAN[part.use.format.size] * part.count
-        edits[telegram.number] = put(telegram, {place: found[telegram.number, place] for place in places})
+        edits[telegram.number] = replaced_values(telegram, {place: found[telegram.number, place] for place in places})
     if found:
         yield DriveScenario(name="NaN comes", reads=edits, delivers=found, generic=False, follow=False)
 
@@ -256,7 +256,7 @@ def _record_calls(job: DriveJob) -> Iterator[DriveScenario]:
     yield DriveScenario(
         name="the drive never has an answer",
         reads={0: STATE_CONFLICT},
-        status=silence(job),
+        status=_silence(job),
         telegram=1,
         answered=False,
         again=None,
@@ -265,7 +265,7 @@ def _record_calls(job: DriveJob) -> Iterator[DriveScenario]:
     )
 
 
-def silence(job: DriveJob) -> tuple[int, ...]:
+def _silence(job: DriveJob) -> tuple[int, ...]:
     """How a job may end whose drive never has an answer: what its times allow; where calls decide, either."""
     short, long = job.retries * job.retry_pause, job.retries * (job.retry_pause + CALLS_MS)
     once = any(triggers(part.use) for part in job.telegrams[0].parts) if job.in_steps else job.once

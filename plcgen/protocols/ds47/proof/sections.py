@@ -24,7 +24,7 @@ class PlantSection:
     outer: bool = True
 
 
-def sections(plan: DrivePlan) -> list[PlantSection]:
+def plant_sections(plan: DrivePlan) -> list[PlantSection]:
     """The whole plan, or a section for every caller, of which the first and the last are the outer ones."""
     if len(plan.jobs) <= LARGE:
         return [PlantSection(plan)]

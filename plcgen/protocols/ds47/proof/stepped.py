@@ -37,7 +37,7 @@ def route(job: DriveJob, scenario: DriveScenario) -> list[DriveTelegram]:
     return [one for one in job.telegrams for _ in range(questions.get(one.number, 1))]
 
 
-def expect(drive: Drive, drive_object: int, telegram: DriveTelegram) -> None:
+def expect_values(drive: Drive, drive_object: int, telegram: DriveTelegram) -> None:
     """What a telegram waits for comes when it is asked, also if it is sent again or another one has waited before.
 
     The first value of a parameter comes first: others of the telegram follow in the order in which they are asked.

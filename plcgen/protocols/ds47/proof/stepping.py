@@ -10,7 +10,7 @@ from typing import Any
 
 from plcgen.protocols.ds47.kinds.kind import Awaited
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
-from plcgen.protocols.ds47.proof.points import put, value_at
+from plcgen.protocols.ds47.proof.points import replaced_values, value_at
 from plcgen.protocols.ds47.proof.scenario import Contents, DriveScenario, Edit
 from plcgen.protocols.ds47.proof.words import WORDS
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
@@ -62,7 +62,7 @@ def _near(telegram: DriveTelegram, place: int, part: Part) -> Iterator[DriveScen
         return
     for data in _values(part):
         shown = f"{data.hex(' ').upper()} comes at place {place} of telegram {number}"
-        scenario = DriveScenario(name=shown, reads={number: put(telegram, {place: data})}, follow=False)
+        scenario = DriveScenario(name=shown, reads={number: replaced_values(telegram, {place: data})}, follow=False)
         yield scenario if _holds(part, data) else replace(scenario, questions={number: 2})
 
 
@@ -224,7 +224,7 @@ def _missing(telegram: DriveTelegram, places: range | tuple[int, ...]) -> Edit:
         part = telegram.parts[place - 1]
         found[place] = next(data for data in _values(part) if not _holds(part, data))
     follows = telegram.awaited is not None and telegram.awaited.follows
-    changed = _wrong(telegram, tuple(places), 0) if follows else put(telegram, found)
+    changed = _wrong(telegram, tuple(places), 0) if follows else replaced_values(telegram, found)
     # behind a restart it may be the answer to another telegram
     return lambda answer: changed(answer) if _shape(answer) == _shape_of(telegram) else answer
 

@@ -16,7 +16,7 @@ from plcgen.proof.coverage import NO_OTHER
 from plcgen.proof.effort import Faults
 from plcgen.proof.folder import Folder
 from plcgen.proof.ledger import Assumption
-from plcgen.proof.rig import value_text
+from plcgen.proof.rig import shown_value
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
 from plcgen.proof.sharing import Sharing
@@ -37,10 +37,10 @@ from plcgen.protocols.ds47.proof.published import published_checks
 from plcgen.protocols.ds47.proof.restored import CHECK
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.scenarios import STATE_CONFLICT, matrix, polls
+from plcgen.protocols.ds47.proof.scenarios import STATE_CONFLICT, fault_matrix, polls
 from plcgen.protocols.ds47.proof.second import fact_checks, second_checks
 from plcgen.protocols.ds47.proof.sections import PlantSection
-from plcgen.protocols.ds47.proof.together import left_out, procedures
+from plcgen.protocols.ds47.proof.together import left_out_together, procedures
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.sources.generated import generated_sources
 
@@ -184,16 +184,16 @@ class DriveSuite:
         """Scans and what happened in them; the values read."""
         rig = rig_of(runner)
         name, job, count = rig.db.block, rig.job, polls(rig.job)
-        values = [(use, value_text(rig.cpu[f"{name}.job.{use.member}"])) for use in job.outputs]
+        values = [(use, shown_value(rig.cpu[f"{name}.job.{use.member}"])) for use in job.outputs]
         shown = [f"{use.label} = {text} {use.parameter.unit}".rstrip() for use, text in values]
         if job.messages is not None:
             member = job.messages.member
             latest, present = (
-                value_text(rig.cpu[f"{name}.job.{path}"]) for path in (f"{member}[1].code", job.messages.count)
+                shown_value(rig.cpu[f"{name}.job.{path}"]) for path in (f"{member}[1].code", job.messages.count)
             )
             shown = [f"{present} {member}, the latest {latest}"]
         if job.deviations is not None:
-            shown = [f"{value_text(rig.cpu[f'{name}.job.{job.deviations.count}'])} deviations"]
+            shown = [f"{shown_value(rig.cpu[f'{name}.job.{job.deviations.count}'])} deviations"]
         shown = shown or [f"{use.label} {'written' if use.writes else 'stored'}" for use in job.uses]
         more = f", .. ({len(shown)})" if len(shown) > SHOWN_VALUES else ""
         tail = f", RDREC B5 x{count}" if count else ""
@@ -202,7 +202,7 @@ class DriveSuite:
     def matrix(self, runner: Runner[DriveScenario], scans: int, level: Faults) -> Iterator[DriveScenario]:
         """What is the job's own."""
         rig = rig_of(runner)
-        return matrix(rig.job, scans, rig.longest)
+        return fault_matrix(rig.job, scans, rig.longest)
 
     def behind(
         self, program: Program, runner: Runner[DriveScenario]
@@ -234,7 +234,7 @@ class DriveSuite:
 
     def left_out(self) -> Iterator[Check]:
         """Points of time, OBs and masters."""
-        missing = left_out(self.plan)
+        missing = left_out_together(self.plan)
         if missing:
             subject = f"{len(self.plan.jobs)} jobs"
             yield Check("together.rest", subject, "", Outcome.NOT_RUN, f"not run: {'; '.join(missing)}")

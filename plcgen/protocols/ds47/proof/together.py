@@ -18,7 +18,7 @@ from plcgen.protocols.ds47.proof.partner import ScriptedDrive
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.restored import OUTCOMES
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.sections import LARGE, PlantSection, sections
+from plcgen.protocols.ds47.proof.sections import LARGE, PlantSection, plant_sections
 from plcgen.protocols.ds47.proof.stimulus import own_dbs, pair_fb
 from plcgen.protocols.ds47.proof.words import DONE, STEP_MS, WORDS
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -60,7 +60,7 @@ def procedures(plan: DrivePlan, plant: Callable[[str, PlantSection], Plant]) -> 
             yield Procedure(name, partial(plant, name, whole), _instances(job, number, near), reads)
     name = "what the caller passes"
     yield Procedure(name, partial(plant, name, whole), _arguments, None)
-    for section in sections(plan):
+    for section in plant_sections(plan):
         for what, run in (*_ORDINARY, *(_disturbed(section.plan, plan) if section.outer else ())):
             name = f"{section.name}{what}"
             yield Procedure(name, partial(plant, name, section), run, None)
@@ -94,7 +94,7 @@ def points(plan: DrivePlan) -> tuple[int, ...]:
     return POINTS if len(plan.jobs) <= SOME else POINTS[1::2] if len(plan.jobs) <= MANY else POINTS[2:3]
 
 
-def left_out(plan: DrivePlan) -> list[str]:
+def left_out_together(plan: DrivePlan) -> list[str]:
     """What is not run in a large plan."""
     tried, blocks = points(plan), len(plan.shapes)
     found = []

@@ -10,7 +10,7 @@ from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.codec import TelegramError, decode_request, decode_response
 from plcgen.protocols.ds47.wire.errors import error_text
 from plcgen.protocols.ds47.wire.model import ErrorBlock, ParameterAddress, Request, RequestId, Response, ValueBlock
-from plcgen.protocols.ds47.wire.status import Retry, explain
+from plcgen.protocols.ds47.wire.status import Retry, explain_status
 from plcgen.trace.spelling import SHOWN, value_text
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ _RETRY = {
 def contact_text(contact: Contact, letters: Mapping[int, str] | None = None) -> str:
     """What a finished record service means; ``letters`` gives the r or P of parameter numbers."""
     if contact.status:
-        status = explain(contact.status, contact.direction)
+        status = explain_status(contact.status, contact.direction)
         advice = _RETRY.get(status.retry, "")
         return f"{status.text}{f' ({advice})' if advice else ''}"
     known = letters or {}

@@ -9,11 +9,11 @@ from plcgen.cpu.cpu import Cpu
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.wire.errors import error_text
 from plcgen.protocols.ds47.wire.formats import unpack_values
-from plcgen.protocols.ds47.wire.status import explain
+from plcgen.protocols.ds47.wire.status import explain_status
 from plcgen.protocols.ds47.words import CHANNEL_STATES, ERROR_DEVIATES, STATUS_WORDS
 from plcgen.trace.face import JobEnd, JobFacts, Observed
 from plcgen.trace.model import Contact, JobValue, Signal, Value
-from plcgen.trace.recorder import Derived, kind_of, plain, signal, watch
+from plcgen.trace.recorder import Derived, recorded_kind, recorded_value, signal, watch
 
 _WAITING = 1 + max(number for _, number, _ in CHANNEL_STATES)
 STATE_NAMES = {number: name.removeprefix("STATE_") for name, number, _ in CHANNEL_STATES} | {_WAITING: "WAITING"}
@@ -99,7 +99,7 @@ def job_signals(cpu: Cpu, job: DriveJob, units: UnitWatch) -> Iterator[Observed]
     yield signal(cpu, job.key, "telegram", f"{own}.statTicket.ask.telegram")
     for name, member in _OF_UNIT.items():
         path = f"{unit}.{member}"
-        kind, bits = kind_of(watch(cpu, path)[1])
+        kind, bits = recorded_kind(watch(cpu, path)[1])
         yield Signal(job.key, name, kind, bits, path=path), Derived(_while_held(cpu, path, units, job))
     for name in _MEMBERS:
         names = STATUS_TEXTS if name == "status" else {}
@@ -123,7 +123,7 @@ def _while_held(cpu: Cpu, path: str, units: UnitWatch, job: DriveJob) -> Callabl
 
     def value() -> Value:
         if units.holds(job):
-            last[0] = plain(cpu[path])
+            last[0] = recorded_value(cpu[path])
         return last[0]
 
     return value
@@ -164,8 +164,8 @@ class DriveJobWatch:
         """STATUS of the last record call while the job had the unit, and every parameter."""
         record = self._record()
         number = record if isinstance(record, int) else 0
-        found = explain(number)
-        errors, infos = (plain(self._cpu[f"{self._path}.{name}"]) for name in ("errors", "errorInfos"))
+        found = explain_status(number)
+        errors, infos = (recorded_value(self._cpu[f"{self._path}.{name}"]) for name in ("errors", "errorInfos"))
         values = tuple(self._value(use, errors, infos, finished=finished) for use in self._planned.uses)
         return JobEnd(number, found.text if found.error else "", values)
 
@@ -177,9 +177,9 @@ class DriveJobWatch:
             value = None  # what the word is besides its bits, the old one says
         elif (use.writes or use.compared) and use.constant:
             values = [_octets(item) for item in unpack_values(use.format, use.count, use.data)]
-            value = plain(values[0] if len(values) == 1 else values)
+            value = recorded_value(values[0] if len(values) == 1 else values)
         elif use.again is None and (use.writes or use.compared or (finished and word in {0, ERROR_DEVIATES})):
-            value = plain(self._cpu[f"{self._path}.{value_path(self._planned, use)}"])
+            value = recorded_value(self._cpu[f"{self._path}.{value_path(self._planned, use)}"])
         parameter = use.parameter
         text = error_text(number).explain(info) if number is not None else ""
         return JobValue(use.label, use.member, parameter.title, parameter.unit or "", value, number, info, text)

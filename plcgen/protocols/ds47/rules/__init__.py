@@ -12,7 +12,7 @@ RULES = Rules(
         drives.unused_address,
         drives.shared_address,
         drives.separate_objects,
-        drives.places,
+        drives.engine_places,
         parameters.definitions,
         parameters.access,
         parameters.repeated,
@@ -37,7 +37,7 @@ RULES = Rules(
     ),
     names=names.names,
     texts=names.texts,
-    plain=names.plain,
+    untranslated=names.untranslated,
     taken=names.taken,
     remarks=(inputs.left_open,),
 )

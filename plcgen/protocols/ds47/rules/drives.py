@@ -87,7 +87,7 @@ def separate_objects(plan: DrivePlan) -> Iterator[Diagnostic]:
         )
 
 
-def places(plan: DrivePlan) -> Iterator[Diagnostic]:
+def engine_places(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG225: the largest engine has no room for so many jobs or units."""
     room = plan.variant
     for unit in plan.units:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity
-from plcgen.protocols.ds47.plan.values import value_text
+from plcgen.protocols.ds47.plan.values import literals_text
 from plcgen.protocols.ds47.rules.places import given_start, parameter_span
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def left_open(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 def _written(plan: DrivePlan, use: Use) -> str:
     unit = f" {use.parameter.unit}" if use.parameter.unit else ""
-    return f"{use.label} = {value_text(use, plan.target)}{unit}"
+    return f"{use.label} = {literals_text(use, plan.target)}{unit}"
 
 
 def _drives(plan: DrivePlan, shape: DriveJob) -> str:

@@ -49,7 +49,7 @@ def texts(plan: DrivePlan) -> Iterator[tuple[SpecPath, dict[str, str]]]:
         yield ("recipes", recipe.key, "comment"), recipe.comment
 
 
-def plain(plan: DrivePlan) -> Iterator[tuple[SpecPath, str]]:
+def untranslated(plan: DrivePlan) -> Iterator[tuple[SpecPath, str]]:
     """Titles and units of the parameters that the spec defines."""
     for drive in plan.drives:
         for text, parameter in plan.settings(drive).parameters.items():

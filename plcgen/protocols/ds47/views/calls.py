@@ -9,7 +9,7 @@ from plcgen.documents import control
 from plcgen.documents.nouns import Command, FunctionBlock
 from plcgen.documents.simaticml import RECORD_NOTE
 from plcgen.protocols.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, PlannedUnit
-from plcgen.protocols.ds47.views.engine import names
+from plcgen.protocols.ds47.views.engine import engine_names
 from plcgen.protocols.ds47.words import RECORD_JOBS
 
 GATE_MEMBER = "driveGate"
@@ -29,7 +29,7 @@ def calls(plan: DrivePlan, caller: DriveCaller, commands: Sequence[tuple[DriveJo
     """A caller with its instance DB."""
     title = part(plan, caller, TITLES)
     view = {
-        "names": names(plan),
+        "names": engine_names(plan),
         "v5": plan.target.v5,
         "title": title,
         "block": caller.block,
@@ -75,15 +75,15 @@ def _job(plan: DrivePlan, job: DriveJob, command: Command) -> dict[str, Any]:
     if job.recipe is not None:
         own.append(("records", f'"{job.recipe.db.name}".records'))
     execute, *results = [signal.name for signal in command.signals]
-    inputs = [(name, control.place(command, name)) for name in (v.member.name for v in command.inputs)]
-    outputs = [(name, control.place(command, name)) for name in (v.member.name for v in command.outputs)]
+    inputs = [(name, control.signal_operand(command, name)) for name in (v.member.name for v in command.inputs)]
+    outputs = [(name, control.signal_operand(command, name)) for name in (v.member.name for v in command.outputs)]
     return {
         "member": job.member,
         "block": job.block.name,
         "key": job.key,
         "drive": drive.key,
-        "first": [("execute", control.place(command, execute)), *own],
+        "first": [("execute", control.signal_operand(command, execute)), *own],
         "inputs": inputs,
-        "results": [(name, control.place(command, name)) for name in results],
+        "results": [(name, control.signal_operand(command, name)) for name in results],
         "outputs": outputs,
     }

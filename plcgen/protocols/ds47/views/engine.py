@@ -114,7 +114,7 @@ def _members(plan: DrivePlan, rows: Sequence[Row]) -> list[MemberRow]:
     return found
 
 
-def names(plan: DrivePlan) -> dict[str, str]:
+def engine_names(plan: DrivePlan) -> dict[str, str]:
     """Names of the engine's blocks for the templates."""
     engine = plan.engine
     return {
@@ -133,7 +133,7 @@ def names(plan: DrivePlan) -> dict[str, str]:
 def programs(plan: DrivePlan) -> list[FunctionBlock]:
     """Ticket, gate and channel."""
     view = {
-        "names": names(plan),
+        "names": engine_names(plan),
         "v5": plan.target.v5,
         "slots": plan.variant.slots,
         "last": plan.variant.bytes - 1,

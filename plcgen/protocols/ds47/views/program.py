@@ -22,7 +22,7 @@ from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.views.bits import bit_inputs, merges
 from plcgen.protocols.ds47.views.clock import clock_view, time_inputs
 from plcgen.protocols.ds47.views.deviations import deviation_values, deviations_view, right_answer
-from plcgen.protocols.ds47.views.engine import names, versions
+from plcgen.protocols.ds47.views.engine import engine_names, versions
 from plcgen.protocols.ds47.views.messages import list_values, messages_view
 from plcgen.protocols.ds47.views.recipes import recipe_inputs, recipe_values, recipe_view
 from plcgen.protocols.ds47.views.restore import cause_value, restore_view
@@ -36,7 +36,7 @@ from plcgen.s7.types import ArrayType, DataType, Elementary
 
 def program(plan: DrivePlan, job: DriveJob, instances: Sequence[DriveJob]) -> FunctionBlock:
     """The function block of a job with its buffers and the commands of its instances."""
-    label = title(plan, job)
+    label = _job_title(plan, job)
     return FunctionBlock(
         block=job.block,
         instance=None,
@@ -94,12 +94,12 @@ def _value(plan: DrivePlan, use: Use, *, start: bool) -> CallerValue:
 def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     return {
         "job": _job(plan, job, label),
-        "names": names(plan),
+        "names": engine_names(plan),
         "slots": plan.variant.slots,
     }
 
 
-def title(plan: DrivePlan, job: DriveJob) -> str:
+def _job_title(plan: DrivePlan, job: DriveJob) -> str:
     """One-line title of a job."""
     verb = job.kind.capitalize() + (" and read back" if job.verified else "")
     if job.messages is not None:

@@ -11,7 +11,7 @@ from plcgen.documents.spelling import literal, type_words
 from plcgen.protocols.ds47.kinds.activate import ACTIVATES
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Use
-from plcgen.protocols.ds47.plan.values import value_text
+from plcgen.protocols.ds47.plan.values import literals_text
 from plcgen.protocols.ds47.views.engine import versions
 from plcgen.protocols.ds47.wire.formats import FormatKind
 from plcgen.protocols.ds47.words import SEQUENCE_WORDS
@@ -58,7 +58,7 @@ def condition_text(plan: DrivePlan, use: Use) -> str:
     if awaited.follows:
         return f"{use.label} = bit 0 of P{ACTIVATES}"
     if awaited.bit is None:
-        return f"{use.label} {awaited.operator} {value_text(use, plan.target)}"
+        return f"{use.label} {awaited.operator} {literals_text(use, plan.target)}"
     return f"{use.label}.{awaited.bit} {awaited.operator} {int(any(use.data))}"
 
 

@@ -99,7 +99,7 @@ def _meaning(decode: int, code1: int, code2: int, direction: Direction | None) -
     return f"{profile} {code1:02X}h", Retry.PERMANENT
 
 
-def explain(value: int, direction: Direction | None = None) -> Status:
+def explain_status(value: int, direction: Direction | None = None) -> Status:
     """Explain a STATUS DWORD; ``direction`` says which block gave it where DEh/DFh does not.
 
     The retry class follows data set 47 practice: A2h..A4h, A7h, B5h, C0h..C6h and A1h of WRREC are temporary,
@@ -115,9 +115,9 @@ def explain(value: int, direction: Direction | None = None) -> Status:
 
 def explain_word(word: int, direction: Direction | None = None) -> Status:
     """Explain the middle word of a STATUS, as older blocks report it: 7001h, 80B5h, 8090h."""
-    return explain(word << 8, direction)
+    return explain_status(word << 8, direction)
 
 
 def explain_codes(word: int, direction: Direction | None = None) -> Status:
     """Explain the lower word of a STATUS, Error_Code_1 and Error_Code_2: E102h, B500h."""
-    return explain(0x80 << 16 | word, direction)
+    return explain_status(0x80 << 16 | word, direction)

@@ -7,8 +7,15 @@ from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import PlcgenError
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.protocols.ppi.client.values import ItemValueError, check_type, default_type, pack, parse, unpack
-from plcgen.protocols.ppi.wire.address import PpiAddressError, address_text, parse_address
+from plcgen.protocols.ppi.client.values import (
+    ItemValueError,
+    check_type,
+    default_type,
+    pack_item,
+    parse_item_value,
+    unpack,
+)
+from plcgen.protocols.ppi.wire.address import PpiAddressError, address_text, parse_item
 from plcgen.protocols.ppi.wire.areas import Area
 from plcgen.protocols.ppi.wire.model import Item, ItemWrite
 
@@ -55,7 +62,7 @@ class Place:
     def write(self, value: Value | Sequence[bool | int | float]) -> ItemWrite:
         """Item and bytes that write a Python value. Raises PlaceError."""
         try:
-            return ItemWrite(self.item, pack(self.item, value, self.type))
+            return ItemWrite(self.item, pack_item(self.item, value, self.type))
         except ItemValueError as problem:
             raise PlaceError(VALUE, problem.message, problem.help) from problem
 
@@ -83,7 +90,7 @@ def _item(name: str, symbols: SymbolTable | None) -> Item:
     if found is not None:
         return found.item
     try:
-        return parse_address(name)
+        return parse_item(name)
     except PpiAddressError as problem:
         if symbols is None or any(char in "0123456789" for char in name):
             raise PlaceError(problem.code, problem.message, problem.help) from problem
@@ -102,7 +109,7 @@ def parse_assignment(text: str, symbols: SymbolTable | None = None) -> tuple[Pla
             name, rest = f"{name}:{type_}", value
     place = parse_place(name, symbols)
     try:
-        data, kind = parse(place.item, rest, place.type)
+        data, kind = parse_item_value(place.item, rest, place.type)
     except ItemValueError as problem:
         raise PlaceError(VALUE, f'"{text}": {problem.message}', problem.help) from problem
     return Place(place.name, place.item, kind), ItemWrite(place.item, data)

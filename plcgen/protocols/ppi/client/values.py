@@ -95,7 +95,7 @@ def unpack(item: Item, data: bytes, type_: str = "") -> Value:
     return values[0] if item.count == 1 else values
 
 
-def pack(item: Item, value: Value | Sequence[bool | int | float], type_: str = "") -> bytes:
+def pack_item(item: Item, value: Value | Sequence[bool | int | float], type_: str = "") -> bytes:
     """Return the bytes of a value for an item; ItemValueError if it does not fit."""
     kind = type_ or default_type(item)
     if isinstance(value, str):
@@ -153,7 +153,7 @@ def _text(item: Item, text: str, kind: str) -> bytes:
     return bytes((len(data),)) + data.ljust(room, b"\x00")
 
 
-def parse(item: Item, text: str, type_: str = "") -> tuple[bytes, str]:
+def parse_item_value(item: Item, text: str, type_: str = "") -> tuple[bytes, str]:
     """Return the bytes of what people type for an item, and the type they are of.
 
     Numbers: ``1234``, ``-5``, ``16#04D2``, ``0x4D2``, ``2#1010``, ``1.5``, several with commas; bits ``0 1
@@ -172,9 +172,9 @@ def parse(item: Item, text: str, type_: str = "") -> tuple[bytes, str]:
     if not type_ and kind == "DWORD" and not item.by_element and any(_is_real(piece) for piece in pieces):
         kind = "REAL"
     if kind == "BOOL":
-        return pack(item, _bool(pieces[0]), kind), kind
+        return pack_item(item, _bool(pieces[0]), kind), kind
     values = [_real(piece) if kind == "REAL" else _integer(piece) for piece in pieces]
-    return pack(item, values, kind), kind
+    return pack_item(item, values, kind), kind
 
 
 def _unquoted(text: str) -> str:

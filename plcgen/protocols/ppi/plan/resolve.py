@@ -18,7 +18,7 @@ from plcgen.protocols.ppi.plan.jobs import JobPlanner
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PlannedStation, PpiPlan
 from plcgen.protocols.ppi.schema import PpiMaster, PpiSection, PpiStation
 from plcgen.protocols.ppi.symbols import PpiSymbol, SymbolTable, load_symbols
-from plcgen.protocols.ppi.wire.address import PpiAddressError, parse_address
+from plcgen.protocols.ppi.wire.address import PpiAddressError, parse_item
 from plcgen.protocols.ppi.wire.profiles import CpuProfile, profiles
 from plcgen.s7.names import camel_case, pascal_case
 
@@ -207,7 +207,7 @@ def _own_symbols(symbols: Mapping[str, str], path: tuple[str, ...], loaded: Load
     for name, address in symbols.items():
         span = loaded.span((*path, name))
         try:
-            found.append(PpiSymbol(name, parse_address(address), "", span.line))
+            found.append(PpiSymbol(name, parse_item(address), "", span.line))
         except PpiAddressError as problem:
             report.add(Diagnostic("PG230", problem.message, span, help=problem.help))
     return SymbolTable(tuple(found))

@@ -12,7 +12,7 @@ from plcgen.project.target import Target
 from plcgen.protocols.ppi.plan.nouns import PlannedStation, PpiValue
 from plcgen.protocols.ppi.schema import PpiReadItem, PpiWriteItem
 from plcgen.protocols.ppi.symbols import PpiSymbol, SymbolTable
-from plcgen.protocols.ppi.wire.address import PpiAddressError, address_text, parse_address
+from plcgen.protocols.ppi.wire.address import PpiAddressError, address_text, parse_item
 from plcgen.protocols.ppi.wire.areas import OCTETS, Area, TransportSize
 from plcgen.protocols.ppi.wire.model import Item
 from plcgen.s7.errors import UnfitValueError
@@ -94,7 +94,7 @@ class ValueResolver:
         if symbol is not None:
             return symbol.item, symbol
         try:
-            return parse_address(text), None
+            return parse_item(text), None
         except PpiAddressError as problem:
             message, help_ = problem.message, problem.help
         known = self.symbols.names

@@ -5,7 +5,7 @@ from __future__ import annotations
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import PpiScenario
-from plcgen.protocols.ppi.proof.tables import check_tables
+from plcgen.protocols.ppi.proof.tables import check_job_tables
 from plcgen.protocols.ppi.proof.words import DONE, LEAD, WORDS
 from plcgen.protocols.ppi.wire.areas import Function
 from plcgen.protocols.ppi.wire.fdl import examine_frame
@@ -30,7 +30,7 @@ class End:
         self.check_diagnostics(status)
         self.check_frames(status)
         if not self.scenario.restarts and status in {DONE, WORDS["ITEM_ERROR"]}:
-            check_tables(self.rig, self.job, refused=status != DONE)
+            check_job_tables(self.rig, self.job, refused=status != DONE)
         self.check_last(status)
 
     def check_pace(self, pace: tuple[int, int, int]) -> None:

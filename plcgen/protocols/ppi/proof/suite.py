@@ -13,7 +13,7 @@ from plcgen.proof.coverage import NO_OTHER
 from plcgen.proof.effort import Faults
 from plcgen.proof.folder import Folder
 from plcgen.proof.ledger import Assumption
-from plcgen.proof.rig import value_text
+from plcgen.proof.rig import shown_value
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
 from plcgen.proof.sharing import Sharing
@@ -178,7 +178,7 @@ class PpiSuite:
         if job.kind in {"run", "stop"}:
             return f"{scans} scans, {frames}", f"{job.station.key} in {job.kind.upper()}"
         name = self.master.instance.name
-        texts = [f"{value.label} = {value_text(rig.cpu[f'{name}.{job.pin(value.member)}'])}" for value in job.outputs]
+        texts = [f"{value.label} = {shown_value(rig.cpu[f'{name}.{job.pin(value.member)}'])}" for value in job.outputs]
         texts = texts or [f"{value.label} written" for value in job.values]
         more = f", .. ({len(texts)})" if len(texts) > SHOWN else ""
         return f"{scans} scans, {frames}", ", ".join(texts[:SHOWN]) + more

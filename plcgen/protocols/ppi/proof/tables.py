@@ -32,7 +32,7 @@ def litter(rig: MasterRig) -> None:
             response[:] = bytes((LITTER,)) * len(response)
 
 
-def check_tables(rig: MasterRig, job: PpiJob, *, refused: bool) -> None:
+def check_job_tables(rig: MasterRig, job: PpiJob, *, refused: bool) -> None:
     """Tables and response DBs after a job that is done, or whose last telegram has refused items."""
     last = rig.db.get("telegram")
     for telegram in rig.master.telegrams:

@@ -12,7 +12,7 @@ from plcgen.protocols.ppi.words import STATES, STATUS_WORDS
 from plcgen.s7.values import unpack_value
 from plcgen.trace.face import JobEnd, JobFacts, Observed
 from plcgen.trace.model import Contact, JobValue, Signal, Value
-from plcgen.trace.recorder import Derived, plain, signal
+from plcgen.trace.recorder import Derived, recorded_value, signal
 
 _WAITING = 1 + max(number for _, number, _ in STATES)
 STATE_NAMES = {number: name.removeprefix("STATE_") for name, number, _ in STATES} | {_WAITING: "WAITING"}
@@ -121,7 +121,7 @@ class PpiJobWatch:
 
     def end(self, *, finished: bool) -> JobEnd:
         """STATUS of the module's block that failed last, and every address."""
-        errors = plain(self._cpu[self._path("errors")]) if self._job.values else []
+        errors = recorded_value(self._cpu[self._path("errors")]) if self._job.values else []
         values = tuple(self._value(value, errors, finished=finished) for value in self._job.values)
         failed = self._watch.number("statModuleStatus")
         return JobEnd(failed, "see the manual of the module" if failed & _ERROR else "", values)
@@ -133,7 +133,7 @@ class PpiJobWatch:
         if value.constant:
             shown = _constant(value)
         elif self._job.kind == "write" or (finished and code is None):
-            shown = plain(self._cpu[self._path(value.member)])
+            shown = recorded_value(self._cpu[self._path(value.member)])
         text = f"{code:02X}h {return_code(code).text}" if code is not None else ""
         return JobValue(value.label, value.member, value.title, "", shown, code, 0, text)
 
@@ -142,7 +142,7 @@ def _constant(value: PpiValue) -> Value:
     """What a job always writes."""
     size = value.size
     found = [
-        bool(value.data[0]) if value.bit else plain(unpack_value(value.data[n : n + size], value.element))
+        bool(value.data[0]) if value.bit else recorded_value(unpack_value(value.data[n : n + size], value.element))
         for n in range(0, value.count * size, size)
     ]
-    return found[0] if len(found) == 1 else plain(found)
+    return found[0] if len(found) == 1 else recorded_value(found)

@@ -5,4 +5,6 @@ from __future__ import annotations
 from plcgen.protocols.base import Rules
 from plcgen.protocols.ppi.rules import line, names
 
-RULES = Rules(checks=(line.checks,), names=names.names, texts=names.texts, plain=names.plain, taken=names.taken)
+RULES = Rules(
+    checks=(line.checks,), names=names.names, texts=names.texts, untranslated=names.untranslated, taken=names.taken
+)

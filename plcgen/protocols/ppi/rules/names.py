@@ -40,7 +40,7 @@ def texts(plan: PpiPlan) -> Iterator[tuple[SpecPath, dict[str, str]]]:
                 yield (*value.path, "comment"), value.comment
 
 
-def plain(plan: PpiPlan) -> Iterator[tuple[SpecPath, str]]:  # noqa: ARG001 - every text has its languages
+def untranslated(plan: PpiPlan) -> Iterator[tuple[SpecPath, str]]:  # noqa: ARG001 - every text has its languages
     """No text without a language."""
     return iter(())
 

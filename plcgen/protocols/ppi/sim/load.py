@@ -24,7 +24,7 @@ from plcgen.protocols.ppi.sim.memory import StationMemory
 from plcgen.protocols.ppi.sim.profiles import profile, profiles
 from plcgen.protocols.ppi.sim.station import FrameCountRule, Station
 from plcgen.protocols.ppi.sim.values import encode_value
-from plcgen.protocols.ppi.wire.address import PpiAddressError, parse_address
+from plcgen.protocols.ppi.wire.address import PpiAddressError, parse_item
 from plcgen.protocols.ppi.wire.areas import PDU_LIMIT, ReturnCode
 from plcgen.protocols.ppi.wire.model import Item
 
@@ -67,7 +67,7 @@ def _with_options(root: YamlNode, given: Mapping[str, Any]) -> YamlNode:
     return root
 
 
-def assign(bus: Bus, text: str) -> None:
+def set_address(bus: Bus, text: str) -> None:
     """Give an address or symbol a value: ``VW100=1234``, or ``3:VW100=1234`` for station 3. Raises DiagnosticError.
 
     Without a station the first one is meant. Several elements take numbers with commas: ``VB300[3]=1,2,3``.
@@ -118,7 +118,7 @@ def _type(text: str) -> str:
 def _item(memory: StationMemory, text: str, *, at_key: bool) -> Item:
     """Item of an address that this CPU has."""
     try:
-        item = parse_address(text)
+        item = parse_item(text)
         code = memory.check(item)
     except PpiAddressError as wrong:
         raise problem(wrong.message, code=wrong.code, help_=wrong.help, at_key=at_key) from None

@@ -16,7 +16,7 @@ from plcgen.protocols.ppi.sim.cpu import BY_LEVEL, Mode, Service, Session, Stati
 from plcgen.protocols.ppi.sim.memory import StationMemory
 from plcgen.protocols.ppi.sim.profiles import profile
 from plcgen.protocols.ppi.sim.values import decode_value, encode_value
-from plcgen.protocols.ppi.wire.address import parse_address
+from plcgen.protocols.ppi.wire.address import parse_item
 from plcgen.protocols.ppi.wire.areas import PDU_LIMIT, ReturnCode
 from plcgen.protocols.ppi.wire.model import FCB, FCV, REQUEST, Acknowledgement, FixedFrame, Frame, Item, VariableFrame
 from plcgen.protocols.ppi.wire.telegram import DATA_FUNCTION
@@ -98,7 +98,7 @@ class Station:
 
     def item(self, name: str) -> Item:
         """Return the item of an address or symbol. Raises AddressError, IndexError if this CPU does not have it."""
-        item = parse_address(self.symbols.get(name, name))
+        item = parse_item(self.symbols.get(name, name))
         code = self.cpu.memory.check(item)
         if code != ReturnCode.OK:
             raise IndexError(f"{name} is beyond the memory of a {self.cpu.memory.profile.title}")

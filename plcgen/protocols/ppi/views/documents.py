@@ -61,10 +61,10 @@ def _writes(plan: PpiPlan, master: PlannedMaster) -> Iterator[dict[str, str]]:
         if job.kind in {"run", "stop"}:
             yield {**row, "label": "CPU", "value": job.kind.upper()}
         for value in job.values if job.kind == "write" else ():
-            yield {**row, "label": value.label, "value": value_text(plan, value)}
+            yield {**row, "label": value.label, "value": written_value(plan, value)}
 
 
-def value_text(plan: PpiPlan, value: PpiValue) -> str:
+def written_value(plan: PpiPlan, value: PpiValue) -> str:
     """What a job writes: its constant, or that an input of the block says it."""
     if value.constant and isinstance(value.element, Elementary):
         return literal(value.element, value.data[: value.size], v5=plan.target.v5)

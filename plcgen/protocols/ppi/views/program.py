@@ -11,7 +11,7 @@ from plcgen.documents.spelling import clean_title, comment_text, declared_type, 
 from plcgen.protocols.ppi.plan.fields import value_length
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue, WireItem
 from plcgen.protocols.ppi.plan.times import GAP_BITS
-from plcgen.protocols.ppi.views.rows import buffer_blocks, value_text
+from plcgen.protocols.ppi.views.rows import buffer_blocks, value_comment
 from plcgen.protocols.ppi.views.values import into_response, into_table, output_moves, stat_name
 from plcgen.protocols.ppi.wire.areas import Function
 from plcgen.protocols.ppi.words import CLOCK_END, DRAIN_MS, ONLY_CLASSIC, ONLY_NEW, STATES, STATUS_WORDS
@@ -106,7 +106,7 @@ def _interface(plan: PpiPlan, job: PpiJob, value: PpiValue) -> MemberRow:
     """Declaration of a value at the block and in the control DB."""
     v5 = plan.target.v5
     start = initializer(value.type, value.data, v5=v5) if job.kind == "write" and any(value.data) else ""
-    return plain(plan, value.member, declared_type(value.type, tia=not v5), value_text(plan, value), start=start)
+    return plain(plan, value.member, declared_type(value.type, tia=not v5), value_comment(plan, value), start=start)
 
 
 def _frames(plan: PpiPlan) -> list[MemberRow]:

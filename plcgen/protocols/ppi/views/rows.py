@@ -58,7 +58,7 @@ def _shown(type_: Elementary) -> str:
     return "Character" if type_.name == "CHAR" else display_format(type_)
 
 
-def value_text(plan: PpiPlan, value: PpiValue) -> str:
+def value_comment(plan: PpiPlan, value: PpiValue) -> str:
     """Comment of a value: address or symbol, and what the spec or the symbol table says about it."""
     title = value.title if encodable(value.title, plan.target) else ""
     return one_line(f"{value.label} {comment_text(value.comment, plan.languages, plan.target, title)}".strip())
@@ -70,7 +70,7 @@ def _text(plan: PpiPlan, telegram: PpiTelegram, field: PpiField, language: str) 
     if not field.item:
         return text
     if field.role == "value" and len(field.placed) == 1:
-        return value_text(plan, field.placed[0].value)
+        return value_comment(plan, field.placed[0].value)
     wire = telegram.items[field.item - 1]
     labels = ", ".join(placed.value.label for placed in wire.values) or Area(wire.item.area).title
     if field.role == "transport_size":

@@ -54,16 +54,16 @@ def into_response(plan: PpiPlan, rx: Bytes, field: PpiField, wire: WireItem) -> 
     if not isinstance(type_, ArrayType):
         element = single.element if single is not None and not single.bit else None
         text = assemble(rx, at, 1 if element is None else element.bits // 8)
-        return {**view, "value": spelled(plan, text if element is None else typed(text, element))}
+        return {**view, "value": _spelled(plan, text if element is None else typed(text, element))}
     element = type_.element if isinstance(type_.element, Elementary) else None
     size = element.bits // 8 if element is not None else 1
     view["last"] = wire.item.octets // size - 1
     step = f"{at} + {size if size > 1 else ''}{' * ' if size > 1 else ''}#tempIndex"
     text = assemble(rx, step, size)
-    return {**view, "value": spelled(plan, typed(text, element) if element is not None else text)}
+    return {**view, "value": _spelled(plan, typed(text, element) if element is not None else text)}
 
 
-def spelled(plan: PpiPlan, text: str) -> str:
+def _spelled(plan: PpiPlan, text: str) -> str:
     """A TIA expression as the target writes it."""
     return respell_expression(text, spelling_of(plan.target))
 
@@ -78,7 +78,9 @@ def output_moves(plan: PpiPlan, job: PpiJob, value: PpiValue) -> list[dict[str, 
                     first = placed.start // value.stride
                     last = first + placed.length // value.stride - 1
                     text = _source(telegram, field, placed)
-                    moves.append({"loop": value.count > 1, "first": first, "last": last, "source": spelled(plan, text)})
+                    moves.append(
+                        {"loop": value.count > 1, "first": first, "last": last, "source": _spelled(plan, text)}
+                    )
     return moves
 
 
@@ -131,7 +133,7 @@ def into_table(plan: PpiPlan, job: PpiJob, telegram: PpiTelegram) -> list[dict[s
 
 
 def _move(plan: PpiPlan, target: str, source: str) -> dict[str, Any]:
-    return {"target": spelled(plan, target), "source": spelled(plan, source)}
+    return {"target": _spelled(plan, target), "source": _spelled(plan, source)}
 
 
 def _scalar_bytes(plan: PpiPlan, source: str, target: str, offset: int | str, value: PpiValue) -> list[dict[str, Any]]:

@@ -40,7 +40,7 @@ class PpiAddressError(PlcgenError, ValueError):
         super().__init__(message)
 
 
-def parse_address(text: str) -> Item:
+def parse_item(text: str) -> Item:
     """Return the item an address means. Raises AddressError.
 
     ``VB100[20]`` are 20 bytes, ``T32[4]`` the timers T32 to T35, ``SYS`` the 20 bytes of the CPU type. A bit has no

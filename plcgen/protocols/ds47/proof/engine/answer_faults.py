@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from plcgen.protocols.ds47.proof.engine.errands import Errand, Letter
-from plcgen.protocols.ds47.proof.engine.record_faults import ends
+from plcgen.protocols.ds47.proof.engine.record_faults import outer_telegrams
 from plcgen.protocols.ds47.proof.engine.scenario import RETRIES, Edit, EngineScenario
 from plcgen.protocols.ds47.proof.words import DONE, NO_ANSWER, WORDS
 from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
@@ -97,7 +97,7 @@ class AnswerForm:
 
 def answer_faults(errand: Errand, room: int) -> Iterator[EngineScenario]:
     """Everything an answer may be."""
-    for number in ends(errand):
+    for number in outer_telegrams(errand):
         form = AnswerForm(errand, number, errand.letters[number - 1], room)
         yield from _header(form)
         yield from _foreign(form)
@@ -111,7 +111,7 @@ def answer_faults(errand: Errand, room: int) -> Iterator[EngineScenario]:
         yield EngineScenario(name=f"answers in {'41h to 43h' if generic else 'the types themselves'}", generic=generic)
 
 
-def put(at: int, value: int) -> Edit:
+def _put(at: int, value: int) -> Edit:
     """Replace one byte."""
     return lambda answer: answer[:at] + bytes((value,)) + answer[at + 1 :]
 
@@ -126,7 +126,7 @@ def behind(first: Edit, second: Edit) -> Edit:
     return lambda answer: second(first(answer))
 
 
-def cut(kept: int) -> Edit:
+def _cut(kept: int) -> Edit:
     """Keep the first bytes only."""
     return lambda answer: answer[:kept]
 
@@ -149,24 +149,24 @@ def without(at: int, size: int) -> Edit:
 def _header(form: AnswerForm) -> Iterator[EngineScenario]:
     good, other = form.good, 3 - form.good
     for value in (0, other, 3, 0x7F, 0x80 | other, 0x83, 0xFF):
-        yield form.scenario(f"response id {value:02X}h", "RESPONSE_ID", put(1, value), errors=form.nothing)
+        yield form.scenario(f"response id {value:02X}h", "RESPONSE_ID", _put(1, value), errors=form.nothing)
     yield form.scenario(
         "service not supported (80h)", "NOT_SUPPORTED", lambda a: bytes((a[0], 0x80, *a[2:4])) + NOT_SUPPORTED,
         errors=form.nothing,
     )  # fmt: skip
-    yield form.broken("negative id on a good answer", put(1, 0x80 | good))
+    yield form.broken("negative id on a good answer", _put(1, 0x80 | good))
     count = len(form.letter.parts)
     for value in {0, count + 1, count - 1, count ^ 0x80}:
-        yield form.scenario(f"{value} parameters", "PARAMETER_COUNT", put(3, value), errors=form.nothing)
+        yield form.scenario(f"{value} parameters", "PARAMETER_COUNT", _put(3, value), errors=form.nothing)
 
 
 def _foreign(form: AnswerForm) -> Iterator[EngineScenario]:
     """Answers with another reference or drive object are read past; then all but a trigger is sent again."""
     last, once = form.number == len(form.errand.letters), form.errand.once
     negative = form.negative(lambda blocks: blocks.__setitem__(0, bytes.fromhex("44020011 0007")))
-    cases: list[tuple[str, Edit]] = [(f"drive object {value}", put(2, value)) for value in (3, 2 ^ 0x80, 255, 0)]
+    cases: list[tuple[str, Edit]] = [(f"drive object {value}", _put(2, value)) for value in (3, 2 ^ 0x80, 255, 0)]
     cases += [(f"reference off by {step}", off(step)) for step in (1, 128, 255)]
-    cases += [("reference 0", put(0, 0))]
+    cases += [("reference 0", _put(0, 0))]
     cases += [(f"negative, {name}", behind(negative, edit)) for name, edit in list(cases)]
     for name, edit in cases:
         again: dict[str, Any] = {"retries": 2 if last else 0, "calls": (1, 2), "again": 1}
@@ -177,7 +177,7 @@ def _foreign(form: AnswerForm) -> Iterator[EngineScenario]:
         return
     # foreign, B5, built again: every second retry is one of each, the first answer of the last request is foreign
     word = "UNKNOWN" if once else "DRIVE_OBJECT"
-    for name, edit in (("always another drive object", put(2, 7)),):
+    for name, edit in (("always another drive object", _put(2, 7)),):
         yield EngineScenario(
             name=name, status=(WORDS[word],), reads={0: edit}, retries=1 if once else RETRIES, telegram=1,
             calls=(0, 1) if once else (RETRIES // 2, RETRIES), again=0 if once else RETRIES // 2,
@@ -191,7 +191,7 @@ def _length(form: AnswerForm) -> Iterator[EngineScenario]:
     for kept in sorted(marks):
         if 0 <= kept < length:
             word = "RESPONSE_LENGTH" if kept < 4 else "RESPONSE_FORMAT"
-            yield form.scenario(f"answer cut to {kept} bytes", word, cut(kept), errors=form.nothing)
+            yield form.scenario(f"answer cut to {kept} bytes", word, _cut(kept), errors=form.nothing)
     for more in sorted({1, 2, 6, form.room - length, 240}):
         yield form.broken(f"answer {more} bytes too long", longer(more), length + more)
 
@@ -284,7 +284,7 @@ def _leftovers(form: AnswerForm) -> Iterator[EngineScenario]:
     before, total = 0, form.letter.answer
     for index, (at, size) in enumerate(form.letter.blocks, 1):
         name = f"block {index} missing, format 0Eh left over"
-        yield form.broken(name, cut(at), litter=b"\x0e\x01")
+        yield form.broken(name, _cut(at), litter=b"\x0e\x01")
         if before:
             wrong = bytes((0x0E, 1)) + bytes(before - 2)
             name = f"block {index} in format 0Eh, as long as the one before"
@@ -368,7 +368,7 @@ def _formats(form: AnswerForm) -> Iterator[EngineScenario]:
         code = part.format.code
         accepted = {code, _FIRMWARE.get(code, code)} | ({generic.code} if generic is not None else set())
         if generic is not None:
-            yield form.scenario(f"block {index} in format {generic.code:02X}h", "DONE", put(at, generic.code))
+            yield form.scenario(f"block {index} in format {generic.code:02X}h", "DONE", _put(at, generic.code))
         for wrong in range(256):
             if wrong in accepted or wrong == 0x44:
                 continue
@@ -379,14 +379,14 @@ def _formats(form: AnswerForm) -> Iterator[EngineScenario]:
                 errors = dict.fromkeys(range(1, len(form.letter.parts) + 1), (0, 0)) | {
                     index: (0x8100 | wrong, part.count)
                 }
-                yield form.scenario(name, "RESPONSE_FORMAT", put(at, wrong), errors=errors, follow=False)
+                yield form.scenario(name, "RESPONSE_FORMAT", _put(at, wrong), errors=errors, follow=False)
             elif wrong not in sizes:
-                yield form.broken(name, put(at, wrong), follow=False)
+                yield form.broken(name, _put(at, wrong), follow=False)
             else:
-                yield form.scenario(name, "RESPONSE_FORMAT", put(at, wrong), follow=False)
-        yield form.scenario(f"block {index} in format 44h", "RESPONSE_FORMAT", put(at, 0x44))
+                yield form.scenario(name, "RESPONSE_FORMAT", _put(at, wrong), follow=False)
+        yield form.scenario(f"block {index} in format 44h", "RESPONSE_FORMAT", _put(at, 0x44))
         for count in {0, part.count - 1, (part.count + 1) % 256, part.count ^ 0x80} - {part.count}:
-            yield form.scenario(f"block {index} with {count} values", "RESPONSE_FORMAT", put(at + 1, count))
+            yield form.scenario(f"block {index} with {count} values", "RESPONSE_FORMAT", _put(at + 1, count))
         yield from _another(form, index)
 
 
@@ -400,10 +400,10 @@ def types_of_a_size(form: AnswerForm) -> Iterator[EngineScenario]:
             continue
         name = f"{part.format.name} comes as {other.name}"
         if other.code in taken:
-            yield form.scenario(name, "DONE", put(at, other.code), follow=False)
+            yield form.scenario(name, "DONE", _put(at, other.code), follow=False)
         else:
             errors = {1: (0x8100 | other.code, part.count)}
-            yield form.scenario(name, "RESPONSE_FORMAT", put(at, other.code), errors=errors, follow=False)
+            yield form.scenario(name, "RESPONSE_FORMAT", _put(at, other.code), errors=errors, follow=False)
 
 
 def _another(form: AnswerForm, index: int) -> Iterator[EngineScenario]:

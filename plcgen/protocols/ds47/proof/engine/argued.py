@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from plcgen.cpu.linkage import Probe
 from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
 from plcgen.scl import ast
-from plcgen.scl.logic import DECIDES, decisions, leaves
+from plcgen.scl.logic import DECIDES, decisions, operands_of
 from plcgen.scl.parser import parse_value
 
 
@@ -54,7 +54,7 @@ def argued(engine: DriveEngine, probes: Sequence[Probe]) -> Iterator[tuple[Probe
         shape = _shape(node)
         for one in ARGUED:
             if one.shape == shape:
-                reasons[*position(leaves(node)[0].start), one.kind] = one.why
+                reasons[*position(operands_of(node)[0].start), one.kind] = one.why
     for probe in probes:
         why = reasons.get((probe.line, probe.column, probe.kind))
         if why is not None and probe.file == entry.result.tokens.file:

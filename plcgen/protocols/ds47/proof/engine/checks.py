@@ -134,7 +134,7 @@ def run_faults(engine: DriveEngine, errand: Errand, most: int = MAX_FAILURES) ->
         result.add(failure, engine.program, now.conduct.rig.cpu.coverage)
         return result
     kinds = 0
-    for scenario in scenarios(engine, errand, statistics.longest):
+    for scenario in _scenarios(engine, errand, statistics.longest):
         kinds += 1
         failure = now.try_run(scenario)
         if failure is not None:
@@ -147,7 +147,7 @@ def run_faults(engine: DriveEngine, errand: Errand, most: int = MAX_FAILURES) ->
     return result
 
 
-def scenarios(engine: DriveEngine, errand: Errand, scans: int) -> Iterator[EngineScenario]:
+def _scenarios(engine: DriveEngine, errand: Errand, scans: int) -> Iterator[EngineScenario]:
     """Every fault of one job; ``scans`` is how long a good run takes."""
     yield from record_faults(errand)
     yield from cpu_faults(errand, scans)
@@ -193,12 +193,12 @@ def prove(engine: DriveEngine, effort: Effort = "ordinary", share: Sharing | Non
         counts = added(program, results)
         seen = frozenset(step for result in results for step in result.statistics.transitions)
         checks += coverage_checks(engine, counts, seen)
-    checks.append(Check("engine.rest", "engine rest", "", Outcome.NOT_RUN, f"not run: {'; '.join(left_out(work))}"))
+    checks.append(Check("engine.rest", "engine rest", "", Outcome.NOT_RUN, f"not run: {'; '.join(_left_out(work))}"))
     runs, scans = (sum(getattr(result.statistics, name) for result in results) for name in ("runs", "scans"))
     return EngineProof(tuple(checks), kinds, runs, scans)
 
 
-def left_out(work: EngineWork) -> list[str]:
+def _left_out(work: EngineWork) -> list[str]:
     """What is not run with this effort."""
     groups = {piece.group for piece in work.pieces}
     found = ["two instances with one slot, of which one interrupts the other in several scans"]

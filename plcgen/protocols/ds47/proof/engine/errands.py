@@ -135,7 +135,7 @@ def every_format(size: int) -> list[Errand]:
     return found
 
 
-def sample(part: Wanted, draw: random.Random) -> bytes:
+def random_values(part: Wanted, draw: random.Random) -> bytes:
     """Wire bytes of some values."""
     if part.format.kind is FormatKind.FLOAT:
         return pack_values(part.format, [float(draw.randint(-(10**6), 10**6)) / 4 for _ in range(part.count)])
@@ -151,7 +151,7 @@ def store(parameter: SimulatedParameter, part: Wanted, data: bytes) -> None:
     parameter.values = list(unpack_values(part.format, part.count, data))
 
 
-def held(parameter: SimulatedParameter) -> bytes:
+def parameter_bytes(parameter: SimulatedParameter) -> bytes:
     """Wire bytes of the values of a parameter of the drive."""
     return pack_values(parameter.format, parameter.values)
 
@@ -164,6 +164,6 @@ def drive_for(errands: Sequence[Errand], objects: Sequence[int]) -> Drive:
 
 
 def _parameter(part: Wanted) -> SimulatedParameter:
-    values = unpack_values(part.format, part.count, sample(part, random.Random(part.pnu)))  # noqa: S311 - test values
+    values = unpack_values(part.format, part.count, random_values(part, random.Random(part.pnu)))  # noqa: S311 - test values
     array = not part.format.is_string and part.count > 1
     return SimulatedParameter(part.pnu, part.format, list(values), array=array)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from plcgen.cpu.cpu import Misuse
 from plcgen.cpu.preemption import Plan
 from plcgen.proof.scenario import ScenarioError
-from plcgen.protocols.ds47.proof.engine.errands import READ_SPLIT, WRITE_SPLIT, Errand, Letter, held
+from plcgen.protocols.ds47.proof.engine.errands import READ_SPLIT, WRITE_SPLIT, Errand, Letter, parameter_bytes
 from plcgen.protocols.ds47.proof.engine.rig import EngineRig, JobPlace
 from plcgen.protocols.ds47.proof.engine.scenario import PAUSE, RETRIES, TIMEOUT, EngineScenario
 from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
@@ -169,4 +169,4 @@ def same(before: Mapping[int, bytes], job: JobPlace) -> bool:
     wanted = {
         p.pnu: v for letter, vs in zip(letters, job.values, strict=True) for p, v in zip(letter.parts, vs, strict=True)
     }
-    return all(held(p) in {before[pnu], wanted.get(pnu)} for pnu, p in parameters.items())
+    return all(parameter_bytes(p) in {before[pnu], wanted.get(pnu)} for pnu, p in parameters.items())

@@ -45,12 +45,12 @@ def formats(*, classic: bool, many: bool = False) -> Iterator[tuple[str, Run]]:
         yield "unitDb is another data block", _wrong_db
 
 
-def run(field: JobField, errand: Errand, *scenarios: EngineScenario) -> None:
+def _run(field: JobField, errand: Errand, *scenarios: EngineScenario) -> None:
     """Scenarios of one job on the CPU of a field. Raises ScenarioError."""
-    attempt(field, EngineConduct(field.rig, errand), *scenarios)
+    _attempt(field, EngineConduct(field.rig, errand), *scenarios)
 
 
-def attempt(field: JobField, conduct: EngineConduct, *scenarios: EngineScenario) -> None:
+def _attempt(field: JobField, conduct: EngineConduct, *scenarios: EngineScenario) -> None:
     """Scenarios of a job that was set up. Raises ScenarioError."""
     runner = Runner(conduct, Statistics())
     for scenario in scenarios:
@@ -64,7 +64,7 @@ def _every_format(field: JobField) -> None:
     """Two telegrams each, in three orders of calls; answers in the types themselves and in 41h to 43h."""
     for errand in every_format(field.rig.engine.sizes.last + 1):
         orders = [EngineScenario(name=f"called {order}", order=order, follow=False) for order in permutations(CALLS)]
-        run(field, errand, *orders[::2], EngineScenario(name="by size", generic=True))
+        _run(field, errand, *orders[::2], EngineScenario(name="by size", generic=True))
 
 
 def _other_types(field: JobField) -> None:
@@ -75,7 +75,7 @@ def _other_types(field: JobField) -> None:
         if not part.format.is_string:
             letter = Letter(writes=False, parts=(part,))
             errand = Errand(reads.key, (letter,))
-            run(field, errand, *types_of_a_size(AnswerForm(errand, 1, letter, room)))
+            _run(field, errand, *types_of_a_size(AnswerForm(errand, 1, letter, room)))
 
 
 def _full(field: JobField) -> None:
@@ -86,7 +86,7 @@ def _full(field: JobField) -> None:
     for errand in full(sizes.last + 1, sizes.blocks):
         conduct = EngineConduct(field.rig, errand)
         conduct.job.db.set("slot", sizes.slots)
-        attempt(field, conduct, EngineScenario(name="first run"), EngineScenario(name="by size", generic=True))
+        _attempt(field, conduct, EngineScenario(name="first run"), EngineScenario(name="by size", generic=True))
 
 
 def _pinned(field: JobField) -> None:
@@ -104,7 +104,7 @@ def _pinned(field: JobField) -> None:
                 scenario = EngineScenario(
                     name=f"room for {room}", reads=reads, status=status, calls=None, retries=None, follow=False
                 )
-                attempt(field, conduct, scenario)
+                _attempt(field, conduct, scenario)
                 sent = next(e.data for e in reversed(rig.drives[0].journal) if e.direction == "write")
                 came = rig.drives[0].journal[-1].data[:room]
                 if bytes(request[: len(sent)]) != sent:
@@ -117,7 +117,7 @@ def _row(field: JobField) -> None:
     """The reference begins again at 1 behind 255 jobs."""
     for errand in (READ_ONE, WRITE_ONE):
         scenarios = (EngineScenario(name=f"job {n} in a row", busy=(0, 0), follow=False) for n in range(ROW // 2))
-        run(field, errand, *scenarios)
+        _run(field, errand, *scenarios)
 
 
 def _many(field: JobField) -> None:
@@ -160,6 +160,6 @@ def _wrong_db(field: JobField) -> None:
                 name=f"a byte {byte:02X}h there", status=(WORDS["WRONG_DB"],), order=(1, WRONG_UNIT_DB, 5),
                 telegram=1, calls=None, again=None, follow=False,
             )  # fmt: skip
-            run(field, errand, scenario)
+            _run(field, errand, scenario)
             if field.rig.drives[0].journal:
                 raise ScenarioError("a request was sent")

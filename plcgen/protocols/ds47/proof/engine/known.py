@@ -30,6 +30,6 @@ def proven() -> Mapping[str, Proven]:
     return json.loads(FILE.read_text(encoding="ascii")) if FILE.is_file() else {}
 
 
-def write(found: Mapping[str, Proven]) -> None:
+def write_proven(found: Mapping[str, Proven]) -> None:
     """Write the file anew."""
     FILE.write_text(json.dumps(dict(sorted(found.items())), indent=1) + "\n", encoding="ascii")

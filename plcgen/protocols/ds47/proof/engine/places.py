@@ -39,7 +39,7 @@ def places() -> Iterator[tuple[str, Run]]:
     yield "two channels have one place", _twice
 
 
-def three(field: JobField) -> None:
+def _three(field: JobField) -> None:
     """A job of each unit."""
     for number, errand in zip(JOBS, (READ_SPLIT, WRITE_SPLIT, READ_ONE), strict=True):
         field.give(number, errand)
@@ -62,7 +62,7 @@ def restless(field: JobField, served: dict[int, int], numbers: tuple[int, ...] =
 
 def _never_more(count: int, calls: tuple[int, ...], field: JobField) -> None:
     """As many record jobs as places, never more; no channel is passed twice; the CPU never has to refuse one."""
-    three(field)
+    _three(field)
     field.rig.plan.set("places", count)
     field.rig.call(calls)
     field.rig.bus.write_busy, field.rig.bus.read_busy = 3, 2
@@ -95,7 +95,7 @@ def _never_more(count: int, calls: tuple[int, ...], field: JobField) -> None:
 
 def _fair(gate: str, field: JobField) -> None:
     """One place; unit 1 in OB35 every 10 ms, the others in OB1 every 30 ms."""
-    three(field)
+    _three(field)
     field.rig.plan.set("places", 1)
     rest, fast = (3, 4, 8, 9), (2, 5)
     field.rig.call((1, *rest) if gate == "OB1" else rest, fast if gate == "OB1" else (1, *fast))
@@ -116,7 +116,7 @@ def _fair(gate: str, field: JobField) -> None:
 
 def _dead(state: int, field: JobField) -> None:
     """A channel with the only place is not called any more: others have it after LEASE, or twice that at most."""
-    three(field)
+    _three(field)
     field.rig.plan.set("places", 1)
     field.rig.call(CALLS)
     field.rig.bus.write_busy = field.rig.bus.read_busy = 5
@@ -151,7 +151,7 @@ def _dead(state: int, field: JobField) -> None:
 
 def _nobody(field: JobField) -> None:
     """An idle scan is short: the gate looks at each channel once, with six statements at most."""
-    three(field)
+    _three(field)
     field.rig.call(CALLS)
     field.rig.plan.set("channels", MANY)
     field.again(*JOBS)
@@ -172,7 +172,7 @@ def _nobody(field: JobField) -> None:
 
 def _no_gate(field: JobField) -> None:
     """Without a place a job ends when its time is over, here 2000 ms."""
-    three(field)
+    _three(field)
     field.give(1, READ_SPLIT, timeout=2000)
     field.rig.call((2, 5))
     field.start(1)
@@ -189,7 +189,7 @@ def _no_gate(field: JobField) -> None:
 
 def _numbers(field: JobField) -> None:
     """A number of channels beyond the gate is limited; without places nobody gets one."""
-    three(field)
+    _three(field)
     field.rig.call(CALLS)
     for channels, served in ((1, (1,)), (0, (1,)), (-7, (1,)), (2, (1, 4)), (30_000, JOBS)):
         field.rig.plan.set("channels", channels)
@@ -215,7 +215,7 @@ def _numbers(field: JobField) -> None:
 
 def _twice(field: JobField) -> None:
     """Nobody notices it, but nothing wrong is sent: every job is done, or hears in its time that there is no place."""
-    three(field)
+    _three(field)
     field.give(1, READ_SPLIT, timeout=2000)
     field.give(4, WRITE_SPLIT, timeout=2000)
     ends = (DONE, WORDS["NO_PLACE"])

@@ -28,7 +28,7 @@ def temporary(code: int, *, write: bool) -> bool:
     return 0xA2 <= code <= 0xA4 or code in {0xA7, 0xB5} or 0xC0 <= code <= 0xC6 or (write and code == 0xA1)
 
 
-def ends(errand: Errand) -> tuple[int, ...]:
+def outer_telegrams(errand: Errand) -> tuple[int, ...]:
     """The first and the last telegram of a job."""
     return tuple(sorted({1, len(errand.letters)}))
 
@@ -44,7 +44,7 @@ def record_faults(errand: Errand) -> Iterator[EngineScenario]:
 
 
 def _status_once(errand: Errand) -> Iterator[EngineScenario]:
-    for number in ends(errand):
+    for number in outer_telegrams(errand):
         for code in CODES:
             for base, name in ((WRITE, "WRREC"), (READ, "RDREC"), (LOCAL, "WRREC locally"), (LOCAL, "RDREC locally")):
                 if base == LOCAL and (number > 1 or not temporary(code, write=name[0] == "W")):
@@ -209,7 +209,7 @@ def _late(errand: Errand) -> Iterator[EngineScenario]:
 
 def _lost(errand: Errand) -> Iterator[EngineScenario]:
     """Never again blindly: what may be done twice is sent again and succeeds, a trigger never."""
-    for number in ends(errand):
+    for number in outer_telegrams(errand):
         last = number == len(errand.letters)
         # answers of 500 ms of pause: six of them are B5 before 3000 ms are over, the seventh is the loss
         yield _lost_once(
@@ -248,7 +248,7 @@ def next_reference(answer: bytes) -> bytes:
 
 def _old(errand: Errand) -> Iterator[EngineScenario]:
     total = len(errand.letters)
-    for number in ends(errand):
+    for number in outer_telegrams(errand):
         for count in (1, 3):
             yield EngineScenario(
                 name=f"{count} old answers before that of telegram {number}",

@@ -9,7 +9,7 @@ from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.memory import Memory
 from plcgen.cpu.system.bus import Periphery
 from plcgen.proof.rig import Members, Source, layout_of
-from plcgen.protocols.ds47.proof.engine.errands import Errand, drive_for, held, sample, store
+from plcgen.protocols.ds47.proof.engine.errands import Errand, drive_for, parameter_bytes, random_values, store
 from plcgen.protocols.ds47.proof.engine.partner import DirectedDrive
 from plcgen.protocols.ds47.proof.engine.scenario import CALLS, EngineScenario
 from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
@@ -72,8 +72,8 @@ class JobPlace:
         self.values = []
         for number, letter in enumerate(self.errand.letters, 1):
             for part in letter.parts:
-                store(parameters[part.pnu], part, sample(part, values))
-            self.values.append([sample(part, values) for part in letter.parts])
+                store(parameters[part.pnu], part, random_values(part, values))
+            self.values.append([random_values(part, values) for part in letter.parts])
             request = letter.request(self.drive_object, self.values[-1])
             if self.errand.pinned:
                 self.rig.cpu.db("PinnedRequest")[: len(request)] = request
@@ -94,7 +94,7 @@ class JobPlace:
         last: dict[int, bytes] = {}
         for letter, values in zip(letters, self.values, strict=True):
             last |= {part.pnu: value for part, value in zip(letter.parts, values, strict=True)}
-        return all(held(parameters[pnu]) == value for pnu, value in last.items())
+        return all(parameter_bytes(parameters[pnu]) == value for pnu, value in last.items())
 
     def has_read(self) -> bool:
         """Whether the job has what the drive holds now."""
@@ -102,7 +102,7 @@ class JobPlace:
         for number, letter in enumerate(self.errand.letters if self.errand is not None else (), 1):
             response = self.db.bytes(f"letters[{number}].response", letter.answer)
             for part, (at, _) in zip(letter.parts, letter.blocks, strict=True):
-                if response[at + 2 : at + 2 + part.size] != held(parameters[part.pnu]):
+                if response[at + 2 : at + 2 + part.size] != parameter_bytes(parameters[part.pnu]):
                     return False
         return True
 

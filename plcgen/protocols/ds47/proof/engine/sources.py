@@ -15,12 +15,12 @@ from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
 from plcgen.proof.rig import layout_of
-from plcgen.protocols.ds47.proof.engine.stimulus import Sizes, stimulus
+from plcgen.protocols.ds47.proof.engine.stimulus import Sizes, engine_stimulus
 from plcgen.s7.layout import locate
 from plcgen.s7.types import ArrayType
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.lexer import KEYWORDS, tokenize
-from plcgen.sources.text import MAX_BYTES, decode
+from plcgen.sources.text import MAX_BYTES, decode_source
 
 NAMES: Mapping[str, str] = {
     "channel": "DriveChannel", "ticket": "DriveTicket", "gate": "DriveGate", "unit": "typeDriveUnit",
@@ -59,7 +59,7 @@ class DriveEngine:
         found: list[tuple[str, str]] = []
         missing = set(wanted)
         for file in files:
-            text = decode(read_bounded(file, MAX_BYTES), str(file))
+            text = decode_source(read_bounded(file, MAX_BYTES), str(file))
             if isinstance(text, Diagnostic):
                 raise DiagnosticError([text])
             declared = {name.upper() for name in _DECLARED.findall(text)} & wanted
@@ -76,7 +76,7 @@ class DriveEngine:
     @cached_property
     def program(self) -> Program:
         """The engine with the stimulus around it, compiled. Raises DiagnosticError."""
-        text = stimulus(self.dialect, self.names, self.sizes)
+        text = engine_stimulus(self.dialect, self.names, self.sizes)
         if self.mixed:
             text = _CALLERS.sub(r"\1'TRUE'", text)
         sources = [*self.sources, ("stimulus.scl", text)]

@@ -52,7 +52,7 @@ class Sizes:
         )
 
 
-def stimulus(dialect: Dialect, names: Mapping[str, str], sizes: Sizes) -> str:
+def engine_stimulus(dialect: Dialect, names: Mapping[str, str], sizes: Sizes) -> str:
     """The text of the program; ``names`` are those of the engine's blocks and types by their roles."""
     v5, classic = dialect is Dialect.STEP7_V5, dialect is not Dialect.TIA_1200_1500
     blocks = {**names, "job": "ProofJob"}
