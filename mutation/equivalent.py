@@ -14,8 +14,33 @@ EQUIVALENT = {
     r"^\w+: < -> <=: IF tempFailed = 0 OR tempIndex < tempFailed": (
         "no two items of a telegram have the same first address"
     ),
-    r"^DriveChannel: dropped: statTimer := 0 \(1\)$": "after a good answer no record call is active",
-    r"^DriveChannel: \d*[02468] -> \d+: SIZE : Int :=": "an answer has an even number of bytes",
+    r"^DriveChannel: (dropped: statTimer := 0|0 -> 1: statTimer := 0;) \(1\)$": (
+        "after a good answer no record call is active"
+    ),
+    r"^DriveChannel: (<= -> <|0 -> 1): tempGone := tempAsk.want <= 0 OR tempAsk.want <> statTic": (
+        "the number of the job that holds the unit is above 0: one that is not is another one"
+    ),
+    r"^Drive(Channel|Ticket): > -> >=: (IF temp|ELSIF seen.)(W|w)ant > 0 AND (temp|seen.)(W|w)ant <>": (
+        "0 stands in a slot until something asks there, and so long 0 is the number that has ended, too"
+    ),
+    r"^DriveChannel: \d -> \d: tempSlot := LIMIT\(MN := 1, IN := DINT_TO_INT\(tempGrant / 1": (
+        "the channel itself wrote a slot of the unit there"
+    ),
+    r"^DriveChannel: AND -> OR: inst(Write|Read)\(REQ := ": (
+        "REQ is not looked at while a job of the instance runs; without one, both or none of them hold"
+    ),
+    r"^DriveChannel: 1 -> 2: temp(Other)?Pointer.count := 1; ": "BLKMOV copies what the shorter area has: a byte",
+    r"^DriveChannel: NOT -> nothing: statProbe := NOT tempProbe": (
+        "only a copy that fails could leave it: every data block has the byte that is copied"
+    ),
+    r"^DriveChannel: 0 -> 1: statCount := LIMIT\(MN := 0": "a request has one parameter at least",
+    r"^DriveChannel: (0 -> 1|3 -> 4): FOR tempByte := 0 TO 3 DO unit.telegram\[tempByte\] := tem": (
+        "the answer has the reference of the request; its type is the same as in the block, if that is taken"
+    ),
+    r"^DriveChannel: (30000 -> 30001|1 -> 2): statAsk := statAsk MOD 30000 \+ 1": (
+        "only that it is another number counts"
+    ),
+    r"^DriveChannel: \d*[02468] -> \d+: SIZE( : Int)? :=": "an answer has an even number of bytes",
     r"^DriveChannel: W#16#8105 -> W#16#8104: STATUS_LOST :": (
         "nobody hears it: the job is gone, and the ticket says 8105 by itself; only that it is not 0000 counts"
     ),
@@ -27,13 +52,13 @@ EQUIVALENT = {
     ),
     r"^DriveChannel: <= -> <: IF tempSlot = statSlot OR tempWant <= 0 OR": "0 is the number that has ended, too",
     r"^DriveChannel: 0 -> 1: tempCode := 0;": "1 is no code of STATUS, and not temporary either",
-    r"^DriveChannel: B#16#02 -> B#16#03: tempPointer\.id := ": (
+    r"^DriveChannel: B#16#02 -> B#16#03: temp(Other)?Pointer\.id := ": (
         "CHAR has the size of BYTE; no document says what SFB 52 does with it (SFC 59 takes BYTE only)"
     ),
     r"^DriveChannel: W#16#FFFF -> W#16#FFFE: tempWord :=": (
         "it stays only if the answer is at fault, which makes every error FFFF at the end"
     ),
-    r"^DriveChannel: OR -> AND: ELSIF tempFault OR tempFrom \+ 2 > statLength": (
+    r"^DriveChannel: (OR -> AND|\+ -> -): ELSIF tempFault OR tempFrom \+ 2 > statLength": (
         "the place stays where the fault was, and behind the end of the answer the check of the size finds one"
     ),
     r"^DriveGate: 1 -> 2: tempUsed := tempUsed \+ 1; \(2\)$": "who would have a place now has it in the next call",

@@ -142,6 +142,7 @@ class EngineConduct:
 
     def end(self, run: Run[EngineScenario], status: int) -> None:
         """Results, wire, foreign bytes; of a trigger that was lost on its way nobody knows what the drive did."""
+        self.times.check_end(status)
         if self.unsure and status != WORDS["UNKNOWN"]:
             raise ScenarioError(f"a trigger whose WRREC was lost ends with 16#{status:04X}")
         Ending(self.rig, self.job, run.scenario, self.reference).check(status)

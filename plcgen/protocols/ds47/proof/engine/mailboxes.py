@@ -12,7 +12,7 @@ from plcgen.protocols.ds47.proof.engine.errands import READ_SPLIT, TRIGGER, WRIT
 from plcgen.protocols.ds47.proof.engine.field import ALL, JobField
 from plcgen.protocols.ds47.proof.engine.partner import STATE_CONFLICT
 from plcgen.protocols.ds47.proof.engine.scenario import EngineScenario
-from plcgen.protocols.ds47.proof.words import CALLS_LIMIT, COUNTERS, DONE, GRANT, LEASE_MS, WORDS
+from plcgen.protocols.ds47.proof.words import CALLS_LIMIT, COUNTERS, DONE, GRANT, LEASE_MS, PAUSE, WORDS, state_name
 
 OFFSETS = 14
 STUCK = ("without a place", "WRREC has no resources", "no answer comes")
@@ -31,6 +31,7 @@ def mailboxes() -> Iterator[tuple[str, Run]]:
         yield f"a slot used twice, called in the order {order}", partial(_twice, order)
     yield "order of service", _order
     yield "wait limit", _wait_limit
+    yield "wait limit of the first slot, to the millisecond", _wait_limit_exact
     yield "no such slot", _no_slot
     yield "counters wrap", _wrap
     for conflicts in (0, 1):
@@ -41,6 +42,7 @@ def mailboxes() -> Iterator[tuple[str, Run]]:
     for stuck in STUCK:
         yield f"a job is not called any more, {stuck}", partial(_stuck, stuck)
     yield "a job is not called any more, to the millisecond", _lease
+    yield "no answer comes, to the millisecond", _silence
     yield "scans of 0 ms", _no_time
     yield "execute comes again with the end", _at_once
     for fast, calls in product((True, False), ((2,), (1, 2), (2, 5), (1, 2, 5))):
@@ -147,6 +149,34 @@ def _wait_limit(field: JobField) -> None:
     field.idle(1, 2, 3)
     field.again(1, 2, 3)
     _waits_anew(field)
+
+
+def _wait_limit_exact(field: JobField) -> None:
+    """The job of slot 1 hears it when the limit is over, not a millisecond before."""
+    three(field)
+    field.give(2, WRITE_SPLIT, slot=3, drive_object=3, timeout=60_000)
+    field.rig.call(ORDERS[0])
+    field.rig.plan.set("waitLimit", 2000)
+    field.rig.bus.write_busy = 500
+    field.step()
+    field.start(2)
+    for _ in range(10):
+        field.step()
+    for _ in range(2):  # the second one waits in a slot that has waited before
+        field.start(1)
+        for length in (*[0] * FREES, *[10] * 199, 9, *[0] * FREES):
+            field.step(length)
+            if not field.job(1).signals()[0]:
+                raise ScenarioError("a job hears that the unit is taken before the wait limit is over")
+        field.step(1)
+        for _ in range(FREES):
+            field.step(0)
+        field.expect({1: field.job(1).signals()[3]}, {1: (WORDS["OCCUPIED"],)})
+        field.drop(1)
+        field.step()
+    field.rig.bus.write_busy = 1
+    field.expect(field.until_end((2,)), {2: (DONE,)})
+    field.again(1, 2, 3)
 
 
 def _waits_anew(field: JobField) -> None:
@@ -264,10 +294,14 @@ def _waits_anew_for_the_channel(field: JobField) -> None:
     field.rig.call(ORDERS[0])
     field.step()
     field.rig.call((1, 5, 6, 7))
-    field.start(1)
-    field.expect(field.until_end((1,)), {1: (WORDS["NOT_CALLED"],)})
-    field.drop(1)
-    field.step()
+    for seen in (False, True):
+        field.start(1)
+        field.step()
+        before = field.scans
+        field.expect(field.until_end((1,)), {1: (WORDS["NOT_CALLED"],)})
+        _heard(field.scans - before, seen=seen)
+        field.drop(1)
+        field.step()
     field.start(1)
     for _ in range(CALLS_LIMIT // 2):
         field.step()
@@ -359,6 +393,34 @@ def _lease(field: JobField) -> None:
         raise ScenarioError(f"the unit is not free when {LEASE_MS} ms are over")
 
 
+def _silence(field: JobField) -> None:
+    """The request counts as lost a third of the timeout after it was taken, not a millisecond before."""
+    three(field)
+    field.give(1, READ_SPLIT, timeout=3000).times(3000, 100, 1000)
+    field.rig.call(ORDERS[0])
+    for pauses, times in (([111] * 9, 1), ([100] * 10, 2)):  # the last of these answers comes after 999 and 1000 ms
+        field.rig.begin(EngineScenario(name="silence", reads={0: STATE_CONFLICT}))
+        field.step(0)
+        field.start(1)
+        for length in (0, *pauses, 100):
+            field.step(length)
+            _until_pause(field)
+        if field.times_sent(1) != times:
+            raise ScenarioError(f"after {sum(pauses)} ms without an answer it was sent {field.times_sent(1)} times")
+        field.rig.begin(EngineScenario(name="again"))
+        field.expect(field.until_end((1,)), {1: (DONE,)})
+        field.idle(1)
+
+
+def _until_pause(field: JobField) -> None:
+    """Scans of 0 ms until the channel pauses."""
+    for _ in range(40):
+        if field.rig.units[0].get("state") == PAUSE:
+            return
+        field.step(0)
+    raise ScenarioError(f"no pause, the channel is in {state_name(field.rig.units[0].get('state'))}")
+
+
 def _no_time(field: JobField) -> None:
     """Scans in which the clock stands still, as on a CPU with a cycle below a millisecond: nothing runs out."""
     three(field)
@@ -427,10 +489,7 @@ def _silent_channel(conflicts: int, field: JobField) -> None:
         field.rig.call((1, 5, 6, 7))
         before = field.scans
         found = field.until_end((1,))
-        if not CALLS_LIMIT <= field.scans - before <= CALLS_LIMIT + 3:
-            raise ScenarioError(
-                f"it took {field.scans - before} calls until the job heard that nobody calls the channel"
-            )
+        _heard(field.scans - before, seen=calls > 1)
         field.expect(found, {1: (WORDS["NOT_CALLED"],)})
         field.rig.call(ORDERS[0])
         for _ in range(20):
@@ -441,6 +500,12 @@ def _silent_channel(conflicts: int, field: JobField) -> None:
             raise ScenarioError("a trigger was sent twice")
         field.idle(1)
         field.again(1, 2, 3)
+
+
+def _heard(calls: int, *, seen: bool) -> None:
+    """In the first call behind CALLS_LIMIT ones; a sign of life that the job has not ``seen`` yet takes one more."""
+    if calls != CALLS_LIMIT + (1 if seen else 2):
+        raise ScenarioError(f"it took {calls} calls until the job heard that nobody calls the channel")
 
 
 def _two_levels(calls: tuple[int, ...], field: JobField, *, fast: bool) -> None:

@@ -10,7 +10,7 @@ from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.proof.engine.errands import READ_ONE, READ_SPLIT, WRITE_SPLIT
 from plcgen.protocols.ds47.proof.engine.field import JobField
 from plcgen.protocols.ds47.proof.engine.stimulus import SHARED_PLACE
-from plcgen.protocols.ds47.proof.words import DONE, GATE, LEASE_MS, READ, WORDS, WRITE
+from plcgen.protocols.ds47.proof.words import DONE, GATE, LEASE_MS, READ, STEP_MS, WORDS, WRITE
 
 CALLS = (1, 2, 3, 4, 5, 8, 9)
 """The gate, three channels, a job of each unit."""
@@ -33,6 +33,7 @@ def places() -> Iterator[tuple[str, Run]]:
         yield f"channels in OB1 get their turns beside one in OB35, the gate is in {gate}", partial(_fair, gate)
     for state in (GATE, WRITE, READ):
         yield f"a channel that is not called any more in state {state}", partial(_dead, state)
+    yield "a channel that is not called any more, to the millisecond", _lease
     yield "the gate is not called", _no_gate
     yield "nobody asks for a place", _nobody
     yield "numbers of channels and places", _numbers
@@ -147,6 +148,34 @@ def _dead(state: int, field: JobField) -> None:
         field.wire()
         field.idle(1, 4)
         field.again(1, 4, 5)
+
+
+def _lease(field: JobField) -> None:
+    """A place is free LEASE after the gate has looked at its channel, not a millisecond before.
+
+    It looks every LEASE, and takes the place of the first channel away then; the second one is called for the last time
+    in the same scan.
+    """
+    _three(field)
+    field.rig.plan.set("places", 2)
+    field.rig.call(CALLS)
+    field.rig.bus.write_busy = 5000
+    field.step()
+    field.start(1, 4)
+    for _ in range(10):
+        field.step()
+    first, second = (f"channels[{number}].grant" for number in (1, 2))
+    field.rig.call((3, 1))
+    while field.rig.gate.get(first):
+        field.step()
+    field.rig.call((1,))
+    for length in (2 * STEP_MS, 10, *[0] * 50, STEP_MS - 10, LEASE_MS - 2 * STEP_MS - 1, 0):
+        if not field.rig.gate.get(second):
+            raise ScenarioError(f"the place is free before {LEASE_MS} ms are over")
+        field.step(length)
+    field.step(1)
+    if field.rig.gate.get(second):
+        raise ScenarioError(f"the place is not free when {LEASE_MS} ms are over")
 
 
 def _nobody(field: JobField) -> None:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.proof.engine.rig import EngineRig
 from plcgen.protocols.ds47.proof.engine.scenario import EngineScenario
-from plcgen.protocols.ds47.proof.words import BUILD, DRAIN, DRAIN_MS, PAUSE, STEP_MS, state_name
+from plcgen.protocols.ds47.proof.words import BUILD, DRAIN, DRAIN_MS, PAUSE, STEP_MS, WORDS, state_name
+
+TIMED_OUT = frozenset({WORDS["TIMEOUT"], WORDS["NO_PLACE"]})
 
 
 class ChannelTimes:
@@ -21,6 +23,8 @@ class ChannelTimes:
         self.granted: int | None = None
         self.pausing: int | None = None
         self.draining: int | None = None
+        self.early = False
+        """Whether what was last done for the job was done before its timeout."""
 
     def forget(self) -> None:
         """The CPU has started again: nobody knows what its blocks have counted."""
@@ -28,15 +32,14 @@ class ChannelTimes:
         self.granted = self.pausing = self.draining = None
 
     def length(self) -> int:
-        """Length of this scan in ms; a pause passes in one long scan and ends with a short one."""
+        """Length of this scan in ms: a pause passes in a long one, the last millisecond of each limit in another."""
         scenario = self.scenario
-        if self.pausing is None or scenario.happens:
+        begun = ((self.pausing, scenario.pause), (self.granted, scenario.timeout), (self.draining, DRAIN_MS))
+        left = [at + limit - self.clock for at, limit in begun if at is not None and at + limit > self.clock]
+        if scenario.happens or not left or scenario.scan > STEP_MS:
             return scenario.scan
-        ends = [self.pausing + scenario.pause]
-        if self.granted is not None:
-            ends.append(self.granted + scenario.timeout)
-        left = min(ends) - self.clock
-        return min(left - scenario.scan, STEP_MS) if left > scenario.scan else max(left, 1)
+        longest = scenario.scan if self.pausing is None else STEP_MS
+        return min(max(min(left) - 1, 1), longest)
 
     def observe(self, passed: int) -> None:
         """Hold the state behind a call to the clock."""
@@ -53,8 +56,14 @@ class ChannelTimes:
         if self.granted is None or not BUILD <= before <= PAUSE:
             return
         passed = self.clock - self.granted
+        self.early = passed < self.scenario.timeout
         if passed >= self.scenario.timeout and self.state != DRAIN:
             raise ScenarioError(f"{passed} ms after the start, at a timeout of {self.scenario.timeout}, it goes on")
+
+    def check_end(self, status: int) -> None:
+        """No timeout before its time."""
+        if self.early and self.granted is not None and status in TIMED_OUT:
+            raise ScenarioError(f"16#{status:04X} before the timeout of {self.scenario.timeout} ms")
 
     def watch_pause(self, before: int) -> None:
         """A retry waits for the pause: no call less and none more."""
