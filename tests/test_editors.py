@@ -149,6 +149,28 @@ def test_an_editor_completes(editor: yaml_server.YamlServer, text: str, some: se
     assert some <= set(editor.offered(text))
 
 
+PROFILE = """\
+title: Acme Turbo
+source: Acme manual
+record_index: {default: profibus, profibus: 47}
+drive_object: {default: 1}
+parameters: {P7: {name: acme_ramp, type: FloatingPoint}, R9: {name: acme_speed, type: FloatingPoint, access: r}}
+"""
+
+
+@without_server
+def test_an_editor_completes_a_profile_of_the_users_own(tmp_path: Path) -> None:
+    """Beside the names of the shipped devices, if the schema was made with it."""
+    from plcgen.cli.main import run
+
+    profile, schema = tmp_path / "acme.yaml", tmp_path / "spec.json"
+    profile.write_text(PROFILE, "utf-8")
+    assert run(["schema", "--profile", str(profile), "--quiet", "--output", str(schema)]) == 0
+    with yaml_server.yaml_server(schema) as server:
+        assert {"acme_ramp", "ramp_up_time"} <= set(server.offered(HEAD + "    write:\n      ▮"))
+        assert {"acme_speed", "actual_speed"} <= set(server.offered(HEAD + "    read:\n      - ▮"))
+
+
 @without_server
 def test_an_editor_explains(editor: yaml_server.YamlServer) -> None:
     """The sentence of the key under the cursor."""

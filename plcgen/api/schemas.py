@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 from plcgen.diagnostics import ArgumentError
@@ -12,18 +13,15 @@ VERSION = 1
 """Of files without a version of their own."""
 
 
-def _spec() -> dict[str, Any]:
+def _spec(profiles: Sequence[str] = (), *, shared: bool = False) -> dict[str, Any]:
     from plcgen.project.shape import json_schema
     from plcgen.protocols.registry import protocols
 
-    return json_schema(protocols())
+    return json_schema(protocols(), profiles, shared=shared)
 
 
-def _shared() -> dict[str, Any]:
-    from plcgen.project.shape import json_schema
-    from plcgen.protocols.registry import protocols
-
-    return json_schema(protocols(), shared=True)
+def _shared(profiles: Sequence[str] = ()) -> dict[str, Any]:
+    return _spec(profiles, shared=True)
 
 
 def _drive() -> dict[str, Any]:
@@ -115,14 +113,23 @@ SCHEMAS: dict[str, Callable[[], dict[str, Any]]] = {
     "monitor": _monitor,
 }
 """By the kind of file; ``output`` are results of ``--format json``, ``serve`` and ``monitor`` a line of these verbs."""
+WITH_PROFILES = {"spec": _spec, "shared": _shared}
+"""Those that offer names of device profiles."""
 
 
-def schema(kind: str = "spec") -> dict[str, Any]:
+def schema(kind: str = "spec", *, profiles: Sequence[str | Path] = ()) -> dict[str, Any]:
     """JSON schema (draft 2020-12) of a kind of file, or of the results of ``--format json``; see ``SCHEMAS``.
 
+    ``profiles`` are device profiles of your own: the schemas of a spec and of what it includes offer their names, too.
+
     Raises:
-        ArgumentError: there is no such kind.
+        ArgumentError: there is no such kind, or it has no profiles.
+        DiagnosticError: a file is no profile.
     """
     if kind not in SCHEMAS:
         raise ArgumentError(f"there is no schema of {kind}; available: {', '.join(SCHEMAS)}")
-    return SCHEMAS[kind]()
+    if not profiles:
+        return SCHEMAS[kind]()
+    if kind not in WITH_PROFILES:
+        raise ArgumentError(f"the schema of {kind} offers nothing of device profiles; {' and '.join(WITH_PROFILES)} do")
+    return WITH_PROFILES[kind]([str(Path(path).absolute()) for path in profiles])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plcgen.cli.options import console, format_option, output_option, verb
+from plcgen.cli.options import PATH, console, format_option, output_option, verb
 from plcgen.cli.output import OK
 
 if TYPE_CHECKING:
@@ -23,14 +23,23 @@ KINDS = (
 @verb(
     "schema",
     "plcgen schema --output plcgen.schema.json",
+    "plcgen schema --profile acme.yaml --output plcgen.schema.json",
     "plcgen schema output",
     "plcgen schema --devices",
 )
 @click.argument("kind", type=click.Choice(KINDS), default="spec")
+@click.option(
+    "--profile",
+    "profiles",
+    multiple=True,
+    type=PATH,
+    metavar="FILE",
+    help="A device profile of your own: its parameter names are offered in a spec, too.",
+)
 @click.option("--devices", is_flag=True, help="List the device profiles instead.")
 @format_option("answer")
 @output_option
-def command(*, kind: str, devices: bool, format_: OutputFormat, output: Path | None) -> int:
+def command(*, kind: str, profiles: tuple[Path, ...], devices: bool, format_: OutputFormat, output: Path | None) -> int:
     """Print a JSON schema for editors and programs, or the known devices.
 
     Without an argument, the schema is that of a spec. Others are those of a file that specs include (shared), a drive
@@ -41,9 +50,13 @@ def command(*, kind: str, devices: bool, format_: OutputFormat, output: Path | N
     if devices:
         return out.answer(format_, _devices(), output)
     from plcgen import api
+    from plcgen.api.schemas import WITH_PROFILES
     from plcgen.display.data import dump
 
-    out.result(dump(_config() if kind == "config" else api.schema(kind)), output)
+    if profiles and kind not in WITH_PROFILES:
+        raise click.UsageError(f"--profile belongs to the schemas {' and '.join(WITH_PROFILES)}, not to {kind}")
+    found = _config() if kind == "config" else api.schema(kind, profiles=profiles)
+    out.result(dump(found), output)
     return OK
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from typing import Any
 
 from pydantic import create_model
@@ -26,14 +27,17 @@ def spec_model(used: tuple[Protocol, ...]) -> type[Spec]:
     return create_model("Spec", __base__=(Spec, *sections), __doc__=Spec.__doc__)  # type: ignore[arg-type]
 
 
-def json_schema(known: tuple[Protocol, ...], *, shared: bool = False) -> dict[str, Any]:
-    """JSON schema (draft 2020-12) of a job spec for editors, short forms included; ``shared``: of an included file."""
+def json_schema(known: tuple[Protocol, ...], profiles: Sequence[str] = (), *, shared: bool = False) -> dict[str, Any]:
+    """JSON schema (draft 2020-12) of a job spec for editors, short forms included; ``shared``: of an included file.
+
+    It offers what ``profiles`` of the user's own name, too. Raises DiagnosticError if one of these files is none.
+    """
     from plcgen.project.cpus import cpu_names
 
     schema = spec_model(known).model_json_schema(by_alias=True)
     schema["$defs"]["Plc"]["properties"]["cpu"]["anyOf"].insert(0, {"enum": list(cpu_names())})
     for protocol in known:
-        protocol.complete(schema)
+        protocol.complete(schema, profiles)
     del schema["required"]
     definitions = schema.pop("$defs")
     whole = {"required": ["plc"], **Requirements(definitions, WHOLE).take(schema)}

@@ -8,7 +8,7 @@ when it is called, so that naming a protocol costs nothing.
 from __future__ import annotations
 
 import typing
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -72,8 +72,8 @@ class Protocol(typing.Protocol):
     def section(self, *, alone: bool) -> type[BaseModel]:
         """Shape of these keys; ``alone`` if the spec uses no other protocol."""
 
-    def complete(self, schema: dict[str, Any]) -> None:
-        """Put the short forms into the JSON schema of a spec."""
+    def complete(self, schema: dict[str, Any], profiles: Sequence[str]) -> None:
+        """Put the short forms into the JSON schema of a spec, and what the user's own device profiles name."""
 
     def pinned(self, loaded: LoadedSpec) -> Iterable[tuple[str, int]]:
         """Block numbers that the spec fixes: kind and number."""

@@ -421,8 +421,11 @@ def test_devices(plcgen):
 
 def test_schema(plcgen, monkeypatch):
     """The schema goes to stdout as it is."""
-    monkeypatch.setattr(plcgen_api, "schema", lambda kind: {"title": f"plcgen job {kind}"})
+    monkeypatch.setattr(plcgen_api, "schema", lambda kind, profiles: {"title": f"plcgen job {kind}"})
     assert json.loads(plcgen("schema").out) == {"title": "plcgen job spec"}
+    wrong = plcgen("schema", "drive", "--profile", "acme.yaml")
+    assert wrong.code == 2
+    assert "--profile belongs to the schemas spec and shared, not to drive" in wrong.err
 
 
 def test_schema_for_real(plcgen):

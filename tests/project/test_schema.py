@@ -13,7 +13,8 @@ import pytest
 import yaml
 from projects import SPECS, every_type
 
-from plcgen.diagnostics import Report
+from plcgen import api
+from plcgen.diagnostics import ArgumentError, DiagnosticError, Report
 from plcgen.input.yaml import resolve_plain
 from plcgen.project.loading import parse_spec, spec_keys
 from plcgen.project.shape import json_schema
@@ -83,6 +84,25 @@ def test_editors_complete() -> None:
     writable = definitions["Job"]["properties"]["write"]["anyOf"][0]["properties"]
     assert writable["ramp_up_time"]["description"]
     assert "fault_code" not in writable
+
+
+def test_editors_complete_profiles_of_the_users_own(tmp_path: Path) -> None:
+    """What is written offers what can be written, all of it what has a name."""
+    profile = tmp_path / "acme.yaml"
+    profile.write_text(
+        "title: Acme\nsource: Acme manual\nrecord_index: {default: profibus, profibus: 47}\n"
+        "drive_object: {default: 1}\n"
+        "parameters: {P7: {name: acme_ramp, type: Unsigned16}, R9: {name: acme_speed, type: Unsigned16, access: r}}\n",
+        "utf-8",
+    )
+    for kind in ("spec", "shared"):
+        job = api.schema(kind, profiles=[profile])["$defs"]["Job"]["properties"]
+        assert {"acme_ramp", "acme_speed", "ramp_up_time"} <= {*job["read"]["anyOf"][0]["anyOf"][0]["enum"]}
+        assert {"acme_ramp", "acme_speed"} & {*job["write"]["anyOf"][0]["properties"]} == {"acme_ramp"}
+    with pytest.raises(ArgumentError, match="schema of drive offers nothing of device profiles; spec and shared do"):
+        api.schema("drive", profiles=[profile])
+    with pytest.raises(DiagnosticError):
+        api.schema(profiles=[tmp_path / "nowhere.yaml"])
 
 
 def test_defaults_are_written_as_in_a_file() -> None:

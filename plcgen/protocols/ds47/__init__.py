@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -38,11 +38,11 @@ class Ds47:
 
         return drive_sections(alone=alone)
 
-    def complete(self, schema: dict[str, Any]) -> None:
-        """Short forms of jobs."""
+    def complete(self, schema: dict[str, Any], profiles: Sequence[str]) -> None:
+        """Short forms of jobs, names of parameters."""
         from plcgen.protocols.ds47.schema import complete
 
-        complete(schema)
+        complete(schema, profiles)
 
     def pinned(self, loaded: LoadedSpec) -> Iterator[tuple[str, int]]:
         """Numbers of function blocks, instances and buffers."""

@@ -7,6 +7,7 @@ entry point group ``plcgen.devices``, or beside the spec (``device: ./acme.yaml`
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import ModuleType
@@ -168,9 +169,10 @@ def find_device(name: str) -> Device:
     return found
 
 
-def named_parameters() -> dict[str, Parameter]:
-    """Parameters of any of the profiles by their names, for completion."""
-    found = {p.name: p for device in device_names() for p in find_device(device).parameters.values()}
+def named_parameters(profiles: Iterable[str] = ()) -> dict[str, Parameter]:
+    """Parameters of all devices, and of some ``profiles`` besides, by their names, for completion."""
+    devices = map(find_device, (*device_names(), *profiles))
+    found = {p.name: p for device in devices for p in device.parameters.values()}
     return {name: found[name] for name in sorted(found) if name}
 
 

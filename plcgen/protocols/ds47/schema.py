@@ -284,8 +284,11 @@ def _offer(definition: dict[str, Any], key: str, names: Iterable[str]) -> None:
     entry["anyOf"] = [*suggested(names)["anyOf"], *null]
 
 
-def complete(schema: dict[str, Any]) -> None:
-    """Put the short forms of jobs, data types and names of parameters into the JSON schema of a spec."""
+def complete(schema: dict[str, Any], profiles: Iterable[str] = ()) -> None:
+    """Put the short forms of jobs, data types and names of parameters into the JSON schema of a spec.
+
+    ``profiles`` are files of the user's own. Raises DiagnosticError if one is no profile.
+    """
     definitions = schema["$defs"]
     for name in ("ParameterDef", "ReadItem", "RecipeItem", "WriteItem"):
         _offer(definitions[name], "type", format_names())
@@ -296,7 +299,7 @@ def complete(schema: dict[str, Any]) -> None:
     for kind in kinds():
         if kind.short is not None:
             job[kind.key] = {**kind.short(definitions), "description": kind.description}
-    names = named_parameters()
+    names = named_parameters(profiles)
     for name in ("ReadItem", "RecipeItem", "WriteItem"):
         _offer(definitions[name], "parameter", names)
     read, write, compare = (job[key]["anyOf"] for key in ("read", "write", "compare"))

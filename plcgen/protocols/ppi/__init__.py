@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class Ppi:
 
         return PpiSection
 
-    def complete(self, schema: dict[str, Any]) -> None:
+    def complete(self, schema: dict[str, Any], profiles: Sequence[str]) -> None:  # noqa: ARG002 - stations have none
         """Short forms of jobs."""
         from plcgen.protocols.ppi.schema import complete
 

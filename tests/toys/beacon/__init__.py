@@ -131,7 +131,7 @@ class Beacon:
         """Lamps."""
         return Lamps
 
-    def complete(self, schema) -> None:
+    def complete(self, schema, profiles) -> None:
         """There are no short forms."""
 
     def pinned(self, loaded):  # noqa: ARG002 - no key fixes one
