@@ -22,8 +22,10 @@ _DECLARED = re.compile(r"^\s*([A-Za-z]\w*)(?: \{InstructionName[^}]*\})?(?: AT \
 
 
 def _block_names() -> list[str]:
-    """Every name that the job template declares."""
-    text = (templates_dir() / "ds47" / "job.scl.j2").read_text("utf-8").split("BEGIN")[0]
+    """Every name that the templates of a job declare."""
+    folder = templates_dir() / "ds47"
+    features = [path.read_text("utf-8") for path in sorted((folder / "features").glob("*.scl.j2"))]
+    text = "\n".join([(folder / "job.scl.j2").read_text("utf-8").split("BEGIN")[0], *features])
     declared = _DECLARED.findall("\n".join(line.split("//")[0] for line in text.splitlines()))
     return sorted(set(declared) - {"AUTHOR", "FAMILY", "VERSION"})
 
@@ -37,8 +39,8 @@ def _check(jobs: str, tmp_path: Path, head: str = PLC + DRIVE) -> tuple[Diagnost
 def test_the_template_was_understood() -> None:
     """The list of names below is not empty by accident."""
     names = _block_names()
-    assert {"execute", "errorInfos", "driveObject", "unit", "statOrder", "tempIndex"} <= set(names)
-    assert len(names) > 15
+    assert {"execute", "errorInfos", "driveObject", "unit", "statOrder", "tempIndex", "statSaving"} <= set(names)
+    assert len(names) > 60
 
 
 @pytest.mark.parametrize("name", _block_names())

@@ -134,6 +134,7 @@ def _job_title(plan: DrivePlan, job: DriveJob) -> str:
 def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     where = plan.target
     aligned = _aligned(job)
+    features = _features(job)
     comments = [job.comment[lang] for lang in plan.languages if job.comment.get(lang)]
     return {
         "block": job.block,
@@ -144,6 +145,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "deviations": None if job.deviations is None else deviations_view(job, job.deviations),
         "sequence": None if not job.in_steps else sequence_view(plan, job),
         "clock": clock_view(plan, job),
+        **_behaviour(job, features),
         "pinned": job.pinned,
         "many": len(job.telegrams) > 1,
         "title": label,
@@ -176,6 +178,49 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     }
 
 
+def _features(job: DriveJob) -> list[str]:
+    """What a job does besides sending and taking: files in ``templates/ds47/features``, in the order they declare."""
+    steps = "waiting_sequence" if any(use.awaited is not None for use in job.uses) else "sequence"
+    found = {
+        "save": job.poll is not None and job.poll.saves,
+        "acknowledge": job.poll is not None and not job.poll.saves,
+        "readback": job.verified,
+        "restore": job.restores,
+        "messages": job.messages is not None,
+        "clock": job.clock is not None,
+        "recipe": job.recipe is not None,
+        steps: job.in_steps,
+    }
+    return [name for name, has in found.items() if has]
+
+
+_RESULTS = ("restore", "save", "acknowledge", "sequence", "waiting_sequence", "messages", "readback", "clock")
+"""Features that say how a job has ended: the first one says it for all."""
+
+
+def _behaviour(job: DriveJob, features: list[str]) -> dict[str, Any]:
+    """Features, and what the frame around them must know.
+
+    ``before``: those that act before the ticket is called, saving behind the checks that may prevent it. ``result``:
+    that which says how the job has ended, if any does. ``waits``: whether the job leaves the unit between two
+    questions; ``refuses``: whether a start may be refused; ``open_end``: whether the last telegram is known only while
+    it runs; ``goes_on``: whether it saves if what it has written is right, and restores if not; ``fails``: whether it
+    may fail although every telegram was answered well.
+    """
+    has = set(features).intersection
+    return {
+        "features": features,
+        "before": sorted(features, key=lambda name: name == "save"),
+        "result": next((name for name in _RESULTS if name in features), ""),
+        "constants": any(name != "sequence" for name in features),
+        "waits": "waiting_sequence" in features,
+        "refuses": bool(has({"save", "clock"})),
+        "open_end": bool(has({"save", "acknowledge", "messages", "restore", "waiting_sequence"})) or _stops(job),
+        "goes_on": {"save", "restore"} <= set(features),
+        "fails": bool(has({"save", "acknowledge", "readback", "messages", "sequence", "waiting_sequence"})),
+    }
+
+
 _REFUSED = {"STATUS_WRITE_ERROR", "STATUS_PARAMETER_ERROR", "STATUS_NOT_SUPPORTED"}
 """Results of a change of one parameter that the drive has not taken."""
 
@@ -189,8 +234,6 @@ def _poll(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
         "interval": poll.interval,
         "limit": poll.limit,
         "distance": poll.distance,
-        "saves": poll.saves,
-        "name": "SAVE" if poll.saves else "ACKNOWLEDGE",
         "statuses": [
             (name, f"W#16#{value:04X}", text) for name, value, text in (SAVE_WORDS if poll.saves else ACKNOWLEDGE_WORDS)
         ],
@@ -209,21 +252,28 @@ def _places(telegram: DriveTelegram, part: Part) -> tuple[int, int]:
 
 
 def _verify(job: DriveJob) -> dict[str, Any]:
-    """What a block needs that reads back: words, and for each telegram which bytes of it belong to which of a request.
-
-    ``stops``: whether something would be sent behind a difference.
-    """
-    read = [telegram for telegram in job.telegrams if any(part.use.verifies is not None for part in telegram.parts)]
+    """What a block needs that reads back: words, and which bytes of each telegram belong to which of a request."""
+    read = _read_back(job)
     found = [(telegram.number, list(_comparisons(job, telegram))) for telegram in read]
     values = [value for _, telegram in found for value in telegram]
     return {
         "statuses": [(name, f"W#16#{value:04X}", text) for name, value, text in VERIFY_WORDS],
         "deviates": f"W#16#{ERROR_DEVIATES:04X}",
         "telegrams": found,
-        "stops": read[0] is not job.telegrams[-1],
+        "stops": _stops(job),
         "floats": any(value["float"] for value in values),
         "zeros": any(value["zero"] for value in values),
     }
+
+
+def _read_back(job: DriveJob) -> list[DriveTelegram]:
+    """Telegrams that ask for what was written."""
+    return [telegram for telegram in job.telegrams if any(part.use.verifies is not None for part in telegram.parts)]
+
+
+def _stops(job: DriveJob) -> bool:
+    """Whether something would be sent behind a difference."""
+    return job.verified and _read_back(job)[0] is not job.telegrams[-1]
 
 
 def _comparisons(job: DriveJob, answer: DriveTelegram) -> Iterator[dict[str, Any]]:
