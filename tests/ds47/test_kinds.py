@@ -66,6 +66,36 @@ def test_an_editor_knows_the_kind() -> None:
     assert not validator.is_valid(spec)
 
 
+LIKE_ACTIVATE = """
+from dataclasses import replace
+
+from plcgen.protocols.ds47.kinds.activate import ACTIVATE
+
+KIND = replace(ACTIVATE, key="take_part")
+"""
+ACTIVATING = """
+plc: {name: Toy, family: s7-1500, toolchain: tia-v17}
+drives: {axis: {device: sinamics-s120, drive_object: 3, hardware_id: 270}}
+jobs: {part: {drive: axis, %s: %s}}
+"""
+
+
+@pytest.mark.parametrize("state", ["true", "not_present", "input"])
+def test_what_a_shipped_kind_can_do_a_kind_of_others_can(distribution, tmp_path: Path, state: str) -> None:
+    """The same under another key is signed off, titled and noted alike: nothing depends on what a kind is called."""
+    distribution("toy_kind", "plcgen.kinds", "take_part = toy_kind:KIND", LIKE_ACTIVATE)
+    found = []
+    for key in ("activate", "take_part"):
+        spec, out = tmp_path / f"{key}.yaml", tmp_path / key
+        spec.write_text(ACTIVATING % (key, state), "utf-8")
+        made = api.generate(spec, out)
+        assert made.ok
+        sources = {path.name: path.read_text("utf-8") for path in out.rglob("*.scl")}
+        notes = [(d.code, d.message, d.help) for d in api.check(spec).diagnostics]
+        found.append((notes, {name: text.replace(key, "activate") for name, text in sources.items()}))
+    assert found[0] == found[1]
+
+
 def test_two_kinds_in_one_job_are_told(toy: Path) -> None:
     """PG218 names both, and what may stand there."""
     toy.write_text(SPEC.replace("identify: true", "identify: true, read: [P1120]"), "utf-8")
@@ -95,15 +125,16 @@ def test_a_kind_takes_no_key_that_something_has(distribution, tmp_path: Path, ke
         api.check(spec)
 
 
-def test_what_a_kind_raises_is_not_a_bug_of_plcgen(distribution, tmp_path: Path) -> None:
+@pytest.mark.parametrize("part", ["items", "title", "steps"])
+def test_what_a_kind_raises_is_not_a_bug_of_plcgen(distribution, tmp_path: Path, part: str) -> None:
     """It is told by its name."""
     code = TOY + "\n\ndef broken(value):\n    raise KeyError(value)\n\n\n"
-    code += "from dataclasses import replace\nKIND = replace(KIND, items=broken)\n"
+    code += f"from dataclasses import replace\nKIND = replace(KIND, {part}=broken)\n"
     distribution("toy_kind", "plcgen.kinds", "identify = toy_kind:KIND", code)
     spec = tmp_path / "job.yaml"
     spec.write_text(SPEC, "utf-8")
     with pytest.raises(PluginError, match=r"the kind of job identify cannot be planned: KeyError\(True\)"):
-        api.check(spec)
+        api.generate(spec, tmp_path / "out")
 
 
 def test_without_others_there_are_the_shipped_kinds() -> None:

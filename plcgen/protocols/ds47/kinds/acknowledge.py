@@ -51,4 +51,5 @@ ACKNOWLEDGE = JobKind(
     short=short_form(AcknowledgeSettings, (True,)),
     poll=lambda settings: Poll(settings.interval, settings.limit, 0),
     fixed=True,
+    title=lambda _: "Acknowledge the faults of the drive object",
 )

@@ -49,6 +49,11 @@ def _activate_steps(settings: ActivateSettings) -> Iterator[StepItem]:
     yield StepItem(2, (), ReadItem.model_validate({"parameter": f"r{ACTIVE}", "as": "active"}), awaited, value % 2)
 
 
+def _activate_title(settings: ActivateSettings) -> str:
+    words = {"input": "Activate or deactivate", "True": "Activate"}
+    return f"{words.get(str(settings.state), 'Deactivate')} the drive object"
+
+
 ACTIVATE = JobKind(
     key="activate",
     writes=True,
@@ -59,4 +64,6 @@ ACTIVATE = JobKind(
     short=short_form(ActivateSettings, (True, False, "not_present", "input")),
     steps=_activate_steps,
     fixed=True,
+    title=_activate_title,
+    permits=lambda settings: {ACTIVATES: f"the job says activate: {str(settings.state).lower()}"},
 )

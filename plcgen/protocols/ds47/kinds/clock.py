@@ -27,4 +27,5 @@ CLOCK = JobKind(
     items=_clock_items,
     fixed=True,
     sets_clock=True,
+    title=lambda _: "Set the clock of the control unit",
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -110,6 +110,8 @@ class JobKind:
     belong to which step of a sequence. ``recorded``: the value names a recipe, for which ``items`` are asked.
     ``fixed``: the parameters are the kind's own, which the device must have; ``bits``: an item may be a bit of a word;
     ``read_back``: a job may have ``verify: readback`` and ``on_error``; ``saves`` and ``sets_clock`` say what it does.
+    ``title`` is the one line that its block says of itself (None: the kind and the parameters). ``permits`` are the
+    dangerous parameters that a job of the kind is there to write, each with what the spec says instead of a sign-off.
     """
 
     key: str
@@ -129,6 +131,8 @@ class JobKind:
     read_back: bool = False
     saves: bool = False
     sets_clock: bool = False
+    title: Callable[[Any], str] | None = None
+    permits: Callable[[Any], Mapping[int, str]] | None = None
 
 
 def within_limit(interval: int, info: ValidationInfo) -> int:

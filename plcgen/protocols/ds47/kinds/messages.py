@@ -96,6 +96,10 @@ def _messages(settings: Any, *, history: bool) -> Messages:
     return Messages(settings.columns, (True, *(history,) * settings.history), settings.tries)
 
 
+def _title(key: str, settings: Any) -> str:
+    return f"Read the {key} that are present{' and their history' if settings.history else ''}"
+
+
 def _buffer_kind(key: str, what: str, shape: Any, counter: int, numbers: Mapping[str, int]) -> JobKind:
     return JobKind(
         key=key,
@@ -107,6 +111,7 @@ def _buffer_kind(key: str, what: str, shape: Any, counter: int, numbers: Mapping
         short=short_form(shape, WHOLE),
         messages=partial(_messages, history=key == "faults"),
         fixed=True,
+        title=partial(_title, key),
     )
 
 

@@ -15,7 +15,7 @@ from plcgen.plugins import expect_free, plugins
 from plcgen.protocols.ds47.kinds.acknowledge import ACKNOWLEDGE
 from plcgen.protocols.ds47.kinds.activate import ACTIVATE
 from plcgen.protocols.ds47.kinds.clock import CLOCK
-from plcgen.protocols.ds47.kinds.kind import JobKind, ReadItem, WriteItem
+from plcgen.protocols.ds47.kinds.kind import JobKind
 from plcgen.protocols.ds47.kinds.messages import ALARM_LIST, FAULT_LIST
 from plcgen.protocols.ds47.kinds.recipe import RECIPES
 from plcgen.protocols.ds47.kinds.save import SAVE
@@ -29,15 +29,23 @@ SHIPPED = (READ, WRITE, COMPARE, SAVE, FAULT_LIST, ALARM_LIST, ACKNOWLEDGE, SEQU
 @cache
 def kinds() -> tuple[JobKind, ...]:
     """Every kind: the shipped ones first, then others by name. Raises PluginError."""
-    brought = [replace(kind, items=partial(_items, kind)) for kind in plugins(GROUP, JobKind).values()]
+    brought = [_guarded(kind) for kind in plugins(GROUP, JobKind).values()]
     expect_free(GROUP, (kind.key for kind in brought), [kind.key for kind in SHIPPED])
     return (*SHIPPED, *brought)
 
 
-def _items(kind: JobKind, value: Any) -> tuple[ReadItem | WriteItem, ...]:
-    """What a kind of somebody else makes of a value: whatever it raises is not a bug of plcgen."""
+def _guarded(kind: JobKind) -> JobKind:
+    """A kind of somebody else: whatever it raises is not a bug of plcgen."""
+    parts = ("items", "poll", "messages", "steps", "title", "permits")
+    made: dict[str, Any] = {part: partial(_made, kind, part) for part in parts if getattr(kind, part) is not None}
+    return replace(kind, **made)
+
+
+def _made(kind: JobKind, part: str, value: Any) -> Any:
+    """What a part of a kind makes of the value of a job."""
     try:
-        return tuple(kind.items(value))
+        made = getattr(kind, part)(value)
+        return tuple(made) if part in {"items", "steps"} else made
     except Exception as problem:
         raise PluginError(f"the kind of job {kind.key} cannot be planned: {problem!r}") from problem
 

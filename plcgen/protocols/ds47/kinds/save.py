@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from plcgen.input.validation import StrictModel, problem
 from plcgen.project.schema import Duration, short_item
 from plcgen.protocols.ds47.kinds.kind import JobKind, Poll, ReadItem, WriteItem, short_form, within_limit
+from plcgen.s7.durations import spelled
 
 SAVES = {"drive_object": 971, "unit": 977}
 """Set to 1, the parameter starts saving, and returns to 0 when that has ended (S120: p0971, S210: p0977)."""
@@ -50,6 +51,10 @@ def _save_items(settings: SaveSettings) -> tuple[ReadItem | WriteItem, ...]:
     return WriteItem(parameter=name, value=settings.setting or 1), ReadItem.model_validate(asked)
 
 
+def _save_permits(settings: SaveSettings) -> dict[int, str]:
+    return {SAVES[settings.persist]: f"the job says save, once in {spelled(settings.distance)} at most"}
+
+
 SAVE = JobKind(
     key="save",
     writes=True,
@@ -60,4 +65,5 @@ SAVE = JobKind(
     short=short_form(SaveSettings, (*SAVES, "ram")),
     poll=lambda settings: Poll(settings.interval, settings.limit, settings.distance),
     saves=True,
+    permits=_save_permits,
 )

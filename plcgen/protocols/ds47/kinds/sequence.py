@@ -166,4 +166,5 @@ SEQUENCE = JobKind(
     items=lambda steps: tuple(one.item for one in step_items(steps)),
     short=_steps_schema,
     steps=step_items,
+    title=lambda steps: f"Sequence of {len(steps)} steps",
 )

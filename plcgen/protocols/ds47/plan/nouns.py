@@ -14,14 +14,13 @@ from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, Plan
 from plcgen.project.spec import SpecPath
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
-from plcgen.protocols.ds47.kinds.activate import ACTIVATES
 from plcgen.protocols.ds47.kinds.kind import Awaited, Messages, Poll
 from plcgen.protocols.ds47.kinds.messages import PLACES
+from plcgen.protocols.ds47.kinds.registry import kinds
 from plcgen.protocols.ds47.references import number_of
 from plcgen.protocols.ds47.schema import DriveSections, DriveSettings, JobEntry
 from plcgen.protocols.ds47.wire.formats import Format
 from plcgen.protocols.ds47.words import VARIANTS, Variant
-from plcgen.s7.durations import spelled
 from plcgen.s7.types import Elementary
 
 
@@ -521,17 +520,14 @@ class DrivePlan(Plan):
     def sign_off(self, job: DriveJob, pnu: int) -> str | None:
         """The reason that a job gives for writing a dangerous parameter; None if it gives none.
 
-        Saving is what a job that saves is for: it says so, and how often it may; likewise for one that activates.
+        It is one that there is such a job at all, if that is what its kind is for.
         """
         spec = self.entry(job)
         given = spec.allow_safety if pnu in guards.SAFETY else spec.allow
-        saves = None
-        if job.poll is not None and job.poll.saves and pnu == job.saving[-1].parameter.pnu:
-            saves = f"the job says save, once in {spelled(job.poll.distance)} at most"
-        if job.kind == "activate" and pnu == ACTIVATES:
-            state = ("false", "true", "not_present")[job.uses[0].data[-1]] if job.uses[0].constant else "input"
-            saves = f"the job says activate: {state}"
-        return next((why for text, why in given.items() if number_of(text) == pnu), saves)
+        said = ((kind.permits, getattr(spec, kind.key)) for kind in kinds())
+        permits = (permits(value) for permits, value in said if permits is not None and value is not None)
+        permitted = next((found[pnu] for found in permits if pnu in found), None)
+        return next((why for text, why in given.items() if number_of(text) == pnu), permitted)
 
     @property
     def recipes(self) -> tuple[PlannedRecipe, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.protocols.ds47.kinds.registry import kind_called
 from plcgen.protocols.ds47.plan.values import literals_text
 from plcgen.protocols.ds47.rules.places import given_start, parameter_span
 
@@ -38,7 +39,7 @@ def left_open(plan: DrivePlan) -> Iterator[Diagnostic]:
             continue
         written = [_written(plan, use) for use in shape.inputs]
         open_ = [use.label for use in shape.inputs if not given_start(plan, shape, use)]
-        choose = f", or choose: {open_[0]}: {{start: ..}}" if open_ and shape.kind != "activate" else ""
+        choose = f", or choose: {open_[0]}: {{start: ..}}" if open_ and not kind_called(shape.kind).fixed else ""
         help_ = f"connect its inputs{choose}" if open_ else ""
         does, to = ("writes", "to") if shape.writes else ("wants", "of")
         yield Diagnostic(

@@ -15,6 +15,7 @@ from plcgen.documents.spelling import (
     literal,
     one_line,
 )
+from plcgen.protocols.ds47.kinds.registry import kind_called
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
 from plcgen.protocols.ds47.plan.pack import BLOCK_HEADER
@@ -101,24 +102,14 @@ def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
 
 def _job_title(plan: DrivePlan, job: DriveJob) -> str:
     """One-line title of a job."""
+    own = kind_called(job.kind).title
+    text = _accesses(job) if own is None else own(getattr(plan.entry(job), job.kind))
+    return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
+
+
+def _accesses(job: DriveJob) -> str:
+    """What is done with which parameters."""
     verb = job.kind.capitalize() + (" and read back" if job.verified else "")
-    if job.messages is not None:
-        where = "" if len(job.messages.settings.latest_last) == 1 else " and their history"
-        text = f"Read the {job.messages.member} that are present{where}"
-        return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
-    if job.poll is not None and not job.guarded:
-        text = "Acknowledge the faults of the drive object"
-        return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
-    if job.kind == "activate":
-        text = f"{'Activate' if any(job.uses[1].data) else 'Deactivate'} the drive object"
-        text = "Activate or deactivate the drive object" if job.supplied else text
-        return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
-    if job.clock is not None:
-        text = "Set the clock of the control unit"
-        return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
-    if job.in_steps:
-        text = f"Sequence of {job.uses[-1].step} steps"
-        return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
     uses = [use for use in job.uses if use.poll is None and use.verifies is None and use.modifies is None]
     then = ""
     if job.restores:
@@ -128,7 +119,7 @@ def _job_title(plan: DrivePlan, job: DriveJob) -> str:
     labels = ", ".join(use.label for use in uses[:4]) + (", .." if len(uses) > 4 else "")
     if job.recipe is not None:
         verb, labels = verb.replace("_recipe", ""), f"recipe {job.recipe.key}"
-    return clean_title(comment_text(job.comment, plan.languages, plan.target, f"{verb} {labels}{then}"))
+    return f"{verb} {labels}{then}"
 
 
 def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
@@ -150,7 +141,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "many": len(job.telegrams) > 1,
         "title": label,
         "comment_lines": [one_line(text) for text in comments[1:] if encodable(text, where)],
-        "labels": [_label(plan, use) for use in job.uses],
+        "labels": [_label(plan, job, use) for use in job.uses],
         "order": _order(plan, job),
         "use_count": len(job.uses),
         "in_a_row": len(job.uses) > _UNROLLED,
@@ -341,11 +332,11 @@ def _order(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
     return found
 
 
-def _label(plan: DrivePlan, use: Use) -> str:
+def _label(plan: DrivePlan, job: DriveJob, use: Use) -> str:
     """Line of the header: which index of ``errors`` belongs to which parameter."""
     if use.awaited is not None:
         title = f", {use.parameter.title}" if use.parameter.title else ""
-        return one_line(f"{use.position}: step {use.step} waits for {condition_text(plan, use)}{title}")
+        return one_line(f"{use.position}: step {use.step} waits for {condition_text(plan, job, use)}{title}")
     does = "writes" if use.writes else "compares" if use.compared else "reads" if use.verifies is None else "reads back"
     does = does if use.remembers is None else "remembers"
     does += " again" if use.again is not None else ""

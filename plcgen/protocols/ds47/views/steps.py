@@ -8,7 +8,6 @@ from typing import Any
 from plcgen.documents.members import plain
 from plcgen.documents.nouns import CallerValue
 from plcgen.documents.spelling import literal, type_words
-from plcgen.protocols.ds47.kinds.activate import ACTIVATES
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Use
 from plcgen.protocols.ds47.plan.values import literals_text
@@ -51,12 +50,12 @@ def sequence_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
     }
 
 
-def condition_text(plan: DrivePlan, use: Use) -> str:
+def condition_text(plan: DrivePlan, job: DriveJob, use: Use) -> str:
     """``r722.0 = 1`` or ``r21 > 100.0``."""
     awaited = use.awaited
     assert awaited is not None  # noqa: S101 - only uses that wait come here
     if awaited.follows:
-        return f"{use.label} = bit 0 of P{ACTIVATES}"
+        return f"{use.label} = bit 0 of {job.uses[0].label}"
     if awaited.bit is None:
         return f"{use.label} {awaited.operator} {literals_text(use, plan.target)}"
     return f"{use.label}.{awaited.bit} {awaited.operator} {int(any(use.data))}"
@@ -71,7 +70,7 @@ def _wait(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> dict[str, 
         "number": telegram.number,
         "copied": f"statResponse{suffix}" if floats else "",
         "last": telegram.positive_length - 1,
-        "conditions": [_comparison(plan, field, f"statResponseView{suffix}.{field.name}") for field in fields],
+        "conditions": [_comparison(plan, job, field, f"statResponseView{suffix}.{field.name}") for field in fields],
         "told": _told(job) if telegram.awaited is not None and telegram.awaited.follows else "",
     }
 
@@ -83,13 +82,13 @@ def _told(job: DriveJob) -> str:
     return f"statRequest1[{last}]"
 
 
-def _comparison(plan: DrivePlan, field: DriveField, member: str) -> dict[str, Any]:
+def _comparison(plan: DrivePlan, job: DriveJob, field: DriveField, member: str) -> dict[str, Any]:
     """One comparison: of a number in floating point as such, of others byte by byte, the first one with its sign."""
     assert field.part is not None  # noqa: S101 - fields of values only
     use = field.part.use
     awaited = use.awaited
     assert awaited is not None  # noqa: S101 - all parts of such a telegram wait
-    shown = {"label": condition_text(plan, use), "number": use.parameter.pnu, "operator": awaited.operator}
+    shown = {"label": condition_text(plan, job, use), "number": use.parameter.pnu, "operator": awaited.operator}
     if use.format.kind is FormatKind.FLOAT:
         type_ = interface_type(use.format, 1, 0, plan.target)
         assert isinstance(type_, Elementary)  # noqa: S101 - what has no type is refused
