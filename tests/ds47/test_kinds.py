@@ -8,7 +8,7 @@ import jsonschema
 import pytest
 
 from plcgen import api
-from plcgen.diagnostics import PluginError
+from plcgen.diagnostics import PluginError, Severity
 from plcgen.protocols.ds47.kinds.registry import SHIPPED, kinds
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
@@ -94,6 +94,29 @@ def test_what_a_shipped_kind_can_do_a_kind_of_others_can(distribution, tmp_path:
         notes = [(d.code, d.message, d.help) for d in api.check(spec).diagnostics]
         found.append((notes, {name: text.replace(key, "activate") for name, text in sources.items()}))
     assert found[0] == found[1]
+
+
+def test_a_kind_says_how_its_parameters_are_defined(distribution, tmp_path: Path) -> None:
+    """PG248 proposes what the kind knows of its own parameter, nothing of another kind's."""
+    code = TOY.replace('ReadItem(parameter="r0964[0..2]", type="Unsigned16")', 'ReadItem(parameter="r61999")')
+    code = code.replace('key="identify",', 'key="identify", fixed=True, types={"r61999": "Float"},')
+    distribution("toy_kind", "plcgen.kinds", "identify = toy_kind:KIND", code)
+    spec = tmp_path / "job.yaml"
+    spec.write_text(SPEC, "utf-8")
+    found = [d for d in api.check(spec).diagnostics if d.code == "PG248"]
+    assert [d.help.partition(": ")[2] for d in found] == ["parameters: {r61999: {type: Float}}"]
+
+
+@pytest.mark.parametrize(("parameter", "codes"), [("P972", []), ("P9500", ["PG219"])])
+def test_no_kind_signs_off_safety_integrated(distribution, tmp_path: Path, parameter: str, codes: list[str]) -> None:
+    """PG219 for p9500, whatever the kind permits; p0972, which restarts the unit, is what such a job is for."""
+    code = TOY.replace("ReadItem", "WriteItem").replace("writes=False", "writes=True")
+    code = code.replace('parameter="r0964[0..2]"', f'parameter="{parameter}", value=1')
+    code = code.replace("items=", 'permits=lambda _: {972: "it restarts", 9500: "it says so"}, items=')
+    distribution("toy_kind", "plcgen.kinds", "identify = toy_kind:KIND", code)
+    spec = tmp_path / "job.yaml"
+    spec.write_text(SPEC, "utf-8")
+    assert [d.code for d in api.check(spec).diagnostics if d.severity is Severity.ERROR] == codes
 
 
 def test_two_kinds_in_one_job_are_told(toy: Path) -> None:

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from plcgen.input.validation import StrictModel, problem
 from plcgen.project.schema import Duration
 from plcgen.protocols.ds47.kinds.kind import JobKind, Poll, ReadItem, WriteItem, short_form, within_limit
-from plcgen.protocols.ds47.kinds.messages import FAULTS, PLACES
+from plcgen.protocols.ds47.kinds.messages import COLUMN, FAULTS, PLACES
 
 ACKNOWLEDGES = 3981
 """Set to 1, the parameter acknowledges the faults of a drive object, and returns to 0 (S120: p3981)."""
@@ -51,5 +51,6 @@ ACKNOWLEDGE = JobKind(
     short=short_form(AcknowledgeSettings, (True,)),
     poll=lambda settings: Poll(settings.interval, settings.limit, 0),
     fixed=True,
+    types={f"P{ACKNOWLEDGES}": "Unsigned8", f"r{FAULTS['code']}": COLUMN},
     title=lambda _: "Acknowledge the faults of the drive object",
 )

@@ -64,6 +64,7 @@ ACTIVATE = JobKind(
     short=short_form(ActivateSettings, (True, False, "not_present", "input")),
     steps=_activate_steps,
     fixed=True,
+    types={f"P{ACTIVATES}": "Integer16", f"r{ACTIVE}": "Integer16"},
     title=_activate_title,
     permits=lambda settings: {ACTIVATES: f"the job says activate: {str(settings.state).lower()}"},
 )

@@ -26,6 +26,7 @@ CLOCK = JobKind(
     example="clock: utc",
     items=_clock_items,
     fixed=True,
+    types=dict(zip((f"P{number}" for number in UTC), ("Unsigned16", "Integer16", "Unsigned32, array: 2"), strict=True)),
     sets_clock=True,
     title=lambda _: "Set the clock of the control unit",
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 from pydantic import Field, ValidationInfo
@@ -108,10 +108,12 @@ class JobKind:
     ``messages`` that the accesses are those of a buffer of messages, ``compares`` that the values of ``WriteItem`` are
     not written, but held against those that are read; ``steps`` says which accesses
     belong to which step of a sequence. ``recorded``: the value names a recipe, for which ``items`` are asked.
-    ``fixed``: the parameters are the kind's own, which the device must have; ``bits``: an item may be a bit of a word;
+    ``fixed``: the parameters are the kind's own, which the device must have, ``types`` what a spec that defines them
+    itself would say of each; ``bits``: an item may be a bit of a word;
     ``read_back``: a job may have ``verify: readback`` and ``on_error``; ``saves`` and ``sets_clock`` say what it does.
     ``title`` is the one line that its block says of itself (None: the kind and the parameters). ``permits`` are the
-    dangerous parameters that a job of the kind is there to write, each with what the spec says instead of a sign-off.
+    dangerous parameters that a job of the kind is there to write, each with what the spec says instead of a sign-off;
+    none of Safety Integrated.
     """
 
     key: str
@@ -127,6 +129,7 @@ class JobKind:
     steps: Callable[[Any], Iterator[StepItem]] | None = None
     recorded: bool = False
     fixed: bool = False
+    types: Mapping[str, str] = field(default_factory=dict)
     bits: bool = False
     read_back: bool = False
     saves: bool = False

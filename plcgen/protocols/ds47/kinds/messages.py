@@ -30,6 +30,8 @@ FAULT_COUNTER, ALARM_COUNTER = 944, 2121
 """Each change of a buffer raises its counter: to find out whether it was read consistently (S120: r0944)."""
 PLACES = 8
 """Messages of a fault case, and alarms that are present."""
+COLUMN = ".., array: 64"
+"""What a spec says of a column whose type nobody has looked up: it has an element for each place of eight groups."""
 
 
 WHOLE: Mapping[str, Mapping[str, int]] = {"current": {}, "all": {"history": 7}}
@@ -111,6 +113,7 @@ def _buffer_kind(key: str, what: str, shape: Any, counter: int, numbers: Mapping
         short=short_form(shape, WHOLE),
         messages=partial(_messages, history=key == "faults"),
         fixed=True,
+        types={f"r{counter}": "Unsigned16", **{f"r{number}": COLUMN for number in numbers.values()}},
         title=partial(_title, key),
     )
 

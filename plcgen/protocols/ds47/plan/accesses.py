@@ -7,11 +7,7 @@ from dataclasses import dataclass, replace
 
 from plcgen.diagnostics import Diagnostic, Report
 from plcgen.project.spec import LoadedSpec, SpecPath
-from plcgen.protocols.ds47.kinds.acknowledge import ACKNOWLEDGES
-from plcgen.protocols.ds47.kinds.activate import ACTIVATES, ACTIVE
-from plcgen.protocols.ds47.kinds.clock import UTC
 from plcgen.protocols.ds47.kinds.kind import JobKind, Messages, ReadItem, WriteItem
-from plcgen.protocols.ds47.kinds.messages import ALARM_COUNTER, FAULT_COUNTER
 from plcgen.protocols.ds47.kinds.registry import kind_called, kinds
 from plcgen.protocols.ds47.kinds.save import SAVES
 from plcgen.protocols.ds47.plan.bits import BitResolver, has_bits, in_front
@@ -24,10 +20,6 @@ from plcgen.protocols.ds47.references import number_of
 from plcgen.protocols.ds47.schema import DriveSections, ErrorSettings, JobEntry
 
 Items = tuple[ReadItem | WriteItem, ...]
-_OTHERS = {f"r{FAULT_COUNTER}": "Unsigned16", f"r{ALARM_COUNTER}": "Unsigned16", f"P{ACKNOWLEDGES}": "Unsigned8",
-            f"P{ACTIVATES}": "Integer16", f"r{ACTIVE}": "Integer16", f"P{UTC[0]}": "Unsigned16",
-            f"P{UTC[1]}": "Integer16", f"P{UTC[2]}": "Unsigned32, array: 2"}  # fmt: skip
-"""Parameters of such jobs that are no columns of messages, as an S120 has them."""
 _LARGEST = 4
 """Bytes of a value that a list of deviations has room for."""
 
@@ -89,7 +81,7 @@ class Accesses:
             self.report.add(Diagnostic("PG218", message, self.loaded.span((*self.path, kind.key))))
         if kind.saves and not self._savable(items[0], place):
             return ()
-        if kind.fixed and not self._listable(items, place):
+        if kind.fixed and not self._all_known(kind, items, place):
             return ()
         if kind.steps is not None:
             return resolved_steps(tuple(kind.steps(given)), place, self.loaded, self.resolver)
@@ -173,7 +165,7 @@ class Accesses:
         self.report.add(Diagnostic("PG243", message, self.loaded.span(path), help="; ".join((*others, define))))
         return False
 
-    def _listable(self, items: Items, path: SpecPath) -> bool:
+    def _all_known(self, kind: JobKind, items: Items, path: SpecPath) -> bool:
         """Whether every parameter that the job does not name itself is known, with a type that is not from memory.
 
         PG248 for those that are not: a job that reads something else than it says is worse than none.
@@ -188,9 +180,9 @@ class Accesses:
             return True
         names, them = ", ".join(missing), "it" if len(missing) == 1 else "them"
         message = f"{names} of {self.resolver.device.key}: nobody has looked up whether the device has {them}"
-        definitions = ", ".join(f"{name}: {{type: {_OTHERS.get(name, '.., array: 64')}}}" for name in missing)
+        definitions = ", ".join(f"{name}: {{type: {kind.types.get(name, '..')}}}" for name in missing)
         help_ = f"look {them} up in the list manual and define {them} in the drive: parameters: {{{definitions}}}"
-        if not set(missing) <= set(_OTHERS) and isinstance(items[0], ReadItem):
+        if kind.messages is not None and missing != [items[0].parameter]:  # the first one counts changes
             help_ += "; or leave its column out"
         self.report.add(Diagnostic("PG248", message, self.loaded.span(path), help=help_))
         return False

@@ -520,14 +520,15 @@ class DrivePlan(Plan):
     def sign_off(self, job: DriveJob, pnu: int) -> str | None:
         """The reason that a job gives for writing a dangerous parameter; None if it gives none.
 
-        It is one that there is such a job at all, if that is what its kind is for.
+        It is one that there is such a job at all, if that is what its kind is for; never for Safety Integrated.
         """
         spec = self.entry(job)
-        given = spec.allow_safety if pnu in guards.SAFETY else spec.allow
+        if pnu in guards.SAFETY:
+            return next((why for text, why in spec.allow_safety.items() if number_of(text) == pnu), None)
         said = ((kind.permits, getattr(spec, kind.key)) for kind in kinds())
         permits = (permits(value) for permits, value in said if permits is not None and value is not None)
         permitted = next((found[pnu] for found in permits if pnu in found), None)
-        return next((why for text, why in given.items() if number_of(text) == pnu), permitted)
+        return next((why for text, why in spec.allow.items() if number_of(text) == pnu), permitted)
 
     @property
     def recipes(self) -> tuple[PlannedRecipe, ...]:
