@@ -19,7 +19,7 @@ from plcgen.protocols.ppi.wire.model import (
     WriteReply,
     WriteRequest,
 )
-from plcgen.protocols.ppi.wire.telegram import decode, encode_poll, encode_request
+from plcgen.protocols.ppi.wire.telegram import decode_telegram, encode_poll, encode_request
 
 E5 = b"\xe5"
 
@@ -53,7 +53,7 @@ class Talk:
     def ask(self, pdu: Request) -> Pdu:
         """Exchange a whole job and return the decoded answer."""
         assert self.request(pdu) == E5
-        telegram = decode(self.poll())
+        telegram = decode_telegram(self.poll())
         assert isinstance(telegram.frame, VariableFrame)
         assert (telegram.frame.destination, telegram.frame.source) == (self.source, self.station)
         assert telegram.frame.function == 0x08

@@ -96,28 +96,60 @@ def test_classes_hold_one_idea() -> None:
 
 
 def mirrored(places: set[str]) -> bool:
-    """Whether two rooms with one inner structure name a part alike, or the syntax tree, which is read as ``ast.X``."""
-    rooms = {"cpu.compiler": "scl.grammar", "protocols.ds47": "protocols.ppi"}
-    tops = sorted(place.removeprefix("plcgen.") for place in places - {"plcgen.scl.ast"})
-    return len(tops) < 2 or any(
-        len(tops) == 2 and tops[0].startswith(one) and tops[1].startswith(other) for one, other in rooms.items()
+    """Whether two rooms of one inner structure have a part each, in the same place: ``sim`` of both protocols."""
+    rooms = {"cpu.compiler.": "scl.grammar.", "protocols.ds47.": "protocols.ppi."}
+    first, second = sorted(place.removeprefix("plcgen.") for place in places) if len(places) == 2 else ("", "")
+    return any(
+        first.startswith(one)
+        and second.startswith(other)
+        and first.removeprefix(one).split(".")[0] == second.removeprefix(other).split(".")[0]
+        for one, other in rooms.items()
     )
 
 
-ASKED_FOR = {"command", "main"}
-"""Functions that whoever starts them asks for by name: verbs of the command line, modules that are programs."""
+def asked_for(module: str, name: str) -> bool:
+    """Whether whoever starts a function asks for it by its name: a verb as ``command``, a program as ``main``."""
+    if name == "command":
+        return module.startswith("plcgen.cli.")
+    return name == "main" and module.endswith(".__main__")
+
+
+def in_the_face(module: str, name: str) -> bool:
+    """Whether it is what the API offers: that may be called like the function that does its work."""
+    return module.startswith("plcgen.api.") and name in api.__all__
+
+
+def homonyms(trees: dict[str, ast.Module]) -> dict[str, list[str]]:
+    """Public classes and functions of one name in several modules, which only their modules tell apart.
+
+    Classes of the syntax tree do not count: they are read as ``ast.X``.
+    """
+    places: dict[str, set[str]] = {}
+    for module, tree in trees.items():
+        for node in tree.body:
+            if not isinstance(node, ast.ClassDef | ast.FunctionDef) or node.name.startswith("_"):
+                continue
+            if module != "plcgen.scl.ast" and not asked_for(module, node.name) and not in_the_face(module, node.name):
+                places.setdefault(node.name, set()).add(module)
+    return {name: sorted(found) for name, found in places.items() if len(found) > 1 and not mirrored(found)}
 
 
 def test_a_public_name_means_one_thing() -> None:
-    """A class or function is found by its name: two rooms have one of the same name only if they mirror each other.
+    """A class or function is found by its name: two rooms have one of the same name only if they mirror each other."""
+    assert homonyms(modules()) == {}
 
-    A function of the API may be called like the one that does its work.
-    """
-    places: dict[str, set[str]] = {}
-    for name, tree in modules().items():
-        for node in tree.body:
-            front = name.startswith("plcgen.api.") and getattr(node, "name", "") in api.__all__
-            if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_") and not front:
-                places.setdefault(node.name, set()).add(name)
-    alike = {name: sorted(found) for name, found in places.items() if not mirrored(found)}
-    assert {name: found for name, found in alike.items() if name not in ASKED_FOR} == {}
+
+def test_what_two_public_names_alike_are() -> None:
+    """Mirrored rooms and the API may have them, two rooms and two places of mirrored rooms may not."""
+    cut, both = ast.parse("def cut(): ..."), ast.parse("def verify(): ...\ndef _cut(): ...\ndef main(): ...")
+    trees = {"plcgen.display.cells": cut, "plcgen.api.project": both, "plcgen.proof": both, "plcgen.cli.check": both}
+    assert homonyms(trees) == {
+        "main": ["plcgen.api.project", "plcgen.cli.check", "plcgen.proof"],
+        "verify": ["plcgen.cli.check", "plcgen.proof"],
+    }
+    verb = ast.parse("def command(): ...")
+    assert homonyms({"plcgen.cli.check": verb, "plcgen.cli.new": verb, "plcgen.protocols.ds47.view": verb}) == {}
+    mirror = {"plcgen.protocols.ds47.sim.drive": cut, "plcgen.protocols.ppi.sim.bus": cut}
+    assert homonyms(mirror) == {}
+    assert homonyms(mirror | trees)["cut"] == ["plcgen.display.cells", *mirror]
+    assert homonyms({"plcgen.protocols.ds47.sim.drive": cut, "plcgen.protocols.ppi.proof.rig": cut}).keys() == {"cut"}

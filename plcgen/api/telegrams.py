@@ -68,10 +68,10 @@ def decode(
     Raises:
         ArgumentError: if ``kind`` is another word.
     """
-    from plcgen.protocols.ds47.texts import dissect
+    from plcgen.protocols.ds47.texts import dissect_telegram
 
     expect("kind", kind, ("request", "response"))
-    return dissect(data, kind, request)
+    return dissect_telegram(data, kind, request)
 
 
 def decode_status(value: int) -> Status:

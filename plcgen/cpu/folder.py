@@ -93,7 +93,7 @@ def read_parts(
         tags |= read_tag_file(table)
     if (folder / "tags.csv").is_file():
         tags |= read_tags(folder / "tags.csv")
-    classic = dialect is not Dialect.TIA_1200_1500
+    classic = dialect.classic
     for document in generated_documents(folder):
         if not _is_code(document):
             found, _ = read_tag_table(document)

@@ -155,7 +155,7 @@ class Linkage:
     @property
     def classic(self) -> bool:
         """Whether the target is an S7-300/400."""
-        return self.dialect is not Dialect.TIA_1200_1500
+        return self.dialect.classic
 
     def rules(self, block: str) -> TypeRules:
         """What a block may mix."""
@@ -193,7 +193,7 @@ class Linkage:
 
     def optimized(self, block: ProgramBlock) -> bool:
         """Whether a block has optimised access; an instance data block has that of its FB."""
-        if self.dialect is not Dialect.TIA_1200_1500:
+        if self.dialect.classic:
             return False
         of = self.blocks.get(self.instance_type(block)) if block.block.kind is BlockKind.DB else None
         return (of or block).block.optimized is not False

@@ -40,7 +40,7 @@ class Surroundings:
         others = [path for path in documents if not found.add_table(path)]
         blocks: list[tuple[str, Block]] = []
         for path in others:
-            classic = dialect is not Dialect.TIA_1200_1500
+            classic = dialect.classic
             own, problems = read_simaticml(path, classic=classic, constants=found.numbers)
             blocks += [(str(path), block) for block in own]
             found.diagnostics += [problem for problem in problems if problem.code in _UNREADABLE]

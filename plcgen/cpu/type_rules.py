@@ -116,7 +116,7 @@ class TypeRules:
     @property
     def classic(self) -> bool:
         """Whether the target is an S7-300/400."""
-        return self.dialect is not Dialect.TIA_1200_1500
+        return self.dialect.classic
 
     @classmethod
     def of(cls, dialect: Dialect, check: IecCheck = IecCheck.AS_STATED, *, stated: bool | None = None) -> TypeRules:

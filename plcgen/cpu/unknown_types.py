@@ -22,6 +22,7 @@ from plcgen.s7.types import (
     StringType,
     StructType,
     elementary,
+    innermost,
 )
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.dialects_tree import is_refused
@@ -113,8 +114,7 @@ def _used(block: Block) -> Iterator[tuple[NamedType, Span | None, bool]]:
     pending.reverse()
     while pending:
         type_, span, library = pending.pop()
-        while isinstance(type_, ArrayType):
-            type_ = type_.element
+        type_ = innermost(type_)
         if isinstance(type_, StructType):
             pending += [_row(member, span) for member in reversed(type_.members)]
         elif isinstance(type_, NamedType):

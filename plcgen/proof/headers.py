@@ -12,7 +12,7 @@ from plcgen.project.ownership import is_owned
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.s7.blocks import Block, BlockKind
-from plcgen.s7.types import ArrayType, DataType, Member, StructType
+from plcgen.s7.types import Member, inner_members
 from plcgen.simaticml.reading.xml import child, children, load, local, parse_xml, text
 from plcgen.sources.generated import generated_documents
 
@@ -110,13 +110,7 @@ def _access(project: Project, folder: Folder, block: Block) -> bool:
 def _members(members: Iterator[Member]) -> Iterator[Member]:
     for member in members:
         yield member
-        yield from _members(iter(_inside(member.type)))
-
-
-def _inside(type_: DataType) -> tuple[Member, ...]:
-    while isinstance(type_, ArrayType):
-        type_ = type_.element
-    return type_.members if isinstance(type_, StructType) else ()
+        yield from _members(iter(inner_members(member.type)))
 
 
 def _protected(path: Path) -> Iterator[Diagnostic]:

@@ -15,7 +15,7 @@ from plcgen.s7.image import image
 from plcgen.s7.initializers import flatten, parse_initializer
 from plcgen.s7.layout import layout_block
 from plcgen.s7.literals import LiteralError
-from plcgen.s7.types import ArrayType, DataType, Member, StructType
+from plcgen.s7.types import DataType, Member, inner_members
 from plcgen.scl.lexer import KEYWORDS, Tokens, tokenize
 
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
@@ -109,7 +109,7 @@ def _stored(text: Block, document: Block, known: dict[str, Block], documents: di
 
 def _plain(type_: DataType) -> object:
     """A type without the members of a structure, whose places say enough."""
-    return str(getattr(type_, "bounds", "")) if _inside(type_) else type_
+    return str(getattr(type_, "bounds", "")) if inner_members(type_) else type_
 
 
 def _same_words(text: str, document: str, *, english: bool) -> bool:
@@ -123,7 +123,7 @@ def _members(first: tuple[Member, ...], second: tuple[Member, ...], where: str, 
     for one, two in zip(first, second, strict=True):
         if _facts(one) != _facts(two) or not _same_words(one.comment, two.comment, english=english):
             return f"{where} {one.name} is declared differently in the document"
-        inner = _members(_inside(one.type), _inside(two.type), one.name, english=english)
+        inner = _members(inner_members(one.type), inner_members(two.type), one.name, english=english)
         if inner:
             return inner
     return ""
@@ -131,7 +131,7 @@ def _members(first: tuple[Member, ...], second: tuple[Member, ...], where: str, 
 
 def _facts(member: Member) -> tuple[object, ...]:
     """What a declaration says but for its comment, without the members of a structure."""
-    type_ = member.type if not _inside(member.type) else str(getattr(member.type, "bounds", ""))
+    type_ = member.type if not inner_members(member.type) else str(getattr(member.type, "bounds", ""))
     return type_, _start(member.start), member.at, member.attributes
 
 
@@ -143,12 +143,6 @@ def _start(text: str | None) -> object:
         return [str(item) for item in flatten(parse_initializer(text), MOST_VALUES)]
     except LiteralError:
         return "".join(text.split())
-
-
-def _inside(type_: DataType) -> tuple[Member, ...]:
-    while isinstance(type_, ArrayType):
-        type_ = type_.element
-    return type_.members if isinstance(type_, StructType) else ()
 
 
 def _tokens(text: Tokens, document: Tokens) -> tuple[str, int]:

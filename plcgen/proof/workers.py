@@ -27,7 +27,9 @@ from typing import IO, Any, NoReturn
 
 from plcgen.diagnostics import DiagnosticError
 
-START = "import pickle, sys; sys.path = pickle.load(sys.stdin.buffer); from plcgen.proof import workers; workers.main()"
+START = (
+    "import pickle, sys; sys.path = pickle.load(sys.stdin.buffer); from plcgen.proof.workers import serve; serve()"
+)
 TASK = "task"
 """Stands for what every worker knows."""
 
@@ -218,7 +220,7 @@ def _forked(task: object) -> _Worker:
 # --- in a worker ----------------------------------------------------------------------------------------------
 
 
-def main() -> NoReturn:
+def serve() -> NoReturn:
     """A new interpreter: the task is what comes behind the search path."""
     pieces, answers = sys.stdin.buffer, sys.stdout.buffer
     sys.stdout = sys.stderr  # whatever is printed must not get between the answers

@@ -92,3 +92,9 @@ def is_retentive(block: Block) -> bool:
     if block.kind is not BlockKind.DB:
         return False
     return said == {"RETAIN"} or (not block.non_retain and said <= {""})
+
+
+def block_title(kind: str, number: int | None, name: str) -> str:
+    """``DB3 "WR_DataBuffer"``, or the name alone if it is the number."""
+    numbered = f"{kind}{'' if number is None else number}"
+    return numbered if name.upper() == numbered else f'{numbered} "{name}"'

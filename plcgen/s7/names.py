@@ -187,6 +187,11 @@ def shorten(name: str, limit: int) -> str:
     return f"{name[: limit - 4].rstrip('_')}_{digest}"
 
 
+def first_upper(name: str) -> str:
+    """A name that begins with a capital letter, otherwise as it is."""
+    return name[:1].upper() + name[1:]
+
+
 def pascal_case(name: str) -> str:
     """``read_speed_limit`` -> ``ReadSpeedLimit``; letters that are upper case already stay so."""
     return "".join(part[0].upper() + part[1:] for part in re.split(r"[_\W]+", name) if part)

@@ -105,6 +105,19 @@ ALIASES = MappingProxyType(
 """Short names that mean a canonical one."""
 
 
+def innermost(type_: DataType) -> DataType:
+    """What an array is made of, also one of arrays; any other type as it is."""
+    while isinstance(type_, ArrayType):
+        type_ = type_.element
+    return type_
+
+
+def inner_members(type_: DataType) -> tuple[Member, ...]:
+    """Members of a structure, or of the structures that an array is made of."""
+    inner = innermost(type_)
+    return inner.members if isinstance(inner, StructType) else ()
+
+
 @lru_cache(maxsize=1024)
 def elementary(name: str) -> Elementary | None:
     """Look an elementary type up by any spelling (case-insensitive, aliases allowed)."""

@@ -21,6 +21,8 @@ from plcgen.s7.types import (
     StringType,
     StructType,
     elementary,
+    inner_members,
+    innermost,
 )
 from plcgen.scl import ast
 from plcgen.scl.constants import evaluate, project_names, type_of
@@ -235,11 +237,8 @@ class _Builder:
                 known = first.setdefault(member.name.upper(), member)
                 if known is not member:
                     self.duplicate(member, known)
-                inner = member.type
-                while isinstance(inner, ArrayType):
-                    inner = inner.element
-                if isinstance(inner, StructType):
-                    pending.append(inner.members)
+                if inside := inner_members(member.type):
+                    pending.append(inside)
 
     def duplicate(self, member: Member, known: Member) -> None:
         """Two members with one name, with both places; so many that nobody reads them are left out."""
@@ -422,9 +421,7 @@ def _uses(block: Block) -> Iterator[tuple[Member, str]]:
     pending = [m for s in reversed(block.sections) if s.kind in inside for m in reversed(s.members)]
     while pending:
         member = pending.pop()
-        inner = member.type
-        while isinstance(inner, ArrayType):
-            inner = inner.element
+        inner = innermost(member.type)
         if isinstance(inner, StructType):
             pending.extend(reversed(inner.members))
         elif isinstance(inner, NamedType):

@@ -6,7 +6,7 @@ import enum
 
 
 class Dialect(enum.StrEnum):
-    """Who compiles the source: the parser accepts all three, ``dialects.check`` tells them apart."""
+    """Who compiles the source: the parser accepts all three, ``dialects.check_dialect`` tells them apart."""
 
     STEP7_V5 = "STEP7_V5"
     TIA_300_400 = "TIA_300_400"
@@ -16,6 +16,11 @@ class Dialect(enum.StrEnum):
     def is_tia(self) -> bool:
         """Whether the TIA Portal compiles it."""
         return self is not Dialect.STEP7_V5
+
+    @property
+    def classic(self) -> bool:
+        """Whether the target is an S7-300/400."""
+        return self is not Dialect.TIA_1200_1500
 
     @property
     def label(self) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.documents.manifest import digest
 from plcgen.input.files import read_bounded
 from plcgen.inspection.compare.lock import DEFAULT, check_lock
 from plcgen.inspection.compare.lockread import read_lock
@@ -69,7 +69,7 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
         target=f"{project.target.family} / {project.target.toolchain}" if project is not None else verification.target,
         spec_hash=project.loaded.digest if project is not None else "",
         included=project.loaded.included_names if project is not None else (),
-        files_hash=_digest("".join(f"{file.sha256}  {file.path}\n" for file in files).encode()) if files else "",
+        files_hash=digest("".join(f"{file.sha256}  {file.path}\n" for file in files).encode()) if files else "",
         files=files,
         verification=verification,
         sheet=sheet,
@@ -81,10 +81,6 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
         excerpts=tuple(excerpts(request.folder, sheet.exchanges)),
         missing=tuple(missing),
     )
-
-
-def _digest(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()
 
 
 def _project(spec: Path) -> Project | None:

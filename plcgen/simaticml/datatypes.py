@@ -36,13 +36,6 @@ def datatype(type_: DataType) -> str:
     return f'"{type_.name}"' if type_.quoted else type_name(type_.name)
 
 
-def innermost(type_: DataType) -> DataType:
-    """What an array is made of; any other type as it is."""
-    while isinstance(type_, ArrayType):
-        type_ = type_.element
-    return type_
-
-
 def default_literal(type_: DataType) -> str:
     """Literal of the value that an element has without a start value."""
     name = type_.name if isinstance(type_, Elementary | StringType) else ""

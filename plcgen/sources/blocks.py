@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError
-from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.blocks import Block, BlockKind, block_title
 from plcgen.s7.shapes import TypeTable
 from plcgen.scl import ast
 from plcgen.scl.parser import ParseResult, parse
@@ -45,6 +45,11 @@ class SourceBlock:
     parsed: ParseResult | None = None
     located: bool = True
     calls: tuple[NetworkCall, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """How messages name it."""
+        return block_title(self.block.kind, self.block.number, self.block.name)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.blocks import Block, BlockKind, block_title
 from plcgen.s7.image import image
 from plcgen.s7.layout import Layout, layout_block, leaves
 from plcgen.s7.literals import LiteralError
@@ -17,12 +17,6 @@ from plcgen.sources.blocks import SourceBlock, Sources
 
 LARGEST = 4096
 """A data block with more bytes is no buffer: a record has 240."""
-
-
-def block_title(block: Block) -> str:
-    """``DB3 "WR_DataBuffer"``, or the name alone if it is the number."""
-    number = f"{block.kind}{'' if block.number is None else block.number}"
-    return number if block.name.upper() == number else f'{number} "{block.name}"'
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +53,7 @@ class FoundBuffer:
     @property
     def title(self) -> str:
         """``DB3 "WR_DataBuffer"``, or the name alone if the source gives no number."""
-        return block_title(self.block)
+        return block_title(self.block.kind, self.block.number, self.block.name)
 
     @property
     def span(self) -> Span:

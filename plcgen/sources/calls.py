@@ -20,7 +20,6 @@ from plcgen.scl.constants import evaluate, integer
 from plcgen.scl.lexer import NAME
 from plcgen.scl.parser import ParseResult
 from plcgen.sources.blocks import STATEMENT_LISTS, SourceBlock, Sources
-from plcgen.sources.buffers import block_title
 
 _NUMBER = re.compile(r"%?DB\s*([0-9]{1,5})", re.IGNORECASE)
 
@@ -98,7 +97,7 @@ def _scl(
             target = named[pointer].value
             size = _local_size(target.name, source, types) if isinstance(target, ast.Name) else None
             area = replace(area, length=size)
-        call = SourceCall(block_title(source.block), result.span(node.target), arguments, area)
+        call = SourceCall(source.title, result.span(node.target), arguments, area)
         yield call if source.located else _at_block(call, source.block.span or Span(source.file))
 
 
@@ -115,7 +114,7 @@ def _in_networks(
         area = _stl_area(operands[pointer], span) if pointer in operands else None
         if area is not None and area.local and area.length is None:
             area = replace(area, length=_local_size(area.text.lstrip("#"), source, types))
-        yield SourceCall(block_title(source.block), span, arguments, area)
+        yield SourceCall(source.title, span, arguments, area)
 
 
 def _at_block(call: SourceCall, place: Span) -> SourceCall:
@@ -230,7 +229,7 @@ def _call(source: SourceBlock, result: ParseResult, start: int, stop: int, point
         if name == pointer:
             area = _stl_area(text, span)
     span = tokens.span(tokens.starts[start], tokens.end(start))
-    return SourceCall(block_title(source.block), span, arguments, area)
+    return SourceCall(source.title, span, arguments, area)
 
 
 def _stl_area(text: str, span: Span) -> PointedArea:

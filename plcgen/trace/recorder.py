@@ -18,7 +18,7 @@ from plcgen.cpu.system.record import RecordBlock
 from plcgen.s7.errors import UnfitValueError
 from plcgen.s7.families import Family
 from plcgen.s7.layout import layout_block, locate
-from plcgen.s7.types import ArrayType, DataType, Elementary
+from plcgen.s7.types import DataType, Elementary, innermost
 from plcgen.s7.values import SIGNED, UNSIGNED
 from plcgen.trace.model import BlockCall, CallShape, Kind, Signal, Value
 
@@ -177,8 +177,7 @@ def recorded_value(tree: Any) -> Value:
 
 def recorded_kind(type_: DataType) -> tuple[Kind, int]:
     """Kind and width in bits of a type; of its elements for an array."""
-    while isinstance(type_, ArrayType):
-        type_ = type_.element
+    type_ = innermost(type_)
     if not isinstance(type_, Elementary):
         return "text", 0
     if type_.name == "BOOL":

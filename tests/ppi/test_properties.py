@@ -15,7 +15,7 @@ from plcgen.protocols.ppi.wire.fdl import checksum, decode_frame, encode_frame
 from plcgen.protocols.ppi.wire.model import VariableFrame
 from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu
 from plcgen.protocols.ppi.wire.stream import Splitter, split
-from plcgen.protocols.ppi.wire.telegram import decode, examine
+from plcgen.protocols.ppi.wire.telegram import decode_telegram, examine
 
 
 @given(pdus)
@@ -56,7 +56,7 @@ def refused(decode_it, data):
 @given(anything | damaged(encoded).map(closed))
 def test_decoding_raises_ppi_errors_only(data):
     """Any bytes decode or raise PpiError with offsets inside; what decodes strictly encodes back to the same bytes."""
-    for decode_it in (decode_frame, decode, decode_pdu):
+    for decode_it in (decode_frame, decode_telegram, decode_pdu):
         violations = refused(decode_it, data)
         assert all(0 <= violation.offset <= len(data) for violation in violations)
         assert list(violations) == sorted(violations, key=lambda violation: violation.offset)
@@ -66,7 +66,7 @@ def test_decoding_raises_ppi_errors_only(data):
     with contextlib.suppress(PpiError):
         assert encode_frame(decode_frame(data)) == data
     with contextlib.suppress(PpiError):
-        telegram = decode(data)
+        telegram = decode_telegram(data)
         if isinstance(telegram.frame, VariableFrame):
             assert encode_pdu(telegram.pdu, experimental=True) == telegram.frame.pdu
     with contextlib.suppress(PpiError):

@@ -8,7 +8,7 @@ from plcgen.protocols.ppi.wire.errors import PpiError
 from plcgen.protocols.ppi.wire.fdl import decode_frame, encode_frame
 from plcgen.protocols.ppi.wire.model import ReadRequest, VariableFrame, WriteRequest
 from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu
-from plcgen.protocols.ppi.wire.telegram import decode, examine
+from plcgen.protocols.ppi.wire.telegram import decode_telegram, examine
 
 
 def test_every_seed_frame_is_there():
@@ -23,7 +23,7 @@ def test_vector(name):
     row = FRAMES[name]
     assert decode_frame(octets(row)) == frame(row)
     assert encode_frame(frame(row)) == octets(row)
-    assert decode(octets(row)).pdu == pdu(row)
+    assert decode_telegram(octets(row)).pdu == pdu(row)
     if isinstance(frame(row), VariableFrame):
         assert decode_pdu(frame(row).pdu) == pdu(row)
         assert encode_pdu(pdu(row), experimental=True) == frame(row).pdu
@@ -46,5 +46,5 @@ def test_misprint(name):
     row = WRONG[name]
     assert [violation.kind.value for violation in examine(octets(row)).violations] == row["violations"]
     with pytest.raises(PpiError) as caught:
-        decode(octets(row))
+        decode_telegram(octets(row))
     assert [kind.value for kind in caught.value.kinds] == row["violations"]

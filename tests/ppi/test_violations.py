@@ -27,7 +27,7 @@ from plcgen.protocols.ppi.wire.model import (
 )
 from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu, examine_pdu
 from plcgen.protocols.ppi.wire.sequence import FrameCountCheck
-from plcgen.protocols.ppi.wire.telegram import decode, examine
+from plcgen.protocols.ppi.wire.telegram import decode_telegram, examine
 
 READ = octets(FRAMES["t1-read-vb100"])
 WRITE = octets(FRAMES["vb-write-vb100=0c-7c"])
@@ -118,7 +118,7 @@ def test_violation(data, expected):
     """One change, its violations: kind and byte."""
     assert sorted(found(data), key=lambda entry: entry[1]) == sorted(expected, key=lambda entry: entry[1])
     with pytest.raises(PpiError) as caught:
-        decode(data)
+        decode_telegram(data)
     assert sorted(kind.value for kind in caught.value.kinds) == sorted(kind for kind, _ in expected)
 
 
@@ -135,9 +135,9 @@ def test_all_violations_at_once():
 
 def test_what_tolerant_accepts_is_listed():
     """F9 and FE for E5, a pad after the last value of a reply, values without pads in between; nothing else."""
-    assert decode(b"\xf9", tolerant=True).frame == Acknowledgement()
-    assert decode(b"\xf9", tolerant=True).tolerated[0].kind is Kind.ACKNOWLEDGEMENT
-    assert decode(b"\xe5", tolerant=True).tolerated == ()
+    assert decode_telegram(b"\xf9", tolerant=True).frame == Acknowledgement()
+    assert decode_telegram(b"\xf9", tolerant=True).tolerated[0].kind is Kind.ACKNOWLEDGEMENT
+    assert decode_telegram(b"\xe5", tolerant=True).tolerated == ()
     padded = bytes.fromhex("32 03 00 00 00 00 00 02 00 06 00 00 04 01 FF 04 00 08 22 00")
     bare = bytes.fromhex("32 03 00 00 00 00 00 02 00 0A 00 00 04 02 FF 04 00 08 5A FF 04 00 08 22")
     for pdu, values in ((padded, (b"\x22",)), (bare, (b"\x5a", b"\x22"))):
@@ -148,7 +148,7 @@ def test_what_tolerant_accepts_is_listed():
         assert isinstance(reply, ReadReply)
         assert tuple(result.data for result in reply.results) == values
     with pytest.raises(PpiError):
-        decode(changed(POLL, (4, 0), fcs=False), tolerant=True)
+        decode_telegram(changed(POLL, (4, 0), fcs=False), tolerant=True)
 
 
 def test_a_station_answers_wrong_items():

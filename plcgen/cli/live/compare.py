@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.live.places import comparison, connection_place, timeout_option
+from plcgen.cli.live.places import comparison, read_partner, timeout_option
 from plcgen.cli.options import PATH, format_option, verb
 from plcgen.cli.ppi.connection import ask
 
@@ -41,7 +41,7 @@ def command(*, spec: Path, given: tuple[str, ...], timeout: float, format_: Outp
         from plcgen.protocols.ds47.live.connection import S7Connection
 
         plan = drive_plan(spec)
-        places = {key: connection_place(host, "--drive") for key, host in _by_drive(plan, given).items()}
+        places = {key: read_partner(host, "--drive") for key, host in _by_drive(plan, given).items()}
         with ExitStack() as open_:
             readers = {key: open_.enter_context(S7Connection(where, timeout)) for key, where in places.items()}
             rows = list(compare_drives(plan, readers))

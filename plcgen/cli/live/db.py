@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.live.places import comparison, connection_place, timeout_option
+from plcgen.cli.live.places import comparison, read_partner, timeout_option
 from plcgen.cli.options import PATH, format_option, verb
 from plcgen.cli.ppi.connection import ask
 
@@ -50,7 +50,7 @@ def command(
         numbered = every or plan.target.v5
         if not numbered and not any(job.pinned for job in plan.jobs):
             raise click.UsageError("no data block of the spec has a number of its own: --all asks for the others")
-        where = connection_place(host, "--cpu", rack, _SLOTS[plan.target.family] if slot is None else slot)
+        where = read_partner(host, "--cpu", rack, _SLOTS[plan.target.family] if slot is None else slot)
         with S7Connection(where, timeout) as reader:
             rows = list(compare_buffers(plan, reader))
             rows += compare_stored(project, plan, reader) if numbered else ()

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
     from plcgen.display.results import Answer
     from plcgen.protocols.ds47.live.comparison import LiveRow
-    from plcgen.protocols.ds47.live.connection import Place
+    from plcgen.protocols.ds47.live.connection import S7Partner
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 
@@ -28,16 +28,16 @@ def timeout_option(verb: Callback) -> Callback:
     )(verb)
 
 
-def connection_place(text: str, option: str, rack: int = 0, slot: int = 0) -> Place:
+def read_partner(text: str, option: str, rack: int = 0, slot: int = 0) -> S7Partner:
     """``HOST`` or ``HOST:PORT``."""
-    from plcgen.protocols.ds47.live.connection import PORT, Place
+    from plcgen.protocols.ds47.live.connection import PORT, S7Partner
 
     host, colon, port = text.strip().rpartition(":")
     if not colon:
         host, port = port, str(PORT)
     if not host or not host.isascii() or not host.isprintable() or " " in host or not _is_port(port):
         raise click.BadParameter(f'"{text}": write an IPv4 address, 192.168.0.5 or 192.168.0.5:102', param_hint=option)
-    return Place(host, int(port), rack, slot)
+    return S7Partner(host, int(port), rack, slot)
 
 
 def _is_port(text: str) -> bool:

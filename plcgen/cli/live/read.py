@@ -9,7 +9,7 @@ import click
 
 from plcgen.cli.arguments import Argument, arguments
 from plcgen.cli.completed import devices
-from plcgen.cli.live.places import connection_place, timeout_option
+from plcgen.cli.live.places import read_partner, timeout_option
 from plcgen.cli.options import format_option, verb
 from plcgen.cli.ppi.connection import ask
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from plcgen.display.results import Answer
     from plcgen.output.registry import OutputFormat
     from plcgen.protocols.ds47.device import Device, Parameter
-    from plcgen.protocols.ds47.live.parameters import Reading
+    from plcgen.protocols.ds47.live.parameters import ElementReading
 
 _MOST = 1000
 """Elements that one call reads."""
@@ -42,7 +42,7 @@ def command(
     A type after a colon says how to read the bytes: r0052:Unsigned16. Without one it comes from the catalogue: of
     --device, or of all devices if those that know the number agree. Each element is one request.
     """
-    where = connection_place(host, "--drive")
+    where = read_partner(host, "--drive")
 
     def question() -> Answer:
         from plcgen.protocols.ds47.devices import find_device
@@ -133,7 +133,7 @@ def _type(parameter: Parameter) -> str:
     return parameter.type + ("" if grade == "read" else f" ({grade})")
 
 
-def _answer(where: str, object_: int, found: Sequence[Reading]) -> Answer:
+def _answer(where: str, object_: int, found: Sequence[ElementReading]) -> Answer:
     from plcgen.diagnostics import Diagnostic, Span
     from plcgen.display.data import diagnostics_data
     from plcgen.display.results import Answer

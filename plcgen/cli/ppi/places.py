@@ -81,7 +81,7 @@ def read_places(
 def read_assignments(
     words: Sequence[str], symbols: SymbolTable | None, cpu: CpuProfile | None, limit: int | None = None
 ) -> list[tuple[Place, ItemWrite]]:
-    """Read what is to be written, see ``places``. Raises DiagnosticError with every problem, overlaps included."""
+    """Read what is to be written, see ``read_places``. Raises DiagnosticError with every problem, overlaps included."""
     from plcgen.protocols.ppi.client.places import parse_assignment
     from plcgen.protocols.ppi.wire.pack import require_apart
 

@@ -10,8 +10,7 @@ from collections.abc import Iterator
 
 from plcgen.inspection.compare.starts import literal_start, normalized
 from plcgen.s7.blocks import Block, SectionKind
-from plcgen.s7.types import DataType, Member, StructType
-from plcgen.simaticml.datatypes import innermost
+from plcgen.s7.types import DataType, Member, StructType, innermost
 from plcgen.simaticml.writing.starts import single_values
 
 _LOCALS = frozenset({SectionKind.TEMP, SectionKind.CONSTANT})

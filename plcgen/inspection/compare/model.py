@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.inspection.compare.policy import Level, fails
+from plcgen.s7.blocks import block_title
 from plcgen.sources.code import Code
 
 _NAMED = frozenset({"member-added", "member-removed", "member-renamed", "member-spelling", "parameter-required"})
@@ -63,8 +64,7 @@ class BlockState:
     @property
     def title(self) -> str:
         """``DB3 "WR_DataBuffer"``."""
-        number = f"{self.kind}{'' if self.number is None else self.number}"
-        return number if self.name.upper() == number else f'{number} "{self.name}"'
+        return block_title(self.kind, self.number, self.name)
 
 
 @dataclass(frozen=True, slots=True)

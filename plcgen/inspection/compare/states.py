@@ -16,7 +16,7 @@ from plcgen.s7.layout import layout_block
 from plcgen.s7.literals import LiteralError
 from plcgen.s7.shapes import Shape
 from plcgen.s7.spelling import type_text
-from plcgen.s7.types import ArrayType, DataType, Member, NamedType, StructType
+from plcgen.s7.types import Member, NamedType, StructType, innermost
 from plcgen.sources.blocks import SourceBlock, Sources
 
 _MEMORY = frozenset({BlockKind.DB, BlockKind.UDT, BlockKind.FB})
@@ -134,7 +134,7 @@ class _State:
         element, inner_path = shape, path
         while element.element is not None:
             element, inner_path = element.element, f"{inner_path}[]"
-        named = isinstance(_element_type(member.type), NamedType)
+        named = isinstance(innermost(member.type), NamedType)
         if named and not foreign:
             self.named.append(path.replace("[]", "").upper())
         inner = tuple(
@@ -151,7 +151,7 @@ class _State:
 
     def declared(self, member: Member, section: str, path: str) -> MemberState:
         """One member without a place."""
-        type_ = _element_type(member.type)
+        type_ = innermost(member.type)
         inner: Iterable[Member] = type_.members if isinstance(type_, StructType) else ()
         children = tuple(self.declared(child, "", f"{path}.{child.name}") for child in inner)
         return MemberState(
@@ -161,7 +161,7 @@ class _State:
 
     def start(self, member: Member, shape: Shape, offset: int) -> str:
         """Canonical start value: from the image, so that every spelling of a value is the same."""
-        if isinstance(_element_type(shape.type), NamedType):  # single values are assignments
+        if isinstance(innermost(shape.type), NamedType):  # single values are assignments
             return "" if self.memory is None else normalized(member.start or "")
         if isinstance(shape.type, StructType):
             return ""
@@ -190,12 +190,6 @@ def _doubt(problems: Sequence[Diagnostic], block: Block) -> Diagnostic:
     message = f'{block.kind} "{block.name}" is compared without offsets: {reasons}'
     help_ = first.help or "also name the files that declare the type"
     return Diagnostic("PG630", message, first.span, Severity.WARNING, help=help_)
-
-
-def _element_type(type_: DataType) -> DataType:
-    while isinstance(type_, ArrayType):
-        type_ = type_.element
-    return type_
 
 
 def _type(member: Member) -> str:

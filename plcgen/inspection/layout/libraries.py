@@ -12,7 +12,7 @@ from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import NO_MEMORY
 from plcgen.s7.system import system_block
-from plcgen.s7.types import ArrayType, Member, NamedType, StructType, elementary
+from plcgen.s7.types import Member, NamedType, StructType, elementary, innermost
 
 _MARK = "InstructionName"
 
@@ -52,9 +52,7 @@ def _used(block: Block) -> Iterator[tuple[NamedType, Span | None, bool]]:
     pending: list[Member] = [member for section in reversed(block.sections) for member in reversed(section.members)]
     while pending:
         member = pending.pop()
-        type_ = member.type
-        while isinstance(type_, ArrayType):
-            type_ = type_.element
+        type_ = innermost(member.type)
         if isinstance(type_, StructType):
             pending += reversed(type_.members)
         elif isinstance(type_, NamedType):

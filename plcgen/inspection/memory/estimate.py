@@ -95,7 +95,7 @@ def estimate(what: Path | str | Sources, dialect: Dialect) -> Estimate:
 
     ``what`` is a folder or file, or sources that are read already.
     """
-    classic = dialect is not Dialect.TIA_1200_1500
+    classic = dialect.classic
     sources = what if isinstance(what, Sources) else read_sources([Path(what)], classic=classic)
     blocks = {source.block.name.upper(): source.block for source in sources.blocks}
     found: list[BlockSize] = []

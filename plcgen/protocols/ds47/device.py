@@ -97,6 +97,11 @@ class Parameter:
         return self.grades.get(fact) == "read"
 
 
+def limit_text(limit: float | None) -> str:
+    """One end of a range, empty if it has none."""
+    return "" if limit is None else f"{limit:g}"
+
+
 def facts(parameter: Parameter) -> dict[Fact, tuple[Any, Grade]]:
     """Every fact that is stated, with its grade; also those that decide nothing."""
     values: dict[Fact, Any] = {

@@ -38,7 +38,7 @@ def real_note(data: bytes) -> str:
     return f"as REAL {format_real(number)}"
 
 
-def dissect(
+def dissect_telegram(
     data: bytes, kind: Literal["request", "response"] | None = None, request: bytes | None = None
 ) -> DecodedTelegram:
     """Name every field of a telegram; without ``kind`` its bytes tell request from response."""

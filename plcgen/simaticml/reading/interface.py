@@ -20,8 +20,9 @@ from plcgen.s7.types import (
     Member,
     NamedType,
     StructType,
+    innermost,
 )
-from plcgen.simaticml.datatypes import datatype, default_literal, innermost
+from plcgen.simaticml.datatypes import datatype, default_literal
 from plcgen.simaticml.reading.types import checked_datatype, has_constants, parse_datatype, with_values
 from plcgen.simaticml.reading.values import SINGLE, is_start_value, unfit
 from plcgen.simaticml.reading.xml import TAGS, child, children, namespace, parts, span, text

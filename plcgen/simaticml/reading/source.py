@@ -8,9 +8,9 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind, is_retentive
-from plcgen.s7.types import ArrayType, Member, StructType
+from plcgen.s7.types import ArrayType, Member, StructType, innermost
 from plcgen.scl import lexer
-from plcgen.simaticml.datatypes import datatype, default_literal, innermost
+from plcgen.simaticml.datatypes import datatype, default_literal
 from plcgen.simaticml.writing.documents import INSTRUCTION, LIBRARY_VERSION, library_element
 from plcgen.simaticml.writing.starts import Path, Starts, single_values
 

@@ -9,11 +9,10 @@ from plcgen.diagnostics import DiagnosticError
 from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.image import StartValueError, image
 from plcgen.s7.literals import LiteralError, parse_literal
-from plcgen.s7.types import ELEMENTARY, DataType, Elementary, Member, StringType
+from plcgen.s7.types import ELEMENTARY, DataType, Elementary, Member, StringType, innermost
 from plcgen.s7.values import BIT_STRINGS, RANGES, SIGNED, UNSIGNED
 from plcgen.scl.constants import filled, is_bits_of_real
 from plcgen.scl.lexer import ADDRESS, EOF, INT, LOCAL, NAME, POINTER, QUOTED, REAL, STRING, TYPED, tokenize
-from plcgen.simaticml.datatypes import innermost
 
 SINGLE = re.compile(r"[^\s;,:(){}\[\]'\"/]+").fullmatch
 """Whether a value is one word without brackets, quotes and slashes, as numbers are."""

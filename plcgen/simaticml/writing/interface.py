@@ -7,8 +7,8 @@ from functools import lru_cache
 from types import MappingProxyType
 
 from plcgen.s7.blocks import Block, BlockKind, SectionKind, is_retentive
-from plcgen.s7.types import ArrayType, DataType, Elementary, Member, NamedType, StringType, StructType
-from plcgen.simaticml.datatypes import datatype, innermost
+from plcgen.s7.types import ArrayType, DataType, Elementary, Member, NamedType, StringType, StructType, innermost
+from plcgen.simaticml.datatypes import datatype
 from plcgen.simaticml.escape import attribute, content
 from plcgen.simaticml.writing.starts import Path, Starts, arrays
 

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 from plcgen.s7.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.system import system_block
-from plcgen.s7.types import DataType, NamedType, StructType
+from plcgen.s7.types import DataType, NamedType, StructType, innermost
 from plcgen.scl.system_types import SYSTEM_TYPES
-from plcgen.simaticml.datatypes import innermost
 
 if TYPE_CHECKING:
     from plcgen.s7.types import Member

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 from plcgen.s7.blocks import Block, SectionKind
 from plcgen.s7.initializers import Group, InitialItem, Node, flatten, parse_initializer
 from plcgen.s7.literals import LiteralError
-from plcgen.s7.types import ArrayType, DataType, Member, NamedType, StructType
-from plcgen.simaticml.datatypes import innermost
+from plcgen.s7.types import ArrayType, DataType, Member, NamedType, StructType, innermost
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -125,8 +124,7 @@ class Starts:
 
     def members(self, type_: DataType) -> tuple[Member, ...]:
         """Members inside a structure, a known user type, or an array of them."""
-        while isinstance(type_, ArrayType):
-            type_ = type_.element
+        type_ = innermost(type_)
         if isinstance(type_, StructType):
             return type_.members
         block = self.types.get(type_.name.upper()) if isinstance(type_, NamedType) else None

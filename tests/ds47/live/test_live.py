@@ -18,7 +18,7 @@ from ds47.live.servers import DriveServer, cpu, running
 from plcgen.cli.main import run
 from plcgen.protocols.ds47 import live
 from plcgen.protocols.ds47.device import Parameter
-from plcgen.protocols.ds47.live.connection import Place, S7Connection
+from plcgen.protocols.ds47.live.connection import S7Connection, S7Partner
 from plcgen.protocols.ds47.live.parameters import element_address, element_value
 
 TEN = bytes.fromhex("41 20 00 00")  # 10.0 = 1.25 * 2 ** 3: exponent 130, fraction .25
@@ -292,7 +292,7 @@ def test_rack_and_slot_of_a_drive():
     """0 and 0, as sinamics-monitoring and python-sinamics have it."""
     with running(DriveServer({})) as where:
         host, _, port = where.partition(":")
-        with S7Connection(Place(host, int(port))) as connection:
+        with S7Connection(S7Partner(host, int(port))) as connection:
             assert connection._client.remote_tsap & 0xFF == 0
 
 

@@ -14,7 +14,7 @@ from plcgen.protocols.ppi.sim.fault_text import parse_fault
 from plcgen.protocols.ppi.wire.areas import Area
 from plcgen.protocols.ppi.wire.errors import Kind, PpiError
 from plcgen.protocols.ppi.wire.model import ErrorReply, Item, ReadRequest
-from plcgen.protocols.ppi.wire.telegram import decode, encode_poll, encode_request
+from plcgen.protocols.ppi.wire.telegram import decode_telegram, encode_poll, encode_request
 
 READ = ReadRequest(7, (Item.memory(Area.V, 100),))
 REQUEST = encode_request(READ)
@@ -136,11 +136,11 @@ def test_foreign_traffic_is_a_whole_exchange_of_others() -> None:
     answer = replied(master)
     assert answer.endswith(GOOD)
     foreign = answer.removesuffix(GOOD)
-    assert decode(foreign[:33]).pdu is not None
+    assert decode_telegram(foreign[:33]).pdu is not None
     assert foreign[33:34] == E5
     assert foreign[34:40] == bytes.fromhex("10 06 01 5C 63 16")
     assert foreign[40:47] == bytes.fromhex("68 16 16 68 01 06 08")
-    assert decode(foreign[40:]).frame is not None
+    assert decode_telegram(foreign[40:]).frame is not None
 
 
 def test_a_late_answer_comes_in_virtual_time() -> None:
@@ -291,5 +291,5 @@ def test_the_journal_tells_everything_in_order() -> None:
     ]
     assert list(bus.journal) == heard
     with pytest.raises(PpiError) as caught:
-        decode(heard[-1].data)
+        decode_telegram(heard[-1].data)
     assert caught.value.kinds == (Kind.CHECKSUM,)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.catalogue.lists import ListedParameter, cell_text
 from plcgen.protocols.ds47.catalogue.pages import label, told_value
-from plcgen.protocols.ds47.device import Device, facts
+from plcgen.protocols.ds47.device import Device, facts, limit_text
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.wire.formats import FormatKind, unpack_values
 
@@ -89,7 +89,8 @@ def _row(job: DriveJob, use: Use, one: ListedParameter | None) -> DriftRow:
         shown = ", ".join(str(int(any(bit.data))) for bit in use.bits if bit.constant)
     if one is None:
         return DriftRow(use.label, job.key, shown, "", MISSING)
-    bounds = "" if one.minimum is None and one.maximum is None else f" ({_limit(one.minimum)}..{_limit(one.maximum)})"
+    bounds = f" ({limit_text(one.minimum)}..{limit_text(one.maximum)})"
+    bounds = "" if one.minimum is None and one.maximum is None else bounds
     values = [one.values.get(index) for index in range(use.subindex, use.subindex + max(len(wanted), 1))]
     told = ", ".join(_told_value(value) for value in values) + bounds
     verdict = _of_bits(use, values[0]) if use.bits else _verdict(use, one, wanted, values)
@@ -143,7 +144,3 @@ def _constants(use: Use) -> Sequence[float]:
     ):
         return []
     return [value for value in unpack_values(use.format, use.count, use.data) if isinstance(value, int | float)]
-
-
-def _limit(limit: float | None) -> str:
-    return "" if limit is None else f"{limit:g}"

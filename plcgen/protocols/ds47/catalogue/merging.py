@@ -11,7 +11,7 @@ from typing import Any
 from plcgen.input.yaml import Scalar
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.catalogue.lists import ListedParameter, ParameterList, cell_text
-from plcgen.protocols.ds47.catalogue.pages import label
+from plcgen.protocols.ds47.catalogue.pages import label, told_value
 from plcgen.protocols.ds47.device import UNKNOWN, Device, Fact, Grade, Parameter, facts
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
@@ -120,11 +120,7 @@ def _changes(known: Parameter, stated: Mapping[Fact, Any]) -> Iterator[ListedCha
     for fact, value in stated.items():
         had, grade = before.get(fact, ("", ""))
         if had != value or (grade != "read" and fact != "title"):
-            yield ListedChange(label(known), fact, _shown(had), grade, _shown(value))
-
-
-def _shown(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
+            yield ListedChange(label(known), fact, told_value(had), grade, told_value(value))
 
 
 def _laid_over(base: Parameter, one: ListedParameter, stated: Mapping[Fact, Any], source: str) -> Parameter:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from plcgen.project.nouns import Buffer
 from plcgen.protocols.ds47 import guards
-from plcgen.protocols.ds47.live.connection import Reader, RefusedError
-from plcgen.protocols.ds47.live.parameters import Reading, element_value, read_parameter
+from plcgen.protocols.ds47.live.connection import Reader, ReadRefusedError
+from plcgen.protocols.ds47.live.parameters import ElementReading, element_value, read_parameter
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.wire.formats import FormatKind
 
@@ -57,7 +57,7 @@ def _use(job: DriveJob, use: Use, reader: Reader) -> Iterator[LiveRow]:
         yield LiveRow(f"{job.drive.key} {label}", job.key, wanted, shown, verdict, found.doubt)
 
 
-def _bits(job: DriveJob, use: Use, found: Reading) -> Iterator[LiveRow]:
+def _bits(job: DriveJob, use: Use, found: ElementReading) -> Iterator[LiveRow]:
     """A row for each bit that is written: the others are nobody's business."""
     for one in use.bits:
         wanted, there = any(one.data), bool(int.from_bytes(found.data) >> (one.bit or 0) & 1)
@@ -66,7 +66,7 @@ def _bits(job: DriveJob, use: Use, found: Reading) -> Iterator[LiveRow]:
         yield LiveRow(f"{job.drive.key} {one.label}", job.key, str(int(wanted)), shown, verdict, found.doubt)
 
 
-def _verdict(use: Use, wanted: bytes, found: Reading) -> str:
+def _verdict(use: Use, wanted: bytes, found: ElementReading) -> str:
     if found.doubt:
         return UNREAD
     if not use.constant:
@@ -104,7 +104,7 @@ def read_stored(name: str, number: int, size: int, reader: Reader) -> tuple[Live
     """Whether a data block has this length, and its bytes; none if it is missing or shorter."""
     try:
         data = reader.read(number, 0, size)
-    except RefusedError as problem:
+    except ReadRefusedError as problem:
         why = f"missing, shorter, or not readable: {problem}"
         return LiveRow(name, "length", f"{size} bytes", "", DEVIATES, why), b""
     longer = _longer(reader, number, size + size % 2)
@@ -115,7 +115,7 @@ def read_stored(name: str, number: int, size: int, reader: Reader) -> tuple[Live
 def _longer(reader: Reader, number: int, size: int) -> bool:
     try:
         reader.read(number, size, 1)
-    except RefusedError:
+    except ReadRefusedError:
         return False
     return True
 

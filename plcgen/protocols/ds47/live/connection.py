@@ -25,7 +25,7 @@ ANSWER_SECONDS = 5.0
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class S7Partner:
     """Whom to ask: a name or IPv4 address, a TCP port, rack and slot (0 and 0 for a drive)."""
 
     host: str
@@ -42,17 +42,17 @@ class Reader(Protocol):
     """What the verbs need of a connection."""
 
     def read(self, db: int, start: int, size: int) -> bytes:
-        """``size`` bytes of a data block. Raises RefusedError, or DiagnosticError if the connection is lost."""
+        """``size`` bytes of a data block. Raises ReadRefusedError, or DiagnosticError if the connection is lost."""
 
 
-class RefusedError(PlcgenError):
+class ReadRefusedError(PlcgenError):
     """The other side answered that it has no such bytes, or that they may not be read."""
 
 
 class S7Connection:
     """A connection by python-snap7, open while it is a context."""
 
-    def __init__(self, place: Place, seconds: float = ANSWER_SECONDS) -> None:
+    def __init__(self, place: S7Partner, seconds: float = ANSWER_SECONDS) -> None:
         self.place = place
         self._seconds = seconds
         self._client = _client(place)
@@ -88,7 +88,7 @@ class S7Connection:
         except S7Error as problem:
             if self._late or not self._client.get_connected():
                 raise self._lost(f"the connection to {self.place} was lost: {_line(problem)}") from problem
-            raise RefusedError(_line(problem)) from problem
+            raise ReadRefusedError(_line(problem)) from problem
         except (ValueError, IndexError, KeyError) as problem:
             raise self._lost(
                 f"{self.place} answered with something that is not an S7 telegram: {_line(problem)}"
@@ -118,7 +118,7 @@ class S7Connection:
         return DiagnosticError([Diagnostic("PG705", message, Span(str(self.place)), help=help_)])
 
 
-def _client(place: Place) -> Client:
+def _client(place: S7Partner) -> Client:
     try:
         from snap7.client import Client
     except ImportError:

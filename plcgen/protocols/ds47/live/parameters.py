@@ -10,8 +10,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from plcgen.protocols.ds47.device import Parameter
-from plcgen.protocols.ds47.live.connection import Reader, RefusedError
+from plcgen.protocols.ds47.device import Parameter, limit_text
+from plcgen.protocols.ds47.live.connection import Reader, ReadRefusedError
 from plcgen.protocols.ds47.types import read_type
 from plcgen.protocols.ds47.wire.bico import read_bico
 from plcgen.protocols.ds47.wire.formats import Format, FormatKind, Value, unpack_values
@@ -23,7 +23,7 @@ _TINY = 1e-30
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class ElementReading:
     """One element: the bytes that came and what they mean; ``doubt`` says why they are no value (then it is None)."""
 
     parameter: Parameter
@@ -56,27 +56,29 @@ def element_address(drive_object: int, index: int) -> int:
 
 def read_parameter(
     reader: Reader, parameter: Parameter, indexes: Sequence[int], drive_object: int
-) -> Iterator[Reading]:
+) -> Iterator[ElementReading]:
     """Read elements one by one: the areas of neighbouring indexes overlap, so no request can cover two of them."""
     fmt, octets = read_type(parameter.type)
     for index in indexes:
         try:
             data = reader.read(parameter.pnu, element_address(drive_object, index), octets or fmt.size)
-        except RefusedError as problem:
-            yield Reading(parameter, index, b"", None, f"refused: {problem}")
+        except ReadRefusedError as problem:
+            yield ElementReading(parameter, index, b"", None, f"refused: {problem}")
         else:
             yield element_value(parameter, index, data)
 
 
-def element_value(parameter: Parameter, index: int, data: bytes) -> Reading:
+def element_value(parameter: Parameter, index: int, data: bytes) -> ElementReading:
     """What the bytes of an element mean, if they can be its value."""
     fmt, octets = read_type(parameter.type)
     size = octets or fmt.size
     if len(data) != size:
-        return Reading(parameter, index, data, None, f"{len(data)} bytes were received, {parameter.type} has {size}")
+        return ElementReading(
+            parameter, index, data, None, f"{len(data)} bytes were received, {parameter.type} has {size}"
+        )
     (value,) = unpack_values(fmt, octets or 1, data) if fmt.kind is not FormatKind.OPAQUE else [data]
     doubt = _doubt(parameter, fmt, data, value)
-    return Reading(parameter, index, data, None if doubt else value, doubt)
+    return ElementReading(parameter, index, data, None if doubt else value, doubt)
 
 
 def _doubt(parameter: Parameter, fmt: Format, data: bytes, value: Value) -> str:
@@ -92,9 +94,5 @@ def _doubt(parameter: Parameter, fmt: Format, data: bytes, value: Value) -> str:
     if isinstance(value, int | float) and not isinstance(value, bool) and not parameter.bico:
         low, high = parameter.minimum, parameter.maximum
         if (low is not None and value < low) or (high is not None and value > high):
-            return f"{value:.7g} is outside the limits {_limit(low)}..{_limit(high)} of the catalogue"
+            return f"{value:.7g} is outside the limits {limit_text(low)}..{limit_text(high)} of the catalogue"
     return ""
-
-
-def _limit(limit: float | None) -> str:
-    return "" if limit is None else f"{limit:g}"

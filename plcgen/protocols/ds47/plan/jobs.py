@@ -35,7 +35,7 @@ from plcgen.protocols.ds47.schema import BufferSettings as BufferSpec
 from plcgen.protocols.ds47.schema import DriveSections, JobEntry
 from plcgen.protocols.ds47.wire.codec import encode_request
 from plcgen.protocols.ds47.wire.model import ParameterAddress, Request, RequestId, ValueBlock
-from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorten
+from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, first_upper, pascal_case, shorten
 from plcgen.s7.types import ELEMENTARY, Elementary
 
 
@@ -372,7 +372,7 @@ class _Context:
         path = ("jobs", self.key, which)
         name = self.name(given.name or default, index)
         db = self.numbering.block("DB", name, path, given.db, given=bool(given.name)) if self.own else None
-        return db, self.numbering.block("UDT", f"type{_upper(db.name if db else name)}", path)
+        return db, self.numbering.block("UDT", f"type{first_upper(db.name if db else name)}", path)
 
     def name(self, base: str, index: int) -> str:
         return f"{base}{index}" if self.many else base
@@ -400,10 +400,6 @@ def _telegram(number: int, parts: tuple[Part, ...], job: JobEntry, name: str, co
         negative_length=pack.negative_length(parts),
         pinned=pinned,
     )
-
-
-def _upper(name: str) -> str:
-    return name[:1].upper() + name[1:]
 
 
 def _request_bytes(parts: tuple[Part, ...], reference: int, drive_object: int) -> bytes:

@@ -398,6 +398,10 @@ class DriveJob(PlannedJob):
         """Whether it reads back what it has written."""
         return any(use.verifies is not None for use in self.uses)
 
+    def suffix(self, telegram: DriveTelegram) -> str:
+        """What follows the names of a telegram's members in the block: its number, if there are several."""
+        return str(telegram.number) if len(self.telegrams) > 1 else ""
+
     def old(self, word: Use) -> Use:
         """What reads the word of which a use writes bits."""
         return next(use for use in self.uses if use.modifies is word or use.remembers is word)

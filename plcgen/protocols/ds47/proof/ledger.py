@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from plcgen.oracles.documents import device
 from plcgen.proof.ledger import Assumption, Grade
-from plcgen.protocols.ds47.device import Device, Fact
+from plcgen.protocols.ds47.device import Device, Fact, limit_text
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
 from plcgen.protocols.ds47.proof.published import Form
 from plcgen.protocols.ds47.references import number_of
@@ -69,8 +69,8 @@ def _drive(plan: DrivePlan, drive: PlannedDrive) -> Iterator[Assumption]:
         typed = known is not None and bool(known.type)
         facts: tuple[tuple[Fact, str, bool], ...] = (
             ("type", use.format.name, defined is not None or not typed),
-            ("min", _limit(parameter.minimum), defined is not None and defined.min is not None),
-            ("max", _limit(parameter.maximum), defined is not None and defined.max is not None),
+            ("min", limit_text(parameter.minimum), defined is not None and defined.min is not None),
+            ("max", limit_text(parameter.maximum), defined is not None and defined.max is not None),
         )
         for fact, value, stated in facts:
             if value and (stated or not parameter.source):
@@ -78,10 +78,6 @@ def _drive(plan: DrivePlan, drive: PlannedDrive) -> Iterator[Assumption]:
             elif value:
                 grade = _GRADES[parameter.grades.get(fact, "read")]
                 yield Assumption(name, f"{fact} {value}", parameter.source, grade)
-
-
-def _limit(limit: float | None) -> str:
-    return "" if limit is None else f"{limit:g}"
 
 
 def _form(form: Form) -> Assumption:

@@ -10,7 +10,7 @@ from plcgen.protocols.ds47.plan.nouns import DriveJob, Part
 from plcgen.protocols.ds47.proof.keeping import other
 from plcgen.protocols.ds47.proof.points import fault, positions
 from plcgen.protocols.ds47.proof.restored import BACK, CHECK, NOT_SAVED, NOW, OLD, OUTCOMES, RETURN, RUNS, WRITE
-from plcgen.protocols.ds47.proof.saving import NOT_SUPPORTED
+from plcgen.protocols.ds47.proof.saving import not_supported
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Event
 from plcgen.protocols.ds47.proof.words import DEVIATES, DONE, WORDS
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -156,7 +156,7 @@ def _in_trouble(job: DriveJob) -> Iterator[DriveScenario]:
         ("WRREC of the write fails", {"writes": {WRITE: FATAL_WRITE}}, "WRITE_ERROR"),
         ("it fails while the drive runs", {"writes": {WRITE: FATAL_WRITE}, "state": RUNS}, "WRITE_ERROR"),
         ("RDREC of the write fails", {"reads": {WRITE: FATAL_READ}}, "READ_ERROR"),
-        ("the write is not supported", {"reads": {WRITE: _unknown}}, "NOT_SUPPORTED"),
+        ("the write is not supported", {"reads": {WRITE: not_supported}}, "NOT_SUPPORTED"),
     ):
         more: dict[str, Any] = {**failing, **how}
         yield DriveScenario(name=name, causes=(WORDS[word],), telegram=WRITE, answered=False, **more)
@@ -172,11 +172,6 @@ def _in_trouble(job: DriveJob) -> Iterator[DriveScenario]:
     for telegram in (NOW, RETURN, CHECK):
         error = Fault(FaultKind.ERROR, after=telegram - 1, number=NOT_ALLOWED, position=1, words=1)
         yield _limits(job, 1, f"telegram {telegram} is refused", faults=(error,))
-
-
-def _unknown(answer: bytes) -> bytes:
-    """The drive does not support the service."""
-    return answer[:1] + NOT_SUPPORTED
 
 
 def _signals(job: DriveJob) -> Iterator[DriveScenario]:

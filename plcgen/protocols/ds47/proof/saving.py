@@ -21,7 +21,7 @@ OCCUPIED_MS = 300
 """Another job has the unit for so long: the time for the drive does not begin before its answer."""
 CLOCK_MS = 3000
 """What a clock loses when it begins again, once an hour on an S7-1200/1500: three of the longest calls that count."""
-NOT_SUPPORTED = bytes.fromhex("80 01 01 44 01 00 21")
+_NOT_SUPPORTED = bytes.fromhex("80 01 01 44 01 00 21")
 """The answer to a service that a device does not have, behind the reference (PROFIdrive profile 4.2)."""
 
 
@@ -142,7 +142,7 @@ def _guard(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     for name, how in (
         ("refuses", {"faults": (refused,), "errors": {(save, 1): (0x8011, 0)}, "status": (WORDS["PARAMETER_ERROR"],)}),
         ("does not get", {"writes": {save: FATAL_WRITE}, "answered": False, "status": (WORDS["WRITE_ERROR"],)}),
-        ("does not know", {"reads": {save: _unknown}, "answered": False, "status": (WORDS["NOT_SUPPORTED"],)}),
+        ("does not know", {"reads": {save: not_supported}, "answered": False, "status": (WORDS["NOT_SUPPORTED"],)}),
     ):
         yield DriveScenario(name=f"a save that the drive {name}", telegram=save, follow=False, **how)
         yield DriveScenario(name=f"at once again: the drive {name} the first", since=0, follow=False)
@@ -165,6 +165,6 @@ def _says(value: bytes) -> Edit:
     return lambda answer: answer[:6] + value + answer[6 + len(value) :]
 
 
-def _unknown(answer: bytes) -> bytes:
+def not_supported(answer: bytes) -> bytes:
     """The drive does not support the service."""
-    return answer[:1] + NOT_SUPPORTED
+    return answer[:1] + _NOT_SUPPORTED

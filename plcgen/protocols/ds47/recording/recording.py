@@ -15,7 +15,7 @@ from plcgen.protocols.ds47.recording.jobs import DriveJobWatch, UnitWatch
 from plcgen.protocols.ds47.recording.partners import connect
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import FaultKind
-from plcgen.protocols.ds47.texts import dissect
+from plcgen.protocols.ds47.texts import dissect_telegram
 from plcgen.protocols.ds47.words import DRAIN_MS
 from plcgen.trace.face import Observed, PartnerOptions
 from plcgen.trace.model import Contact
@@ -101,7 +101,7 @@ class RecordedDrives:
     def _explained(self, contact: Contact) -> Contact:
         telegram = None
         if contact.data and contact.direction == "write":
-            telegram = dissect(contact.data, "request")
+            telegram = dissect_telegram(contact.data, "request")
         elif contact.data:
-            telegram = dissect(contact.data, "response", contact.request or None)
+            telegram = dissect_telegram(contact.data, "response", contact.request or None)
         return replace(contact, text=contact_text(contact, self._letters), telegram=telegram)

@@ -288,7 +288,7 @@ def _comparisons(job: DriveJob, answer: DriveTelegram) -> Iterator[dict[str, Any
                     "label": found.use.label,
                     "opens": opens,
                     "block": blocks[id(found)],
-                    "request": f"statRequest{_suffix(job, telegram)}",
+                    "request": f"statRequest{job.suffix(telegram)}",
                     "sent": sent.offset + (start - sent.part.start) * size,
                     "found": came.offset + (start - found.start) * size,
                     "size": size,
@@ -378,7 +378,7 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "keeps": not telegram.writes and not closes and job.deviations is None,
         "wanted": _bytes(right_answer(telegram), v5=plan.target.v5) if job.deviations is not None else "",
         "asks_for_inputs": any(part.use.compared and not part.use.constant for part in telegram.parts),
-        "suffix": _suffix(job, telegram),
+        "suffix": job.suffix(telegram),
         "request_type": telegram.request.type.name,
         "response_type": telegram.response.type.name,
         "request_length": len(telegram.request.data),
@@ -422,10 +422,6 @@ def _asked_before(job: DriveJob) -> DriveTelegram | None:
     return job.telegrams[RETURNS[0] - 2] if job.restores else None
 
 
-def _suffix(job: DriveJob, telegram: DriveTelegram) -> str:
-    return str(telegram.number) if len(job.telegrams) > 1 else ""
-
-
 def _bytes(data: bytes, *, v5: bool) -> str:
     """Start value of an array of bytes."""
     values = ", ".join(f"B#16#{byte:02X}" for byte in data)
@@ -449,7 +445,7 @@ def _copies(
     wanted = job.deviations is not None
     if telegram.writes == response and not wanted:
         return copies
-    view = f"stat{'Wanted' if wanted else 'Response' if response else 'Request'}View{_suffix(job, telegram)}"
+    view = f"stat{'Wanted' if wanted else 'Response' if response else 'Request'}View{job.suffix(telegram)}"
     blocks = {id(part): number for number, part in enumerate(telegram.parts, 1)}
     for field in telegram.response.fields if response or wanted else telegram.request.fields:
         if field.role != "value" or field.part is None or (not response and field.part.use.constant):

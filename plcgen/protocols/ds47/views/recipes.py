@@ -104,7 +104,7 @@ def recipe_view(plan: DrivePlan, job: DriveJob, recipe: PlannedRecipe) -> dict[s
         for telegram in job.telegrams
         for field in telegram.request.fields
         if job.writes and field.role == "value" and field.part is not None and field.part.use.recorded
-        if (check := _check(plan, field, field.part, f"statRequestView{_suffix(job, telegram.number)}.{field.name}"))
+        if (check := _check(plan, field, field.part, f"statRequestView{job.suffix(telegram)}.{field.name}"))
     ]
     return {
         "type": recipe.type.name,
@@ -119,10 +119,6 @@ def recipe_view(plan: DrivePlan, job: DriveJob, recipe: PlannedRecipe) -> dict[s
             if checks or name != "STATUS_OUTSIDE"
         ],
     }
-
-
-def _suffix(job: DriveJob, number: int) -> str:
-    return str(number) if len(job.telegrams) > 1 else ""
 
 
 def _check(plan: DrivePlan, field: DriveField, part: Part, member: str) -> dict[str, Any] | None:

@@ -63,7 +63,7 @@ def condition_text(plan: DrivePlan, job: DriveJob, use: Use) -> str:
 
 def _wait(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> dict[str, Any]:
     """How the answer to a question is compared; a copy of it is needed first where numbers in floating point are."""
-    suffix = str(telegram.number) if len(job.telegrams) > 1 else ""
+    suffix = job.suffix(telegram)
     fields = [field for field in telegram.response.fields if field.role == "value" and field.part is not None]
     floats = any(field.part is not None and field.part.use.format.kind is FormatKind.FLOAT for field in fields)
     return {

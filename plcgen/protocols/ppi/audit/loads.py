@@ -13,7 +13,7 @@ from plcgen.s7.literals import LiteralError, pack_literal
 from plcgen.scl import ast
 from plcgen.scl.parser import ParseResult
 from plcgen.sources.blocks import STATEMENT_LISTS, Sources
-from plcgen.sources.buffers import LARGEST, FoundBuffer, block_title
+from plcgen.sources.buffers import LARGEST, FoundBuffer
 
 _STATEMENT = re.compile(
     r"(?P<network>\bNETWORK\b)|(?P<skip>//[^\n]*|'(?:[^'$\n]|\$.)*')"
@@ -56,7 +56,7 @@ def loaded(sources: Sources, buffers: Sequence[FoundBuffer]) -> Iterator[Bytes]:
             continue
         for state in _networks(unit, result):
             for name, filled in state.filled.items():
-                yield from _memory(name, filled, block_title(source.block), source.block.span, buffers)
+                yield from _memory(name, filled, source.title, source.block.span, buffers)
 
 
 def _networks(unit: ast.Unit, result: ParseResult) -> Iterator[_State]:

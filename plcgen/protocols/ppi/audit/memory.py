@@ -12,7 +12,7 @@ from plcgen.scl import ast
 from plcgen.scl.constants import evaluate
 from plcgen.scl.parser import ParseResult
 from plcgen.sources.blocks import SourceBlock, Sources
-from plcgen.sources.buffers import LARGEST, FoundBuffer, block_title
+from plcgen.sources.buffers import LARGEST, FoundBuffer
 from plcgen.sources.calls import block_constants
 
 
@@ -69,7 +69,7 @@ def _in_block(source: SourceBlock, unit: ast.Unit, result: ParseResult) -> Itera
             given = frozenset(n - first for n, value in array.values.items() if value is not None)
             home = source.block.span or Span(source.file)
             spans = {n - first: span for n, span in array.spans.items()} if source.located else {}
-            yield Bytes(f"{name} in {block_title(source.block)}", data, given, home, spans)
+            yield Bytes(f"{name} in {source.title}", data, given, home, spans)
 
 
 def _assign(statement: ast.Assign, known: dict[str, int], result: ParseResult, arrays: dict[str, _Array]) -> None:

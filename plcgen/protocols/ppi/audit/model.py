@@ -84,7 +84,7 @@ class FoundTelegram:
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
+class CallMemory:
     """Memory that a call sends from or receives into: ``size`` bytes of ``buffer`` from ``start``."""
 
     text: str
@@ -101,7 +101,7 @@ class ModuleCall:
     call: SourceCall
     sends: bool
     name: str
-    room: Room | None = None
+    room: CallMemory | None = None
     telegram: FoundTelegram | None = None
     findings: AuditFindings = field(default_factory=AuditFindings)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from plcgen.diagnostics import Note
-from plcgen.protocols.ppi.audit.model import FoundTelegram, ModuleCall, Room
+from plcgen.protocols.ppi.audit.model import CallMemory, FoundTelegram, ModuleCall
 from plcgen.protocols.ppi.wire.model import ReadRequest
 from plcgen.protocols.ppi.wire.pdu import reply_size
 from plcgen.protocols.ppi.wire.telegram import PDU_OFFSET
@@ -55,7 +55,7 @@ def _numbered(found: ModuleCall, buffers: Sequence[FoundBuffer]) -> None:
         found.findings.report("PG674", message, byte.span, "point into the data block", notes=_where(buffer))
         return
     text = f"{buffer.title} byte {start}"
-    found.room = Room(text, byte.span, buffer.size - start, start, buffer)
+    found.room = CallMemory(text, byte.span, buffer.size - start, start, buffer)
 
 
 def _pointed(found: ModuleCall, area: PointedArea | None, buffers: Sequence[FoundBuffer]) -> None:
@@ -63,7 +63,7 @@ def _pointed(found: ModuleCall, area: PointedArea | None, buffers: Sequence[Foun
     if area is None:
         return
     if area.local:
-        found.room = Room(area.text, area.span, area.length)
+        found.room = CallMemory(area.text, area.span, area.length)
         return
     buffer = next((one for one in buffers if _is(one, area)), None)
     if buffer is None:
@@ -81,7 +81,7 @@ def _pointed(found: ModuleCall, area: PointedArea | None, buffers: Sequence[Foun
         message = f"BUFFER of {found.title} ends at byte {start + size}, {buffer.title} has {buffer.size}"
         found.findings.report("PG674", message, area.span, "point into the data block", notes=_where(buffer))
         return
-    found.room = Room(area.text, area.span, size, start, buffer)
+    found.room = CallMemory(area.text, area.span, size, start, buffer)
 
 
 def _is(buffer: FoundBuffer, area: PointedArea) -> bool:
@@ -119,7 +119,7 @@ def check_sending(found: ModuleCall, telegrams: Iterable[FoundTelegram]) -> None
     _length(found, room, argument, begun)
 
 
-def _lies_in(found: ModuleCall, telegram: FoundTelegram, room: Room) -> bool:
+def _lies_in(found: ModuleCall, telegram: FoundTelegram, room: CallMemory) -> bool:
     if room.buffer is not None:
         end = room.start + (room.size or 0)
         return telegram.memory.buffer is room.buffer and room.start - 1 <= telegram.start < max(end, room.start + 1)
@@ -127,7 +127,7 @@ def _lies_in(found: ModuleCall, telegram: FoundTelegram, room: Room) -> bool:
     return telegram.memory.buffer is None and telegram.memory.title.lstrip("#").upper() == name.upper()
 
 
-def _length(found: ModuleCall, room: Room, argument: ConstantArgument, begun: Sequence[FoundTelegram]) -> None:
+def _length(found: ModuleCall, room: CallMemory, argument: ConstantArgument, begun: Sequence[FoundTelegram]) -> None:
     """One buffer may hold several telegrams, one after the other: the length is that of one of them."""
     value = argument.value or 0
     numbered = room.buffer is not None and "DBB_NO" in found.call.arguments

@@ -40,7 +40,7 @@ from plcgen.protocols.ppi.wire.model import (
     WriteRequest,
 )
 from plcgen.protocols.ppi.wire.pdu import encode_pdu
-from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, pascal_case, shorten
+from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, first_upper, pascal_case, shorten
 
 HARMLESS = Item.memory(Area.SM, 0)
 """SMB0: every S7-200 has it, and reading it changes nothing."""
@@ -217,7 +217,7 @@ class JobPlanner:
         )
 
     def _type(self, block: BlockRef, path: SpecPath) -> BlockRef:
-        return self.numbering.block("UDT", f"type{_upper(block.name)}", path)
+        return self.numbering.block("UDT", f"type{first_upper(block.name)}", path)
 
     def _block(self, kind: str, name: str, given: PpiBuffer, path: SpecPath) -> BlockRef:
         return self.numbering.block(kind, given.name or name, path, given.db, given=bool(given.name))
@@ -234,7 +234,3 @@ def _frame(kind: Kind, station: int, own: int, items: tuple[WireItem, ...]) -> b
         pdu = ReadRequest(0, tuple(wire.item for wire in items))
     source = own if own != station else (own + 1) % 127  # the same address twice is a finding of the rules
     return encode_frame(VariableFrame(station, source, FIRST, encode_pdu(pdu)))
-
-
-def _upper(name: str) -> str:
-    return name[:1].upper() + name[1:]

@@ -7,7 +7,7 @@ from typing import Any
 
 from plcgen.documents.spelling import spelling_of
 from plcgen.protocols.ppi.plan.nouns import Placed, PpiField, PpiJob, PpiPlan, PpiTelegram, PpiValue, WireItem
-from plcgen.s7.names import shorten
+from plcgen.s7.names import first_upper, shorten
 from plcgen.s7.types import ArrayType, Elementary
 from plcgen.scl.classic import respell_expression
 
@@ -19,7 +19,7 @@ Bytes = Callable[[str], str]
 def stat_name(job: PpiJob, value: PpiValue) -> str:
     """Copy of an input inside the block, taken when the job starts."""
     pin = job.pin(value.member)
-    return shorten(f"stat{pin[:1].upper()}{pin[1:]}", job.longest_name)
+    return shorten(f"stat{first_upper(pin)}", job.longest_name)
 
 
 def assemble(byte: Bytes, at: str, size: int, first: int = 0) -> str:

@@ -44,7 +44,7 @@ def examine(data: bytes) -> Examination:
     return Examination(frame, pdu, tuple(found))
 
 
-def decode(data: bytes, *, tolerant: bool = False, answerable: bool = False) -> WireTelegram:
+def decode_telegram(data: bytes, *, tolerant: bool = False, answerable: bool = False) -> WireTelegram:
     """Return the telegram in ``data``; PpiError with every violation of frame and PDU.
 
     ``tolerant`` accepts what real lines produce and lists it in the result; ``answerable`` accepts items that a

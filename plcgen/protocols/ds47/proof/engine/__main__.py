@@ -31,7 +31,7 @@ def dialect_of(folder: Path) -> Dialect:
     return Dialect.TIA_300_400 if manifest["family"] in {"s7-300", "s7-400"} else Dialect.TIA_1200_1500
 
 
-def shown(check: Check) -> str:
+def _shown(check: Check) -> str:
     """One line of a check."""
     return f"  {check.outcome.value:8} {check.subject}: {check.text} {check.verdict}"
 
@@ -60,7 +60,7 @@ def main(arguments: list[str] | None = None) -> int:
         sizes = engine.sizes
         print(f"{folder}: {dialect.label}, {sizes.last + 1} bytes, {sizes.slots} slots, engine {engine.hash[:SHORT]}")  # noqa: T201
         for check in proof.checks:
-            print(shown(check), flush=True)  # noqa: T201
+            print(_shown(check), flush=True)  # noqa: T201
         good = good and proof.ok
         found[engine.hash] = Proven(
             target=dialect.value,

@@ -121,7 +121,7 @@ def off(step: int) -> Edit:
     return lambda answer: bytes(((answer[0] + step) % 256,)) + answer[1:]
 
 
-def behind(first: Edit, second: Edit) -> Edit:
+def _behind(first: Edit, second: Edit) -> Edit:
     """Two edits, one behind the other."""
     return lambda answer: second(first(answer))
 
@@ -167,7 +167,7 @@ def _foreign(form: AnswerForm) -> Iterator[EngineScenario]:
     cases: list[tuple[str, Edit]] = [(f"drive object {value}", _put(2, value)) for value in (3, 2 ^ 0x80, 255, 0)]
     cases += [(f"reference off by {step}", off(step)) for step in (1, 128, 255)]
     cases += [("reference 0", _put(0, 0))]
-    cases += [(f"negative, {name}", behind(negative, edit)) for name, edit in list(cases)]
+    cases += [(f"negative, {name}", _behind(negative, edit)) for name, edit in list(cases)]
     for name, edit in cases:
         again: dict[str, Any] = {"retries": 2 if last else 0, "calls": (1, 2), "again": 1}
         if once:

@@ -37,7 +37,6 @@ from plcgen.protocols.ds47.proof.engine.scenario import EngineScenario
 from plcgen.protocols.ds47.proof.engine.sources import BLOCKS, SHORT, DriveEngine
 from plcgen.protocols.ds47.proof.words import TRANSITIONS, state_name
 from plcgen.scl import ast
-from plcgen.scl.dialect import Dialect
 
 PAGE = "docs/generated-code.md"
 Effort = Literal["sizes", "ordinary", "recorded", "thorough"]
@@ -80,7 +79,7 @@ class EngineWork:
     def pieces(self) -> list[Piece]:
         """The long ones first."""
         thorough = self.effort == "thorough"
-        classic = self.engine.dialect is not Dialect.TIA_1200_1500
+        classic = self.engine.dialect.classic
         last = self.engine.sizes.last
         found = [Piece("faults", errand.key, errand) for errand in MATRIX if errand.fits(last)]
         if self.effort == "sizes":

@@ -15,7 +15,6 @@ from plcgen.protocols.ds47.proof.engine.scenario import CALLS, EngineScenario
 from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
 from plcgen.protocols.ds47.proof.engine.stimulus import LEVELS, UNIT_OF_JOB
 from plcgen.s7.layout import locate
-from plcgen.scl.dialect import Dialect
 
 ADDRESSES = (256, 260, 264)
 OBJECTS = ((2, 3, 4), (2,), (2,))
@@ -121,7 +120,7 @@ class EngineRig:
 
     def __init__(self, engine: DriveEngine, errands: Sequence[Errand], job_limit: int | None = None) -> None:
         self.engine, self.program = engine, engine.program
-        self.classic = engine.dialect is not Dialect.TIA_1200_1500
+        self.classic = engine.dialect.classic
         self.bus = Periphery()
         self.drives = [DirectedDrive(drive_for(errands, objects)) for objects in OBJECTS]
         for address, drive in zip(ADDRESSES, self.drives, strict=True):

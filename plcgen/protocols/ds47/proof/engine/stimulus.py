@@ -54,7 +54,7 @@ class Sizes:
 
 def engine_stimulus(dialect: Dialect, names: Mapping[str, str], sizes: Sizes) -> str:
     """The text of the program; ``names`` are those of the engine's blocks and types by their roles."""
-    v5, classic = dialect is Dialect.STEP7_V5, dialect is not Dialect.TIA_1200_1500
+    v5, classic = dialect is Dialect.STEP7_V5, dialect.classic
     blocks = {**names, "job": "ProofJob"}
     text = Path(__file__).with_name("stimulus.scl").read_text(encoding="ascii")
     text = text.replace("{wrong}", _WRONG if classic else "")
