@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.proof.checks import Check, CheckGroup, Outcome
 
 
@@ -17,14 +16,28 @@ class Audited:
     diagnostics: tuple[Diagnostic, ...] = ()
 
 
-def audited(
-    id_: str, subject: str, text: str, findings: Sequence[Diagnostic], notes: Sequence[str], good: str
-) -> Check:
+@dataclass(slots=True)
+class AuditFindings:
+    """What is wrong with one thing that was looked at, and what was not looked at."""
+
+    found: list[Diagnostic] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def report(
+        self, code: str, message: str, span: Span, help_: str, *, notes: tuple[Note, ...] = (),
+        severity: Severity = Severity.ERROR,
+    ) -> None:  # fmt: skip
+        """Add one finding."""
+        self.found.append(Diagnostic(code, message, span, severity, help=help_, notes=notes))
+
+
+def audited(id_: str, subject: str, text: str, findings: AuditFindings, good: str) -> Check:
     """Return the check of one thing that was looked at; ``good`` is its verdict if nothing was found."""
-    errors = [d for d in findings if d.severity is Severity.ERROR]
-    if findings:
-        first = (errors or list(findings))[0]
-        more = f" (+{len(findings) - 1} more)" if len(findings) > 1 else ""
+    found = findings.found
+    errors = [d for d in found if d.severity is Severity.ERROR]
+    if found:
+        first = (errors or found)[0]
+        more = f" (+{len(found) - 1} more)" if len(found) > 1 else ""
         outcome = Outcome.ERROR if errors else Outcome.WARNING
         return Check(id_, subject, text, outcome, f"{first.message}{more}", first)
-    return Check(id_, subject, text, Outcome.OK, "; ".join([good, *notes]))
+    return Check(id_, subject, text, Outcome.OK, "; ".join([good, *findings.notes]))

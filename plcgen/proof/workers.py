@@ -27,9 +27,7 @@ from typing import IO, Any, NoReturn
 
 from plcgen.diagnostics import DiagnosticError
 
-START = (
-    "import pickle, sys; sys.path = pickle.load(sys.stdin.buffer); from plcgen.proof.workers import serve; serve()"
-)
+START = "import pickle, sys; sys.path = pickle.load(sys.stdin.buffer); from plcgen.proof.workers import serve; serve()"
 TASK = "task"
 """Stands for what every worker knows."""
 

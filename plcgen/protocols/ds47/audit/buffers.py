@@ -122,7 +122,7 @@ def _missing(plan: DrivePlan, match: Match, matches: Sequence[Match]) -> None:
     message = f'no DB for the {match.role} of {match.name}: neither DB{ref.number} nor "{ref.name}" is in the sources'
     help_ = "also name its file, or state in the spec which DB it is (request/response: {db, name})"
     span = plan.loaded.key_span(match.job.path)
-    match.report("PG650", message, span, help_, severity=Severity.WARNING)
+    match.findings.report("PG650", message, span, help_, severity=Severity.WARNING)
 
 
 def stray_requests(plan: DrivePlan, found: Sequence[FoundBuffer], matches: Sequence[Match]) -> list[Diagnostic]:

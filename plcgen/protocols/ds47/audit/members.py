@@ -86,7 +86,7 @@ class _Check:
                     f"{fields[n].offset}, the {fields[n + 1].label} at byte {fields[n + 1].offset}"
                 )
                 help_ = f"declare {there.path} before {here.path}"
-                self.match.report("PG653", message, here.span, help_)
+                self.match.findings.report("PG653", message, here.span, help_)
                 classes[n : n + 2] = [first, second]
         return classes
 
@@ -108,7 +108,7 @@ class _Check:
                     self.pad(field, following)
                 continue
             message = f"no member for the {field.label}, byte {field.offset} of the telegram"
-            self.match.report("PG653", message, place, f"declare it: {_declaration(field)}")
+            self.match.findings.report("PG653", message, place, f"declare it: {_declaration(field)}")
             self.moved = True
 
     def surplus(self, slots: Sequence[Slot], *, at_end: bool) -> None:
@@ -117,7 +117,7 @@ class _Check:
             return
         for slot in slots:
             message = f"{slot.path} at byte {slot.offset} is not part of the telegram: everything after it is shifted"
-            self.match.report("PG653", message, slot.span, "remove it, or move it after the telegram")
+            self.match.findings.report("PG653", message, slot.span, "remove it, or move it after the telegram")
         self.moved = True
 
     # --- by width -------------------------------------------------------------------------------------
@@ -163,7 +163,7 @@ class _Check:
         if slot.bits == 1 or slot.size != field.size:
             shown = "1 bit" if slot.bits == 1 else _bytes(slot.size)
             message = f"{slot.path} takes {shown}, the {field.label} takes {_bytes(field.size)} (byte {field.offset})"
-            self.match.report("PG652", message, slot.span, f"declare it as {_type(field)}")
+            self.match.findings.report("PG652", message, slot.span, f"declare it as {_type(field)}")
             self.moved = True
         self.last = slot
         return ((field,), (slot,))
@@ -181,7 +181,7 @@ class _Check:
             notes = (Note("the gap is after this member", self.last.span),) if gap > 0 and self.last is not None else ()
             if slot.offset < field.offset:
                 help_ = "a member before it is missing or too short"
-            self.match.report("PG653", message, slot.span, help_, notes=notes)
+            self.match.findings.report("PG653", message, slot.span, help_, notes=notes)
             self.moved = True
         self.last = slot
 
@@ -189,7 +189,7 @@ class _Check:
         """A pad byte that nobody declared and no gap replaces."""
         message = f"{following.path} lies at byte {following.offset}, where the {field.label} belongs"
         help_ = "values of an odd number of bytes end with one byte 00h: declare it, Padding : Byte;"
-        self.match.report("PG655", message, following.span, help_)
+        self.match.findings.report("PG655", message, following.span, help_)
         self.moved = True
 
     def types(self, field: Expected, slot: Slot) -> None:
@@ -200,7 +200,7 @@ class _Check:
         if (real and is_elementary(slot, _INTEGERS)) or (not real and is_elementary(slot, _REALS)):
             message = f"{slot.path} reads the {field.label}, a {field.format.name}, as {slot.type.name}"  # type: ignore[union-attr]
             help_ = f"declare it as {_type(field)}"
-            self.match.report("PG662", message, slot.span, help_, severity=Severity.WARNING)
+            self.match.findings.report("PG662", message, slot.span, help_, severity=Severity.WARNING)
 
     def match_span(self) -> Span:
         """The buffer as a whole."""

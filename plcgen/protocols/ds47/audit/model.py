@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.diagnostics import Span
 from plcgen.project.nouns import BlockRef
+from plcgen.proof.audited import AuditFindings
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
 from plcgen.protocols.ds47.wire.formats import Format
 from plcgen.sources.buffers import FoundBuffer
@@ -37,8 +38,7 @@ class Match:
     role: Role
     buffer: FoundBuffer | None = None
     how: str = ""
-    findings: list[Diagnostic] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    findings: AuditFindings = field(default_factory=AuditFindings)
 
     @property
     def ref(self) -> BlockRef:
@@ -50,19 +50,6 @@ class Match:
         """``read_ramp_up``, or ``read_recipe 2/3`` if a job needs several telegrams."""
         several = len(self.job.telegrams)
         return self.job.key if several == 1 else f"{self.job.key} {self.telegram.number}/{several}"
-
-    def report(
-        self,
-        code: str,
-        message: str,
-        span: Span,
-        help_: str,
-        *,
-        notes: tuple[Note, ...] = (),
-        severity: Severity = Severity.ERROR,
-    ) -> None:
-        """Add one finding."""
-        self.findings.append(Diagnostic(code, message, span, severity, help=help_, notes=notes))
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.diagnostics import Note, Span
 from plcgen.project.target import Target
+from plcgen.proof.audited import AuditFindings
 from plcgen.protocols.ds47.audit.model import FoundCall, Match
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.sources.calls import ConstantArgument, PointedArea
@@ -20,15 +21,7 @@ class CallAudit:
 
     call: FoundCall
     match: Match | None
-    findings: list[Diagnostic] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-
-    def report(
-        self, code: str, message: str, span: Span, help_: str, *, notes: tuple[Note, ...] = (),
-        severity: Severity = Severity.ERROR,
-    ) -> None:  # fmt: skip
-        """Add one finding."""
-        self.findings.append(Diagnostic(code, message, span, severity, help=help_, notes=notes))
+    findings: AuditFindings = field(default_factory=AuditFindings)
 
 
 def check_calls(plan: DrivePlan, calls: Sequence[FoundCall], matches: Sequence[Match]) -> list[CallAudit]:
@@ -59,7 +52,9 @@ def _fetched_twice(audits: Sequence[CallAudit]) -> None:
         if other is not audit:
             message = f"{audit.call.title} fills {audit.call.record.text}, which {other.call.title} already fills"
             notes = (Note("the other call", other.call.span),)
-            audit.report("PG659", message, audit.call.span, "give each RDREC a response DB of its own", notes=notes)
+            audit.findings.report(
+                "PG659", message, audit.call.span, "give each RDREC a response DB of its own", notes=notes
+            )
 
 
 def _never_fetched(audits: Sequence[CallAudit], matches: Sequence[Match]) -> None:
@@ -75,7 +70,7 @@ def _never_fetched(audits: Sequence[CallAudit], matches: Sequence[Match]) -> Non
     for match in matches:
         if match.role == "response" and match.buffer is not None and id(match.telegram) in sent - fetched:
             message = f"{match.buffer.title} is never filled: its request is sent, but no RDREC fetches the answer"
-            match.report("PG659", message, match.buffer.span, "call RDREC with this DB as RECORD after WRREC")
+            match.findings.report("PG659", message, match.buffer.span, "call RDREC with this DB as RECORD after WRREC")
 
 
 def _match(record: PointedArea | None, matches: Sequence[Match]) -> Match | None:
@@ -103,21 +98,25 @@ def _record(audit: CallAudit, matches: Sequence[Match]) -> None:
         wanted = other.buffer.title if other.buffer is not None else f'"{other.ref.name}"'
         message = f"RECORD of {call.title} is the {match.role} of {match.name}, {record.text}"
         help_ = f"the {role} is {wanted}"
-        audit.report("PG659", message, record.span, help_)
+        audit.findings.report("PG659", message, record.span, help_)
         audit.match = other
         return
     if record.start:
         message = f"RECORD of {call.title} begins at byte {record.start} of {record.text}, the telegram at byte 0"
-        audit.report("PG659", message, record.span, "let RECORD begin at the first byte of the DB")
+        audit.findings.report("PG659", message, record.span, "let RECORD begin at the first byte of the DB")
     need = len(match.telegram.request.data) if call.writes else _longest(match)
     room = _room(record, match)
     if record.length is not None and record.length < need and (match.buffer is None or match.buffer.size >= need):
         what = "the request has" if call.writes else "an answer can have"
         message = f"RECORD of {call.title} covers {record.length} bytes, {what} {need}"
-        audit.report("PG659", message, record.span, f"let RECORD cover {need} bytes: {_pointer(record, match, need)}")
+        audit.findings.report(
+            "PG659", message, record.span, f"let RECORD cover {need} bytes: {_pointer(record, match, need)}"
+        )
     elif match.buffer is not None and record.length is not None and room is not None and record.length > room >= need:
         message = f"RECORD of {call.title} covers {record.length} bytes, {match.buffer.title} has {match.buffer.size}"
-        audit.report("PG659", message, record.span, f"let RECORD cover {need} bytes: {_pointer(record, match, need)}")
+        audit.findings.report(
+            "PG659", message, record.span, f"let RECORD cover {need} bytes: {_pointer(record, match, need)}"
+        )
 
 
 def _pointer(record: PointedArea, match: Match, need: int) -> str:
@@ -138,7 +137,7 @@ def _length(audit: CallAudit, match: Match) -> None:
     name = "LEN" if call.writes else "MLEN"
     argument = call.arguments.get(name)
     if argument is not None and argument.value is None:
-        audit.notes.append(f"{name} is {argument.text}: not checked")
+        audit.findings.notes.append(f"{name} is {argument.text}: not checked")
         return
     value = argument.value if argument is not None else 0
     place = argument.span if argument is not None else call.span
@@ -163,7 +162,7 @@ def _written(audit: CallAudit, match: Match, value: int, place: Span) -> None:
         message = f"{how}, the request of {match.name} has {need} bytes: {extra} too many, {what}"
     else:
         message = f"{how}, the request of {match.name} has {need} bytes: its last {need - sent} are cut off"
-    audit.report("PG657", message, place, f"LEN := {need}", notes=_spec(match))
+    audit.findings.report("PG657", message, place, f"LEN := {need}", notes=_spec(match))
 
 
 def _sent(record: PointedArea | None, match: Match) -> int:
@@ -182,7 +181,7 @@ def _fetched(audit: CallAudit, match: Match, value: int, place: Span) -> None:
             f"MLEN is {value}, {which} answer of {match.name} has {need if which != 'the positive' else positive} bytes"
         )
         help_ = f"MLEN := {need} (positive {positive}, negative {negative}): a longer record is refused (80A1) or cut"
-        audit.report("PG658", message, place, help_, notes=_spec(match))
+        audit.findings.report("PG658", message, place, help_, notes=_spec(match))
         return
     record = audit.call.record
     room = record.length if record is not None and record.length is not None else None
@@ -190,7 +189,7 @@ def _fetched(audit: CallAudit, match: Match, value: int, place: Span) -> None:
         room = match.buffer.size - record.start
     if value and room is not None and value > room:
         message = f"MLEN is {value}, RECORD has room for {room} bytes"
-        audit.report(
+        audit.findings.report(
             "PG658", message, place, f"MLEN := {min(room, max(need, 1))}, or a larger buffer", notes=_spec(match)
         )
 
@@ -208,7 +207,7 @@ def _index(audit: CallAudit, match: Match) -> None:
         return
     message = f"INDEX is {argument.text}, {match.job.drive.device.title} expects {wanted} (16#{wanted:04X})"
     help_ = f"INDEX := {wanted}" if wanted < 0x8000 else f"INDEX := 16#{wanted:04X} (as an INT {wanted - 0x10000})"
-    audit.report("PG660", message, argument.span, help_)
+    audit.findings.report("PG660", message, argument.span, help_)
 
 
 def _id(audit: CallAudit, match: Match, target: Target) -> None:
@@ -216,13 +215,13 @@ def _id(audit: CallAudit, match: Match, target: Target) -> None:
     wanted = match.job.drive.id_value
     if argument is None or argument.value is None:
         if argument is not None and argument.value is None:
-            audit.notes.append(f"ID is {argument.text}: not checked")
+            audit.findings.notes.append(f"ID is {argument.text}: not checked")
         return
     if argument.value == wanted:
         return
     message = f"ID is {argument.text} ({argument.value}), drive {match.job.drive.key} has {wanted} (16#{wanted:04X})"
     spelled = f"DW#16#{wanted:08X}" if target.classic else str(wanted)
-    audit.report("PG661", message, argument.span, f"ID := {spelled}, or correct the address in the spec")
+    audit.findings.report("PG661", message, argument.span, f"ID := {spelled}, or correct the address in the spec")
 
 
 def _alone(audit: CallAudit, plan: DrivePlan) -> None:
@@ -235,14 +234,14 @@ def _alone(audit: CallAudit, plan: DrivePlan) -> None:
         if value > record.length:
             code = "PG657" if call.writes else "PG658"
             message = f"{name} is {value}, RECORD covers {record.length} bytes"
-            audit.report(code, message, argument.span, f"{name} is at most the length of RECORD")
+            audit.findings.report(code, message, argument.span, f"{name} is at most the length of RECORD")
         elif value > _RECORD_LIMIT:
-            audit.notes.append(f"{name} is {value}, a parameter record has at most {_RECORD_LIMIT} bytes")
+            audit.findings.notes.append(f"{name} is {value}, a parameter record has at most {_RECORD_LIMIT} bytes")
     known = {drive.record_index for drive in plan.drives}
     index = call.arguments["INDEX"]
     if index.value is not None and index.value & 0xFFFF not in known:
-        audit.notes.append(f"INDEX {index.text} is not that of a drive of the spec")
+        audit.findings.notes.append(f"INDEX {index.text} is not that of a drive of the spec")
     what = (
         "is a variable: it is not known which job it is for" if record is None or record.local else "belongs to no job"
     )
-    audit.notes.append(f"RECORD {record.text if record is not None else ''} {what}")
+    audit.findings.notes.append(f"RECORD {record.text if record is not None else ''} {what}")

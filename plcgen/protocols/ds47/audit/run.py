@@ -28,7 +28,7 @@ def audit(plan: DrivePlan, sources: Sources) -> Audited:
     calls = check_calls(plan, list(record_calls(sources)), matches)
     problems += stray_requests(plan, found, matches)
     for findings in (*(match.findings for match in matches), *(call.findings for call in calls)):
-        problems += findings
+        problems += findings.found
     groups = [CheckGroup("buffers", "Buffers", tuple(_buffer_check(match) for match in matches))]
     if calls or _has_code(sources):
         groups.append(CheckGroup("calls", "Calls", tuple(_call_checks(calls, matches))))
@@ -47,13 +47,13 @@ def _buffer(match: Match, plan: DrivePlan) -> None:
     optimized = buffer.block.optimized
     if optimized or (optimized is None and plan.target.t15):
         message = f"{buffer.title} has optimized access: its members have no fixed offsets"
-        match.report("PG654", message, buffer.span, "{ S7_Optimized_Access := 'FALSE' }")
+        match.findings.report("PG654", message, buffer.span, "{ S7_Optimized_Access := 'FALSE' }")
     pairs = check_members(match, expected_fields(match), buffer.slots)
     if match.role == "request":
         need = len(match.telegram.request.data)
         if buffer.size < need:
             message = f"request buffer {need - buffer.size} bytes too small: {_size(match)}, the telegram {need}"
-            match.report("PG651", message, buffer.span, f"declare all fields of the request: {need} bytes")
+            match.findings.report("PG651", message, buffer.span, f"declare all fields of the request: {need} bytes")
         check_values(match, pairs)
         return
     positive, negative = match.telegram.positive_length, match.telegram.negative_length
@@ -65,7 +65,7 @@ def _buffer(match: Match, plan: DrivePlan) -> None:
         formula = f"4 + 6 x {len(match.telegram.parts)}" if refused else need
         example = f"Reserve : Array[0..{need - buffer.size - 1}] of Byte;"
         help_ = f"add members up to {need} bytes ({formula}), for example {example}"
-        match.report("PG651", message, buffer.span, help_)
+        match.findings.report("PG651", message, buffer.span, help_)
 
 
 def _size(match: Match) -> str:
@@ -79,11 +79,11 @@ def _buffer_check(match: Match) -> Check:
     id_ = f"buffers.{match.ref.name}"
     text = _figures(match)
     if match.buffer is None:
-        first = match.findings[0] if match.findings else None
+        first = match.findings.found[0] if match.findings.found else None
         subject = f'DB{match.ref.number} "{match.ref.name}"'
         outcome = Outcome.WARNING if first is not None else Outcome.NOT_RUN
         return Check(id_, subject, text, outcome, "not in the sources", first)
-    return audited(id_, match.buffer.title, text, match.findings, match.notes, f"fits the {match.role} of {match.name}")
+    return audited(id_, match.buffer.title, text, match.findings, f"fits the {match.role} of {match.name}")
 
 
 def _figures(match: Match) -> str:
@@ -108,10 +108,10 @@ def _call_checks(calls: Sequence[CallAudit], matches: Sequence[Match]) -> Iterat
         job = "" if audit.match is None else f"{audit.match.role} of {audit.match.name}"
         good = f"fits the {job}" if job else "not checked"
         id_ = f"calls.{number}.{call.block}"
-        if audit.match is None and not audit.findings:
-            yield Check(id_, call.title, "  ".join(shown), Outcome.NOT_RUN, "; ".join(audit.notes))
+        if audit.match is None and not audit.findings.found:
+            yield Check(id_, call.title, "  ".join(shown), Outcome.NOT_RUN, "; ".join(audit.findings.notes))
         else:
-            yield audited(id_, call.title, "  ".join(shown), audit.findings, audit.notes, good)
+            yield audited(id_, call.title, "  ".join(shown), audit.findings, good)
     used = {id(audit.match) for audit in calls}
     for match in matches:
         if calls and match.buffer is not None and id(match) not in used:

@@ -25,7 +25,7 @@ def check_values(match: Match, pairs: Sequence[Pair]) -> None:
         return
     covered = [slot for _, slots in pairs for slot in slots]
     if not any(buffer.memory[slot.offset : slot.end] != bytes(slot.size) for slot in covered):
-        match.notes.append("start values are zero: a watch table or the program fills them in")
+        match.findings.notes.append("start values are zero: a watch table or the program fills them in")
         return
     swapped = _swapped(match, pairs, buffer.memory)
     for fields, slots in pairs:
@@ -48,7 +48,7 @@ def _swapped(match: Match, pairs: Sequence[Pair], memory: bytes) -> set[str]:
                 f"start values of {here.path} and {there.path} are swapped: they ask for "
                 f"P{int.from_bytes(given[0])}[{int.from_bytes(given[1])}] instead of {wanted}"
             )
-            match.report("PG656", message, here.span, "swap the two values")
+            match.findings.report("PG656", message, here.span, "swap the two values")
             return {"pnu", "subindex"}
     return set()
 
@@ -65,10 +65,10 @@ def _compare(match: Match, fields: Sequence[Expected], slots: Sequence[Slot], fo
         if not any(own) and not any(s.given for s in slots):
             message = f"{where} has no start value: the {field.label} is {_shown(field, field.data)}"
             help_ = "give it one, unless the program writes it before every request"
-            match.report("PG656", message, slot.span, help_, severity=Severity.WARNING)
+            match.findings.report("PG656", message, slot.span, help_, severity=Severity.WARNING)
             continue
         message = f"{where} holds {_shown(field, own)}, the {field.label} is {_shown(field, field.data)}"
-        match.report("PG656", message, slot.span, f"{slot.path} := {_literal(field.data)}")
+        match.findings.report("PG656", message, slot.span, f"{slot.path} := {_literal(field.data)}")
 
 
 def _accepted(field: Expected, own: bytes, drive_object: int) -> bool:

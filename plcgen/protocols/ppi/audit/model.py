@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.diagnostics import Span
+from plcgen.proof.audited import AuditFindings
 from plcgen.protocols.ppi.plan.nouns import PpiJob
 from plcgen.protocols.ppi.wire.model import Frame, Pdu
 from plcgen.sources.buffers import FoundBuffer
@@ -30,21 +31,6 @@ class Bytes:
     def span(self, at: int) -> Span:
         """Where byte ``at`` is stated."""
         return self.spans.get(at, self.home)
-
-
-@dataclass(slots=True)
-class AuditFindings:
-    """What is wrong with one thing that was looked at, and what was not looked at."""
-
-    found: list[Diagnostic] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-
-    def report(
-        self, code: str, message: str, span: Span, help_: str, *, notes: tuple[Note, ...] = (),
-        severity: Severity = Severity.ERROR,
-    ) -> None:  # fmt: skip
-        """Add one finding."""
-        self.found.append(Diagnostic(code, message, span, severity, help=help_, notes=notes))
 
 
 @dataclass(slots=True)

@@ -73,7 +73,7 @@ def _telegram(found: FoundTelegram) -> Check:
     data = found.data.hex(" ").upper() if len(found.data) <= _SHOWN else f"{len(found.data)} B"
     good = "a right telegram" if found.job is None else f"a right telegram of {found.job.key}"
     findings, id_ = found.findings, f"ppi.{found.memory.title}.{found.start}"
-    return audited(id_, found.title, f"{data}  {kind}".strip(), findings.found, findings.notes, good)
+    return audited(id_, found.title, f"{data}  {kind}".strip(), findings, good)
 
 
 def _without(plan: PpiPlan, found: Sequence[FoundTelegram]) -> Iterator[Check]:
@@ -89,4 +89,4 @@ def _call(number: int, found: ModuleCall) -> Check:
     if found.room is None and not found.findings.found:
         return Check(id_, found.title, text, Outcome.NOT_RUN, "; ".join(found.findings.notes))
     good = "fits" if found.telegram is None else f"sends {found.telegram.title}"
-    return audited(id_, found.title, text, found.findings.found, found.findings.notes, good)
+    return audited(id_, found.title, text, found.findings, good)
