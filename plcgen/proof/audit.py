@@ -1,4 +1,4 @@
-"""``audit``: sources of anyone and a spec in, checks out, in the shape of a verification, which every report can show.
+"""``audit_files``: sources of anyone and a spec in, checks out, in the shape of a verification, which reports can show.
 
 Every protocol of the spec says what it finds in the sources; nothing here knows one.
 """

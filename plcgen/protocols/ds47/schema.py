@@ -220,7 +220,7 @@ class JobSettings(StrictModel):
 
 
 class JobEntry(JobSettings, JobTarget):
-    """One job on one drive; the keys of its kind stand between ``drive`` and the settings, see ``sections``."""
+    """One job on one drive; the keys of its kind stand between ``drive`` and the settings, see ``drive_sections``."""
 
     @model_validator(mode="before")
     @classmethod
