@@ -37,11 +37,13 @@ attributes: "{" NAME ":=" STRING (";" NAME ":=" STRING)* "}"
 section: SECTION declaration* "END_VAR"
 declaration: NAME attributes? ["AT" NAME] ":" type [":=" expression] ";"
 type: NAME | QUOTED | "Array" "[" expression ".." expression "]" "of" type
-?statement: ";" | place ":=" expression ";" -> assign | place call ";" -> invoke | if | case | for | REGION | END_REGION
+?statement: ";" | place ":=" expression ";" -> assign | place call ";" -> invoke | "EXIT" ";" | if | case | for
+    | REGION | END_REGION
 if: "IF" expression "THEN" statement* elsif* ["ELSE" statement*] "END_IF" ";"
 elsif: "ELSIF" expression "THEN" statement*
 case: "CASE" expression "OF" (label | statement)+ ["ELSE" statement*] "END_CASE" ";"
-label: (place | NUMBER) ("," (place | NUMBER))* ":"
+label: value ("," value)* ":"
+value: place | NUMBER | NUMBER ".." NUMBER
 for: "FOR" place ":=" expression "TO" expression ["BY" expression] "DO" statement* "END_FOR" ";"
 call: "(" [argument ("," argument)*] ")"
 argument: NAME ":=" expression | NAME ARROW place | expression
@@ -52,6 +54,7 @@ argument: NAME ":=" expression | NAME ARROW place | expression
 ?product: unary | product ("*" | "/" | "MOD" | "DIV") unary -> multiply
 ?unary: primary | "NOT" unary -> negation | SIGN unary -> sign
 ?primary: NUMBER | TYPED | STRING | place | place call -> result | "(" expression ")"
+    | "[" expression ("," expression)* "]" -> list
 place: (LOCAL | QUOTED | NAME) ("." (NAME | QUOTED) | "[" expression ("," expression)* "]")*
 TITLE.2: /TITLE = [^\n]*/
 REGION.2: /REGION [^\n]*/

@@ -190,7 +190,10 @@ class Cpu:
         called = [self._callable(name) for name in blocks or ([self._main.name] if self._main is not None else ())]
         for _ in range(count):
             self._next(milliseconds)
-            self.faulted = any(self._run(block, arguments) for block, arguments in called)
+            self.faulted = False
+            for block, arguments in called:
+                if self._run(block, arguments):
+                    break
 
     def call(self, name: str, milliseconds: int = 0, **inputs: Any) -> None:
         """Call one instance data block, OB or FC without parameters, as one scan; inputs are set before."""
@@ -248,7 +251,8 @@ class Cpu:
         self.time.pass_time(milliseconds)
         if milliseconds:
             self.bus.advance(milliseconds)
-        self.records.advance()
+        if self.records.jobs or self.records.orphans:
+            self.records.advance()
         self._passes[0] = self.preemption.delays = self._moves.moved = 0
         for block in self._records:
             block.scan = self.scans

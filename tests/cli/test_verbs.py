@@ -421,7 +421,9 @@ def test_devices(plcgen):
 
 def test_schema(plcgen, monkeypatch):
     """The schema goes to stdout as it is."""
-    monkeypatch.setattr(plcgen_api, "schema", lambda kind, profiles: {"title": f"plcgen job {kind}", **dict.fromkeys(profiles)})
+    monkeypatch.setattr(
+        plcgen_api, "schema", lambda kind, profiles: {"title": f"plcgen job {kind}", **dict.fromkeys(profiles)}
+    )
     assert json.loads(plcgen("schema").out) == {"title": "plcgen job spec"}
     wrong = plcgen("schema", "drive", "--profile", "acme.yaml")
     assert wrong.code == 2

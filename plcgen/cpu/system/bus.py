@@ -63,7 +63,8 @@ class Periphery:
 
     def advance(self, milliseconds: int) -> None:
         """Let time pass for every drive once."""
-        for drive in {id(drive): drive for drive in self.drives.values()}.values():
-            drive.advance(milliseconds)
+        if self.drives:
+            for drive in {id(drive): drive for drive in self.drives.values()}.values():
+                drive.advance(milliseconds)
         for port in self.ports.values():
             port.advance(milliseconds)

@@ -43,7 +43,8 @@ class SystemClock:
         """A scan begins: that of before took so long."""
         self.cell[0] += milliseconds
         _, least, most = self.cycles
-        self.cycles = milliseconds, min(least or milliseconds, milliseconds), max(most, milliseconds)
+        shortest = milliseconds if not least or milliseconds < least else least
+        self.cycles = milliseconds, shortest, max(most, milliseconds)
 
     @property
     def now(self) -> dt.datetime:

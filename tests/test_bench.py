@@ -1,0 +1,36 @@
+"""The benchmarks run: what they measure is still there, and their peers take the text that they are given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from bench import cpu_speed, scl_speed
+
+
+@pytest.fixture(autouse=True)
+def _once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every run once: the figures say nothing."""
+
+    def once(run: Callable[[], object], repeat: int = 1) -> float:  # noqa: ARG001 - how often does not matter
+        run()
+        return 1.0
+
+    monkeypatch.setattr(cpu_speed, "best", once)
+    monkeypatch.setattr(scl_speed, "alternate", lambda *runs: [once(run) if run else 1.0 for run in runs])
+
+
+def test_the_soft_cpu(capsys: pytest.CaptureFixture[str]) -> None:
+    """A line for each target."""
+    cpu_speed.main()
+    out = capsys.readouterr().out
+    assert [out.count(f"idle scans, {target}") for target in cpu_speed.SPECS] == [1, 1, 1]
+
+
+def test_the_front_end_beside_its_peers(capsys: pytest.CaptureFixture[str]) -> None:
+    """Lark parses the same generated blocks, awlsim runs the same loop."""
+    scl_speed.main()
+    out = capsys.readouterr().out
+    assert "not installed" not in out
+    assert out.count("ratio") == 3
