@@ -145,7 +145,7 @@ class Source:
     def __init__(self, program: Program, block: BlockRef | str) -> None:
         self.file = file_of(program, block if isinstance(block, str) else block.name)
         own = [i for i, probe in enumerate(program.probes) if probe.file == self.file]
-        self.probes = slice(own[0], own[-1] + 1) if own else slice(0)
+        self.probes = slice(own[0], own[-1] + 1) if own else slice(0, 0)
 
 
 def shown_value(value: Tree) -> str:

@@ -57,6 +57,16 @@ def test_every_deleted_statement_is_noticed_and_located(file: str) -> None:
     assert sum(not entry[2].located for entry in found) <= 1  # what only another instance shows has no scan
 
 
+def test_a_block_without_a_statement_is_noticed() -> None:
+    """A block whose only statement is gone fails in its first call; it has no line but the first."""
+    whole = "dropped: IF #execute OR #status <> W#16#7000 THEN"
+    found = [case for case in cases([PUMP], ["dropped"]) if "SetRamps" in case.file and whole in case.mutant.what]
+    verdicts = [notice(case) for case in found]
+    assert [verdict.text.partition(" (")[0] for verdict in verdicts] == [
+        "first run, scan 1: busy False, done False, error False at the same time"
+    ]
+
+
 def argued(block: str, what: str, turn: int = 1) -> bool:
     """Whether a mutant of a block has a reason."""
     return bool(reason(Case(MM4, f"scl/{block}.scl", ENGINE, Mutant(what, 1, ""), turn)))
