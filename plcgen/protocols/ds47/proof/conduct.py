@@ -78,6 +78,7 @@ class JobConduct:
         rig.report(scenario.state)
         rig.put_inputs(scenario.slot)
         rig.damage(scenario.record, scenario.damaged)
+        rig.called_alone = False
         self.polled, self.saves = 0, rig.saves
         if scenario.since is None:
             rig.forget()
@@ -135,7 +136,9 @@ class JobConduct:
             self.length = WAITING_MS
 
     def scan(self, run: Run[DriveScenario]) -> int:
-        """Inputs change behind the first call; the job of another slot leaves."""
+        """Inputs change behind the first call; the job of another slot leaves; the channel is not called."""
+        if run.scenario.twice:
+            self.rig.called_alone = run.scans % 2 == 0
         if run.scenario.occupied:
             self.rig.alive()
             if run.scans == run.scenario.occupied // run.scenario.scan:
@@ -235,6 +238,7 @@ class JobConduct:
 
     def end(self, run: Run[DriveScenario], status: int) -> None:
         """Values, errors, wire."""
+        self.rig.called_alone = False
         wanted = self.wanted
         if self.rig.job.whole:  # the buffer may have changed; what is not whole is not delivered
             wanted = self.due(run.scenario) if status == DONE else self.before

@@ -37,7 +37,7 @@ WAIT_MS, WAIT_LIMIT_MS = 500, 60_000
 """How long a job waits for its unit: where another job has it, and usually."""
 
 
-CHANNEL = ("channel0.waitLimit", "channel0.recordIndex")
+CHANNEL = ("channel0.waitLimit", "channel0.recordIndex", "jobsOnly")
 
 
 def record_index(plan: DrivePlan, job: DriveJob) -> int:
@@ -259,9 +259,18 @@ class JobRig:
     # --- what the job hands over ----------------------------------------------------------------------
 
     @property
+    def called_alone(self) -> bool:
+        """Whether gate and channel are not called: the job lies in a faster OB."""
+        return self.channel.flag("jobsOnly")
+
+    @called_alone.setter
+    def called_alone(self, alone: bool) -> None:
+        self.channel.set("jobsOnly", alone)
+
+    @property
     def building(self) -> bool:
         """Whether the channel has just taken a telegram over."""
-        return self.unit.get("state") == BUILD
+        return self.unit.get("state") == BUILD and not self.called_alone
 
     def order(self) -> dict[str, int]:
         """What goes with the request."""

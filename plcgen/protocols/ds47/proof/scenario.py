@@ -27,6 +27,7 @@ class DriveScenario(Scenario):
 
     ``writes`` and ``reads`` act on the n-th WRREC or RDREC (0: on every one): a STATUS, or for a read an edit of the
     answer. ``busy`` is how many calls of WRREC and RDREC answer BUSY, ``generic`` lets the drive answer 41h to 43h.
+    ``twice``: the job is called twice for every call of its channel, as in an OB that is faster.
     ``meddle`` changes every input behind the first call, ``slot`` is another slot than the job's own, ``occupied`` for
     how many ms the job of another slot has the unit. ``output`` puts the drive at an address with bit 15, ``guarded``
     looks behind every call for bytes that are not the job's, not only at the end. ``at_once``: execute comes again in
@@ -74,6 +75,7 @@ class DriveScenario(Scenario):
     slot: int | None = None
     occupied: int = 0
     output: bool = False
+    twice: bool = False
     guarded: bool = False
     at_once: bool = False
     saving: int = 300

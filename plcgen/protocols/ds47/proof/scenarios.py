@@ -283,6 +283,7 @@ def _signals(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
     """Execute, inputs, the slot, restarts."""
     yield DriveScenario(name="all inputs change after the edge", meddle=True, busy=(3, 3))
     yield DriveScenario(name="an address with bit 15", output=True, follow=False)
+    yield DriveScenario(name="the job is called twice as often as its channel", twice=True, follow=False)
     for at in (2, scans):
         name = f"execute falls before scan {at} and rises in the call after the end"
         yield DriveScenario(name=name, happens={at: "drop"}, at_once=True, follow=False)

@@ -2,7 +2,8 @@
 
 A job block is executed once, whatever the number of its instances: its caller has the engine as it lies in the folder,
 a gate, one channel and the job; a second caller has three instances of it on two units. Inputs that no call passes are
-put into the instances directly. TIA SCL; other spellings are made from it.
+put into the instances directly. With ``jobsOnly`` a call is that of a faster OB, which gate and channels are not in.
+TIA SCL; other spellings are made from it.
 """
 
 from __future__ import annotations
@@ -73,18 +74,20 @@ def _caller(plan: DrivePlan, job: DriveJob, name: str, jobs: dict[str, tuple[int
     """A caller; of every job: its unit, its slot, its data blocks if it has any."""
     engine = plan.engine
     units = sorted({unit for unit, _, _ in jobs.values()})
-    declared = [f'gate : "{engine.gate.name}";', *(f'channel{unit} : "{engine.channel.name}";' for unit in units)]
+    declared = ["jobsOnly : Bool;", f'gate : "{engine.gate.name}";']
+    declared += [f'channel{unit} : "{engine.channel.name}";' for unit in units]
     declared += [f'{key} : "{job.block.name}";' for key in jobs]
     if job.recipe is not None:
         type_ = f'Array[1..{job.recipe.count}] of "{job.recipe.type.name}"'
         declared += [f"{key}Records : {type_};" for key in jobs]
-    calls = [f'#gate(places := 4, channels := {len(units)}, gate := "{GATE_DB}".gate);']
+    calls = ["IF NOT #jobsOnly THEN", f'#gate(places := 4, channels := {len(units)}, gate := "{GATE_DB}".gate);']
     for unit in units:
         db = f', unitDb := "{UNITS[unit]}"' if plan.target.classic else ""
         calls.append(
             f"#channel{unit}(slots := {SLOTS}{db}, "
             f'unit := "{UNITS[unit]}".unit, place := "{GATE_DB}".gate.channels[{unit + 1}]);'
         )
+    calls.append("END_IF;")
     for key, (unit, _, (request, response)) in jobs.items():
         own = f'requestDb := "{request}", responseDb := "{response}", ' if job.pinned else ""
         own += "" if job.recipe is None else f"records := #{key}Records, "

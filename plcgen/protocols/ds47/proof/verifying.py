@@ -75,8 +75,10 @@ def _near_zero(job: DriveJob, telegram: DriveTelegram) -> Iterator[DriveScenario
             for pnu in keeps:
                 own = [(part, at) for _, part, at in found if part.use.parameter.pnu == pnu]
                 far[pnu] = only({_index(part, at) for part, at in own}, anything(own[0][0].use))
-            name = f"numbers of telegram {telegram.number} are far from what was sent, values as delivered"
-            yield replace(_deviates(name, telegram, places, keeps=far, values="factory"), follow=False)
+            odd: list[Contents] = ["odd"] * VALUE_SETS
+            for values in ("factory", *odd):
+                name = f"numbers of telegram {telegram.number} are far from what was sent, values {values}"
+                yield replace(_deviates(name, telegram, places, keeps=far, values=values), follow=False)
 
 
 def _one_octet(telegram: DriveTelegram, place: int) -> Iterator[DriveScenario]:
