@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from plcgen.proof.runner import Run
 from plcgen.proof.scenario import ScenarioError
+from plcgen.protocols.ds47.proof.asking import Asking
 from plcgen.protocols.ds47.proof.contents import held, written
 from plcgen.protocols.ds47.proof.course import Course
 from plcgen.protocols.ds47.proof.end import check_end, check_errors, check_refused
@@ -39,6 +40,7 @@ class JobConduct:
         self.requests: list[bytes] = []
         self.course = Course(rig, (), exact=False)
         self.fence = Fence(rig)
+        self.asking: Asking | None = None
         self.polled = 0
         """How often this run has repeated the last telegram."""
         self.saves = 0
@@ -81,7 +83,7 @@ class JobConduct:
         rig.called_alone = False
         self.polled, self.saves = 0, rig.saves
         if scenario.since is None:
-            rig.forget()
+            rig.forget(scenario.left)
         else:
             rig.wait(self.saved_at + scenario.since - rig.cpu.clock - scenario.scan)
         rig.drive.begin(scenario)
@@ -97,6 +99,8 @@ class JobConduct:
         rig.tell(scenario.moment)
         self.before, self.wanted = rig.delivered(), self.due(scenario)
         self.set_off(scenario)
+        restarts = {"cold", "warm"} & happens
+        self.asking = Asking(rig, rig.job.poll) if rig.job.poll is not None and not restarts else None
         self.taken = 0
         for (telegram, place), data in scenario.delivers.items():
             self.wanted[telegram - 1][place - 1] = data
@@ -162,7 +166,10 @@ class JobConduct:
             self.set_off(run.scenario)
         counted = run.scenario.happens or run.scenario.occupied  # something happens in a certain scan
         exact = counted or run.passed < LONG_MS
-        return self.length if exact else max(self.length, self.pace.length())
+        length = self.length if exact else max(self.length, self.pace.length())
+        if run.scenario.sharp is not None and self.asking is not None:
+            return self.asking.length(length, run.scenario.sharp)
+        return length
 
     def start(self, run: Run[DriveScenario]) -> None:
         """No parameter has an answer yet, whatever was there before; values stay until there are new ones."""
@@ -173,6 +180,8 @@ class JobConduct:
         rig, telegram = self.rig, self.rig.telegram
         if run.scenario.guarded:
             self.fence.check()
+        if self.asking is not None:
+            self.asking.observe(telegram, busy=run.seen[0])
         if rig.building:
             self.handed_over(telegram)
         if rig.job.in_steps:
@@ -254,6 +263,8 @@ class JobConduct:
             check_refused(self.rig, run.scenario, status)
         if self.rig.job.poll is not None:
             check_saved(self.rig, status, self.saves if run.scenario.checked else None)
+        if self.asking is not None:
+            self.asking.end(status)
         self.before = self.rig.delivered()
 
     def behind(self, run: Run[DriveScenario]) -> None:

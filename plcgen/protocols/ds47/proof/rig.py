@@ -24,7 +24,9 @@ from plcgen.protocols.ds47.wire.formats import unpack_values
 
 SIGNALS = ("execute", "busy", "done", "error", "status", "errors", "errorInfos", "driveObject", "slot")
 ORDER = ("length", "retries", "timeout", "pause", "once", "pinned", "requestDb", "responseDb", "responseSize")
-GUARD = ("saves", "statRest")
+CLOCK, REST = "statNow", "statRest"
+"""Clock of a job in its last call; ms until it may save again."""
+GUARD = ("saves", REST)
 """Of a job that saves: how often it did, and how long it refuses to do it again."""
 VALUE_SETS = 3
 OUTPUT = 0x8000
@@ -65,6 +67,7 @@ class JobRig:
         values = [*clocked.inputs(job), *(use.member for use in job.outputs)]
         paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values, *listed.paths(job))]
         paths += [f"job.{name}" for name in GUARD] if job.guarded else []
+        paths += [f"job.{CLOCK}"] if job.poll is not None else []
         paths += [f"job.{name}" for name in FAILED] if job.in_steps else []
         paths += [f"job.{CAUSE}"] if job.restores else []
         paths += [f"job.{name}" for name in recipe_signals(job)]
@@ -78,7 +81,7 @@ class JobRig:
     def unit_of(self, name: str) -> Members:
         """What job and channel share."""
         self.order_id = "order.hardwareId" if self.plan.target.t15 else "order.address"
-        names = ["state", "telegram", "expected", "turn.grant", self.order_id, *(f"order.{name}" for name in ORDER)]
+        names = ["state", "telegram", "expected", "turn.grant", "turn.served", self.order_id, *(f"order.{name}" for name in ORDER)]
         names += [f"asks[{slot}].telegram" for slot in range(1, SLOTS + 1)]
         names += [f"asks[{slot}].{name}" for slot in (SLOT, OTHER) for name in ("want", "mark")]
         return Members(self.cpu, self.program, name, [f"unit.{name}" for name in names], "unit.")
@@ -88,10 +91,10 @@ class JobRig:
         """Saves that the job has counted."""
         return self.db.get("saves") if self.job.guarded else 0
 
-    def forget(self) -> None:
-        """The last save is long ago."""
+    def forget(self, left: int = 0) -> None:
+        """The last save is long ago; or so many ms are left until the next may start."""
         if self.job.guarded:
-            self.db.set("statRest", 0)
+            self.db.set(REST, left)
 
     def wait(self, milliseconds: int) -> None:
         """Time passes while the job is called and has nothing to do."""

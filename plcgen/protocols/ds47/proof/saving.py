@@ -7,6 +7,8 @@ from dataclasses import replace
 
 from plcgen.protocols.ds47.kinds.kind import Poll
 from plcgen.protocols.ds47.plan.nouns import DriveJob
+from plcgen.protocols.ds47.proof.asking import STANDSTILL_MS
+from plcgen.protocols.ds47.proof.pace import SCAN
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
 from plcgen.protocols.ds47.proof.verifying import another
 from plcgen.protocols.ds47.proof.words import WORDS
@@ -58,13 +60,15 @@ def _durations(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     )
     for name, time in (("two questions and a half", _several(poll)), ("almost the limit", poll.limit * 49 // 50)):
         yield DriveScenario(name=f"the drive saves for {name}", saving=time, scan=wide, took=(time, time + between))
-    yield DriveScenario(
-        name="the drive never finishes saving",
-        saving=100 * poll.limit,
-        status=(WORDS["NOT_SAVED" if job.guarded else "NOT_ACKNOWLEDGED"],),
-        scan=wide,
-        took=(poll.limit, poll.limit + between),
-    )
+    for end in (-1, 0):
+        yield DriveScenario(
+            name=f"the drive never finishes saving, a question comes {end} ms behind the limit",
+            saving=100 * poll.limit,
+            status=(WORDS["NOT_SAVED" if job.guarded else "NOT_ACKNOWLEDGED"],),
+            scan=wide,
+            took=(poll.limit, poll.limit + between + poll.interval + STANDSTILL_MS),
+            sharp=end,
+        )
 
 
 def _remaining(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
@@ -134,6 +138,8 @@ def _guard(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     yield DriveScenario(name="at once again", since=0, status=soon, checked=False, follow=False)
     yield DriveScenario(name="again just within the distance", since=near, status=soon, checked=False, follow=False)
     yield DriveScenario(name="again after the distance", since=far, follow=False)
+    yield DriveScenario(name="1 ms too soon", left=SCAN + 1, status=soon, checked=False, follow=False)
+    yield DriveScenario(name="again behind the start that was too soon", since=0, follow=False)
     yield DriveScenario(
         name="a save of which nobody knows whether the drive took it",
         reads={save: LOST}, status=(WORDS["UNKNOWN"],), telegram=save, answered=False, follow=False,

@@ -35,7 +35,9 @@ class DriveScenario(Scenario):
 
     ``remaining`` is how many faults are there again when they were acknowledged. ``saving`` is how many ms the drive
     saves or acknowledges, ``since`` starts a job that saves so many ms behind the last save that
-    was handed over; None: long behind it.
+    was handed over; None: long behind it, ``left`` ms of the time that must pass in between are left.
+
+    ``sharp``: calls of such a job fall where its times are over, and 1 ms before; a question so many ms behind its limit.
 
     ``keeps`` is what the drive makes of written values, by number of the parameter: it rounds, or clips without a word;
     ``meanwhile`` what somebody else makes of them before they are read back. ``matches``: the drive has what a job
@@ -81,6 +83,8 @@ class DriveScenario(Scenario):
     saving: int = 300
     remaining: int = 0
     since: int | None = None
+    left: int = 0
+    sharp: int | None = None
     keeps: Mapping[int, Keeps] = field(default_factory=dict)
     meanwhile: Mapping[int, Keeps] = field(default_factory=dict)
     matches: bool = False
