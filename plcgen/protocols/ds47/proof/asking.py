@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ds47.kinds.kind import Poll
+from plcgen.protocols.ds47.proof.block_clock import STANDSTILL_MS, BlockClock
 from plcgen.protocols.ds47.proof.restored import CAUSE
-from plcgen.protocols.ds47.proof.rig import CLOCK, REST, JobRig
+from plcgen.protocols.ds47.proof.rig import REST, JobRig
 from plcgen.protocols.ds47.proof.words import STEP_MS, WORDS
 
 NOT_TAKEN = tuple(WORDS[name] for name in ("WRITE_ERROR", "PARAMETER_ERROR", "NOT_SUPPORTED"))
 """How a job ends that knows that the drive has not taken the save."""
 GIVEN_UP = tuple(WORDS[name] for name in ("NOT_SAVED", "NOT_ACKNOWLEDGED", "FAULTS_REMAIN"))
 """How one ends whose last question said no."""
-STANDSTILL_MS = 3000
-"""So long the CPU stands still once."""
 
 
 class Asking:
@@ -24,9 +23,7 @@ class Asking:
 
     def __init__(self, rig: JobRig, poll: Poll) -> None:
         self.rig, self.poll = rig, poll
-        self.clock = rig.db.get(CLOCK, signed=True)
-        self.time = 0
-        """Time of the run in ms: what the block counts of it."""
+        self.clock = BlockClock(rig)
         self.telegram = 0
         self.writes = False
         """Whether the telegram handed over last is the write."""
@@ -41,19 +38,17 @@ class Asking:
 
     def observe(self, telegram: int, *, busy: bool) -> None:
         """One call of the job is over, which has handed over this telegram. Raises ScenarioError."""
-        rig, clock = self.rig, self.rig.db.get(CLOCK, signed=True)
-        self.time += min(max(clock - self.clock, 0), STEP_MS)
-        self.clock = clock
+        self.clock.advance()
         if telegram != self.telegram:
             self.telegram, self.answered = telegram, False
             self._handed_over()
-        elif busy and rig.unit.get("turn.served") == self.telegram:
+        elif busy and self.rig.unit.get("turn.served") == self.telegram:
             self.answered = True
             if self.taken is None:
                 if self.writes:
-                    self.taken = self.asked = self.time
-            elif self.time - self.asked >= self.poll.interval:
-                raise ScenarioError(f"no question {self.time - self.asked} ms after the one before")
+                    self.taken = self.asked = self.clock.time
+            elif self.clock.time - self.asked >= self.poll.interval:
+                raise ScenarioError(f"no question {self.clock.time - self.asked} ms after the one before")
 
     def _handed_over(self) -> None:
         """A telegram: a question must not come too soon, nor behind the last one."""
@@ -62,16 +57,16 @@ class Asking:
             return
         write, question = (request[1:] for request in self.rig.requests()[-2:])
         if self.taken is None and self.writes:
-            self.taken = self.asked = self.time
+            self.taken = self.asked = self.clock.time
         if self.taken is None:
             self.writes = self.rig.handed_over(1 + len(write))[1:] == write
         elif self.rig.handed_over(1 + len(question))[1:] == question:
-            waited, since = self.time - self.asked, self.asked - self.taken
+            waited, since = self.clock.time - self.asked, self.asked - self.taken
             if waited < self.poll.interval:
                 raise ScenarioError(f"a question {waited} ms after the one before")
             if since >= self.poll.limit:
                 raise ScenarioError(f"a question behind the one {since} ms after the answer to the write")
-            self.writes, self.asked = False, self.time
+            self.writes, self.asked = False, self.clock.time
 
     def length(self, usual: int, end: int) -> int:
         """Length of the next scan in ms, if calls fall where times are over.
@@ -84,14 +79,14 @@ class Asking:
         if self.asked > self.taken and not self.still:
             self.still = True
             return STANDSTILL_MS
-        left = self.asked + self.poll.interval - self.time
+        left = self.asked + self.poll.interval - self.clock.time
         if left > 1:
             self.stood = False
             return left - 1
         if left == 1 and not self.stood:
             self.stood = True
             return 0
-        last = self.taken + self.poll.limit + end - self.time
+        last = self.taken + self.poll.limit + end - self.clock.time
         return last if left < last <= min(STEP_MS, self.poll.interval) else left if left > 0 else usual
 
     def end(self, status: int) -> None:

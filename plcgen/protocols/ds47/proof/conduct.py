@@ -18,6 +18,7 @@ from plcgen.protocols.ds47.proof.rig import SLOT, JobRig
 from plcgen.protocols.ds47.proof.saved import check_saved
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.stepped import longest_waits, route
+from plcgen.protocols.ds47.proof.waiting import Waiting
 from plcgen.protocols.ds47.proof.words import DONE, DRAIN, DRAIN_MS, HOLD, NO_ANSWER, state_name
 
 MANY_MS = 10_000_000
@@ -40,7 +41,7 @@ class JobConduct:
         self.requests: list[bytes] = []
         self.course = Course(rig, (), exact=False)
         self.fence = Fence(rig)
-        self.asking: Asking | None = None
+        self.asking: Asking | Waiting | None = None
         self.polled = 0
         """How often this run has repeated the last telegram."""
         self.saves = 0
@@ -99,8 +100,6 @@ class JobConduct:
         rig.tell(scenario.moment)
         self.before, self.wanted = rig.delivered(), self.due(scenario)
         self.set_off(scenario)
-        restarts = {"cold", "warm"} & happens
-        self.asking = Asking(rig, rig.job.poll) if rig.job.poll is not None and not restarts else None
         self.taken = 0
         for (telegram, place), data in scenario.delivers.items():
             self.wanted[telegram - 1][place - 1] = data
@@ -119,8 +118,13 @@ class JobConduct:
         self.restoration = Restoration(
             self.rig.job, self.rig.drive, self.rig.drive_object, requests, self.rig.values.given
         )
-        exact = scenario.again is not None and not {"cold", "warm"} & set(scenario.happens.values())
-        self.course = Course(self.rig, telegrams, exact=exact)
+        restarts = {"cold", "warm"} & set(scenario.happens.values())
+        self.course = Course(self.rig, telegrams, exact=scenario.again is not None and not restarts)
+        self.asking = None
+        if self.rig.job.poll is not None and not restarts:
+            self.asking = Asking(self.rig, self.rig.job.poll)
+        elif self.rig.job.waits and not restarts:
+            self.asking = Waiting(self.rig)
 
     def due(self, scenario: DriveScenario) -> list[list[bytes]]:
         """What the outputs must be: what the drive makes of it."""

@@ -67,7 +67,7 @@ class JobRig:
         values = [*clocked.inputs(job), *(use.member for use in job.outputs)]
         paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values, *listed.paths(job))]
         paths += [f"job.{name}" for name in GUARD] if job.guarded else []
-        paths += [f"job.{CLOCK}"] if job.poll is not None else []
+        paths += [f"job.{CLOCK}"] if job.poll is not None or job.waits else []
         paths += [f"job.{name}" for name in FAILED] if job.in_steps else []
         paths += [f"job.{CAUSE}"] if job.restores else []
         paths += [f"job.{name}" for name in recipe_signals(job)]

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from plcgen.protocols.ds47.kinds.kind import Poll
 from plcgen.protocols.ds47.plan.nouns import DriveJob
-from plcgen.protocols.ds47.proof.asking import STANDSTILL_MS
+from plcgen.protocols.ds47.proof.block_clock import STANDSTILL_MS
 from plcgen.protocols.ds47.proof.pace import SCAN
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
 from plcgen.protocols.ds47.proof.verifying import another

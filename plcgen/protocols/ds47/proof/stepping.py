@@ -10,6 +10,7 @@ from typing import Any
 
 from plcgen.protocols.ds47.kinds.kind import Awaited
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
+from plcgen.protocols.ds47.proof.block_clock import STANDSTILL_MS
 from plcgen.protocols.ds47.proof.points import replaced_values, value_at
 from plcgen.protocols.ds47.proof.scenario import Contents, DriveScenario, Edit
 from plcgen.protocols.ds47.proof.words import WORDS
@@ -89,16 +90,18 @@ def _late(job: DriveJob, telegram: DriveTelegram, awaited: Awaited) -> Iterator[
     missing = _missing(telegram, each)
     slack = 10 * TELEGRAM_SCANS * (len(job.telegrams) + count)
     wide = max(10, min(awaited.limit // 5_000, job.timeout // 100))
-    for places in dict.fromkeys((tuple(each), tuple(each[-1:]))):
+    for end, places in ((-1, tuple(each)), (0, tuple(each[-1:]))):
+        where = ", ".join(map(str, places))
         yield DriveScenario(
-            name=f"telegram {number} is never answered as wanted at {', '.join(map(str, places))}",
+            name=f"telegram {number} is never as wanted at {where}, a question comes {end} ms behind the limit",
             reads=dict.fromkeys(range(number, MANY), _missing(telegram, places)),
             questions={number: awaited.limit // awaited.interval + 2},
             status=(WORDS["NOT_REACHED"],),
             telegram=number,
             missed=telegram.parts[places[0] - 1].use.parameter.pnu,
             scan=wide,
-            took=(awaited.limit, awaited.limit + awaited.interval + slack * wide // 10),
+            took=(awaited.limit, awaited.limit + 2 * awaited.interval + STANDSTILL_MS + slack * wide // 10),
+            sharp=end,
             follow=False,
         )
     yield DriveScenario(
