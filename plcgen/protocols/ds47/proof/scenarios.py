@@ -107,7 +107,7 @@ def _not_numbers(job: DriveJob) -> Iterator[DriveScenario]:
 def _refusals(job: DriveJob) -> Iterator[DriveScenario]:
     """The drive refuses parameters: one, all, the whole telegram."""
     for telegram in job.telegrams[1:-1]:
-        yield _all_refused(job, telegram, 2)
+        yield from _every_second_refused(job, telegram, 2)
     for telegram in ends(job):
         yield _miscounted(telegram)
         if patient(job):
@@ -124,7 +124,9 @@ def _refusals(job: DriveJob) -> Iterator[DriveScenario]:
                     errors={(number, place): _reported(error, words, place)},
                 )
             every = range(1, count + 1)
-            yield _all_refused(job, telegram, words)
+            yield _refused(job, telegram, words, every)
+            if words == 1 and count > FEW:
+                yield from _every_second_refused(job, telegram, words)
             yield DriveScenario(
                 name=f"telegram {number} is refused with {words} words",
                 faults=(fault(job, number, 0, 0x19, words),),
@@ -168,14 +170,22 @@ def _miscounted(telegram: DriveTelegram) -> DriveScenario:
     )
 
 
-def _all_refused(job: DriveJob, telegram: DriveTelegram, words: int) -> DriveScenario:
-    number, every = telegram.number, range(1, len(telegram.parts) + 1)
+def _every_second_refused(job: DriveJob, telegram: DriveTelegram, words: int) -> Iterator[DriveScenario]:
+    """The first, the third and so on, then all others: nobody has the answer of a neighbour."""
+    count = len(telegram.parts)
+    for first in range(1, min(count, 2) + 1):
+        yield _refused(job, telegram, words, range(first, count + 1, 2))
+
+
+def _refused(job: DriveJob, telegram: DriveTelegram, words: int, places: range) -> DriveScenario:
+    """The parameters at some places are refused."""
+    number, named = telegram.number, ", ".join(map(str, places[:3])) + (" .." if len(places) > 3 else "")
     return DriveScenario(
-        name=f"errors with {words} words at all parameters of telegram {number}",
-        faults=tuple(fault(job, number, place, place % 100, words) for place in every),
+        name=f"errors with {words} words at parameters {named} of telegram {number}",
+        faults=tuple(fault(job, number, place, place % 100, words) for place in places),
         status=(WORDS["PARAMETER_ERROR"],),
         telegram=number,
-        errors={(number, place): _reported(place % 100, words, place) for place in every},
+        errors={(number, place): _reported(place % 100, words, place) for place in places},
     )
 
 
