@@ -1,4 +1,4 @@
-"""When a job asks whether the drive has saved or acknowledged: to the millisecond, by the clock that the block reads."""
+"""When a job asks whether the drive has saved or acknowledged: to the millisecond, by the clock of the block."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ GIVEN_UP = tuple(WORDS[name] for name in ("NOT_SAVED", "NOT_ACKNOWLEDGED", "FAUL
 
 
 class Asking:
-    """The questions of one run: the first one an interval behind the answer to the write, each other one behind the last.
+    """The questions of one run: the first an interval behind the answer to the write, each other one behind the last.
 
     The first that is handed over when the limit is over is the last one.
     """

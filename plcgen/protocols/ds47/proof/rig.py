@@ -81,7 +81,15 @@ class JobRig:
     def unit_of(self, name: str) -> Members:
         """What job and channel share."""
         self.order_id = "order.hardwareId" if self.plan.target.t15 else "order.address"
-        names = ["state", "telegram", "expected", "turn.grant", "turn.served", self.order_id, *(f"order.{name}" for name in ORDER)]
+        names = [
+            "state",
+            "telegram",
+            "expected",
+            "turn.grant",
+            "turn.served",
+            self.order_id,
+            *(f"order.{name}" for name in ORDER),
+        ]
         names += [f"asks[{slot}].telegram" for slot in range(1, SLOTS + 1)]
         names += [f"asks[{slot}].{name}" for slot in (SLOT, OTHER) for name in ("want", "mark")]
         return Members(self.cpu, self.program, name, [f"unit.{name}" for name in names], "unit.")

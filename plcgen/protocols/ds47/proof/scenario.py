@@ -37,7 +37,8 @@ class DriveScenario(Scenario):
     saves or acknowledges, ``since`` starts a job that saves so many ms behind the last save that
     was handed over; None: long behind it, ``left`` ms of the time that must pass in between are left.
 
-    ``sharp``: calls of such a job fall where its times are over, and 1 ms before; a question so many ms behind its limit.
+    ``sharp``: calls of such a job fall where its times are over, and 1 ms before; a question so many ms behind its
+    limit.
 
     ``keeps`` is what the drive makes of written values, by number of the parameter: it rounds, or clips without a word;
     ``meanwhile`` what somebody else makes of them before they are read back. ``matches``: the drive has what a job
