@@ -83,6 +83,19 @@ EQUIVALENT = {
         "of two telegrams, the one before and the one behind are the same"
     ),
     r"^\w+: 0 -> 1: IF statLast > 0 AND NOT statChanged THEN": "a buffer is read in two telegrams at least",
+    r"^\w+: (0 -> 1|7 -> 8|13 -> 14): FOR tempIndex := 0 TO \d+ DO statResponse\d*\[tempIndex\] :=": (
+        "of an answer in an instance only the values are read: not its reference, nor the byte behind it, if there is one"
+    ),
+    r"^\w+: 2 -> 3: tempApart := LIMIT\(MN := -2, IN := 256 \* tempApart": (
+        "2 stands for more: 256 times as much, whatever the next byte is, is more than 3, too"
+    ),
+    r"^\w+: > -> >=: IF statRest > L#0 THEN statRest :=": "what is left is compared with 0 only: 0 and less are alike",
+    r"^SetRecipe: 0 -> 1: IF statLast = 0 AND statPause < SAVE_INTERVAL THEN tempT.* \(2\)$": (
+        "what saves is not telegram 1: that one is as well not served as telegram 0"
+    ),
+    r"^(TakeOut|BringBack|Release|SetUp): > -> >=: ELSIF busy AND statTicket\.ask\.telegram > 0": (
+        "in front of the telegram with which a turn begins is none that waits"
+    ),
     r"^ReadHistory: dropped: statOrder\.length := 10 \(2\)$": "the telegram before it is as long",
     r"^CheckRecipe: dropped: statOrder\.length := 16 \(2\)$": "the telegram before it is as long",
     r"^CheckRecipe: 6 -> 7: statDeviations.*index := .*\(3\)$": "the last parameter has no index: its bytes are all 0",
