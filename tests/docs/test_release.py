@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
+from importlib.metadata import requires
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 from projects import ROOT
 
 from plcgen._version import __version__
@@ -60,6 +65,35 @@ def test_no_job_may_write_to_the_repository() -> None:
 def test_everything_in_the_repository_that_a_step_names_exists() -> None:
     assert os.access(ROOT / script("Build twice").split()[0], os.X_OK)
     assert (ROOT / "requirements.lock").is_file()
+
+
+@pytest.mark.parametrize("place", ["Makefile", "ci/release.sh", ".github/workflows/release.yml"])
+def test_the_lock_is_installed_as_it_is(place: str) -> None:
+    """Older pips look for ``coverage[toml]`` outside the lock: an error as soon as there is a newer coverage."""
+    installations = [line for line in (ROOT / place).read_text("utf-8").splitlines() if "-r requirements.lock" in line]
+    assert installations
+    assert all("--require-hashes --no-deps" in line for line in installations)
+
+
+def test_the_lock_has_everything_that_its_packages_ask_for() -> None:
+    """Nothing else is installed, so nothing may be missing. Extras count, too."""
+    found = re.findall(r"^([\w.-]+)==(\S+)", (ROOT / "requirements.lock").read_text("utf-8"), re.MULTILINE)
+    locked = {canonicalize_name(name): version for name, version in found}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    waiting = [Requirement(text) for text in (*project["dependencies"], *project["optional-dependencies"]["dev"])]
+    seen = set()
+    while waiting:
+        wanted = waiting.pop()
+        name = canonicalize_name(wanted.name)
+        if (name, *wanted.extras) in seen or name == "plcgen":
+            continue
+        seen.add((name, *wanted.extras))
+        assert wanted.specifier.contains(locked[name], prereleases=True), str(wanted)
+        for one in map(Requirement, requires(name) or ()):
+            extras = ("", *wanted.extras)
+            if one.marker is None or any(one.marker.evaluate({"extra": extra}) for extra in extras):
+                waiting.append(one)
+    assert len(seen) > 40
 
 
 @pytest.mark.skipif(os.name == "nt", reason="the script is for a shell")
