@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -17,7 +18,7 @@ _COLUMNS = {
 
 @dataclass(frozen=True, slots=True)
 class FaultGrid:
-    """``rows`` are jobs with a cell for each of the ``columns`` (None: there is no such check); ``rest`` all others."""
+    """``rows`` are jobs and their telegrams with a cell for each of the ``columns`` (None: there is no such check); ``rest`` all others."""
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, tuple[tuple[str, str] | None, ...]], ...]
@@ -55,18 +56,23 @@ def scenario_grids(verification: Verification) -> Iterator[ScenarioGrid]:
 
 
 def matrix(verification: Verification) -> FaultGrid:
-    """Arrange the checks; a cell is its outcome and its figures."""
-    cells: dict[str, dict[str, Check]] = {}
+    """Arrange the checks; a cell is its outcome and its figures, and no check takes the cell of another."""
+    cells: dict[tuple[str, int], dict[str, Check]] = {}
+    seen: Counter[tuple[str, str]] = Counter()
     rest: list[Check] = []
     for group in verification.groups:
         for check in group.checks:
-            column = _COLUMNS.get(check.id.partition(".")[0], "")
+            kind = check.id.partition(".")[0]
+            column = _COLUMNS.get(kind, "")
             if column:
-                cells.setdefault(check.subject.split(" ")[-1], {})[column] = check
+                # a telegram is its own subject, all others begin with what was done with it
+                job = check.subject if kind == "telegram" else check.subject.partition(" ")[2]
+                cells.setdefault((job, seen[column, job]), {})[column] = check
+                seen[column, job] += 1  # two masters may have jobs of one name
             else:
                 rest.append(check)
     columns = tuple(name for name in dict.fromkeys(_COLUMNS.values()) if any(name in row for row in cells.values()))
-    rows = tuple((clean(job), tuple(_cell(row.get(name)) for name in columns)) for job, row in cells.items())
+    rows = tuple((clean(job), tuple(_cell(row.get(name)) for name in columns)) for (job, _), row in cells.items())
     return FaultGrid(columns, rows, tuple(_line(check) for check in rest))
 
 

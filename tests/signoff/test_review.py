@@ -17,7 +17,7 @@ from plcgen.diagnostics import DiagnosticError
 from plcgen.inspection.sheet import Role
 from plcgen.proof.checks import Check, CheckGroup, Outcome, Trial, Verification
 from plcgen.protocols.ds47.sheet import review_sheet
-from plcgen.signoff.grid import scenario_grids
+from plcgen.signoff.grid import matrix, scenario_grids
 from plcgen.signoff.markdown import LIMIT
 
 
@@ -272,6 +272,28 @@ def test_ppi_jobs_are_reviewed():
     signed = {entry.signed for entry in review.sheet.writes if entry.parameter == "CPU"}
     assert signed == {"by the key run of the job", "by the key stop of the job"}
     assert "not signed off in the spec" not in show("html", review)
+
+
+def test_no_check_hides_another_in_the_fault_matrix():
+    """Telegrams of two jobs, and jobs of one name on two lines, have rows of their own: an error stays to be seen."""
+    bad, good = Outcome.ERROR, Outcome.OK
+    checks = [
+        Check("telegram.A_Request1", "a 1/2", "", bad, "byte 6 differs"),
+        Check("telegram.B_Request1", "b 1/2", "", good, "ok"),
+        Check("drive.A_Request1", "answer a 1/2", "", good, "ok"),
+        Check("run.a", "run a", "", good, "ok"),
+        Check("run.north.level", "run level", "", bad, "hangs"),
+        Check("run.south.level", "run level", "", good, "ok"),
+    ]
+    grid = matrix(Verification("s", "f", "p", "t", (CheckGroup("execution", "Execution", tuple(checks)),), ()))
+    assert grid.columns == ("telegram", "answer", "run")
+    assert grid.rows == (
+        ("a 1/2", (("error", "byte 6 differs"), ("ok", "ok"), None)),
+        ("b 1/2", (("ok", "ok"), None, None)),
+        ("a", (None, None, ("ok", "ok"))),
+        ("level", (None, None, ("error", "hangs"))),
+        ("level", (None, None, ("ok", "ok"))),
+    )
 
 
 def test_scenarios_stand_in_grids():
