@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import sys
 import time
@@ -41,8 +42,18 @@ class OutputError(Exception):
 
 
 def prepare_streams() -> None:
-    """Make every character printable somewhere: UTF-8 into files and pipes, ``?`` where a console lacks one."""
-    for stream in (sys.stdout, sys.stderr):
+    """Make every character printable somewhere: UTF-8 into files and pipes, ``?`` where a console lacks one.
+
+    PYTHONUNBUFFERED lets Python write without a buffer, and what the system does not take at once is lost without an
+    error: such a stream gets a buffer, which is emptied after every line.
+    """
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        raw = getattr(stream, "buffer", None)
+        if isinstance(raw, io.RawIOBase):
+            buffer = io.BufferedWriter(raw)
+            stream = io.TextIOWrapper(buffer, stream.encoding, stream.errors, line_buffering=True)
+            setattr(sys, name, stream)
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is None:
             continue

@@ -196,6 +196,20 @@ def test_a_result_that_cannot_be_delivered_is_an_error(redirect, reason):
     assert (done.returncode, done.stderr) == (1, f"error: cannot write the result: {reason}\n")
 
 
+@pytest.mark.skipif(os.name != "posix", reason="needs a shell that limits the size of files")
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_result_that_is_cut_off_is_an_error(tmp_path, unbuffered):
+    """Half a result is never a success, also where PYTHONUNBUFFERED is set, as in most containers."""
+    done = subprocess.run(
+        ["sh", "-c", f"ulimit -f 64; exec {sys.executable} -m plcgen schema > {tmp_path}/schema.json"],
+        env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (1, "error: cannot write the result: File too large\n")
+
+
 def test_ascii_console_does_not_crash(process, tmp_path):
     """Characters that a console lacks are replaced; files and pipes are UTF-8 whatever the locale says."""
     (tmp_path / "job.yaml").write_text("plc: {name: 加工站, family: x}\n", encoding="utf-8")
