@@ -107,7 +107,8 @@ def _show(out: Console, result: GenerateResult, *, looking: bool, stats: bool) -
 
 def _stale(result: GenerateResult, stale: list[Diagnostic]) -> None:
     """Say once what is stale, then name the files; what differs is in the diff."""
-    error_line(f"{len(stale)} file{'' if len(stale) == 1 else 's'} of {result.folder} differ from the spec", STALE)
+    files, differ = ("file", "differs") if len(stale) == 1 else ("files", "differ")
+    error_line(f"{len(stale)} {files} of {result.folder} {differ} from the spec", STALE)
     for diagnostic in stale:
         path = Path(diagnostic.span.file)
         name = path.relative_to(result.folder) if path.is_relative_to(result.folder) else path

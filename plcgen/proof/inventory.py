@@ -9,7 +9,7 @@ from plcgen.diagnostics import Diagnostic, Span
 from plcgen.input.files import read_bounded
 from plcgen.input.hashes import has_digest
 from plcgen.project.nouns import Project
-from plcgen.project.ownership import is_owned
+from plcgen.project.ownership import is_owned, owning
 from plcgen.sources.generated import JOURNAL, MANIFEST, MAX_MANIFEST, known_files
 
 MOST_FILES = 200_000
@@ -50,7 +50,7 @@ def inventory(project: Project, folder: Path, known: Mapping[str, str]) -> Itera
         elif not path.is_file():
             yield Diagnostic("PG601", "generated file is missing", Span(str(path)), help="run plcgen generate")
         elif not is_owned(name, owned) and not _as_generated(path, expected):
-            help_ = f"generate again, or declare it as yours: plc: {{user_owned: [{path.stem}]}}"
+            help_ = f"generate again with --force, or {owning(name)}"
             yield Diagnostic("PG602", "file was changed after it was generated", Span(str(path)), help=help_)
     for name in found_files(folder):
         if known and name not in known and not is_owned(name, owned):

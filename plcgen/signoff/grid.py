@@ -18,7 +18,10 @@ _COLUMNS = {
 
 @dataclass(frozen=True, slots=True)
 class FaultGrid:
-    """``rows`` are jobs and their telegrams with a cell for each of the ``columns`` (None: there is no such check); ``rest`` all others."""
+    """``rows`` are jobs and their telegrams, with a cell for each of the ``columns`` (None: there is no such check).
+
+    ``rest`` are all other checks.
+    """
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, tuple[tuple[str, str] | None, ...]], ...]

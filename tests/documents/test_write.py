@@ -430,3 +430,22 @@ def test_what_is_the_users_own_is_left_alone(tmp_path: Path) -> None:
     (out / "scl/more.scl").write_text("// not mine")
     codes = {check.diagnostic.code for check in api.verify(spec, out, faults="none").checks() if check.diagnostic}
     assert "PG613" in codes
+
+
+def test_the_way_to_keep_a_change_is_told_and_works(tmp_path: Path) -> None:
+    """Generate and verify name the same key for a file that was changed; with it in the spec, the change stays."""
+    spec, out = tmp_path / "job.yaml", tmp_path / "out"
+    text = FAQ.read_text("utf-8")
+    spec.write_text(text, "utf-8")
+    assert api.generate(spec, out).ok
+    main = out / "scl/Main.scl"
+    main.write_text(main.read_text("utf-8").replace("An example: if", "Mine: if"), "utf-8")
+    refused = next(one for one in api.generate(spec, out).diagnostics if one.code == "PG502")
+    files = next(check for check in api.verify(spec, out, faults="none").checks() if check.id == "files.manifest")
+    advice = "declare it as yours: plc: {user_owned: [Main]}"
+    assert refused.help == f"{advice}, or overwrite it with --force: your change is lost then"
+    assert files.diagnostic is not None
+    assert files.diagnostic.help == f"generate again with --force, or {advice}"
+    spec.write_text(text.replace("names: faq,", "names: faq, user_owned: [Main],"), "utf-8")
+    assert api.generate(spec, out).ok
+    assert "Mine: if" in main.read_text("utf-8")
