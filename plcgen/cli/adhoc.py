@@ -72,7 +72,7 @@ def change(argument: Argument, device: Device | None) -> tuple[ParameterAddress,
     if type_ is None:
         known = device.parameters.get(place.pnu) if device is not None else None
         if known is None or not known.type:
-            example = f"{argument.text}:FloatingPoint"
+            example = f"{argument.text}:{'Unsigned32' if parse_bico(text) else 'FloatingPoint'}"
             raise argument.problem("PG703", f'the data type of "{name}" is missing', example)
         type_ = known.type.partition("[")[0]
     fmt = _format(argument, type_)

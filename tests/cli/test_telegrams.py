@@ -217,6 +217,7 @@ def test_encode_parameters(plcgen, args, expected):
         (["read", "P 1 2"], '"P 1 2" is not a parameter'),
         (["write", "P1"], '"P1" has no value'),
         (["write", "P1=1"], 'the data type of "P1" is missing'),
+        (["write", "P840=r722.2"], "help: P840=r722.2:Unsigned32"),
         (["write", "P1=1:Unsigned9"], '"Unsigned9" is not a DS47 data type'),
         (["write", "P1=300:Unsigned8"], "Unsigned8 takes an integer from 0 to 255, not 300"),
         (["write", "P1=x:Unsigned8"], '"x" is not a value of type Unsigned8'),
