@@ -97,11 +97,11 @@ def test_commands_of_examples_can_be_typed() -> None:
     assert len(commands()) > 60
     for name, words in commands():
         command: click.Command = cli
-        context, rest = click.Context(cli), list(words)
+        context, rest = click.Context(cli, **cli.context_settings), list(words)
         while isinstance(command, click.Group):
             found = command.get_command(context, rest.pop(0))
             assert found is not None, (name, words)
-            command, context = found, click.Context(found, parent=context)
+            command, context = found, click.Context(found, parent=context, **found.context_settings)
         options, _, _ = command.make_parser(context).parse_args(rest)
         for parameter in command.params:
             if isinstance(parameter.type, click.Choice) and parameter.name in options:
