@@ -99,10 +99,24 @@ def test_editors_complete_profiles_of_the_users_own(tmp_path: Path) -> None:
         job = api.schema(kind, profiles=[profile])["$defs"]["Job"]["properties"]
         assert {"acme_ramp", "acme_speed", "ramp_up_time"} <= {*job["read"]["anyOf"][0]["anyOf"][0]["enum"]}
         assert {"acme_ramp", "acme_speed"} & {*job["write"]["anyOf"][0]["properties"]} == {"acme_ramp"}
+        assert "acme_speed" in job["compare"]["anyOf"][0]["properties"]
     with pytest.raises(ArgumentError, match="schema of drive offers nothing of device profiles; spec and shared do"):
         api.schema("drive", profiles=[profile])
     with pytest.raises(DiagnosticError):
         api.schema(profiles=[tmp_path / "nowhere.yaml"])
+
+
+@pytest.mark.parametrize("access", ["r", "w"])
+def test_a_profile_takes_no_name_of_another_device_away(access: str, tmp_path: Path) -> None:
+    """The ramp-up time of a G120 can be read and written, whatever a profile can do with one of that name."""
+    profile = tmp_path / "acme.yaml"
+    profile.write_text(
+        "title: Acme\nsource: Acme manual\nrecord_index: {default: profibus, profibus: 47}\n"
+        f"drive_object: {{default: 1}}\nparameters: {{P7: {{name: ramp_up_time, type: Unsigned16, access: {access}}}}}\n",
+        "utf-8",
+    )
+    job = api.schema(profiles=[profile])["$defs"]["Job"]["properties"]
+    assert all("ramp_up_time" in job[key]["anyOf"][0]["properties"] for key in ("write", "compare"))
 
 
 def test_defaults_are_written_as_in_a_file() -> None:

@@ -169,10 +169,12 @@ def find_device(name: str) -> Device:
     return found
 
 
-def named_parameters(profiles: Iterable[str] = ()) -> dict[str, Parameter]:
+def named_parameters(profiles: Iterable[str] = ()) -> dict[str, list[Parameter]]:
     """Parameters of all devices, and of some ``profiles`` besides, by their names, for completion."""
-    devices = map(find_device, (*device_names(), *profiles))
-    found = {p.name: p for device in devices for p in device.parameters.values()}
+    found: dict[str, list[Parameter]] = {}
+    for device in map(find_device, (*device_names(), *profiles)):
+        for parameter in device.parameters.values():
+            found.setdefault(parameter.name, []).append(parameter)
     return {name: found[name] for name in sorted(found) if name}
 
 

@@ -308,9 +308,9 @@ def complete(schema: dict[str, Any], profiles: Iterable[str] = ()) -> None:
     for shape, access in ((write, "w"), (compare, "r")):
         shape[0]["additionalProperties"] = {"$ref": "#/$defs/WriteValue"}
         shape[0]["properties"] = {
-            name: {"$ref": "#/$defs/WriteValue", "description": parameter.title}
-            for name, parameter in names.items()
-            if access in parameter.access
+            name: {"$ref": "#/$defs/WriteValue", "description": called[-1].title}
+            for name, called in names.items()
+            if any(access in parameter.access for parameter in called)
         }
     restores: dict[str, Any] = {"anyOf": [{"const": "restore"}, {"$ref": "#/$defs/ErrorSettings"}, {"type": "null"}]}
     job["on_error"] = {**restores, "description": job["on_error"]["description"]}
