@@ -141,6 +141,8 @@ def test_an_editor_underlines_mistakes(
         (HEAD + "    ▮", {"read", "write", "save", "verify", "trigger"}),
         (HEAD + "    write:\n      ▮", {"ramp_up_time", "ramp_down_time"}),
         (HEAD + "    read:\n      - ▮", {"fault_code", "actual_speed"}),
+        (HEAD + "    sequence:\n      - write:\n          ▮", {"ramp_up_time", "ramp_down_time"}),
+        (HEAD + "    sequence:\n      - until:\n          ▮", {"actual_speed", "timeout"}),
         (HEAD.replace("hardware_id: 270", "parameters: {P2900: {type: ▮}}"), {"FloatingPoint", "Unsigned16"}),
     ],
 )
@@ -169,6 +171,8 @@ def test_an_editor_completes_a_profile_of_the_users_own(tmp_path: Path) -> None:
     with yaml_server.yaml_server(schema) as server:
         assert {"acme_ramp", "ramp_up_time"} <= set(server.offered(HEAD + "    write:\n      ▮"))
         assert {"acme_speed", "actual_speed"} <= set(server.offered(HEAD + "    read:\n      - ▮"))
+        assert "acme_speed" in server.offered(HEAD + "    sequence:\n      - until:\n          ▮")
+        assert "acme_ramp" in server.offered(HEAD + "recipes:\n  winding:\n    parameters:\n      - ▮")
 
 
 @without_server

@@ -86,6 +86,17 @@ def test_editors_complete() -> None:
     assert "fault_code" not in writable
 
 
+def test_editors_complete_parameters_of_steps_and_recipes() -> None:
+    """As in a job; a step that waits has its times beside what it waits for."""
+    definitions = json_schema(protocols())["$defs"]
+    step, recipe = (definitions[name]["properties"] for name in ("SequenceStep", "RecipeEntry"))
+    for texts in (step["read"]["anyOf"], recipe["parameters"]["anyOf"]):
+        assert all("ramp_up_time" in one["anyOf"][0]["enum"] for one in (texts[0], texts[1]["items"]["anyOf"][0]))
+    written, awaited = step["write"]["anyOf"][0]["properties"], step["until"]["anyOf"][1]["properties"]
+    assert {"ramp_up_time", "actual_speed"} & {*written} == {"ramp_up_time"}
+    assert {"ramp_up_time", "actual_speed", "timeout", "interval"} <= {*awaited}
+
+
 def test_editors_complete_profiles_of_the_users_own(tmp_path: Path) -> None:
     """What is written offers what can be written, all of it what has a name."""
     profile = tmp_path / "acme.yaml"
@@ -112,7 +123,8 @@ def test_a_profile_takes_no_name_of_another_device_away(access: str, tmp_path: P
     profile = tmp_path / "acme.yaml"
     profile.write_text(
         "title: Acme\nsource: Acme manual\nrecord_index: {default: profibus, profibus: 47}\n"
-        f"drive_object: {{default: 1}}\nparameters: {{P7: {{name: ramp_up_time, type: Unsigned16, access: {access}}}}}\n",
+        "drive_object: {default: 1}\n"
+        f"parameters: {{P7: {{name: ramp_up_time, type: Unsigned16, access: {access}}}}}\n",
         "utf-8",
     )
     job = api.schema(profiles=[profile])["$defs"]["Job"]["properties"]

@@ -27,7 +27,7 @@ from plcgen.project.schema import (
     short_item_schema,
     trigger_short,
 )
-from plcgen.protocols.ds47.device import Line, ParameterDef, ParameterNumber
+from plcgen.protocols.ds47.device import Line, Parameter, ParameterDef, ParameterNumber
 from plcgen.protocols.ds47.devices import named_parameters, offer_names
 from plcgen.protocols.ds47.kinds.kind import JobKind, ReadItem, WriteItem
 from plcgen.protocols.ds47.kinds.registry import GROUP, kinds
@@ -284,6 +284,26 @@ def _offer(definition: dict[str, Any], key: str, names: Iterable[str]) -> None:
     entry["anyOf"] = [*suggested(names)["anyOf"], *null]
 
 
+def _offer_parameters(definitions: dict[str, Any], names: Mapping[str, list[Parameter]]) -> None:
+    """Let an editor complete the names of parameters wherever one may stand: in jobs, steps and recipes."""
+    for name in ("ReadItem", "RecipeItem", "WriteItem"):
+        _offer(definitions[name], "parameter", names)
+    job, step, recipe = (definitions[name]["properties"] for name in ("Job", "SequenceStep", "RecipeEntry"))
+    for texts in (job["read"]["anyOf"], step["read"]["anyOf"], recipe["parameters"]["anyOf"]):
+        texts[0] = texts[1]["items"]["anyOf"][0] = suggested(names)
+    write, compare, written = (shape["anyOf"][0] for shape in (job["write"], job["compare"], step["write"]))
+    definitions["WriteValue"] = write["additionalProperties"]
+    for shape in (write, compare, written):
+        shape["additionalProperties"] = {"$ref": "#/$defs/WriteValue"}
+    for shape, access in ((write, "w"), (compare, "r"), (written, "w"), (step["until"]["anyOf"][1], "r")):
+        offered = {
+            name: {**shape["additionalProperties"], "description": called[-1].title}
+            for name, called in names.items()
+            if any(access in parameter.access for parameter in called)
+        }
+        shape["properties"] = {**offered, **shape.get("properties", {})}
+
+
 def complete(schema: dict[str, Any], profiles: Iterable[str] = ()) -> None:
     """Put the short forms of jobs, data types and names of parameters into the JSON schema of a spec.
 
@@ -299,19 +319,7 @@ def complete(schema: dict[str, Any], profiles: Iterable[str] = ()) -> None:
     for kind in kinds():
         if kind.short is not None:
             job[kind.key] = {**kind.short(definitions), "description": kind.description}
-    names = named_parameters(profiles)
-    for name in ("ReadItem", "RecipeItem", "WriteItem"):
-        _offer(definitions[name], "parameter", names)
-    read, write, compare = (job[key]["anyOf"] for key in ("read", "write", "compare"))
-    read[0] = read[1]["items"]["anyOf"][0] = suggested(names)
-    definitions["WriteValue"] = write[0]["additionalProperties"]
-    for shape, access in ((write, "w"), (compare, "r")):
-        shape[0]["additionalProperties"] = {"$ref": "#/$defs/WriteValue"}
-        shape[0]["properties"] = {
-            name: {"$ref": "#/$defs/WriteValue", "description": called[-1].title}
-            for name, called in names.items()
-            if any(access in parameter.access for parameter in called)
-        }
+    _offer_parameters(definitions, named_parameters(profiles))
     restores: dict[str, Any] = {"anyOf": [{"const": "restore"}, {"$ref": "#/$defs/ErrorSettings"}, {"type": "null"}]}
     job["on_error"] = {**restores, "description": job["on_error"]["description"]}
     job["drive"] = {"anyOf": [{"type": "string"}, job["drive"]], "description": job["drive"]["description"]}
