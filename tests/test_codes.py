@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import re
-import shlex
-from itertools import groupby
 from pathlib import Path
 
-import click
 import pytest
 
-from plcgen.cli.main import cli
 from plcgen.diagnostics import Severity, pages
 from plcgen.diagnostics.codes import all_codes, code
 
@@ -77,32 +73,3 @@ def test_stale_pages_are_removed(tmp_path: Path) -> None:
     assert not (tmp_path / "PG999.md").exists()
     assert (tmp_path / "notes.md").exists()
     assert (tmp_path / "PG303.md").read_text("utf-8").startswith("# PG303: ")
-
-
-def commands() -> list[tuple[str, tuple[str, ...]]]:
-    """Every plcgen command of the examples, with its code."""
-    found = []
-    for name in all_codes():
-        for line in f"{code(name).bad}\n{code(name).good}".splitlines():
-            if line.startswith("plcgen "):
-                words = shlex.shlex(line, posix=True, punctuation_chars=True)
-                words.whitespace_split = True
-                parts = groupby(words, lambda word: word in {";", "&", "&&", "|"})
-                found += [(name, tuple(part)) for separates, part in parts if not separates]
-    return [(name, words[1:]) for name, words in found if words[0] == "plcgen"]
-
-
-def test_commands_of_examples_can_be_typed() -> None:
-    """Each names a verb and options that exist, as many arguments as it takes, and values that options choose from."""
-    assert len(commands()) > 60
-    for name, words in commands():
-        command: click.Command = cli
-        context, rest = click.Context(cli, **cli.context_settings), list(words)
-        while isinstance(command, click.Group):
-            found = command.get_command(context, rest.pop(0))
-            assert found is not None, (name, words)
-            command, context = found, click.Context(found, parent=context, **found.context_settings)
-        options, _, _ = command.make_parser(context).parse_args(rest)
-        for parameter in command.params:
-            if isinstance(parameter.type, click.Choice) and parameter.name in options:
-                parameter.type_cast_value(context, options[parameter.name])
