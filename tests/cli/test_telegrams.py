@@ -270,6 +270,15 @@ def test_explain(plcgen, key, title):
     assert data["sections"]
 
 
+def test_explain_a_save_that_was_refused(plcgen):
+    """docs/generated-code.md, a job that restores: 8501 if the drive refused to save, too; cause is 8401 then."""
+    out = " ".join(plcgen("explain", "8501").out.split())
+    assert "has not finished saving within the limit" in out
+    assert "on_error: restore and save: the values are right" in out
+    assert "8401 if the drive refused to save" in out
+    assert "Note" not in plcgen("explain", "8502").out
+
+
 def test_explain_unknown(plcgen):
     """An unknown code suggests one; the known ones are still explained."""
     result = plcgen("explain", "PG2099", "0x11")

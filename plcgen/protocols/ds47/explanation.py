@@ -12,6 +12,12 @@ from plcgen.protocols.ds47.words import STATUS_WORDS
 _CODES = range(0xA0, 0xF0)
 """Error_Code_1 that a drive or module gives; as Error_Decode they do not exist."""
 
+_NOTES = {
+    0x8501: "In a job with on_error: restore and save: the values are right, but not known to be saved. cause says why,"
+    " for example 8501 if the drive has not finished within the limit, or 8401 if the drive refused to save.",
+}
+"""What a status word means in some jobs only; its text, which is in generated blocks, leaves that out."""
+
 
 def explain(digits: str) -> Page | None:
     """One or two hexadecimal digits are an error number, four a status word, eight a STATUS."""
@@ -46,8 +52,12 @@ def word_page(word: int) -> Page:
     if word not in known:
         return Page(f"16#{word:04X}", "not a status word of a generated block", (record,))
     name, text = known[word]
-    sections = (("Constant", name), record) if word >> 8 == 0x70 else (("Constant", name),)
-    return Page(f"16#{word:04X}", f"block status: {text}", sections)
+    sections = [("Constant", name)]
+    if word >> 8 == 0x70:
+        sections.append(record)
+    if word in _NOTES:
+        sections.append(("Note", _NOTES[word]))
+    return Page(f"16#{word:04X}", f"block status: {text}", tuple(sections))
 
 
 def status_page(value: int) -> Page:
