@@ -83,8 +83,8 @@ EQUIVALENT = {
         "of two telegrams, the one before and the one behind are the same"
     ),
     r"^\w+: 0 -> 1: IF statLast > 0 AND NOT statChanged THEN": "a buffer is read in two telegrams at least",
-    r"^\w+: (0 -> 1|7 -> 8|13 -> 14): FOR tempIndex := 0 TO \d+ DO statResponse\d*\[tempIndex\] :=": (
-        "of an answer in an instance only the values are read: neither its reference nor a byte behind it"
+    r"^\w+: (0 -> 1|7 -> 8|13 -> 14|93 -> 94): FOR tempIndex := 0 TO \d+ DO statResponse\d*\[tempIndex\] :=": (
+        "of an answer in an instance only the values are read: not its reference, nor the byte behind it, if there is one"
     ),
     r"^\w+: 2 -> 3: tempApart := LIMIT\(MN := -2, IN := 256 \* tempApart": (
         "2 stands for more: 256 times as much, whatever the next byte is, is more than 3, too"
@@ -95,6 +95,15 @@ EQUIVALENT = {
     ),
     r"^(TakeOut|BringBack|Release|SetUp): > -> >=: ELSIF busy AND statTicket\.ask\.telegram > 0": (
         "in front of the telegram with which a turn begins is none that waits"
+    ),
+    r"^Release: (dropped: statOrder\.length := 1[06] \(2\)$|dropped: unit\.expected\[2\] := DW#16#07010004 \(2\)$)": (
+        "the telegram before it, in the same turn, is as long and expects the same there"
+    ),
+    r"^Release: (dropped: unit\.expected\[1\] := DW#16#07010004 \(3\)$|\d -> \d: unit\.expected\[\d\] := .*  // r46)": (
+        "the telegram before it, in the same turn, expects the same there; a place behind the last one is not looked at"
+    ),
+    r"^SetUp: dropped: (statLimit := L#5000|statInterval := L#500) \(2\)$": (
+        "another step that waits comes before it in every run, and has the same times"
     ),
     r"^ReadHistory: dropped: statOrder\.length := 10 \(2\)$": "the telegram before it is as long",
     r"^CheckRecipe: dropped: statOrder\.length := 16 \(2\)$": "the telegram before it is as long",

@@ -118,7 +118,7 @@ class JobConduct:
         self.restoration = Restoration(
             self.rig.job, self.rig.drive, self.rig.drive_object, requests, self.rig.values.given
         )
-        restarts = {"cold", "warm"} & set(scenario.happens.values())
+        restarts = {what for at, what in scenario.happens.items() if at > 1} & {"cold", "warm"}
         self.course = Course(self.rig, telegrams, exact=scenario.again is not None and not restarts)
         self.asking = None
         if self.rig.job.poll is not None and not restarts:

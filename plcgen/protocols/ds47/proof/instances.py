@@ -28,8 +28,8 @@ from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, recipe_signals
 from plcgen.protocols.ds47.proof.rig import record_index
 from plcgen.protocols.ds47.proof.saved import saving_scans
 from plcgen.protocols.ds47.proof.stepped import overwritten
-from plcgen.protocols.ds47.proof.stimulus import own_dbs, pair_fb
-from plcgen.protocols.ds47.proof.words import DONE
+from plcgen.protocols.ds47.proof.stimulus import UNITS, own_dbs, pair_fb
+from plcgen.protocols.ds47.proof.words import BUILD, DONE, GRANT
 from plcgen.protocols.ds47.sim.behaviour import LOCAL_INDEX
 from plcgen.protocols.ds47.sim.bench import build_unit
 
@@ -73,6 +73,9 @@ class Trio:
             Members(cpu, program, self.block, [path]).set(path, record_index(plan, job))
         if not job.pinned:  # each one would need data blocks of its own
             self.all.append(self._instance("far", 1, FIRST_ID + 2, far, first))
+        paths = ("unit.state", "unit.telegram", "unit.turn.grant")
+        own = self.all[:2], self.all[2:]
+        self.units = [(Members(cpu, program, name, paths, "unit."), its) for name, its in zip(UNITS, own, strict=True)]
 
     def _instance(self, key: str, slot: int, id_value: int, drive: ScriptedDrive, drive_object: int) -> Instance:
         self.cpu.bus.attach(id_value, drive)
@@ -124,9 +127,22 @@ class Trio:
             yield scan
             if self.cpu.misuses or self.cpu.faulted:
                 raise ScenarioError("misuse")
+            if not self.job.pinned:
+                self.addressed()
             if self.over and scan >= max(near, far):
                 break
         self.check()
+
+    def addressed(self) -> None:
+        """A telegram is handed over for the drive object of the instance that has the unit. Raises ScenarioError."""
+        for unit, instances in self.units:
+            if unit.get("state") != BUILD:
+                continue
+            slot, addressed = unit.get("turn.grant") // GRANT, unit.bytes("telegram", 3)[2]
+            for one in instances:
+                if one.slot == slot and one.drive_object != addressed:
+                    shown = f"{addressed} instead of {one.drive_object}"
+                    raise ScenarioError(f"instance {one.key} addresses drive object {shown}")
 
     def check(self) -> None:
         """Each has the values of its own drive object, each drive object those of its own instance."""

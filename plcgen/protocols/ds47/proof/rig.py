@@ -28,6 +28,8 @@ CLOCK, REST = "statNow", "statRest"
 """Clock of a job in its last call; ms until it may save again."""
 GUARD = ("saves", REST)
 """Of a job that saves: how often it did, and how long it refuses to do it again."""
+LITTER = b"\x5a"
+"""Bytes of a telegram that is another job's."""
 VALUE_SETS = 3
 OUTPUT = 0x8000
 """Bit 15 of the address of an output."""
@@ -87,6 +89,7 @@ class JobRig:
             "expected",
             "turn.grant",
             "turn.served",
+            "order",
             self.order_id,
             *(f"order.{name}" for name in ORDER),
         ]
@@ -262,7 +265,9 @@ class JobRig:
         self.unit.set(name, self.unit.get(name) % COUNTERS + 1)
 
     def leave(self) -> None:
-        """The other job gives the unit back."""
+        """The other job gives the unit back, with a telegram of its own in it."""
+        for name in ("telegram", "expected", "order"):
+            self.unit.put(name, LITTER * self.unit.spots[name].size)
         self.unit.set(f"asks[{OTHER}].want", -abs(self.unit.get(f"asks[{OTHER}].want", signed=True)))
         self.channel.set("waitLimit", WAIT_LIMIT_MS)
         self.cpu.call(self.db.block, 10)

@@ -50,7 +50,9 @@ def stepping(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
             yield from _near(telegram, place, part)
         yield from _late(job, telegram, telegram.awaited)
         yield from _trouble(telegram, telegram.awaited)
-    yield _all_late(waits)
+    late = _all_late(waits)
+    yield late
+    yield replace(late, name="every step waits, after a download", happens={1: "cold"}, meddle=False, guarded=False)
     yield from _last_never(waits)
     yield from _in_a_pause(waits[0], scans)
 
