@@ -84,7 +84,7 @@ EQUIVALENT = {
     ),
     r"^\w+: 0 -> 1: IF statLast > 0 AND NOT statChanged THEN": "a buffer is read in two telegrams at least",
     r"^\w+: (0 -> 1|7 -> 8|13 -> 14|93 -> 94): FOR tempIndex := 0 TO \d+ DO statResponse\d*\[tempIndex\] :=": (
-        "of an answer in an instance only the values are read: not its reference, nor the byte behind it, if there is one"
+        "of an answer in an instance only its values are read, not its reference, nor a byte behind it"
     ),
     r"^\w+: 2 -> 3: tempApart := LIMIT\(MN := -2, IN := 256 \* tempApart": (
         "2 stands for more: 256 times as much, whatever the next byte is, is more than 3, too"

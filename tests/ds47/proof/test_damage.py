@@ -1,0 +1,56 @@
+"""Damage to shipped jobs that nothing noticed once: what verify says about it now."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+from projects import ROOT
+
+sys.path.insert(0, str(ROOT))
+
+from mutation.cases import cases
+from mutation.run import notice
+
+READBACK, SAVE, SEQUENCE = "s7-1500_g120_readback", "s7-1500_s120_save", "s7-1500_s210_sequence"
+DAMAGE = {
+    # an answer is compared before it is there: wrong only if the job is called more often than its channel
+    (READBACK, "SetRamps", "= -> <>: IF #tempTurn.grant", 2): "the job is called twice as often as its channel",
+    # 2.0 and 8.0 differ in the first byte only
+    (READBACK, "SetRamps", "0 -> 1: IF #tempByte = 0", 1): "are far from what was sent, values odd",
+    (READBACK, "SetRamps", "B#16#7F -> B#16#7E", 1): "are far from what was sent, values odd",
+    # questions without a pause, a limit that is another one, a start that is refused for ever
+    (SAVE, "SaveAxis", "= -> <>: IF #statLast = 0", 1): "a question 0 ms after the one before",
+    (SAVE, "SaveAxis", "< -> <=: IF #statLast = 0", 1): "no question 1000 ms after the one before",
+    (SAVE, "SaveAxis", ">= -> >: IF #tempSaved", 1): "a question behind the one 30000 ms after the answer",
+    (SAVE, "SaveAxis", "L#1000 -> L#1200: SAVE_STEP", 1): "given up after a question 29999 ms after the answer",
+    (SAVE, "SaveAxis", "L#0 -> L#1: #tempPassed", 1): "a question 999 ms after the one before",
+    (SAVE, "SaveAxis", "L#0 -> L#1: IF #statRest > L#0", 1): "again behind the start that was too soon",
+    (SAVE, "SaveAxis", "L#0 -> L#1: #statRefused", 1): "1 ms too soon",
+    (SAVE, "SaveAxis", "L#0 -> L#1: #statRest := L#0", 1): "the next start has to wait, but nothing was saved",
+    # the same of a step that waits
+    (SAVE, "TakeOut", ">= -> >: #tempExecute", 1): "the unit is not asked for 1000 ms after the last question",
+    (SAVE, "TakeOut", "- -> +: IF #statWaited", 1): "given up after a question 59999 ms after the first",
+    (SAVE, "TakeOut", ">= -> >: IF #statWaited", 1): "one more question behind the one 60000 ms after the first",
+    # the times of a step that an instance has only from its last run
+    (SEQUENCE, "SetUp", "dropped: #statInterval", 1): "every step waits, after a download",
+    # what another job has left in the unit, the drive object of another instance, the answer of a neighbour
+    (SEQUENCE, "SetUp", "dropped: #unit.expected[1]", 2): "what is expected of P10 in telegram",
+    (SEQUENCE, "SetUp", "dropped: #statRequest2[2]", 1): "instance near addresses drive object 2 instead of 3",
+    (SEQUENCE, "Release", "3 -> 4: IF #errors[3]", 1): "p2 is",
+}
+"""Spec, file, beginning and turn of a mutant, and what is said about it."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("damage", DAMAGE, ids=lambda damage: " ".join(map(str, damage[1:])))
+def test_damage_is_noticed(damage: tuple[str, str, str, int]) -> None:
+    """A scenario fails and says what is wrong."""
+    spec, file, what, turn = damage
+    kinds = ["dropped"] if what.startswith("dropped") else ["changed"]
+    (case,) = (
+        case
+        for case in cases([spec], kinds)
+        if case.file == f"scl/{file}.scl" and case.mutant.what.startswith(what) and case.turn == turn
+    )
+    assert DAMAGE[damage] in notice(case).text
