@@ -13,6 +13,7 @@ from mutation.cases import cases
 from mutation.run import notice
 
 READBACK, SAVE, SEQUENCE = "s7-1500_g120_readback", "s7-1500_s120_save", "s7-1500_s210_sequence"
+MESSAGES = "s7-1500_s120_messages"
 DAMAGE = {
     # an answer is compared before it is there: wrong only if the job is called more often than its channel
     (READBACK, "SetRamps", "= -> <>: IF #tempTurn.grant", 2): "the job is called twice as often as its channel",
@@ -28,7 +29,9 @@ DAMAGE = {
     (SAVE, "SaveAxis", "L#0 -> L#1: IF #statRest > L#0", 1): "again behind the start that was too soon",
     (SAVE, "SaveAxis", "L#0 -> L#1: #statRefused", 1): "1 ms too soon",
     (SAVE, "SaveAxis", "L#0 -> L#1: #statRest := L#0", 1): "the next start has to wait, but nothing was saved",
-    # the same of a step that waits
+    # the only fault that remains is 0100h, the first one
+    (MESSAGES, "ClearFaults", "10 -> 11: FOR #tempIndex", 1): "one fault remains, which is octet 0 of all of them",
+    # the times of a step that waits
     (SAVE, "TakeOut", ">= -> >: #tempExecute", 1): "the unit is not asked for 1000 ms after the last question",
     (SAVE, "TakeOut", "- -> +: IF #statWaited", 1): "given up after a question 59999 ms after the first",
     (SAVE, "TakeOut", ">= -> >: IF #statWaited", 1): "one more question behind the one 60000 ms after the first",

@@ -9,6 +9,7 @@ from plcgen.protocols.ds47.kinds.kind import Poll
 from plcgen.protocols.ds47.plan.nouns import DriveJob
 from plcgen.protocols.ds47.proof.block_clock import STANDSTILL_MS
 from plcgen.protocols.ds47.proof.pace import SCAN
+from plcgen.protocols.ds47.proof.points import replaced_values
 from plcgen.protocols.ds47.proof.scenario import DriveScenario, Edit
 from plcgen.protocols.ds47.proof.verifying import another
 from plcgen.protocols.ds47.proof.words import WORDS
@@ -19,6 +20,10 @@ SLACK_SCANS = 30
 """Scans that the telegrams of a save take at most besides its questions."""
 TELEGRAM_SCANS = 15
 """And each telegram in front of them."""
+MANY = 20_000
+"""More answers than a run has."""
+FAULTS = 945
+"""Codes of the present faults."""
 OCCUPIED_MS = 300
 """Another job has the unit for so long: the time for the drive does not begin before its answer."""
 CLOCK_MS = 3000
@@ -84,6 +89,20 @@ def _remaining(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
                 scan=wide,
                 took=(poll.limit, poll.limit + poll.interval + SLACK_SCANS * wide),
             )
+    question = job.telegrams[-1]
+    place = next(n for n, part in enumerate(question.parts, 1) if part.use.parameter.pnu == FAULTS)
+    size = question.parts[place - 1].size
+    for at in (0, size - 1):
+        codes = bytes(int(byte == at) for byte in range(size))
+        yield DriveScenario(
+            name=f"one fault remains, which is octet {at} of all of them",
+            saving=0,
+            remaining=8,
+            reads=dict.fromkeys(range(_before(job) + 2, MANY), replaced_values(question, {place: codes})),
+            delivers={(question.number, place): codes},
+            status=(WORDS["FAULTS_REMAIN"],),
+            follow=False,
+        )
     yield DriveScenario(name="the drive has no faults", values="low")
     yield DriveScenario(
         name="the drive has no faults, but never finishes acknowledging",
@@ -115,7 +134,7 @@ def _questions(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     words = [name for name in ("RETRIES", "TIMEOUT", "NO_PLACE") if name == "RETRIES" or job.retries > 1]
     yield DriveScenario(
         name="no question is answered",
-        reads=dict.fromkeys(range(before + 2, 20_000), STATE_CONFLICT),
+        reads=dict.fromkeys(range(before + 2, MANY), STATE_CONFLICT),
         status=tuple(WORDS[name] for name in words),
         telegram=before + 2,
         answered=False,
