@@ -83,7 +83,7 @@ EQUIVALENT = {
         "of two telegrams, the one before and the one behind are the same"
     ),
     r"^\w+: 0 -> 1: IF statLast > 0 AND NOT statChanged THEN": "a buffer is read in two telegrams at least",
-    r"^\w+: (0 -> 1|7 -> 8|13 -> 14|93 -> 94): FOR tempIndex := 0 TO \d+ DO statResponse\d*\[tempIndex\] :=": (
+    r"^\w+: (0 -> 1|7 -> 8|13 -> 14|25 -> 26|93 -> 94): FOR tempIndex := 0 TO \d+ DO statResponse\d*\[tempIndex\] :=": (
         "of an answer in an instance only its values are read, not its reference, nor a byte behind it"
     ),
     r"^\w+: 2 -> 3: tempApart := LIMIT\(MN := -2, IN := 256 \* tempApart": (
@@ -102,6 +102,13 @@ EQUIVALENT = {
     r"^Release: (dropped: unit\.expected\[1\] := DW#16#07010004 \(3\)$|\d -> \d: unit\.expected\[\d\] := .*  // r46)": (
         "the telegram before it, in the same turn, expects the same there; a place behind the last one is not looked at"
     ),
+    r"^LoadWinding: 5 -> 6: FOR tempIndex := 1 TO 5 DO \(1\)$": (
+        "the channel says of a place behind the last one what stands there already: no answer"
+    ),
+    r"^Set(Limits|Filter): > -> >=: IF statTicket\.ask\.telegram > 1 AND cause = W#16#0000": (
+        "a good telegram 1 is no cause, and if it fails, its status becomes the cause in the same call"
+    ),
+    r"^SetFilter: \+ -> -: statReturning := statReturning \+ 1": "of one parameter: it counts only whether it is 0",
     r"^SetUp: dropped: (statLimit := L#5000|statInterval := L#500) \(2\)$": (
         "another step that waits comes before it in every run, and has the same times"
     ),

@@ -13,7 +13,7 @@ from mutation.cases import cases
 from mutation.run import notice
 
 READBACK, SAVE, SEQUENCE = "s7-1500_g120_readback", "s7-1500_s120_save", "s7-1500_s210_sequence"
-MESSAGES = "s7-1500_s120_messages"
+MESSAGES, RECIPE = "s7-1500_s120_messages", "s7-1200_s120_recipe"
 DAMAGE = {
     # an answer is compared before it is there: wrong only if the job is called more often than its channel
     (READBACK, "SetRamps", "= -> <>: IF #tempTurn.grant", 2): "the job is called twice as often as its channel",
@@ -31,6 +31,8 @@ DAMAGE = {
     (SAVE, "SaveAxis", "L#0 -> L#1: #statRest := L#0", 1): "the next start has to wait, but nothing was saved",
     # the only fault that remains is 0100h, the first one
     (MESSAGES, "ClearFaults", "10 -> 11: FOR #tempIndex", 1): "one fault remains, which is octet 0 of all of them",
+    # the second word of an error of the run before
+    (RECIPE, "StoreWinding", "dropped: #errorInfos[#tempIndex] := W#16#0000", 1): "errorInfos[5] are 16#FFFF, 261",
     # the times of a step that waits
     (SAVE, "TakeOut", ">= -> >: #tempExecute", 1): "the unit is not asked for 1000 ms after the last question",
     (SAVE, "TakeOut", "- -> +: IF #statWaited", 1): "given up after a question 59999 ms after the first",

@@ -6,11 +6,14 @@ import math
 from collections.abc import Iterator
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob, Use
+from plcgen.protocols.ds47.proof.points import fault
 from plcgen.protocols.ds47.proof.recorded import members
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.words import WORDS
 from plcgen.protocols.ds47.wire.formats import Format, FormatKind, integer_range, pack_values
 
+NOT_SETTABLE = 0x02
+"""Error number that comes with a second word."""
 NOT_FINITE = {
     4: tuple(bytes.fromhex(text) for text in ("7FC00000", "FFC00000", "7F800001", "7F800000", "FF800000")),
     8: tuple(bytes.fromhex(text) for text in ("7FF8000000000000", "7FF0000000000000", "FFF0000000000000")),
@@ -19,7 +22,16 @@ NOT_FINITE = {
 
 
 def recipes(job: DriveJob, count: int) -> Iterator[DriveScenario]:
-    """All of them; the recipe has so many records."""
+    """All of them; the recipe has so many records. What the run before says of an error must not stay."""
+    first, last = job.telegrams[0], len(job.telegrams[0].parts)
+    yield DriveScenario(
+        name=f"parameter {last} of telegram {first.number} is refused with a second word",
+        faults=(fault(job, first.number, last, NOT_SETTABLE, 2),),
+        status=(WORDS["PARAMETER_ERROR"],),
+        telegram=first.number,
+        checked=False,
+        follow=False,
+    )
     for number in (0, -1, count + 1, -32768, 32767):
         yield DriveScenario(
             name=f"record {number}",

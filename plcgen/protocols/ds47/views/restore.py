@@ -25,7 +25,8 @@ def restore_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
 
     ``places`` and ``sizes`` are those of the values in every answer, ``place`` and ``size`` those of the first; in the
     request that writes they lie ``ahead`` bytes further. Behind the indexes ``written`` and ``back`` of ``errors`` come
-    those of the parameters; ``state`` are the last two bytes of the status word.
+    those of the parameters; ``state`` are the last two bytes of the status word, None if it does not matter whether the
+    drive runs: that is no result then.
     """
     _, written, back = job.telegrams[:3]
     fields = [field for field in back.response.fields if field.role == "value" and field.part is not None]
@@ -48,7 +49,9 @@ def restore_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
         "written": written.parts[0].use.position - 1,
         "back": back.parts[0].use.position - 1,
         "state": (last - 1, last) if last else None,
-        "statuses": [(name, f"W#16#{value:04X}", text) for name, value, text in RESTORE_WORDS],
+        "statuses": [
+            (name, f"W#16#{value:04X}", text) for name, value, text in RESTORE_WORDS if last or name != "STATUS_RUNS"
+        ],
     }
 
 
