@@ -84,7 +84,7 @@ EQUIVALENT = {
     ),
     r"^\w+: 0 -> 1: IF statLast > 0 AND NOT statChanged THEN": "a buffer is read in two telegrams at least",
     r"^\w+: (0 -> 1|7 -> 8|13 -> 14|25 -> 26|93 -> 94): FOR tempIndex := 0 TO \d+ DO statResponse\d*\[tempIndex\] :=": (
-        "of an answer in an instance only its values are read, not its reference, nor a byte behind it"
+        "of an answer in an instance only the values are read: neither its reference nor a byte behind it"
     ),
     r"^\w+: 2 -> 3: tempApart := LIMIT\(MN := -2, IN := 256 \* tempApart": (
         "2 stands for more: 256 times as much, whatever the next byte is, is more than 3, too"
@@ -109,6 +109,8 @@ EQUIVALENT = {
         "a good telegram 1 is no cause, and if it fails, its status becomes the cause in the same call"
     ),
     r"^SetFilter: \+ -> -: statReturning := statReturning \+ 1": "of one parameter: it counts only whether it is 0",
+    r"^SetMop: exchanged: FOR tempByte := 0 TO 1 DO unit\.telegra": "the type of a value and the value, side by side",
+    r"^CheckAxis: 6 -> 7: deviations\[tempOthers\]\.index := .* \(1\)$": "no parameter has an index: its bytes are all 0",
     r"^SetUp: dropped: (statLimit := L#5000|statInterval := L#500) \(2\)$": (
         "another step that waits comes before it in every run, and has the same times"
     ),
