@@ -110,7 +110,7 @@ EQUIVALENT = {
     ),
     r"^SetFilter: \+ -> -: statReturning := statReturning \+ 1": "of one parameter: it counts only whether it is 0",
     r"^SetMop: exchanged: FOR tempByte := 0 TO 1 DO unit\.telegra": "the type of a value and the value, side by side",
-    r"^CheckAxis: 6 -> 7: deviations\[tempOthers\]\.index := .* \(1\)$": "no parameter has an index: its bytes are all 0",
+    r"^CheckAxis: 6 -> 7: deviations\[tempOthers\]\.index := .* \(1\)$": "no parameter has an index: the bytes are 0",
     r"^SetUp: dropped: (statLimit := L#5000|statInterval := L#500) \(2\)$": (
         "another step that waits comes before it in every run, and has the same times"
     ),
