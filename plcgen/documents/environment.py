@@ -55,12 +55,30 @@ def respell_template(source: str, spelling: Spelling) -> str:
     return _PLACE.sub(lambda place: tags[int(place[1] or place[2])], respell(_JINJA.sub(hide, source), spelling))
 
 
+_INDENTED = re.compile(r"^( +)(\{% include .*?%\})$", re.MULTILINE)
+_PART = re.compile(r'\{% part (".*?") %\}')
+
+
+def expand_marks(source: str) -> str:
+    """Replace what Jinja does not know; no line is added, so that it names the right one in an error.
+
+    An indented ``include`` moves what it brings to the right by as much. ``{% part "start" %}`` is the place where each
+    of the view's ``features``, names of templates, is included with this ``part``.
+    """
+    source = _PART.sub(r"{% set part = \1 %}{% for feature in features %}{% include feature %}{% endfor %}", source)
+    return _INDENTED.sub(r'{% filter moved("\1") %}\2{% endfilter %}', source)
+
+
+def _moved(text: str, space: str) -> str:
+    return text and space + re.sub(r"\n(?=.)", "\n" + space, text)
+
+
 class _Respelled(jinja2.ext.Extension):
-    """Rewrites the sources among the templates before Jinja compiles them."""
+    """Prepares the sources among the templates before Jinja compiles them."""
 
     def preprocess(self, source: str, name: str | None, filename: str | None = None) -> str:  # noqa: ARG002 - Jinja's
         spelling = Spelling(self.environment.globals["spelling"])
-        return respell_template(source, spelling) if (name or "").endswith(_SOURCES) else source
+        return expand_marks(respell_template(source, spelling)) if (name or "").endswith(_SOURCES) else source
 
 
 def _beside_protocol(name: str) -> str | None:
@@ -86,7 +104,7 @@ def environment(spelling: Spelling = Spelling.TIA) -> jinja2.Environment:
         extensions=[_Respelled],
     )
     made.globals["spelling"] = spelling
-    made.filters |= {"md": markdown.escape, "code": markdown.code_span, "breakable": _breakable}
+    made.filters |= {"md": markdown.escape, "code": markdown.code_span, "breakable": _breakable, "moved": _moved}
     return made
 
 

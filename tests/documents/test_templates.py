@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import jinja2
 import pytest
-from projects import SPECS, every_type, generated_example
+from projects import ROOT, SPECS, every_type, generated_example
 
 from plcgen.diagnostics import Report
 from plcgen.documents.document import Document
 from plcgen.documents.engine import emit
-from plcgen.documents.environment import render_text, respell_template
+from plcgen.documents.environment import environment, expand_marks, render_text, respell_template
 from plcgen.project.loading import parse_spec
 from plcgen.project.resolve import resolve
 from plcgen.resources import templates_dir
@@ -65,3 +66,40 @@ def test_the_goldens_have_every_spelling() -> None:
     assert any("\nREGION " in text for text in texts.values())
     assert any("// ---- " in text and "#" in text for text in texts.values())
     assert any("\nCONST\n" in text for text in texts.values())
+
+
+MARK = re.compile(r"\{\{.*?\}\}|\{%.*?%\}", re.DOTALL)
+JOB = [path for path in SOURCES if "ds47" in path.parts and "engine" not in path.parts]
+
+
+@pytest.mark.parametrize("path", JOB, ids=lambda p: p.relative_to(templates_dir() / "ds47").as_posix())
+def test_the_template_of_a_job_does_not_calculate(path: Path) -> None:
+    """Views hand over finished numbers and names: in a mark nothing is added, counted or formatted."""
+    for mark in MARK.findall(path.read_text("utf-8")):
+        code = re.sub(r"""\{%\s*include.*?%\}|"[^"]*"|'[^']*'""", "", mark)[2:-2]
+        assert not re.search(r"[-+*/%|\[]|\brange\b|\bnamespace\b", code), mark
+
+
+def test_an_indented_include_is_moved_to_the_right() -> None:
+    """By as much as the mark; empty lines stay empty, an include of nothing leaves nothing, no line is added."""
+    source = 'IF a THEN\n    {% include "one" %}\n{% include "one" %}\n  {% include "none" %}\nEND_IF;\n'
+    prepared = expand_marks(source)
+    assert prepared.count("\n") == source.count("\n")
+    inner = {"one": "{% if true %}\nb;\n\n  c;\n{% endif %}\n", "none": "{% if false %}\nb;\n{% endif %}\n"}
+    made = environment().overlay(loader=jinja2.DictLoader({"frame": prepared, **inner}))
+    assert made.get_template("frame").render() == "IF a THEN\n    b;\n\n      c;\nb;\n\n  c;\nEND_IF;\n"
+
+
+def test_the_page_explains_every_condition_and_part() -> None:
+    """docs/templates.md has each condition of the templates of a job and each part of a feature, and no others."""
+    page = (ROOT / "docs" / "templates.md").read_text("utf-8")
+    text = "".join(path.read_text("utf-8") for path in JOB)
+    conditions = {name for mark in re.findall(r"\{% (?:el)?if(.*?)%\}", text) for name in re.findall(r"job\.\w+", mark)}
+    explained = {
+        name for row in re.findall(r"^\| (`.*?) \|", page, re.MULTILINE) for name in re.findall(r"`(.*?)`", row)
+    }
+    assert {name for name in explained if re.fullmatch(r"job\.\w+", name)} == conditions
+    parts = {name for mark in re.findall(r"\{%.*?%\}", text) for name in re.findall(r'part == "(.*?)"', mark)}
+    places = set(re.findall(r'\{% (?:set part =|part) "(.*?)" %\}', text))
+    assert parts == places
+    assert parts <= explained

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from plcgen.documents import control
@@ -13,8 +13,8 @@ from plcgen.protocols.ds47.views.engine import engine_names
 from plcgen.protocols.ds47.words import RECORD_JOBS
 
 GATE_MEMBER = "driveGate"
-
-
+RECORD_INDEX, WAIT_LIMIT = 47, 60_000
+"""Start values of the inputs of a channel, as its template has them."""
 TITLES = ("Calls of all drive jobs", "Calls of drive jobs, part {number}")
 CONTROL_TITLES = ("Commands and results of all drive jobs", "Commands and results of drive jobs, part {number}")
 """Titles of what is alone, and of what is one of several."""
@@ -45,15 +45,15 @@ def calls(plan: DrivePlan, caller: DriveCaller, commands: Sequence[tuple[DriveJo
 
 
 def _unit(plan: DrivePlan, unit: PlannedUnit) -> dict[str, Any]:
-    index = unit.record_index if unit.record_index <= 0x7FFF else unit.record_index - 0x10000
+    """A channel; ``index`` and ``wait`` are empty if they are what the channel has of itself."""
+    index = unit.record_index if plan.target.t15 or unit.record_index <= 0x7FFF else unit.record_index - 0x10000
     return {
         "member": unit.member,
         "db": unit.db.name,
         "slots": plan.slots(unit),
         "number": unit.number,
-        "wait": unit.wait,
-        "index": unit.record_index if plan.target.t15 else index,
-        "index_text": f"16#{unit.record_index:04X}",
+        "wait": "" if unit.wait == WAIT_LIMIT else str(unit.wait),
+        "index": "" if unit.record_index == RECORD_INDEX else str(index),
         "key": unit.key,
     }
 
@@ -75,15 +75,22 @@ def _job(plan: DrivePlan, job: DriveJob, command: Command) -> dict[str, Any]:
     if job.recipe is not None:
         own.append(("records", f'"{job.recipe.db.name}".records'))
     execute, *results = [signal.name for signal in command.signals]
-    inputs = [(name, control.signal_operand(command, name)) for name in (v.member.name for v in command.inputs)]
-    outputs = [(name, control.signal_operand(command, name)) for name in (v.member.name for v in command.outputs)]
+    tia = not plan.target.v5
+
+    def places(names: Iterable[str]) -> list[tuple[str, str]]:
+        return [(name, control.signal_operand(command, name)) for name in names]
+
+    inputs, outputs = places(v.member.name for v in command.inputs), places(v.member.name for v in command.outputs)
     return {
         "member": job.member,
         "block": job.block.name,
-        "key": job.key,
         "drive": drive.key,
-        "first": [("execute", control.signal_operand(command, execute)), *own],
-        "inputs": inputs,
-        "results": [(name, control.signal_operand(command, name)) for name in results],
-        "outputs": outputs,
+        "given": _lines([places([execute]) + own, inputs], ", ", ",\n  ", ",\n  " if tia else ""),
+        "returned": _lines([places(results), outputs], *((", ", ",\n  ", "") if tia else (" ", "\n", "\n"))),
     }
+
+
+def _lines(lines: list[list[tuple[str, str]]], between: str, line_end: str, end: str) -> list[tuple[str, str, str]]:
+    """Name and place of every argument, a list for each line, and what is written behind it."""
+    found = [(*row, line_end if row is line[-1] else between) for line in lines for row in line]
+    return [*found[:-1], (*found[-1][:2], end)]

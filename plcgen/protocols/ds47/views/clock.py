@@ -8,7 +8,6 @@ from plcgen.documents.members import plain
 from plcgen.documents.nouns import MemberRow
 from plcgen.documents.spelling import declared_type
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
-from plcgen.protocols.ds47.words import CLOCK_WORDS
 
 TIME = "utc"
 """The input."""
@@ -25,10 +24,11 @@ def clock_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any] | None:
     """What a block needs that makes days and milliseconds of a time."""
     if job.clock is None:
         return None
+    days, milliseconds = (f"statRequestView.{use.member}" for use in job.timed)
     return {
         "type": declared_type(job.clock, tia=not plan.target.v5),
         "parts": job.clock.name == "DTL",
-        "members": [f"statRequestView.{use.member}" for use in job.timed],
+        "days": days,
+        "milliseconds": milliseconds,
         "converted": "DINT_TO_UDINT" if plan.target.t15 else "DINT_TO_DWORD",
-        "statuses": [(name, f"W#16#{value:04X}", text) for name, value, text in CLOCK_WORDS],
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from plcgen.documents.members import fixed, plain
@@ -49,9 +49,9 @@ def deviation_types(plan: DrivePlan) -> Iterator[TypeBlock]:
 
 
 def deviations_view(job: DriveJob, found: DeviationList) -> dict[str, Any]:
-    """What a block needs that compares; ``formats`` by number of the telegram."""
+    """What a block needs that compares; ``name`` and ``counted`` are what it fills while answers come."""
     many = len(job.telegrams) > 1
-    formats = {telegram.number: _formats(job, telegram, found.places) for telegram in job.telegrams}
+    formats = [compared_view(job, telegram, found) for telegram in job.telegrams]
     return {
         "type": found.type.name,
         "member": found.member,
@@ -59,19 +59,19 @@ def deviations_view(job: DriveJob, found: DeviationList) -> dict[str, Any]:
         "equal": found.equal,
         "places": found.places,
         "entry": [(name, {"DINT": "L#0", "REAL": "0.0", "DWORD": "DW#16#0"}[type_]) for name, type_, _ in _ENTRY],
-        "list": "statDeviations" if many else found.member,
+        "name": "statDeviations" if many else found.member,
         "counted": "statOthers" if many else "tempOthers",
-        "formats": formats,
-        "by_size": any(len(one["sizes"]) > 1 for one in formats.values()),
-        "by_format": any(len(one["sizes"]) > 1 or len(one["kinds"]) > 1 for one in formats.values()),
+        "by_size": any(one["by_size"] for one in formats),
+        "by_format": any(one["by_format"] for one in formats),
     }
 
 
-def _formats(job: DriveJob, telegram: DriveTelegram, places: int) -> dict[str, Any]:
-    """What is in the answer to a telegram.
+def compared_view(job: DriveJob, telegram: DriveTelegram, found: DeviationList) -> dict[str, Any]:
+    """How the answer to a telegram is compared.
 
-    ``sizes``: sizes of values in bytes with the codes of the formats that have it, the largest last; ``kinds``: how
-    values become numbers, with codes; ``more``: by then there may be more deviations than places.
+    ``sizes``: branches of the sizes of values in bytes, the largest last; ``kinds``: branches of how values become
+    numbers; ``floats``: code of the format of those in floating point, 0 if there is none; ``more``: by then there may
+    be more deviations than places.
     """
     sizes: dict[int, list[int]] = {}
     kinds: dict[str, list[int]] = {}
@@ -80,11 +80,26 @@ def _formats(job: DriveJob, telegram: DriveTelegram, places: int) -> dict[str, A
         kinds.setdefault(_kind(format_), []).append(code)
     compared = sum(part.count for one in job.telegrams[: telegram.number] for part in one.parts)
     return {
-        "sizes": sorted(sizes.items()),
-        "kinds": list(kinds.items()),
+        "first": telegram is job.telegrams[0],
+        "last": telegram is job.telegrams[-1],
+        "last_part": len(telegram.parts) - 1,
+        "by_size": len(sizes) > 1,
+        "by_kind": len(kinds) > 1,
+        "by_format": len(sizes) > 1 or len(kinds) > 1,
+        "sizes": _branches(dict(sorted(sizes.items()))),
+        "kinds": _branches(kinds),
+        "floats": kinds.get("float", [0])[0],
+        "size": min(sizes),
+        "short": min(sizes) < 4,
         "odd": any(size % 2 for size in sizes),
-        "more": compared > places,
+        "more": compared > found.places,
     }
+
+
+def _branches(cases: Mapping[Any, list[int]]) -> list[tuple[str, Any]]:
+    """Labels of a CASE over codes with what each of them stands for; the last one is for all others."""
+    *rows, (last, _) = cases.items()
+    return [*((f"{', '.join(map(str, codes))}:", found) for found, codes in rows), ("ELSE", last)]
 
 
 def _kind(format_: Format) -> str:

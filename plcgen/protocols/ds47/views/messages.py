@@ -13,7 +13,6 @@ from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, MessageList, Part, Use
 from plcgen.protocols.ds47.plan.pack import BLOCK_HEADER
 from plcgen.protocols.ds47.wire.model import HEADER_SIZE
-from plcgen.protocols.ds47.words import MESSAGE_WORDS
 from plcgen.s7.names import camel_case
 from plcgen.s7.types import Elementary
 
@@ -61,23 +60,24 @@ def messages_view(plan: DrivePlan, job: DriveJob, found: MessageList) -> dict[st
     return {
         "member": found.member,
         "count": found.count,
-        "statuses": [(name, f"W#16#{value:04X}", text) for name, value, text in MESSAGE_WORDS],
         "bytes": range(first, first + job.uses[0].format.size),
-        "places": PLACES,
         "last": len(job.telegrams) * found.settings.tries,
         "groups": [
             {
                 "place": PLACES * group,
+                "last": PLACES * group + PLACES,
                 "indexes": _indexes(group, latest_last=latest_last),
-                "columns": [
-                    (camel_case(use.column), views[use.position], _zero(plan, use))
-                    for use in job.uses
-                    if use.column and use.group == group
-                ],
+                "columns": columns,
+                "code": next(column for column in columns if column["name"] == "code"),
             }
             for group, latest_last in enumerate(found.settings.latest_last)
+            if (columns := [_column(plan, use, views) for use in job.uses if use.column and use.group == group])
         ],
     }
+
+
+def _column(plan: DrivePlan, use: Use, views: dict[int, str]) -> dict[str, str]:
+    return {"name": camel_case(use.column), "view": views[use.position], "zero": _zero(plan, use)}
 
 
 def _view_of(telegram: DriveTelegram, part: Part) -> str:

@@ -22,7 +22,7 @@ from plcgen.protocols.ds47.plan.pack import BLOCK_HEADER
 from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.views.bits import bit_inputs, merges
 from plcgen.protocols.ds47.views.clock import clock_view, time_inputs
-from plcgen.protocols.ds47.views.deviations import deviation_values, deviations_view, right_answer
+from plcgen.protocols.ds47.views.deviations import compared_view, deviation_values, deviations_view, right_answer
 from plcgen.protocols.ds47.views.engine import engine_names, versions
 from plcgen.protocols.ds47.views.messages import list_values, messages_view
 from plcgen.protocols.ds47.views.recipes import recipe_inputs, recipe_values, recipe_view
@@ -31,7 +31,18 @@ from plcgen.protocols.ds47.views.rows import buffer_blocks, interface_row
 from plcgen.protocols.ds47.views.steps import condition_text, sequence_view, step_values
 from plcgen.protocols.ds47.wire.formats import FormatKind, unpack_values
 from plcgen.protocols.ds47.wire.model import HEADER_SIZE
-from plcgen.protocols.ds47.words import ACKNOWLEDGE_WORDS, ERROR_DEVIATES, SAVE_WORDS, STATUS_WORDS, VERIFY_WORDS
+from plcgen.protocols.ds47.words import (
+    ACKNOWLEDGE_WORDS,
+    CLOCK_WORDS,
+    ERROR_DEVIATES,
+    MESSAGE_WORDS,
+    RECIPE_WORDS,
+    RESTORE_WORDS,
+    SAVE_WORDS,
+    SEQUENCE_WORDS,
+    STATUS_WORDS,
+    VERIFY_WORDS,
+)
 from plcgen.s7.types import ArrayType, DataType, Elementary
 
 
@@ -95,6 +106,7 @@ def _value(plan: DrivePlan, use: Use, *, start: bool) -> CallerValue:
 def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     return {
         "job": _job(plan, job, label),
+        "features": [_FEATURE.format(name) for name in _features(job)],
         "names": engine_names(plan),
         "slots": plan.variant.slots,
     }
@@ -126,27 +138,34 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     where = plan.target
     aligned = _aligned(job)
     features = _features(job)
+    recipe = None if job.recipe is None else recipe_view(plan, job, job.recipe)
     comments = [job.comment[lang] for lang in plan.languages if job.comment.get(lang)]
     return {
         "block": job.block,
-        "poll": None if job.poll is None else _poll(plan, job),
+        "poll": None if job.poll is None else _poll(job),
         "verify": None if not job.verified else _verify(job),
         "restore": None if not job.restores else restore_view(plan, job),
         "messages": None if job.messages is None else messages_view(plan, job, job.messages),
         "deviations": None if job.deviations is None else deviations_view(job, job.deviations),
         "sequence": None if not job.in_steps else sequence_view(plan, job),
         "clock": clock_view(plan, job),
+        "clock_version": versions(plan)["TON_TIME"],
+        "statuses": _statuses(features, checks=recipe is not None and bool(recipe["checks"])),
         **_behaviour(job, features),
         "pinned": job.pinned,
         "many": len(job.telegrams) > 1,
+        "telegram_count": len(job.telegrams),
         "title": label,
         "comment_lines": [one_line(text) for text in comments[1:] if encodable(text, where)],
         "labels": [_label(plan, job, use) for use in job.uses],
         "order": _order(plan, job),
         "use_count": len(job.uses),
+        "use_numbers": range(1, len(job.uses) + 1),
         "in_a_row": len(job.uses) > _UNROLLED,
-        "recipe": None if job.recipe is None else recipe_view(plan, job, job.recipe),
-        "supplied": any(use.bit is None for use in job.supplied) or bool(job.timed),
+        "recipe": recipe,
+        "fills_requests": not job.pinned
+        and job.deviations is None
+        and (any(use.bit is None for use in job.supplied) or bool(job.timed)),
         "inputs": [
             *(value.member for value in recipe_inputs(plan, job)),
             *(interface_row(plan, use, start=True) for use in job.inputs),
@@ -169,6 +188,25 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     }
 
 
+_WORDS = {
+    "save": SAVE_WORDS,
+    "acknowledge": ACKNOWLEDGE_WORDS,
+    "readback": (("ERROR_DEVIATES", ERROR_DEVIATES, "of a parameter: the drive has another value"), *VERIFY_WORDS),
+    "restore": RESTORE_WORDS,
+    "messages": MESSAGE_WORDS,
+    "clock": CLOCK_WORDS,
+    "recipe": RECIPE_WORDS,
+    "waiting_sequence": SEQUENCE_WORDS,
+}
+"""What only a block with a feature reports."""
+
+
+def _statuses(features: list[str], *, checks: bool) -> list[tuple[str, str, str]]:
+    """Constants of a block: name, literal, text; what is outside its limits only one reports that ``checks`` them."""
+    words = (row for feature in features for row in _WORDS.get(feature, ()))
+    return [(name, f"W#16#{value:04X}", text) for name, value, text in words if checks or name != "STATUS_OUTSIDE"]
+
+
 def _features(job: DriveJob) -> list[str]:
     """What a job does besides sending and taking: files in ``templates/ds47/features``, in the order they declare."""
     steps = "waiting_sequence" if any(use.awaited is not None for use in job.uses) else "sequence"
@@ -178,6 +216,7 @@ def _features(job: DriveJob) -> list[str]:
         "readback": job.verified,
         "restore": job.restores,
         "messages": job.messages is not None,
+        "compare": job.deviations is not None,
         "clock": job.clock is not None,
         "recipe": job.recipe is not None,
         steps: job.in_steps,
@@ -185,26 +224,26 @@ def _features(job: DriveJob) -> list[str]:
     return [name for name, has in found.items() if has]
 
 
+_FEATURE = "ds47/features/{}.scl.j2"
 _RESULTS = ("restore", "save", "acknowledge", "sequence", "waiting_sequence", "messages", "readback", "clock")
 """Features that say how a job has ended: the first one says it for all."""
 
 
 def _behaviour(job: DriveJob, features: list[str]) -> dict[str, Any]:
-    """Features, and what the frame around them must know.
+    """What the frame around the features must know.
 
-    ``before``: those that act before the ticket is called, saving behind the checks that may prevent it. ``result``:
-    that which says how the job has ended, if any does. ``waits``: whether the job leaves the unit between two
-    questions; ``refuses``: whether a start may be refused; ``open_end``: whether the last telegram is known only while
-    it runs; ``goes_on``: whether it saves if what it has written is right, and restores if not; ``fails``: whether it
-    may fail although every telegram was answered well.
+    ``result``: the template of the one that says how the job has ended, if any does. ``waits``: whether the job leaves
+    the unit between two questions; ``refuses``: whether a start may be refused; ``open_end``: whether the last telegram
+    is known only while it runs; ``goes_on``: whether it saves if what it has written is right, and restores if not;
+    ``fails``: whether it may fail although every telegram was answered well; ``constants``: whether it declares any.
     """
     has = set(features).intersection
     return {
-        "features": features,
-        "before": sorted(features, key=lambda name: name == "save"),
-        "result": next((name for name in _RESULTS if name in features), ""),
-        "constants": any(name != "sequence" for name in features),
+        "result": next((_FEATURE.format(name) for name in _RESULTS if name in features), ""),
+        "constants": any(name not in {"sequence", "compare"} for name in features),
+        "saves": "save" in features,
         "waits": "waiting_sequence" in features,
+        "execute": "tempExecute" if "waiting_sequence" in features else "execute",
         "refuses": bool(has({"save", "clock"})),
         "open_end": bool(has({"save", "acknowledge", "messages", "restore", "waiting_sequence"})) or _stops(job),
         "goes_on": {"save", "restore"} <= set(features),
@@ -216,23 +255,25 @@ _REFUSED = {"STATUS_WRITE_ERROR", "STATUS_PARAMETER_ERROR", "STATUS_NOT_SUPPORTE
 """Results of a change of one parameter that the drive has not taken."""
 
 
-def _poll(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
-    """What a block needs that repeats its last telegram: times in ms, status words, where the value lies."""
+def _poll(job: DriveJob) -> dict[str, Any]:
+    """What a block needs that repeats its last telegram: times in ms, where the value lies.
+
+    ``asked`` is the number of the telegram that saves or acknowledges, ``before`` that of the one in front of it.
+    """
     asked, poll = job.telegrams[-1], job.poll
     assert poll is not None  # noqa: S101 - only a job with one comes here
     first = HEADER_SIZE + BLOCK_HEADER
+    first_code, last_code = _places(asked, asked.parts[-1])
     return {
         "interval": poll.interval,
         "limit": poll.limit,
         "distance": poll.distance,
-        "statuses": [
-            (name, f"W#16#{value:04X}", text) for name, value, text in (SAVE_WORDS if poll.saves else ACKNOWLEDGE_WORDS)
-        ],
         "refused": [f"W#16#{value:04X}" for name, value, _ in STATUS_WORDS if name in _REFUSED],
         "bytes": range(first, first + asked.parts[0].size),
-        "codes": None if poll.saves else _places(asked, asked.parts[-1]),
+        "first_code": first_code,
+        "last_code": last_code,
         "asked": job.telegrams.index(asked),
-        "clock": versions(plan)["TON_TIME"],
+        "before": job.telegrams.index(asked) - 1,
     }
 
 
@@ -243,14 +284,20 @@ def _places(telegram: DriveTelegram, part: Part) -> tuple[int, int]:
 
 
 def _verify(job: DriveJob) -> dict[str, Any]:
-    """What a block needs that reads back: words, and which bytes of each telegram belong to which of a request."""
+    """What a block needs that reads back: which bytes of each telegram belong to which of a request."""
     read = _read_back(job)
-    found = [(telegram.number, list(_comparisons(job, telegram))) for telegram in read]
-    values = [value for _, telegram in found for value in telegram]
+    found: list[dict[str, Any]] = [
+        {
+            "number": telegram.number,
+            "compared": list(_comparisons(job, telegram)),
+            "stops": telegram is not job.telegrams[-1] and not job.restores,
+        }
+        for telegram in read
+    ]
+    values = [value for telegram in found for value in telegram["compared"]]
     return {
-        "statuses": [(name, f"W#16#{value:04X}", text) for name, value, text in VERIFY_WORDS],
-        "deviates": f"W#16#{ERROR_DEVIATES:04X}",
         "telegrams": found,
+        "many": len(found) > 1,
         "stops": _stops(job),
         "floats": any(value["float"] for value in values),
         "zeros": any(value["zero"] for value in values),
@@ -292,8 +339,10 @@ def _comparisons(job: DriveJob, answer: DriveTelegram) -> Iterator[dict[str, Any
                     "sent": sent.offset + (start - sent.part.start) * size,
                     "found": came.offset + (start - found.start) * size,
                     "size": size,
+                    "last_byte": size - 1,
                     "last": count - 1,
                     "first": found.use.subindex + start,
+                    "first_word": f"W#16#{found.use.subindex + start:04X}",
                     "float": found.use.format.kind is FormatKind.FLOAT,
                     "zero": _may_be_zero(sent.part.use, start, count),
                 }
@@ -363,12 +412,11 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
     closes = telegram.parts[0].use.again is not None
     blocks = [_block(index, part) for index, part in enumerate(telegram.parts, 1)]
     return {
-        "index": telegram.number,
         "writes": telegram.writes,
         "saves": telegram.writes and telegram.parts[0].use in job.saving,
         "asks": telegram.parts[0].use.poll is not None,
         "step": telegram.step,
-        "once": telegram.once,
+        "once": "TRUE" if telegram.once else "FALSE",
         "awaited": telegram.awaited,
         "closes": closes,
         "read_back": any(part.use.verifies is not None for part in telegram.parts),
@@ -377,11 +425,14 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "merges": list(merges(job, telegram)),
         "keeps": not telegram.writes and not closes and job.deviations is None,
         "wanted": _bytes(right_answer(telegram), v5=plan.target.v5) if job.deviations is not None else "",
-        "asks_for_inputs": any(part.use.compared and not part.use.constant for part in telegram.parts),
+        "compares": None if job.deviations is None else compared_view(job, telegram, job.deviations),
+        "asks_for_inputs": job.deviations is not None
+        and any(part.use.compared and not part.use.constant for part in telegram.parts),
         "suffix": job.suffix(telegram),
         "request_type": telegram.request.type.name,
         "response_type": telegram.response.type.name,
         "request_length": len(telegram.request.data),
+        "request_last": len(telegram.request.data) - 1,
         "bytes": _bytes(telegram.request.data, v5=plan.target.v5),
         "response_last": telegram.response.size - 1,
         "positive_last": min(telegram.positive_length, telegram.response.size) - 1,
@@ -394,7 +445,9 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "stores": [copy for one in job.telegrams for copy in _copies(plan, job, one, aligned=aligned, response=True)]
         if job.stores and telegram is job.telegrams[-1]
         else [],
-        "expects": [] if (closes and telegram.number == 2) or telegram is _asked_before(job) else blocks,
+        "expects": []
+        if telegram.writes or (closes and telegram.number == 2) or telegram is _asked_before(job)
+        else blocks,
     }
 
 

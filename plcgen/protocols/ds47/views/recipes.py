@@ -14,7 +14,6 @@ from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, Pa
 from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.views.rows import interface_row
 from plcgen.protocols.ds47.wire.formats import FormatKind, integer_range, pack_values
-from plcgen.protocols.ds47.words import RECIPE_WORDS
 from plcgen.s7.layout import layout_members
 from plcgen.s7.types import ArrayType, DataType, Elementary, Member
 
@@ -113,11 +112,6 @@ def recipe_view(plan: DrivePlan, job: DriveJob, recipe: PlannedRecipe) -> dict[s
         "checks": checks[::-1],
         "stores": job.stores,
         "writes": job.writes,
-        "statuses": [
-            (name, f"W#16#{value:04X}", text)
-            for name, value, text in RECIPE_WORDS
-            if checks or name != "STATUS_OUTSIDE"
-        ],
     }
 
 

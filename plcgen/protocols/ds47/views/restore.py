@@ -9,8 +9,7 @@ from plcgen.documents.members import plain
 from plcgen.documents.nouns import CallerValue
 from plcgen.documents.spelling import type_words
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
-from plcgen.protocols.ds47.wire.model import ADDRESS_SIZE, HEADER_SIZE
-from plcgen.protocols.ds47.words import RESTORE_WORDS
+from plcgen.protocols.ds47.wire.model import ADDRESS_SIZE
 
 
 def cause_value(plan: DrivePlan, job: DriveJob) -> Iterator[CallerValue]:
@@ -23,32 +22,34 @@ def cause_value(plan: DrivePlan, job: DriveJob) -> Iterator[CallerValue]:
 def restore_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
     """What a block needs that restores.
 
-    ``places`` and ``sizes`` are those of the values in every answer, ``place`` and ``size`` those of the first; in the
-    request that writes they lie ``ahead`` bytes further. Behind the indexes ``written`` and ``back`` of ``errors`` come
-    those of the parameters; ``state`` are the last two bytes of the status word, None if it does not matter whether the
-    drive runs: that is no result then.
+    ``places`` and ``sizes`` are those of the values in every answer; ``place`` is that of the first one, ``sent`` where
+    it lies in the request that writes, ``size_last`` the number of its last byte. In that request values lie ``ahead``
+    bytes further than in an answer, their formats ``formats`` bytes. Behind the indexes ``written`` and ``back`` of
+    ``errors`` come those of the parameters; ``state`` are the last two bytes of the status word, None if it does not
+    matter whether the drive runs: that is no result then.
     """
     _, written, back = job.telegrams[:3]
     fields = [field for field in back.response.fields if field.role == "value" and field.part is not None]
     values = [field for field in fields if field.part is not None and field.part.use.verifies is not None]
     state = next((field for field in fields if field.part is not None and field.part.use.state), None)
     sizes = [field.part.size for field in values if field.part is not None]
-    tia = not plan.target.v5
+    tia, ahead = not plan.target.v5, ADDRESS_SIZE * len(values)
     last = state.offset + state.part.size - 1 if state is not None and state.part is not None else 0
     return {
         "count": len(values),
         "length": len(written.request.data),
+        "request_last": len(written.request.data) - 1,
         "place": values[0].offset,
-        "size": sizes[0],
+        "sent": values[0].offset + ahead,
+        "size_last": sizes[0] - 1,
         "places": _start((field.offset for field in values), tia=tia),
         "sizes": _start(sizes, tia=tia),
         "odd": any(size % 2 for size in sizes),
-        "header": HEADER_SIZE,
-        "address": ADDRESS_SIZE,
-        "ahead": ADDRESS_SIZE * len(values),
+        "ahead": ahead,
+        "formats": ahead - 2,
         "written": written.parts[0].use.position - 1,
         "back": back.parts[0].use.position - 1,
-        "state": (last - 1, last) if last else None,
+        "state": {"high": last - 1, "low": last} if last else None,
         "statuses": [
             (name, f"W#16#{value:04X}", text) for name, value, text in RESTORE_WORDS if last or name != "STATUS_RUNS"
         ],

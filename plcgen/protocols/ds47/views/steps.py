@@ -11,9 +11,7 @@ from plcgen.documents.spelling import literal, type_words
 from plcgen.protocols.ds47.plan.fields import interface_type
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Use
 from plcgen.protocols.ds47.plan.values import literals_text
-from plcgen.protocols.ds47.views.engine import versions
 from plcgen.protocols.ds47.wire.formats import FormatKind
-from plcgen.protocols.ds47.words import SEQUENCE_WORDS
 from plcgen.s7.types import Elementary
 
 _OTHERWISE = {"=": "<>", "<>": "=", "<": ">=", ">": "<=", "<=": ">", ">=": "<"}
@@ -36,17 +34,18 @@ def sequence_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
     sign = "L#" if plan.target.v5 else ""
     each = [f"{sign}{use.parameter.pnu}" for use in job.uses]
     numbers = f"{len(each)}({each[0]})" if len(each) > 1 and len(set(each)) == 1 else ", ".join(each)
-    waits = [_wait(plan, job, telegram) for telegram in job.telegrams if telegram.awaited is not None]
+    waiting = [telegram for telegram in job.telegrams if telegram.awaited is not None]
+    always = len(waiting) == len(job.telegrams)
+    waits = [_wait(plan, job, telegram, always=always) for telegram in waiting]
     return {
         "numbers": numbers if plan.target.v5 else f"[{numbers}]",
-        "total": len(job.telegrams),
         "triggers": any(telegram.once for telegram in job.telegrams),
         "waits": waits,
-        "bytes": any(not condition["float"] for wait in waits for condition in wait["conditions"]),
-        "always": len(waits) == len(job.telegrams),
+        "bytes": any(condition["bytes"] for wait in waits for condition in wait["conditions"]),
         "ends": [wait["number"] for wait in waits] == [len(job.telegrams)],  # nothing is behind the only one that waits
-        "statuses": [(name, f"W#16#{value:04X}", text) for name, value, text in SEQUENCE_WORDS],
-        "clock": versions(plan)["TON_TIME"],
+        "partly": len(job.telegrams) > 1
+        or len(job.uses) > 1
+        or bool(waits),  # an error may stand beside parameters that were answered well
     }
 
 
@@ -61,17 +60,17 @@ def condition_text(plan: DrivePlan, job: DriveJob, use: Use) -> str:
     return f"{use.label}.{awaited.bit} {awaited.operator} {int(any(use.data))}"
 
 
-def _wait(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> dict[str, Any]:
+def _wait(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, always: bool) -> dict[str, Any]:
     """How the answer to a question is compared; a copy of it is needed first where numbers in floating point are."""
     suffix = job.suffix(telegram)
     fields = [field for field in telegram.response.fields if field.role == "value" and field.part is not None]
     floats = any(field.part is not None and field.part.use.format.kind is FormatKind.FLOAT for field in fields)
     return {
         "number": telegram.number,
+        "branch": "ELSE" if always and telegram is job.telegrams[-1] else f"{telegram.number}:",
         "copied": f"statResponse{suffix}" if floats else "",
         "last": telegram.positive_length - 1,
         "conditions": [_comparison(plan, job, field, f"statResponseView{suffix}.{field.name}") for field in fields],
-        "told": _told(job) if telegram.awaited is not None and telegram.awaited.follows else "",
     }
 
 
@@ -92,17 +91,23 @@ def _comparison(plan: DrivePlan, job: DriveJob, field: DriveField, member: str) 
     if use.format.kind is FormatKind.FLOAT:
         type_ = interface_type(use.format, 1, 0, plan.target)
         assert isinstance(type_, Elementary)  # noqa: S101 - what has no type is refused
-        value = literal(type_, use.data, v5=plan.target.v5)
-        unlike = awaited.operator == "<>"  # NaN is unlike every number, <> on S7-300/400 says it is not
-        return {**shown, "float": f"{member} {'=' if unlike else awaited.operator} {value}", "unlike": unlike}
+        return {**shown, "bytes": [], "member": member, "value": literal(type_, use.data, v5=plan.target.v5)}
     masks = [0xFF] * use.format.size
     if awaited.bit is not None:
         masks = list((1 << awaited.bit).to_bytes(use.format.size))
     signed = use.format.kind is FormatKind.SIGNED and awaited.operator not in {"=", "<>"}
     flips = [0x80 if signed and index == 0 else 0 for index in range(use.format.size)]
-    found = [
-        {"at": field.offset + index, "mask": mask, "flip": flip, "wanted": byte & mask ^ flip}
+    found: list[dict[str, Any]] = [
+        {
+            "at": field.offset + index,
+            "mask": f"B#16#{mask:02X}" if mask < 0xFF else "",
+            "flip": f"B#16#{flip:02X}" if flip else "",
+            "wanted": byte & mask ^ flip,
+            "told": "",
+        }
         for index, (byte, mask, flip) in enumerate(zip(use.data, masks, flips, strict=True))
         if mask
     ]
-    return {**shown, "float": "", "bytes": found, "otherwise": _OTHERWISE[awaited.operator]}
+    if awaited.follows:
+        found[-1]["told"] = _told(job)
+    return {**shown, "bytes": found, "otherwise": _OTHERWISE[awaited.operator]}
