@@ -58,7 +58,6 @@ def deviations_view(job: DriveJob, found: DeviationList) -> dict[str, Any]:
         "count": found.count,
         "equal": found.equal,
         "places": found.places,
-        "entry": [(name, {"DINT": "L#0", "REAL": "0.0", "DWORD": "DW#16#0"}[type_]) for name, type_, _ in _ENTRY],
         "name": "statDeviations" if many else found.member,
         "counted": "statOthers" if many else "tempOthers",
         "by_size": any(one["by_size"] for one in formats),

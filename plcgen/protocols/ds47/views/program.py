@@ -158,7 +158,8 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "title": label,
         "comment_lines": [one_line(text) for text in comments[1:] if encodable(text, where)],
         "labels": [_label(plan, job, use) for use in job.uses],
-        "order": _order(plan, job),
+        "order": _order(job),
+        "response_size": job.telegrams[0].response.size,
         "use_count": len(job.uses),
         "use_numbers": range(1, len(job.uses) + 1),
         "in_a_row": len(job.uses) > _UNROLLED,
@@ -342,6 +343,7 @@ def _comparisons(job: DriveJob, answer: DriveTelegram) -> Iterator[dict[str, Any
                     "last_byte": size - 1,
                     "last": count - 1,
                     "first": found.use.subindex + start,
+                    "shift": f" + {found.use.subindex + start}" if found.use.subindex + start else "",
                     "first_word": f"W#16#{found.use.subindex + start:04X}",
                     "float": found.use.format.kind is FormatKind.FLOAT,
                     "zero": _may_be_zero(sent.part.use, start, count),
@@ -360,24 +362,18 @@ def _may_be_zero(use: Use, start: int, count: int) -> bool:
     return (low is None or low <= 0) and (high is None or high >= 0)
 
 
-def _order(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
-    """What the block says about its requests besides their bytes: what differs from the start values of the type."""
-    where = plan.target
-    mark = "" if where.v5 else "#"
-    found = [("hardwareId", f"{mark}hardwareId") if where.t15 else ("address", f"{mark}driveAddress")]
+def _order(job: DriveJob) -> list[tuple[str, str]]:
+    """What goes with the requests and differs from the start values of the type."""
     standard = (
         ("timeout", job.timeout, 10_000, "L#"),
         ("pause", job.retry_pause, 200, "L#"),
         ("retries", job.retries, 40, ""),
     )
-    found += [(name, f"{prefix}{value}") for name, value, default, prefix in standard if value != default]
+    found = [(name, f"{prefix}{value}") for name, value, default, prefix in standard if value != default]
     if job.once and job.poll is None and not job.in_steps:
         found.append(("once", "TRUE"))
     if job.pinned:
         found.append(("pinned", "TRUE"))
-        for name in ("requestDb", "responseDb"):
-            found.append((name, f"#{name}" if where.t15 else f"WORD_TO_INT(BLOCK_DB_TO_WORD({mark}{name}))"))
-        found.append(("responseSize", str(job.telegrams[0].response.size)))
     return found
 
 

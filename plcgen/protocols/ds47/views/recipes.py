@@ -137,7 +137,7 @@ def _check(plan: DrivePlan, field: DriveField, part: Part, member: str) -> dict[
         "first": first,
         "last": first + part.count - 1,
         "index": part.subindex,
-        "ahead": part.subindex - first,
+        "shift": f" + L#{part.subindex - first}" if part.subindex != first else "",
         "inside": " AND ".join(inside),
     }
 
