@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from plcgen.documents.control import signals
@@ -25,11 +25,11 @@ from plcgen.protocols.ds47.views.clock import clock_view, time_inputs
 from plcgen.protocols.ds47.views.deviations import compared_view, deviation_values, deviations_view, right_answer
 from plcgen.protocols.ds47.views.engine import engine_names, versions
 from plcgen.protocols.ds47.views.messages import list_values, messages_view
+from plcgen.protocols.ds47.views.readback import readback_view, stops
 from plcgen.protocols.ds47.views.recipes import recipe_inputs, recipe_values, recipe_view
 from plcgen.protocols.ds47.views.restore import cause_value, restore_view
 from plcgen.protocols.ds47.views.rows import buffer_blocks, interface_row
 from plcgen.protocols.ds47.views.steps import condition_text, sequence_view, step_values
-from plcgen.protocols.ds47.wire.formats import FormatKind, unpack_values
 from plcgen.protocols.ds47.wire.model import HEADER_SIZE
 from plcgen.protocols.ds47.words import (
     ACKNOWLEDGE_WORDS,
@@ -143,7 +143,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     return {
         "block": job.block,
         "poll": None if job.poll is None else _poll(job),
-        "verify": None if not job.verified else _verify(job),
+        "verify": None if not job.verified else readback_view(job),
         "restore": None if not job.restores else restore_view(plan, job),
         "messages": None if job.messages is None else messages_view(plan, job, job.messages),
         "deviations": None if job.deviations is None else deviations_view(job, job.deviations),
@@ -246,7 +246,7 @@ def _behaviour(job: DriveJob, features: list[str]) -> dict[str, Any]:
         "waits": "waiting_sequence" in features,
         "execute": "tempExecute" if "waiting_sequence" in features else "execute",
         "refuses": bool(has({"save", "clock"})),
-        "open_end": bool(has({"save", "acknowledge", "messages", "restore", "waiting_sequence"})) or _stops(job),
+        "open_end": bool(has({"save", "acknowledge", "messages", "restore", "waiting_sequence"})) or stops(job),
         "goes_on": {"save", "restore"} <= set(features),
         "fails": bool(has({"save", "acknowledge", "readback", "messages", "sequence", "waiting_sequence"})),
     }
@@ -282,84 +282,6 @@ def _places(telegram: DriveTelegram, part: Part) -> tuple[int, int]:
     """First and last byte of the values of a part in a good answer."""
     field = next(field for field in telegram.response.fields if field.role == "value" and field.part is part)
     return field.offset, field.offset + part.size - 1
-
-
-def _verify(job: DriveJob) -> dict[str, Any]:
-    """What a block needs that reads back: which bytes of each telegram belong to which of a request."""
-    read = _read_back(job)
-    found: list[dict[str, Any]] = [
-        {
-            "number": telegram.number,
-            "compared": list(_comparisons(job, telegram)),
-            "stops": telegram is not job.telegrams[-1] and not job.restores,
-        }
-        for telegram in read
-    ]
-    values = [value for telegram in found for value in telegram["compared"]]
-    return {
-        "telegrams": found,
-        "many": len(found) > 1,
-        "stops": _stops(job),
-        "floats": any(value["float"] for value in values),
-        "zeros": any(value["zero"] for value in values),
-    }
-
-
-def _read_back(job: DriveJob) -> list[DriveTelegram]:
-    """Telegrams that ask for what was written."""
-    return [telegram for telegram in job.telegrams if any(part.use.verifies is not None for part in telegram.parts)]
-
-
-def _stops(job: DriveJob) -> bool:
-    """Whether something would be sent behind a difference."""
-    return job.verified and _read_back(job)[0] is not job.telegrams[-1]
-
-
-def _comparisons(job: DriveJob, answer: DriveTelegram) -> Iterator[dict[str, Any]]:
-    """The values of an answer that one request has sent: where both begin, how many of which size.
-
-    ``opens``: the first ones of their parameter.
-    """
-    asked = [(telegram, field) for telegram in job.telegrams if telegram.writes for field in telegram.request.fields]
-    blocks = {id(part): number for number, part in enumerate(answer.parts, 1)}
-    for came in answer.response.fields:
-        if came.role != "value" or came.part is None:
-            continue
-        found, size, opens = came.part, came.part.use.format.size, True
-        for telegram, sent in asked:
-            if sent.role != "value" or sent.part is None or sent.part.use is not found.use.verifies:
-                continue
-            start = max(found.start, sent.part.start)
-            count = min(found.start + found.count, sent.part.start + sent.part.count) - start
-            if count > 0:
-                yield {
-                    "label": found.use.label,
-                    "opens": opens,
-                    "block": blocks[id(found)],
-                    "request": f"statRequest{job.suffix(telegram)}",
-                    "sent": sent.offset + (start - sent.part.start) * size,
-                    "found": came.offset + (start - found.start) * size,
-                    "size": size,
-                    "last_byte": size - 1,
-                    "last": count - 1,
-                    "first": found.use.subindex + start,
-                    "shift": f" + {found.use.subindex + start}" if found.use.subindex + start else "",
-                    "first_word": f"W#16#{found.use.subindex + start:04X}",
-                    "float": found.use.format.kind is FormatKind.FLOAT,
-                    "zero": _may_be_zero(sent.part.use, start, count),
-                }
-                opens = False
-
-
-def _may_be_zero(use: Use, start: int, count: int) -> bool:
-    """Whether a number in floating point among those that are sent may be 0, which has two signs."""
-    if use.format.kind is not FormatKind.FLOAT:
-        return False
-    if use.constant:
-        size = use.format.size
-        return 0 in unpack_values(use.format, count, use.data[start * size : (start + count) * size])
-    low, high = use.parameter.minimum, use.parameter.maximum
-    return (low is None or low <= 0) and (high is None or high >= 0)
 
 
 def _order(job: DriveJob) -> list[tuple[str, str]]:
