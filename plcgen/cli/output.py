@@ -50,7 +50,7 @@ def prepare_streams() -> None:
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         raw = getattr(stream, "buffer", None)
-        if isinstance(raw, io.RawIOBase):
+        if isinstance(raw, io.RawIOBase) and stream is getattr(sys, f"__{name}__"):  # not a caller's
             buffer = io.BufferedWriter(raw)
             stream = io.TextIOWrapper(buffer, stream.encoding, stream.errors, line_buffering=True)
             setattr(sys, name, stream)

@@ -139,18 +139,19 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     aligned = _aligned(job)
     features = _features(job)
     recipe = None if job.recipe is None else recipe_view(plan, job, job.recipe)
+    restore = None if not job.restores else restore_view(plan, job)
     comments = [job.comment[lang] for lang in plan.languages if job.comment.get(lang)]
     return {
         "block": job.block,
         "poll": None if job.poll is None else _poll(job),
         "verify": None if not job.verified else readback_view(job),
-        "restore": None if not job.restores else restore_view(plan, job),
+        "restore": restore,
         "messages": None if job.messages is None else messages_view(plan, job, job.messages),
         "deviations": None if job.deviations is None else deviations_view(job, job.deviations),
         "sequence": None if not job.in_steps else sequence_view(plan, job),
         "clock": clock_view(plan, job),
         "clock_version": versions(plan)["TON_TIME"],
-        "statuses": _statuses(features, checks=recipe is not None and bool(recipe["checks"])),
+        "statuses": _statuses(features, recipe, restore),
         **_behaviour(job, features),
         "pinned": job.pinned,
         "many": len(job.telegrams) > 1,
@@ -202,10 +203,19 @@ _WORDS = {
 """What only a block with a feature reports."""
 
 
-def _statuses(features: list[str], *, checks: bool) -> list[tuple[str, str, str]]:
-    """Constants of a block: name, literal, text; what is outside its limits only one reports that ``checks`` them."""
+def _statuses(
+    features: list[str], recipe: dict[str, Any] | None, restore: dict[str, Any] | None
+) -> list[tuple[str, str, str]]:
+    """Constants of a block that it reports: name, literal, text.
+
+    Outside its limits is only a value that is checked; that the drive runs matters only to a block that asks for it.
+    """
+    never = {
+        *(() if recipe is not None and recipe["checks"] else ("STATUS_OUTSIDE",)),
+        *(() if restore is not None and restore["state"] else ("STATUS_RUNS",)),
+    }
     words = (row for feature in features for row in _WORDS.get(feature, ()))
-    return [(name, f"W#16#{value:04X}", text) for name, value, text in words if checks or name != "STATUS_OUTSIDE"]
+    return [(name, f"W#16#{value:04X}", text) for name, value, text in words if name not in never]
 
 
 def _features(job: DriveJob) -> list[str]:

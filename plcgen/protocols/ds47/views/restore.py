@@ -26,7 +26,7 @@ def restore_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
     it lies in the request that writes, ``size_last`` the number of its last byte. In that request values lie ``ahead``
     bytes further than in an answer, their formats ``formats`` bytes. Behind the indexes ``written`` and ``back`` of
     ``errors`` come those of the parameters; ``state`` are the last two bytes of the status word, None if it does not
-    matter whether the drive runs: that is no result then.
+    matter whether the drive runs.
     """
     _, written, back = job.telegrams[:3]
     fields = [field for field in back.response.fields if field.role == "value" and field.part is not None]
@@ -50,9 +50,6 @@ def restore_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
         "written": written.parts[0].use.position - 1,
         "back": back.parts[0].use.position - 1,
         "state": {"high": last - 1, "low": last} if last else None,
-        "statuses": [
-            (name, f"W#16#{value:04X}", text) for name, value, text in RESTORE_WORDS if last or name != "STATUS_RUNS"
-        ],
     }
 
 
