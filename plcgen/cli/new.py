@@ -9,7 +9,7 @@ import click
 
 from plcgen.cli.completed import devices, toolchains
 from plcgen.cli.options import PATH, console, verb
-from plcgen.cli.output import OK, PROBLEMS, OutputError, error_line, help_line
+from plcgen.cli.output import OK
 from plcgen.cli.starter import RECIPES, starter, usable
 from plcgen.s7.families import FAMILIES
 
@@ -63,16 +63,8 @@ def command(*, path: Path, device: str, family: str, toolchain: str | None, jobs
     if path == Path("-"):
         out.result(text)
         return OK
-    try:
-        with path.open("w" if force else "x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-    except FileExistsError:
-        error_line(f"{path} exists")
-        help_line("choose another name, or overwrite it with --force")
-        return PROBLEMS
-    except OSError as problem:
-        raise OutputError(f"cannot write {path}: {problem.strerror or problem}") from problem
-    out.say(f"wrote {path}\nnext: plcgen check {path}")
+    out.result(text, path, force=force)
+    out.say(f"next: plcgen check {path}")
     return OK
 
 

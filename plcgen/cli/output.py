@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TextIO
 
+from plcgen.replacing import replace_file
+
 if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
     from plcgen.display.results import Answer
@@ -154,6 +156,8 @@ class Console:
     def result(self, text: str, output: Path | None = None, *, force: bool = True) -> None:
         """Deliver a result to stdout, or to a file if one is given (UTF-8, LF); without ``force`` to a new one."""
         if output is not None:
+            if output.is_dir():
+                raise OutputError(f"{output} is a folder: name a file")
             if not force and output.exists():
                 raise OutputError(f"{output} exists: use another name, or --force to overwrite it")
             _write_file(output, text)
@@ -274,6 +278,6 @@ def abandon_stdout() -> None:
 
 def _write_file(path: Path, text: str) -> None:
     try:
-        path.write_bytes(text.encode("utf-8", "replace"))
+        replace_file(path, text.encode("utf-8", "replace"))
     except OSError as problem:
         raise OutputError(f"cannot write {path}: {problem.strerror or problem}") from problem

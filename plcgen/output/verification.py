@@ -130,7 +130,7 @@ def _outside(verification: Verification, checks: Sequence[Check]) -> str:
 
 
 def troubles(verification: Verification) -> Verification:
-    """The same result with nothing but the checks that found something."""
+    """The same result with nothing but the checks that found something: no ledger of what was proved."""
     from plcgen.proof.checks import Outcome
 
     groups = []
@@ -138,4 +138,4 @@ def troubles(verification: Verification) -> Verification:
         checks = tuple(c for c in group.checks if c.outcome in {Outcome.ERROR, Outcome.WARNING})
         if checks:
             groups.append(replace(group, checks=checks))
-    return replace(verification, groups=tuple(groups))
+    return replace(verification, groups=tuple(groups), ledger=())

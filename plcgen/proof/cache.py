@@ -13,7 +13,6 @@ import os
 import re
 import stat
 import sys
-import tempfile
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -24,6 +23,7 @@ from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
 from plcgen.input.files import read_bounded
 from plcgen.proof.results import Result
 from plcgen.proof.stored import RESULT, portable, with_folder
+from plcgen.replacing import replace_file
 
 FORMAT = 1
 VARIABLE = "PLCGEN_CACHE"
@@ -156,11 +156,4 @@ class VerdictCache:
     @staticmethod
     def _write(path: Path, data: bytes) -> None:
         path.parent.mkdir(mode=0o700, exist_ok=True)
-        handle, draft = tempfile.mkstemp(dir=path.parent, prefix=".draft-")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(data)
-            Path(draft).replace(path)
-        except BaseException:
-            Path(draft).unlink(missing_ok=True)
-            raise
+        replace_file(path, data)

@@ -210,6 +210,23 @@ def test_a_result_that_is_cut_off_is_an_error(tmp_path, unbuffered):
     assert (done.returncode, done.stderr) == (1, "error: cannot write the result: File too large\n")
 
 
+@pytest.mark.skipif(os.name != "posix", reason="needs a shell that limits the size of files")
+@pytest.mark.parametrize("command", ["schema --output", "new --force"])
+def test_a_file_that_cannot_be_written_stays_as_it_was(tmp_path, command):
+    """A full disk costs nobody the file that was there."""
+    (tmp_path / "kept").write_text("mine", "utf-8")
+    done = subprocess.run(
+        ["sh", "-c", f"ulimit -f 0; exec {sys.executable} -m plcgen {command} kept"],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (1, "error: cannot write kept: File too large\n")
+    assert {path.name: path.read_text("utf-8") for path in tmp_path.iterdir()} == {"kept": "mine"}
+
+
 def test_ascii_console_does_not_crash(process, tmp_path):
     """Characters that a console lacks are replaced; files and pipes are UTF-8 whatever the locale says."""
     (tmp_path / "job.yaml").write_text("plc: {name: 加工站, family: x}\n", encoding="utf-8")

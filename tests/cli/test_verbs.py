@@ -333,6 +333,11 @@ def test_verify_for_real(plcgen, good):
     assert after.code == 0
     assert 'DB3 "ReadIt_Request"' in after.out
     assert json.loads(plcgen("verify", good, "--format", "json").out)["ok"] is True
+    (source,) = Path(good).parent.glob("*_generated/scl/ReadIt.scl")
+    source.write_text(f"x{source.read_text('utf-8')}", "utf-8")
+    whole, short = plcgen("verify", good), plcgen("verify", good, "-q")
+    assert ("\nRests on\n" in whole.out, "\nRests on\n" in short.out) == (True, False)
+    assert (whole.code, short.code) == (1, 1)
 
 
 def test_general_knowledge_is_a_warning_and_strict_makes_it_an_error(plcgen, tmp_path):
@@ -387,10 +392,11 @@ def test_new_never_overwrites(plcgen, tmp_path):
     (tmp_path / "job.yaml").write_text("mine", encoding="utf-8")
     refused = plcgen("new")
     assert (refused.code, (tmp_path / "job.yaml").read_text(encoding="utf-8")) == (1, "mine")
-    assert refused.err == "error: job.yaml exists\nhelp: choose another name, or overwrite it with --force\n"
+    assert refused.err == "error: job.yaml exists: use another name, or --force to overwrite it\n"
     assert plcgen("new", "--force").code == 0
     assert plcgen("new", "-").out == (tmp_path / "job.yaml").read_text(encoding="utf-8")
     assert plcgen("new", "no/such/x.yaml").code == 1
+    assert plcgen("new", str(tmp_path), "--force").err == f"error: {tmp_path} is a folder: name a file\n"
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.options import PATH, console, format_option, verb
-from plcgen.cli.output import OutputError
 
 if TYPE_CHECKING:
     from plcgen.display.results import Answer
@@ -52,17 +51,10 @@ def command(*, file: Path, device: str, profile: Path | None, force: bool, forma
     if profile is not None:
         if profile.exists() and profile.samefile(file):
             raise click.UsageError(f"{profile} is the list itself: write the profile to another file")
-        text = merging.profile_text(result.device)
-        try:
-            with profile.open("w" if force else "x", encoding="utf-8", newline="\n") as stream:
-                stream.write(text)
-        except FileExistsError as problem:
-            raise OutputError(f"{profile} exists: use another name, or --force to overwrite it") from problem
-        except OSError as problem:
-            raise OutputError(f"cannot write {profile}: {problem.strerror or problem}") from problem
+        out.result(merging.profile_text(result.device), profile, force=force)
     code = out.answer(format_, _answer(result))
     if profile is not None:
-        out.say(f"wrote {profile}\nin a spec beside it: device: ./{profile.name}")
+        out.say(f"in a spec beside it: device: ./{profile.name}")
     return code
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
@@ -15,6 +14,7 @@ from plcgen.inspection.compare.lockread import read_lock
 from plcgen.inspection.compare.model import Comparison, Snapshot
 from plcgen.inspection.compare.policyfile import load_policy
 from plcgen.inspection.compare.run import compare_snapshots, snapshot
+from plcgen.replacing import replace_file
 
 DEFAULT = "plcgen.lock.yaml"
 
@@ -51,7 +51,7 @@ def write_lock(paths: Sequence[Path], path: Path, *, classic: bool = False, forc
         data = text.encode()
         changed = not path.is_file() or not same_text(path.read_bytes(), data)
         if changed:
-            _replace(path, data)
+            replace_file(path, data)
     except DiagnosticError as problem:
         return LockResult(path, 0, False, problem.diagnostics)  # noqa: FBT003
     except OSError as problem:
@@ -126,24 +126,3 @@ def _check_target(path: Path, *, force: bool) -> None:
         message = "the file exists and is not a layout lock"
         help_ = "choose another --out, or overwrite it with --force"
         raise DiagnosticError([Diagnostic("PG501", message, Span(str(path)), help=help_)]) from problem
-
-
-def _replace(path: Path, data: bytes) -> None:
-    """Write beside the target and rename: the file is either the old or the new one."""
-    handle, name = tempfile.mkstemp(prefix=".plcgen-lock-", dir=path.parent)
-    draft = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as out:
-            out.write(data)
-        mode = path.stat().st_mode if path.is_file() else 0o666 & ~_umask()
-        draft.chmod(mode)
-        draft.replace(path)
-    except BaseException:
-        draft.unlink(missing_ok=True)
-        raise
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
