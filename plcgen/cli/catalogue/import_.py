@@ -51,9 +51,9 @@ def command(*, file: Path, device: str, profile: Path | None, force: bool, forma
     if profile is not None:
         if profile.exists() and profile.samefile(file):
             raise click.UsageError(f"{profile} is the list itself: write the profile to another file")
-        out.result(merging.profile_text(result.device), profile, force=force)
     code = out.answer(format_, _answer(result))
     if profile is not None:
+        out.result(merging.profile_text(result.device), profile, force=force)
         out.say(f"in a spec beside it: device: ./{profile.name}")
     return code
 
