@@ -10,10 +10,13 @@ from plcgen.cpu.linkage import Linkage
 from plcgen.cpu.memory import Memory
 from plcgen.s7.address import AddressError, parse_address
 from plcgen.s7.errors import UnfitValueError, UnknownPathError
-from plcgen.s7.image import Tree, read_member, write_member
-from plcgen.s7.layout import Layout, locate, split_path
+from plcgen.s7.image import Tree, read_entry, write_member
+from plcgen.s7.layout import Entry, Layout, locate, split_path
 from plcgen.s7.types import ELEMENTARY, Elementary
 from plcgen.s7.values import pack_value, unpack_value
+
+_Place = tuple[Memory, tuple[Layout, str, Entry] | None, int, Elementary | None]
+"""Memory, and either the member of a data block with its path, or an offset in bits and a type (None: all of it)."""
 
 
 class Symbols:
@@ -23,13 +26,13 @@ class Symbols:
         self.link = link
         self.blocks = blocks
         self.areas = areas
-        self._places: dict[str, tuple[Memory, Layout | None, str, int, Elementary | None]] = {}
+        self._places: dict[str, _Place] = {}
 
     def read(self, path: str) -> Tree:
         """Value at a path. Raises KeyError if there is no such member."""
-        memory, layout, rest, offset, type_ = self.find(path)
-        if layout is not None:
-            return read_member(memory, layout, rest)
+        memory, member, offset, type_ = self.find(path)
+        if member is not None:
+            return read_entry(memory, member[2])
         if type_ is None:
             return bytes(memory)  # type: ignore[return-value]
         if type_.name == "BOOL":
@@ -38,9 +41,9 @@ class Symbols:
 
     def write(self, path: str, value: Any) -> None:
         """Store a value; lists and dicts go to the elements and members. KeyError, ValueError if it does not fit."""
-        memory, layout, rest, offset, type_ = self.find(path)
-        if layout is not None:
-            self._write_tree(memory, layout, rest, value)
+        memory, member, offset, type_ = self.find(path)
+        if member is not None:
+            self._write_tree(memory, member[0], member[1], value)
         elif type_ is None:
             raise UnfitValueError(f"{path} is a whole data block: name a member")
         elif type_.name == "BOOL":
@@ -64,18 +67,18 @@ class Symbols:
             return
         write_member(memory, layout, path, value)
 
-    def find(self, path: str) -> tuple[Memory, Layout | None, str, int, Elementary | None]:
+    def find(self, path: str) -> _Place:
         """Memory and place of a path; looked up once."""
         known = self._places.get(path)
         if known is None:
             known = self._places[path] = self._find(path)
         return known
 
-    def _find(self, path: str) -> tuple[Memory, Layout | None, str, int, Elementary | None]:
+    def _find(self, path: str) -> _Place:
         tag = self.link.tags.get(path.strip('"# ').upper())
         if tag is not None:
             memory, offset = self._address(str(tag[0]), path)
-            return memory, None, "", offset, ELEMENTARY.get(tag[1], ELEMENTARY["WORD"])
+            return memory, None, offset, ELEMENTARY.get(tag[1], ELEMENTARY["WORD"])
         steps = split_path(path)
         first = steps[0] if steps else ""
         entry = self.link.find(first) if isinstance(first, str) else None
@@ -83,19 +86,19 @@ class Symbols:
         if entry is not None and entry.index in self.blocks and entry.shape is not None:
             memory = self.blocks[entry.index]
             if len(steps) == 1:
-                return memory, None, "", 0, None
+                return memory, None, 0, None
             rest = _join(steps[1:])
             layout = Layout(entry.shape.bits // 8, entry.shape)
             try:
-                locate(layout, rest)
+                found = locate(layout, rest)
             except KeyError as problem:
                 if not compact.startswith("DB"):
                     raise UnknownPathError(f"{path}: {problem.args[0]}") from None
             else:
-                return memory, layout, rest, 0, None
+                return memory, (layout, rest, found), 0, None
         memory, offset = self._address(compact, path)
         width = parse_address(compact).width_bits
-        return memory, None, "", offset, ELEMENTARY[{1: "BOOL", 8: "BYTE", 16: "WORD"}.get(width, "DWORD")]
+        return memory, None, offset, ELEMENTARY[{1: "BOOL", 8: "BYTE", 16: "WORD"}.get(width, "DWORD")]
 
     def _address(self, text: str, path: str) -> tuple[Memory, int]:
         try:

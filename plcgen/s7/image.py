@@ -86,7 +86,11 @@ def read_member(memory: bytes | bytearray, layout: Layout, path: str) -> Tree:
 
     Raises KeyError for an unknown path and ValueError for bytes that mean nothing in the member's type.
     """
-    entry = locate(layout, path)
+    return read_entry(memory, locate(layout, path))
+
+
+def read_entry(memory: bytes | bytearray, entry: Entry) -> Tree:
+    """As :func:`read_member`, of a member that was located."""
     return _read(memory, entry.shape, entry.offset)
 
 

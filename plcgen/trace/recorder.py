@@ -17,7 +17,7 @@ from plcgen.cpu.system.point_to_point import PortBlock, Receiver
 from plcgen.cpu.system.record import RecordBlock
 from plcgen.s7.errors import UnfitValueError
 from plcgen.s7.families import Family
-from plcgen.s7.layout import layout_block, locate
+from plcgen.s7.layout import layout_block
 from plcgen.s7.types import DataType, Elementary, innermost
 from plcgen.s7.values import SIGNED, UNSIGNED
 from plcgen.trace.model import BlockCall, CallShape, Kind, Signal, Value
@@ -147,12 +147,12 @@ class Derived:
 
 def watch(cpu: Cpu, path: str) -> tuple[Watched, DataType]:
     """Find a member, tag or address. Raises KeyError if there is none, ValueError if it is a whole data block."""
-    memory, layout, rest, offset, type_ = cpu.symbols.find(path)
-    if layout is None and type_ is None:
+    memory, member, offset, type_ = cpu.symbols.find(path)
+    if member is None and type_ is None:
         raise UnfitValueError(f"{path} is a whole data block: name a member")
     declared: DataType
-    if layout is not None:
-        entry = locate(layout, rest)
+    if member is not None:
+        entry = member[2]
         offset, bits, declared = entry.offset, entry.size, entry.type
     else:
         assert type_ is not None  # noqa: S101 - one of the two is there

@@ -48,9 +48,8 @@ def command(*, file: Path, device: str, profile: Path | None, force: bool, forma
             raise click.UsageError(f"{file} has only numbers: there is nothing to write into a profile")
         return out.answer(format_, _numbers(own, compare_own_list(find_device(device), own), device))
     result = merging.merge_list(find_device(device), lists.listed(sheets, file), f"parameter list {file.name}")
-    if profile is not None:
-        if profile.exists() and profile.samefile(file):
-            raise click.UsageError(f"{profile} is the list itself: write the profile to another file")
+    if profile is not None and profile.exists() and profile.samefile(file):
+        raise click.UsageError(f"{profile} is the list itself: write the profile to another file")
     code = out.answer(format_, _answer(result))
     if profile is not None:
         out.result(merging.profile_text(result.device), profile, force=force)

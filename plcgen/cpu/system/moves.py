@@ -46,6 +46,7 @@ class MemoryMoves:
         self.locate = locate
         self.report = report
         self.handles: dict[int, Memory] = {}
+        self.known: dict[bytes, tuple[Memory, int]] = {}  # POINTERs to what stays where it is
         self.lent = 0
         self.moved = 0
 
@@ -102,10 +103,16 @@ class MemoryMoves:
 
     def deref(self, data: bytes) -> tuple[Memory, int]:
         """Memory and byte offset behind a POINTER; AccessFaultError if there is none."""
+        known = self.known.get(data)
+        if known is not None:
+            return known
         memory = self.area(data[2], int.from_bytes(data[:2]))
         if memory is None:
             raise AccessFaultError("PG834", "a parameter passed by reference points nowhere")
-        return memory, (int.from_bytes(data[3:6]) & 0x7FFFF) >> 3
+        found = memory, (int.from_bytes(data[3:6]) & 0x7FFFF) >> 3
+        if memory.area != AREA_L and len(self.known) < _HANDLES:
+            self.known[data] = found
+        return found
 
     @staticmethod
     def there(reference: Reference) -> tuple[Memory, int]:
@@ -213,8 +220,13 @@ class MemoryMoves:
         self, target: bytearray, at: int, source: bytearray, start: int, size: int, between: Between = _nothing
     ) -> None:
         """Copy a structure, as an assignment does."""
-        self.count(size)
-        self.cp(target, at, source, start, size, between)
+        self.moved += size
+        inside = 0 <= at <= len(target) - size and 0 <= start <= len(source) - size
+        if inside and between is _nothing and self.moved <= MOVE_LIMIT:
+            target[at : at + size] = source[start : start + size]
+        else:
+            self.count(0)
+            self.cp(target, at, source, start, size, between)
 
     @staticmethod
     def cp(target: bytearray, at: int, source: bytearray, start: int, size: int, between: Between = _nothing) -> None:

@@ -54,29 +54,31 @@ def timer(system: SystemFb, shape: Shape, clock: list[int]) -> Runner:
     number = Struct(">q" if bits == 64 else ">i")  # PT, ET and the start have one type
     read, write = number.unpack_from, number.pack_into
     pt_byte, start_byte, wrap = fields.places["PT"][0], fields.places[start][0], (1 << bits - 1)
+    delays_on = kind == "TON"
 
     def run(memory: Memory, offset: int) -> None:
-        active = bool(memory[offset + in_byte] & in_mask)
-        if kind == "TON" and not active:
+        active = memory[offset + in_byte] & in_mask != 0
+        if delays_on and not active:
             if memory[offset + running[0]] & running[1] or memory[offset + q_byte] & q_mask:
                 memory[offset + running[0]] &= 255 - running[1]
                 memory[offset + q_byte] &= 255 - q_mask
                 memory[offset + et_byte : offset + et_byte + len(zero)] = zero
             return
-        if memory[offset + r_byte] & r_mask:
+        if r_mask and memory[offset + r_byte] & r_mask:
             memory[offset + running[0]] &= 255 - running[1]
             memory[offset + et_byte : offset + et_byte + len(zero)] = zero
         now = clock[0] * unit
-        was_active = bool(memory[offset + old[0]] & old[1])
-        was_running = bool(memory[offset + running[0]] & running[1])
+        was_active = memory[offset + old[0]] & old[1] != 0
+        was_running = memory[offset + running[0]] & running[1] != 0
         passed = (now - read(memory, offset + start_byte)[0]) & whole
         elapsed, preset = read(memory, offset + et_byte)[0], read(memory, offset + pt_byte)[0]
         is_running, q, et, restart = step(active, was_active, was_running, passed, elapsed, preset)
         if restart:
             write(memory, offset + start_byte, (now + wrap & whole) - wrap)
         write(memory, offset + et_byte, et)
-        for (byte, mask), value in ((running, is_running), ((q_byte, q_mask), q), (old, active)):
-            memory[offset + byte] = memory[offset + byte] | mask if value else memory[offset + byte] & (255 - mask)
+        if (is_running, q, active) != (was_running, memory[offset + q_byte] & q_mask != 0, was_active):
+            for (byte, mask), value in ((running, is_running), ((q_byte, q_mask), q), (old, active)):
+                memory[offset + byte] = memory[offset + byte] | mask if value else memory[offset + byte] & (255 - mask)
 
     return run
 

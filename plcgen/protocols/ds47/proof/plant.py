@@ -43,8 +43,8 @@ class Plant:
         family: Any = plan.target.family
         self.cpu = cpu or Cpu(program, Periphery(), family=family)
         self.units = {unit.key: self._build(unit) for unit in plan.units}
-        self._controls = {caller: self._control(caller) for caller in plan.callers}
-        self._guards = {caller: self._guard(caller) for caller in plan.callers}
+        self._controls = {caller.number: self._control(caller) for caller in plan.callers}
+        self._guards = {caller.number: self._guard(caller) for caller in plan.callers}
         self.waiting = [job for job in plan.jobs if job.waits]
         self.values: dict[str, ValueSet] = {}
         self.records: dict[str, Records] = {}
@@ -69,7 +69,7 @@ class Plant:
 
     def control(self, job: DriveJob) -> Members:
         """Commands and results of a job and of others."""
-        return self._controls[job.caller]
+        return self._controls[job.caller.number]
 
     @staticmethod
     def _signals(job: DriveJob) -> Iterable[str]:
@@ -151,7 +151,7 @@ class Plant:
     def execute(self, job: DriveJob, *, value: bool = True) -> None:
         """Set the command of a job; the last save is long ago."""
         if job.guarded:
-            self._guards[job.caller].set(f"{job.member}.statRest", 0)
+            self._guards[job.caller.number].set(f"{job.member}.statRest", 0)
         if job.trigger.execute is not None:
             self.cpu[str(job.trigger.execute)] = value
         else:
