@@ -267,14 +267,14 @@ class LocalNames:
         if not steps:
             return type_, DataPath(key)
         members = found.block if not found.block.instance_of else self.link.types.get(found.block.instance_of.upper())
-        return (self._type(StructType(_members(members)), steps), DataPath(key, steps)) if members else ("", None)
+        return (self._type(StructType(members.members), steps), DataPath(key, steps)) if members else ("", None)
 
     def _type(self, type_: DataType, steps: tuple[str, ...]) -> str:
         """Upper-case name of the block that a member below a type is an instance of; empty if it is none."""
         for step in steps:
             if isinstance(type_, NamedType):
                 declared = self.link.types.get(type_.name.upper())
-                type_ = StructType(_members(declared)) if declared is not None else type_
+                type_ = StructType(declared.members) if declared is not None else type_
             if step.startswith("["):
                 if not isinstance(type_, ArrayType):
                     return ""
@@ -289,7 +289,3 @@ class LocalNames:
             return ""
         found = self.link.find(type_.name)
         return found.name.upper() if found is not None and found.block.kind is BlockKind.FB else type_.name.upper()
-
-
-def _members(block: Block) -> tuple[Member, ...]:
-    return tuple(member for section in block.sections for member in section.members)

@@ -101,7 +101,7 @@ class _Sharing:
         name = entry.name if entry is not None else instance.root
         if not self.spelled:
             blocks = (known.block for known in self.link.blocks.values())
-            self.spelled.update((m.name.upper(), m.name) for b in blocks for s in b.sections for m in s.members)
+            self.spelled.update((m.name.upper(), m.name) for b in blocks for m in b.members)
         steps = (step if step.startswith("[") else f".{self.spelled.get(step, step)}" for step in instance.steps)
         return f'"{name}"' + "".join(steps)
 

@@ -23,6 +23,7 @@ from plcgen.s7.types import (
     StructType,
     elementary,
     innermost,
+    nested,
 )
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.dialects_tree import is_refused
@@ -110,16 +111,7 @@ def _used(block: Block) -> Iterator[tuple[NamedType, Span | None, bool]]:
     """Named types of the members of a block and of what it is an instance of, and whether a library has them."""
     if block.instance_of is not None:
         yield NamedType(block.instance_of, quoted=True), block.span, not _LIBRARY_MARKS.isdisjoint(block.attributes)
-    pending = [_row(member, None) for section in block.sections for member in section.members]
-    pending.reverse()
-    while pending:
-        type_, span, library = pending.pop()
-        type_ = innermost(type_)
-        if isinstance(type_, StructType):
-            pending += [_row(member, span) for member in reversed(type_.members)]
-        elif isinstance(type_, NamedType):
-            yield type_, span, library
-
-
-def _row(member: Member, span: Span | None) -> tuple[DataType, Span | None, bool]:
-    return member.type, member.span or span, any(name in _LIBRARY_MARKS for name, _ in member.attributes)
+    for member in nested(block.members):
+        type_ = innermost(member.type)
+        if isinstance(type_, NamedType):
+            yield type_, member.span, any(name in _LIBRARY_MARKS for name, _ in member.attributes)

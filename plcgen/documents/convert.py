@@ -268,7 +268,7 @@ def _to_document(
             return None
         block = made
     text, lost = document(block, setting, code, types)
-    if is_retentive(block) and (block.instance_of or not any(s.members for s in block.sections)):
+    if is_retentive(block) and (block.instance_of or not block.members):
         message = f'{block.kind} "{block.name}": that it is retentive is not converted'
         help_ = "a document says it at members, and not in instance data blocks: set Retain in the TIA Portal"
         found.diagnostics.append(Diagnostic("PG815", message, place, Severity.NOTE, help=help_))
@@ -290,4 +290,4 @@ def _instance(block: Block, place: Span, types: dict[str, Block], found: Convert
         return None
     if of is None:
         return block
-    return block if any(s.members for s in block.sections) else replace(block, sections=of.sections)
+    return block if block.members else replace(block, sections=of.sections)

@@ -78,6 +78,11 @@ class Block:
     inline: tuple[Block, ...] = ()
     safety: bool = False
 
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """Members of all sections, in source order."""
+        return tuple(m for s in self.sections for m in s.members)
+
     def section(self, kind: SectionKind) -> tuple[Member, ...]:
         """Members of one section; empty if the block has none of that kind."""
         return tuple(m for s in self.sections if s.kind is kind for m in s.members)

@@ -173,7 +173,7 @@ class ShapeBuilder:
 
     def block(self, block: Block) -> Shape:
         """Shape of a block's memory: an FB's instance data, a DB, a UDT; FC and OB take none."""
-        self.check_names([m for s in block.sections for m in s.members])
+        self.check_names(block.members)
         if block.kind in (BlockKind.FC, BlockKind.OB):
             return self.struct(StructType(()), ())
         self._open.append(block.name.upper())
@@ -185,12 +185,12 @@ class ShapeBuilder:
 
     def _source(self, block: Block) -> Block:
         """Choose the declaration that counts: an instance DB without members has those of its type."""
-        if block.instance_of is None or any(s.members for s in block.sections):
+        if block.instance_of is None or block.members:
             return block
         source = self.find(block.instance_of)
         if source is not None and source.instance_of is None and source.kind in (BlockKind.FB, BlockKind.UDT):
             if source.name.upper() not in self._open:
-                self.check_names([m for s in source.sections for m in s.members])
+                self.check_names(source.members)
                 self._open[-1] = source.name.upper()
             return source
         self.unknown(block.instance_of, block.span, source)
@@ -351,7 +351,7 @@ class ShapeBuilder:
             self.unknown(type_.name, member.span, block)
             return _NOTHING
         self._open.append(key)
-        self.check_names([m for s in block.sections for m in s.members])
+        self.check_names(block.members)
         groups = [(kind, block.section(kind)) for kind in INSTANCE_SECTIONS]
         shape = self.struct(type_, groups, doubts=_doubts(block))
         self._open.pop()

@@ -8,6 +8,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
     from plcgen.diagnostics import Span
 
 
@@ -116,6 +118,16 @@ def inner_members(type_: DataType) -> tuple[Member, ...]:
     """Members of a structure, or of the structures that an array is made of."""
     inner = innermost(type_)
     return inner.members if isinstance(inner, StructType) else ()
+
+
+def nested(members: Iterable[Member]) -> Iterator[Member]:
+    """Every member in the order of declaration, each followed by those of the structures in it."""
+    pending = [*members]
+    pending.reverse()
+    while pending:
+        member = pending.pop()
+        yield member
+        pending += reversed(inner_members(member.type))
 
 
 @lru_cache(maxsize=1024)

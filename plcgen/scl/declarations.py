@@ -23,6 +23,7 @@ from plcgen.s7.types import (
     elementary,
     inner_members,
     innermost,
+    nested,
 )
 from plcgen.scl import ast
 from plcgen.scl.constants import evaluate, project_names, type_of
@@ -418,11 +419,7 @@ def recursive_types(found: Iterable[Block]) -> Iterator[Diagnostic]:
 def _uses(block: Block) -> Iterator[tuple[Member, str]]:
     """Members of named types that lie inside the memory of a block, with the upper-case type name."""
     inside = {SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.STATIC}
-    pending = [m for s in reversed(block.sections) if s.kind in inside for m in reversed(s.members)]
-    while pending:
-        member = pending.pop()
+    for member in nested(m for s in block.sections if s.kind in inside for m in s.members):
         inner = innermost(member.type)
-        if isinstance(inner, StructType):
-            pending.extend(reversed(inner.members))
-        elif isinstance(inner, NamedType):
+        if isinstance(inner, NamedType):
             yield member, inner.name.upper()

@@ -126,7 +126,7 @@ def _at_block(call: SourceCall, place: Span) -> SourceCall:
 
 def _local_size(name: str, source: SourceBlock, types: Mapping[str, Block]) -> int | None:
     """Bytes of a variable of the block; None if it is none, of unknown size, or a pointer to something else."""
-    members = [m for s in source.block.sections for m in s.members if m.name.upper() == name.upper()]
+    members = [m for m in source.block.members if m.name.upper() == name.upper()]
     if any(isinstance(m.type, Elementary) and m.type.name in {"ANY", "POINTER"} for m in members):
         return None
     try:

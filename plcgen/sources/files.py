@@ -11,7 +11,7 @@ from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import TypeTable
 from plcgen.s7.system import system_block
-from plcgen.s7.types import ELEMENTARY, HARDWARE, ArrayType, StructType
+from plcgen.s7.types import ELEMENTARY, HARDWARE, ArrayType, StructType, innermost, nested
 from plcgen.scl.declarations import recursive_types
 from plcgen.scl.parser import ParseResult
 from plcgen.sources.plcs import by_plc, plc_names
@@ -284,16 +284,8 @@ def _add_written_out(blocks: Iterable[Block], types: TypeTable) -> None:
 def _used(blocks: Iterable[Block]) -> set[str]:
     """Upper-case names of all types that the blocks name, elementary ones too."""
     names = {block.instance_of.upper() for block in blocks if block.instance_of}
-    pending = [member.type for block in blocks for section in block.sections for member in section.members]
-    while pending:
-        type_ = pending.pop()
-        if isinstance(type_, ArrayType):
-            pending.append(type_.element)
-        elif isinstance(type_, StructType):
-            pending += [member.type for member in type_.members]
-        else:
-            names.add(type_.name.upper())
-    return names
+    types = (innermost(member.type) for block in blocks for member in nested(block.members))
+    return names | {type_.name.upper() for type_ in types if not isinstance(type_, ArrayType | StructType)}
 
 
 def _add_neighbours(files: Iterable[SourceFile], types: TypeTable) -> None:

@@ -12,7 +12,7 @@ from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import NO_MEMORY
 from plcgen.s7.system import system_block
-from plcgen.s7.types import Member, NamedType, StructType, elementary, innermost
+from plcgen.s7.types import NamedType, elementary, innermost, nested
 
 _MARK = "InstructionName"
 
@@ -49,11 +49,7 @@ def _warning(name: str, place: Span) -> Diagnostic:
 
 def _used(block: Block) -> Iterator[tuple[NamedType, Span | None, bool]]:
     """Named types of all members, in their order, and whether a library of the TIA Portal has them."""
-    pending: list[Member] = [member for section in reversed(block.sections) for member in reversed(section.members)]
-    while pending:
-        member = pending.pop()
+    for member in nested(block.members):
         type_ = innermost(member.type)
-        if isinstance(type_, StructType):
-            pending += reversed(type_.members)
-        elif isinstance(type_, NamedType):
+        if isinstance(type_, NamedType):
             yield type_, member.span, any(name == _MARK for name, _ in member.attributes)

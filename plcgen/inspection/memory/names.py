@@ -150,9 +150,9 @@ class BlockNames:
         elif isinstance(type_, NamedType):
             block = self.blocks.get(type_.name.upper()) if type_.quoted else None
             block = block or self.find(type_.name, quoted=type_.quoted)
-            if block is not None and block.instance_of and not any(s.members for s in block.sections):
+            if block is not None and block.instance_of and not block.members:
                 block = self.find(block.instance_of, quoted=True)
-            members = [m for s in block.sections for m in s.members] if block is not None else ()
+            members = block.members if block is not None else ()
         wanted = name.upper()
         return next((member.type for member in members if member.name.upper() == wanted), None)
 

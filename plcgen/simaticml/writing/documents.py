@@ -84,9 +84,8 @@ def document(
     """
     kind = _kind_of(block)
     starts = Starts(types)
-    members = [m for s in block.sections for m in s.members]
     for assignment in block.assignments:
-        starts.assign(assignment.path, assignment.literal, members)
+        starts.assign(assignment.path, assignment.literal, block.members)
     of = _made_from(block, types or {})
     names = section_names(kind, classic=setting.classic)
     if (of is not None and of.kind is BlockKind.UDT) or library_element(block).upper().startswith(_STRUCTURES):

@@ -81,7 +81,7 @@ class BlockScope:
         if isinstance(type_, StructType):
             return type_.members
         block = self.blocks.get(type_.name.upper()) if isinstance(type_, NamedType) else None
-        return () if block is None else tuple(m for s in block.sections for m in s.members)
+        return () if block is None else block.members
 
 
 def is_system(name: str) -> bool:
