@@ -192,7 +192,7 @@ class _Pair:
         new = {(m.section, m.name.upper()): m for m in self.new.locals}
         details = [f"{new[key].name} added" for key in new if key not in old]
         details += [f"{old[key].name} removed" for key in old if key not in new]
-        for key in old.keys() & new.keys():
+        for key in (key for key in new if key in old):
             before, after = old[key], new[key]
             if before.type.upper() != after.type.upper():
                 details.append(f"{after.name}: {before.type} -> {after.type}")

@@ -45,6 +45,15 @@ def diff(tmp_path: Path, old: str, new: str, suffix: str = "db", **more):
     return plcgen.diff(*paths, **more)
 
 
+def test_constants_stand_in_the_order_of_the_source(tmp_path):
+    """A report is the same in every run, whatever order a set has there."""
+    names = [f"LIMIT_{number}" for number in range(12)]
+    text = 'FUNCTION "F" : Void VAR CONSTANT {} END_VAR BEGIN ; END_FUNCTION'
+    old, new = (text.format(" ".join(f"{n} : Int := {value};" for n in names)) for value in (1, 2))
+    result = diff(tmp_path, old, new, "scl")
+    assert [change.path for change in result.changes if change.kind == "constant-changed"] == names
+
+
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
 def test_changes(case, tmp_path):
     """Exactly the expected changes, each with its id, its member and its figures."""
