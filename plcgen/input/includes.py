@@ -69,7 +69,7 @@ class _Gathering:
 
     def laid(self, root: YamlNode, way: tuple[str, ...]) -> YamlNode:
         """A file over those that it includes; ``way`` are the names of the files that lead to it, itself last."""
-        whole, own = root, _nodes(root)
+        whole, own = root, frozenset(map(id, root.walk()))
         for name, place in included_names(root):
             part = self.part(posixpath.normpath(posixpath.join(posixpath.dirname(way[-1]), name)), place, way)
             if part is not None:
@@ -191,14 +191,3 @@ class _Gathering:
             message = f'two included files define "{name}"'
             help_ = "define it in one of them, or in the file that includes both: that definition wins"
         self.report.add(Diagnostic("PG113", message, place, help=help_, notes=(Note("the other one", one),)))
-
-
-def _nodes(root: YamlNode) -> frozenset[int]:
-    """Every node of a tree by its identity."""
-    found, left = {id(root)}, [root]
-    while left:
-        one = left.pop()
-        below = [each for each in (*(value for _, value in one.pairs.values()), *one.items) if id(each) not in found]
-        found.update(map(id, below))
-        left += below
-    return frozenset(found)

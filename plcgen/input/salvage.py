@@ -232,7 +232,7 @@ class _Mending(Generic[Model]):
         """Doubt every entry that names one that is gone."""
         if self.names:
             for step in self.all_entries(self.root):
-                if any(word in self.names for word in _words(step.below)):
+                if any(node.kind == "scalar" and node.raw in self.names for node in step.below.walk()):
                     self.doubtful.append(step.region)
 
     def all_entries(self, node: YamlNode) -> Iterator[_Step]:
@@ -249,17 +249,6 @@ class _Mending(Generic[Model]):
 def _entries(node: YamlNode, sections: frozenset[str]) -> Iterator[str]:
     for key in sections & node.pairs.keys():
         yield from node.pairs[key][1].pairs
-
-
-def _words(node: YamlNode) -> Iterator[str]:
-    """Every scalar below a node."""
-    left = [node]
-    while left:
-        one = left.pop()
-        if one.kind == "scalar":
-            yield one.raw
-        left += [value for _, value in one.pairs.values()]
-        left += one.items
 
 
 def _inside(place: Span, region: Span) -> bool:

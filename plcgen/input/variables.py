@@ -74,9 +74,8 @@ class _Filling:
                     self.refuse("a variable is not allowed in a key", key.span, "write the key out")
                 above.pairs[name] = (key, self.filled(value))
             above.items = [self.filled(item) for item in above.items]
-            below = [*(value for _, value in above.pairs.values()), *above.items]
-            left += [each for each in below if each.kind != "scalar" and id(each) not in seen]
-            seen.update(map(id, below))
+            left += [each for each in above.children if each.kind != "scalar" and id(each) not in seen]
+            seen.update(map(id, above.children))
         if self.room < 0 or _size(self.root, {}) > MAX_NODES:
             message = f"the spec expands to more than {MAX_NODES} values or {MAX_BYTES // 1024 // 1024} MiB"
             self.report.add(Diagnostic("PG109", message, self.root.span, help="use fewer variables"))
@@ -88,14 +87,9 @@ class _Filling:
                 self.refuse(
                     f'"{name}" is not a valid variable name', key.span, "letters, digits, _ and -; a letter first"
                 )
-        left, seen = [variables], {id(variables)}
-        while left:
-            one = left.pop()
+        for one in variables.walk():
             if one.kind == "scalar" and _MARK in one.raw and self.names(one):
                 self.refuse("a variable cannot refer to another one", one.span, "write the value out")
-            below = [*(value for _, value in one.pairs.values()), *one.items]
-            left += [each for each in below if id(each) not in seen]
-            seen.update(map(id, below))
 
     def names(self, node: YamlNode) -> list[str]:
         return [use[2] for use in _USE.finditer(node.raw) if not use[1]]
@@ -151,6 +145,5 @@ class _Filling:
 def _size(node: YamlNode, known: dict[int, int]) -> int:
     """Number of values below a node and itself, each as often as it stands there; the depth is bounded."""
     if id(node) not in known:
-        below = [*(value for _, value in node.pairs.values()), *node.items]
-        known[id(node)] = 1 + sum(_size(each, known) for each in below)
+        known[id(node)] = 1 + sum(_size(each, known) for each in node.children)
     return known[id(node)]

@@ -8,7 +8,7 @@ into something else (``NO``, ``010``, ``12:30``, ``1_000``) is refused with the 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
@@ -42,6 +42,21 @@ class YamlNode:
         pair = self.pairs.get(key)
         return pair[1] if pair else None
 
+    @property
+    def children(self) -> Sequence[YamlNode]:
+        """Values of a mapping, or the items of a sequence."""
+        return [value for _, value in self.pairs.values()] if self.kind == "map" else self.items
+
+    def walk(self) -> Iterator[YamlNode]:
+        """This node and all below it; a node that several aliases share comes once."""
+        seen, left = {id(self)}, [self]
+        while left:
+            node = left.pop()
+            yield node
+            below = [each for each in node.children if id(each) not in seen]
+            seen.update(map(id, below))
+            left += below
+
     def key_span(self, key: str) -> Span:
         """Where a mapping's key stands; the mapping itself if the key is absent."""
         pair = self.pairs.get(key)
@@ -56,10 +71,8 @@ class YamlNode:
         for step in path:
             if node.kind == "map" and str(step) in node.pairs:
                 node = node.pairs[str(step)][1]
-            elif node.kind == "map" and isinstance(step, int) and step < len(node.pairs):
-                node = list(node.pairs.values())[step][1]
-            elif node.kind == "seq" and isinstance(step, int) and step < len(node.items):
-                node = node.items[step]
+            elif isinstance(step, int) and step < len(node.children):
+                node = node.children[step]
         return node
 
     def data(self) -> Any:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from plcgen.diagnostics import Span
 from plcgen.inspection.compare.code import compare_code
 from plcgen.inspection.compare.members import MemberComparison, text_change
-from plcgen.inspection.compare.model import BlockState, Change, MemberState
+from plcgen.inspection.compare.model import BlockState, Change, Found, MemberState
 from plcgen.inspection.compare.policy import Level
 
 _DEFAULTS = {
@@ -107,33 +105,24 @@ class _Pair:
         self, kind: str, message: str, old: str = "", new: str = "", *, path: str = "", details: tuple[str, ...] = ()
     ) -> None:
         """Keep a change of the block itself."""
-        spans = (self.old.span, self.new.span)
-        level = self.policy[kind]
-        self.found.append(Change(kind, level, self.new.title, path, message, old, new, *spans, details))
+        self.keep(Found(kind, path, message, old, new, self.old.span, self.new.span, details))
+
+    def keep(self, found: Found) -> None:
+        """Classify a difference."""
+        self.found.append(Change(found.kind, self.policy[found.kind], self.new.title, *found[1:]))
 
     def changes(self) -> list[Change]:
         """Every change of this block."""
         old, new = self.old, self.new
         self.header()
-        members = MemberComparison(old, new, comments=self.comments).run()
-        for found in members:
-            removed = found.kind == "member-removed"
-            spans = (found.old_span or old.span, None if removed else found.new_span or new.span)
-            change = Change(found.kind, self.policy[found.kind], new.title, found.path, found.message)
-            self.found.append(
-                dataclasses.replace(
-                    change, old=found.old, new=found.new, old_span=spans[0], new_span=spans[1], details=found.details
-                )
-            )
+        for found in MemberComparison(old, new, comments=self.comments).run():
+            after = None if found.kind == "member-removed" else found.new_span or new.span
+            self.keep(found._replace(old_span=found.old_span or old.span, new_span=after))
         self.assignments()
         self.local()
         code = compare_code(old, new)
         if code is not None:
-            places = (_at(old.span, code.old_line), _at(new.span, code.new_line))
-            level = self.policy["code-changed"]
-            self.found.append(
-                Change("code-changed", level, new.title, "", code.message, code.old, code.new, *places, code.details)
-            )
+            self.keep(code)
         return self.found
 
     def header(self) -> None:
@@ -205,10 +194,6 @@ class _Pair:
         if details:
             shown = ", ".join(sorted(details)[:3]) + (f", .. ({len(details)})" if len(details) > 3 else "")
             self.add("local-changed", shown, details=tuple(sorted(details)))
-
-
-def _at(span: Span | None, line: int) -> Span | None:
-    return span if span is None or not line else Span(span.file, line, 1)
 
 
 def _access(block: BlockState) -> str:

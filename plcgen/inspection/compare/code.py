@@ -4,29 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from difflib import SequenceMatcher
-from typing import NamedTuple
 
-from plcgen.inspection.compare.model import BlockState
+from plcgen.diagnostics import Span
+from plcgen.inspection.compare.model import BlockState, Found
 from plcgen.sources.code import Code
-
-
-class CodeChange(NamedTuple):
-    """How two bodies differ: in words, the first place on both sides (line 0: none), every place."""
-
-    message: str
-    old: str
-    new: str
-    old_line: int = 0
-    new_line: int = 0
-    details: tuple[str, ...] = ()
-
 
 MAX_TOKENS = 5000
 """Up to so many tokens between the first and the last difference are compared one by one."""
 _SHOWN = 70
 
 
-def compare_code(old: BlockState, new: BlockState) -> CodeChange | None:
+def compare_code(old: BlockState, new: BlockState) -> Found | None:
     """How many places changed and what the first one is; None if nothing did."""
     if old.code_hash == new.code_hash:
         return None
@@ -34,15 +22,22 @@ def compare_code(old: BlockState, new: BlockState) -> CodeChange | None:
     if a.form != b.form or not a.tokens or not b.tokens:
         known = bool(a.tokens) and bool(b.tokens)
         message = "code cannot be compared: one side is SCL, the other is not" if known else _whole(old, new)
-        return CodeChange(message, old.code_hash, new.code_hash)
+        return Found("code-changed", "", message, old.code_hash, new.code_hash, old.span, new.span)
     hunks = _hunks(a.tokens, b.tokens)
     details = tuple(_hunk(a, b, hunk) for hunk in hunks)
     i, _, k, _ = hunks[0]
     was, now = _line(a, i), _line(b, k)
     several = f"{len(hunks)} places, first " if len(hunks) > 1 else ""
     message = f"code: {several}{details[0]}"
-    lines = [code.lines[min(n, len(code.lines) - 1)] if code.located else 0 for code, n in ((a, i), (b, k))]
-    return CodeChange(message, was, now, lines[0], lines[1], details if len(details) > 1 else ())
+    places = (_place(old, i), _place(new, k))
+    return Found("code-changed", "", message, was, now, *places, details if len(details) > 1 else ())
+
+
+def _place(block: BlockState, token: int) -> Span | None:
+    """Line of a token; the block where its code has no lines."""
+    if block.span is None or not block.code.located:
+        return block.span
+    return Span(block.span.file, block.code.lines[min(token, len(block.code.lines) - 1)], 1)
 
 
 def _whole(old: BlockState, new: BlockState) -> str:

@@ -33,6 +33,7 @@ _OPTIMIZED = {text: value for value, text in ACCESS.items()}
 _LONGEST = 2000
 _DEEPEST = 64
 _SHAPE = frozenset({"PG104", "PG105", "PG106", "PG107"})
+"""What is wrong with the shape of any file: of a lock, all of it is one code."""
 _CODE, _HELP = "PG633", "write the lock again: plcgen lock"
 
 
@@ -166,13 +167,9 @@ def _as_text(root: YamlNode) -> YamlNode:
         shown = "none" if form is None else form.raw
         message = f"this is not a layout lock of format {FORMAT} (format: {shown})"
         raise DiagnosticError([Diagnostic(_CODE, message, (form or root).span, help=_HELP)])
-    waiting = [root]
-    while waiting:
-        node = waiting.pop()
+    for node in root.walk():
         if node.kind == "scalar":
             node.value = node.raw
-        waiting += node.items
-        waiting += [value for _, value in node.pairs.values()]
     return root
 
 
@@ -211,9 +208,7 @@ def read_lock(path: Path) -> Lock:
     file = path.as_posix()
     found = Report()
     loaded = read_document(read_text(path), file, _LOCK, found)
-    report = Report(
-        [replace(d, code=_CODE, help=_HELP) if d.code in {"PG104", "PG105", "PG106", "PG107"} else d for d in found]
-    )
+    report = Report([replace(d, code=_CODE, help=_HELP) if d.code in _SHAPE else d for d in found])
     report.raise_on_errors()
     assert loaded is not None  # noqa: S101 - raise_on_errors leaves only this case
     snapshot = _Reader(loaded.root, report).snapshot(file, loaded.model)

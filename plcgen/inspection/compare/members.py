@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from difflib import SequenceMatcher
-from typing import NamedTuple
 
 from plcgen.diagnostics import Span
-from plcgen.inspection.compare.model import BlockState, MemberState
+from plcgen.inspection.compare.model import BlockState, Found, MemberState
 
 INTERNAL = frozenset(
     {"member-added", "member-removed", "member-renamed", "type-changed", "length-changed", "section-changed"}
@@ -16,19 +15,6 @@ INTERNAL = frozenset(
 """Changes of a static variable of an FB that only the block itself notices."""
 MOST_RUNS = 5
 """More runs of moved members in one block are reported as one."""
-
-
-class Found(NamedTuple):
-    """One difference inside a block, before it is classified; see ``model.Change``."""
-
-    kind: str
-    path: str
-    message: str
-    old: str = ""
-    new: str = ""
-    old_span: Span | None = None
-    new_span: Span | None = None
-    details: tuple[str, ...] = ()
 
 
 _VISIBLE = {"EXTERNALVISIBLE": "visible", "EXTERNALACCESSIBLE": "readable", "EXTERNALWRITABLE": "writable"}

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.inspection.compare.policy import Level, fails
@@ -115,6 +116,19 @@ class Snapshot:
     diagnostics: list[Diagnostic] = field(default_factory=list)
     complete: bool = True
     mirrored: frozenset[str] = frozenset()
+
+
+class Found(NamedTuple):
+    """One difference inside a block, before it is classified; see :class:`Change`."""
+
+    kind: str
+    path: str
+    message: str
+    old: str = ""
+    new: str = ""
+    old_span: Span | None = None
+    new_span: Span | None = None
+    details: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

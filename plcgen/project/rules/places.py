@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import islice
 from typing import TYPE_CHECKING, get_args
 
 from pydantic import BaseModel
@@ -31,9 +30,7 @@ def node_at(project: Frame, path: SpecPath) -> YamlNode | None:
 
 def _item(node: YamlNode, index: int) -> YamlNode | None:
     """Find the n-th value of a list, or of a mapping that stands for a list."""
-    if node.kind == "map":
-        return next((value for _, value in islice(node.pairs.values(), index, index + 1)), None)
-    return node.items[index] if index < len(node.items) else None
+    return node.children[index] if index < len(node.children) else None
 
 
 def key_or_value(project: Frame, path: SpecPath) -> Span:
