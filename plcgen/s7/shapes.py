@@ -6,6 +6,7 @@ only makes an offset doubtful where it changes the outcome.
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from dataclasses import dataclass, field
@@ -29,7 +30,7 @@ from plcgen.s7.types import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 MAX_BYTES = 16 * 1024 * 1024
 MAX_ENTRIES = 1_000_000
@@ -76,6 +77,15 @@ class Shape:
     strides: tuple[int, ...] = ()
     stride_doubts: frozenset[str] = NO_DOUBTS
     spare: int = 0
+
+    def places(self) -> Iterator[tuple[str, int]]:
+        """Index and offset in bits of every element of an array, the last index counting fastest; else nothing."""
+        if not isinstance(self.type, ArrayType):
+            return
+        bounds = self.type.bounds
+        for indices in itertools.product(*(range(low, high + 1) for low, high in bounds)):
+            steps = zip(indices, bounds, self.strides, strict=True)
+            yield ",".join(map(str, indices)), sum((i - low) * stride for i, (low, _), stride in steps)
 
 
 @dataclass(slots=True)

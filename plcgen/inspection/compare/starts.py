@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from itertools import islice, product
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from plcgen.s7.image import default_bytes
@@ -92,27 +92,19 @@ def array_start(data: bytes, shape: Shape) -> str:
     return f"sha256:{hashlib.sha256(text.encode()).hexdigest()[:16]}"
 
 
-def _offsets(shape: Shape) -> Iterator[tuple[str, int]]:
-    """Index and offset in bits of every element."""
-    bounds = shape.type.bounds if isinstance(shape.type, ArrayType) else ()
-    for index in product(*(range(low, high + 1) for low, high in bounds)):
-        steps = zip(index, bounds, shape.strides, strict=True)
-        yield ",".join(map(str, index)), sum((i - low) * stride for i, (low, _), stride in steps)
-
-
 def _usual(data: bytes, shape: Shape) -> bytes:
     """The most frequent contents of an element, of equally frequent ones the first."""
     size = 0 if shape.element is None else shape.element.bits // 8
-    return Counter(data[at // 8 : at // 8 + size] for _, at in _offsets(shape)).most_common(1)[0][0]
+    return Counter(data[at // 8 : at // 8 + size] for _, at in shape.places()).most_common(1)[0][0]
 
 
 def _differing(data: bytes, shape: Shape, blank: bytes) -> Iterator[tuple[str, int]]:
     """Elements that do not have the default of their type."""
     if shape.element is not None and shape.element.bits == 1:
         if any(data):
-            yield from ((index, at) for index, at in _offsets(shape) if data[at // 8] >> at % 8 & 1)
+            yield from ((index, at) for index, at in shape.places() if data[at // 8] >> at % 8 & 1)
         return
-    for index, at in _offsets(shape):
+    for index, at in shape.places():
         if not data.startswith(blank, at // 8):
             yield index, at
 
@@ -120,7 +112,7 @@ def _differing(data: bytes, shape: Shape, blank: bytes) -> Iterator[tuple[str, i
 def _listed(data: bytes, shape: Shape, element: Shape, blank: bytes) -> str:
     """All values, runs of one value as ``14(0)``; empty if all are defaults."""
     default = "FALSE" if element.bits == 1 else _spelled(blank, element.type)  # type: ignore[arg-type]
-    values = [_value(data, element, at) for _, at in _offsets(shape)]
+    values = [_value(data, element, at) for _, at in shape.places()]
     return f"[{', '.join(_runs([value or default for value in values]))}]" if any(values) else ""
 
 
@@ -160,7 +152,7 @@ def _leaves(shape: Shape, at: int, prefix: str) -> Iterator[tuple[str, Shape, in
         if field.shape.fields:
             yield from _leaves(field.shape, at + field.offset, f"{path}.")
         elif inner is not None and isinstance(inner.type, StructType):
-            for index, offset in _offsets(field.shape):
+            for index, offset in field.shape.places():
                 yield from _leaves(inner, at + field.offset + offset, f"{path}[{index}].")
         else:
             yield path, field.shape, at + field.offset

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -169,7 +169,7 @@ class _Memory:
     def alike(self, shape: Shape, base: int) -> bool:
         """Whether all elements of the array at bit ``base`` hold the same."""
         bits = shape.element.bits if shape.element is not None else 0
-        found = (self.loaded[(base + at) // 8 : (base + at + bits) // 8] for _, at in element_offsets(shape))
+        found = (self.loaded[(base + at) // 8 : (base + at + bits) // 8] for _, at in shape.places())
         first = next(found, b"")
         return all(part == first for part in found)
 
@@ -224,7 +224,7 @@ class _Rows:
         if element is None or not isinstance(shape.type, ArrayType):
             return
         total = math.prod(high - low + 1 for low, high in shape.type.bounds)
-        for done, (index, offset) in enumerate(element_offsets(shape)):
+        for done, (index, offset) in enumerate(shape.places()):
             place = start + offset
             if (done and not self.expand) or len(self.found) >= self.room:
                 self.fold(shape, (offset, place), depth, (done, total), index, doubts)
@@ -298,7 +298,7 @@ class _Rows:
         """Start value of an array in one row, with those of single elements if they change anything."""
         if self.expand or self.memory is None or not self.memory.changed(place, extent(shape)):
             return start
-        names = (index for index, _ in element_offsets(shape))
+        names = (index for index, _ in shape.places())
         given = (f"[{n}] := {self.begin[key]}" for n in names if (key := f"{path.lower()}[{n}]") in self.begin)
         listed = list(itertools.islice(given, _MAX_SINGLE))
         if len(listed) == _MAX_SINGLE:
@@ -341,14 +341,3 @@ def _type(member: Member, shape: Shape) -> str:
     if member.type != shape.type and isinstance(shape.type, Elementary) and shape.type.name == "POINTER":
         return f"POINTER to {declared}"
     return f"{declared} AT {member.at}" if member.at is not None else declared
-
-
-def element_offsets(shape: Shape) -> Iterator[tuple[str, int]]:
-    """Index and offset in bits of every element, the last index counting fastest."""
-    if not isinstance(shape.type, ArrayType):
-        return
-    ranges = [range(high - low + 1) for low, high in shape.type.bounds]
-    lows = [low for low, _ in shape.type.bounds]
-    for steps in itertools.product(*ranges):
-        index = ",".join(str(low + step) for low, step in zip(lows, steps, strict=True))
-        yield index, sum(step * stride for step, stride in zip(steps, shape.strides, strict=True))

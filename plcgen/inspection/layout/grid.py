@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from plcgen.inspection.layout.declared import element_offsets, extent, is_composite
+from plcgen.inspection.layout.declared import extent, is_composite
 from plcgen.inspection.layout.tables import MEMBER, BlockTable, member_address, size_text
 from plcgen.s7.spelling import type_text
 
@@ -156,7 +156,7 @@ def _leaves(
                 path, place = f"{name}.{child.member.name}", start + child.offset
                 yield from _leaves(child.shape, place, path, tone, child.member, begin)
     elif shape.element is not None and is_composite(shape):
-        for index, offset in element_offsets(shape):
+        for index, offset in shape.places():
             yield from _leaves(shape.element, start + offset, f"{name}[{index}]", tone, None, begin)
     elif extent(shape):
         value, comment = (member.start or "", member.comment) if member else ("", "")

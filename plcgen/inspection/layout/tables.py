@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from plcgen.diagnostics import Diagnostic
 from plcgen.display.cells import clean
+from plcgen.s7.blocks import block_title
 
 if TYPE_CHECKING:
     from plcgen.s7.evidence import Rule
@@ -88,8 +89,7 @@ class BlockTable:
     @property
     def title(self) -> str:
         """``DB3 "WR_DataBuffer"``, ``DB3`` alone if it has no other name."""
-        short = f"{self.kind}{'' if self.number is None else self.number}"
-        return short if self.name.upper() == short else f'{short} "{clean(self.name)}"'
+        return clean(block_title(self.kind, self.name, self.number))
 
     @property
     def summary(self) -> str:
