@@ -89,7 +89,7 @@ class BlockTable:
     @property
     def title(self) -> str:
         """``DB3 "WR_DataBuffer"``, ``DB3`` alone if it has no other name."""
-        return clean(block_title(self.kind, self.name, self.number))
+        return clean(block_title(self.kind, self.number, self.name))
 
     @property
     def summary(self) -> str:
