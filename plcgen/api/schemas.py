@@ -9,9 +9,6 @@ from typing import Any
 
 from plcgen.diagnostics import ArgumentError
 
-VERSION = 1
-"""Of files without a version of their own."""
-
 
 def _spec(profiles: Sequence[str] = (), *, shared: bool = False) -> dict[str, Any]:
     from plcgen.project.shape import json_schema
@@ -28,7 +25,7 @@ def _drive() -> dict[str, Any]:
     from plcgen.project.editor import file_schema
     from plcgen.protocols.ds47.sim.load import DriveKeys
 
-    return file_schema("drive", VERSION, "A simulated drive: its objects with their parameters, and faults.", DriveKeys)
+    return file_schema("drive", "A simulated drive: its objects with their parameters, and faults.", DriveKeys)
 
 
 def _station() -> dict[str, Any]:
@@ -36,16 +33,14 @@ def _station() -> dict[str, Any]:
     from plcgen.protocols.ppi.sim.load import BusKeys, SingleKeys
 
     text = "A simulated S7-200, or several under stations, with their values and faults."
-    return file_schema("station", VERSION, text, SingleKeys, BusKeys)
+    return file_schema("station", text, SingleKeys, BusKeys)
 
 
 def _profile() -> dict[str, Any]:
     from plcgen.project.editor import file_schema
     from plcgen.protocols.ds47.profile import DeviceProfile
 
-    return file_schema(
-        "profile", VERSION, "A device profile: what a kind of drive has and how it answers.", DeviceProfile
-    )
+    return file_schema("profile", "A device profile: what a kind of drive has and how it answers.", DeviceProfile)
 
 
 def _policy() -> dict[str, Any]:
@@ -53,7 +48,7 @@ def _policy() -> dict[str, Any]:
     from plcgen.inspection.compare.policyfile import Policy
     from plcgen.project.editor import file_schema
 
-    found = file_schema("policy", VERSION, "Which class a kind of change has for you.", Policy)
+    found = file_schema("policy", "Which class a kind of change has for you.", Policy)
     return {**found, "propertyNames": {"enum": list(KINDS)}}
 
 
@@ -69,7 +64,7 @@ def _faults() -> dict[str, Any]:
     from plcgen.protocols.ppi.recording.faults import LineFaults
 
     text = "Faults of drives or of a PPI line for simulate: a list, or the key faults of a mapping."
-    drive, line = file_schema("faults", VERSION, text, DriveFaults), file_schema("faults", VERSION, text, LineFaults)
+    drive, line = file_schema("faults", text, DriveFaults), file_schema("faults", text, LineFaults)
     line = json.loads(json.dumps(line).replace("#/$defs/", "#/$defs/Line"))
     line["$defs"] = {f"Line{name}": each for name, each in line["$defs"].items()}
     items = [each.pop("properties")["faults"]["items"] for each in (drive, line)]

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from plcgen.cli.hexbytes import HexError, HexText, parse_hex, read_stdin, strip_comment
+from plcgen.cli.arguments import ARGUMENTS
+from plcgen.cli.hexbytes import STDIN, HexError, HexText, hex_problem, parse_hex, read_stdin, strip_comment
 from plcgen.cli.options import console, format_option, verb
 from plcgen.cli.output import PROBLEMS
 from plcgen.diagnostics import Diagnostic, Span
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from plcgen.output.registry import OutputFormat
     from plcgen.protocols.decoded import DecodedTelegram
 
-ARGUMENTS, STDIN, REQUEST = "<arguments>", "<stdin>", "<request>"
+REQUEST = "<request>"
 _SPELLINGS = "write bytes as 03 01, 0301, 16#03, 0x03, 03h or W#16#0101, one telegram per line"
 
 
@@ -79,9 +80,7 @@ def _read(text: str, name: str, line: int, found: list[Diagnostic]) -> HexText |
     try:
         return parse_hex(text)
     except HexError as problem:
-        start = problem.column + 1
-        span = Span(name, line, start, line, start + problem.length)
-        found.append(Diagnostic("PG701", problem.reason, span, help=_SPELLINGS))
+        found.append(hex_problem(problem, name, line, _SPELLINGS))
         return None
 
 

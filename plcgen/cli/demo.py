@@ -14,7 +14,6 @@ from plcgen.proof.effort import FAULTS, Faults
 
 if TYPE_CHECKING:
     from plcgen.api import GenerateResult
-    from plcgen.output.registry import OutputFormat
     from plcgen.proof.checks import Verification
 
 _NAME = 26
@@ -67,6 +66,7 @@ def _copy(out: Console, folder: Path) -> list[Path]:
 def _one(out: Console, spec: Path, faults: Faults | None) -> bool:
     """Generate and verify one spec and tell it in a line; True if all is well."""
     from plcgen import api
+    from plcgen.output.formats import text
 
     with out.progress() as progress:
         made = api.generate(spec, default_folder(spec), progress=progress)
@@ -79,7 +79,7 @@ def _one(out: Console, spec: Path, faults: Faults | None) -> bool:
         result = api.verify(spec, made.folder, faults=runs, progress=progress)
     out.result(_line(spec, made, result, runs))
     if not result.ok:
-        out.verification(_text(), result)
+        out.verification(text.FORMAT, result)
     return result.ok
 
 
@@ -102,11 +102,3 @@ def _small(spec: Path) -> bool:
     if project is None or len(project.loaded.root.find(["drives"]).pairs) != 1:
         return False
     return all(len(job.telegrams) == 1 for job in project.jobs)
-
-
-def _text() -> OutputFormat:
-    from plcgen.output.registry import output_format
-
-    found = output_format("text")
-    assert found is not None  # noqa: S101 - it is shipped
-    return found

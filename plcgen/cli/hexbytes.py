@@ -9,7 +9,10 @@ from dataclasses import dataclass
 import click
 
 from plcgen.cli.output import is_terminal
+from plcgen.diagnostics import Diagnostic, Span
 
+STDIN = "<stdin>"
+"""What diagnostics name as the file of what comes on stdin."""
 MAX_INPUT = 16 * 1024 * 1024
 MAX_BYTES = 64 * 1024
 """Longest telegram text that is taken apart; a record has 240 bytes at most."""
@@ -28,6 +31,12 @@ class HexError(ValueError):
     def __init__(self, column: int, length: int, reason: str) -> None:
         self.column, self.length, self.reason = column, length, reason
         super().__init__(reason)
+
+
+def hex_problem(problem: HexError, name: str, line: int, spellings: str) -> Diagnostic:
+    """The piece that is no bytes, in its line."""
+    start = problem.column + 1
+    return Diagnostic("PG701", problem.reason, Span(name, line, start, line, start + problem.length), help=spellings)
 
 
 @dataclass(frozen=True, slots=True)

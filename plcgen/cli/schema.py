@@ -61,11 +61,10 @@ def command(*, kind: str, profiles: tuple[Path, ...], devices: bool, format_: Ou
 
 
 def _config() -> dict[str, Any]:
-    from plcgen.api.schemas import VERSION
     from plcgen.cli.config import Config
     from plcgen.project.editor import file_schema
 
-    return file_schema("config", VERSION, "plcgen.toml: the defaults of a repository.", Config)
+    return file_schema("config", "plcgen.toml: the defaults of a repository.", Config)
 
 
 def _devices() -> Answer:

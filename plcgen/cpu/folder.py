@@ -63,7 +63,6 @@ def load_folder(
     dialect: Dialect,
     *,
     coverage: bool = False,
-    litter: bool = False,
     iec_check: IecCheck = IecCheck.AS_STATED,
     constants: Mapping[str, int] | None = None,
     symbols: Mapping[str, tuple[str, str]] | None = None,
@@ -75,7 +74,7 @@ def load_folder(
     sources that do not lie in the folder.
     """
     parts = read_parts(Path(folder), dialect, constants=constants, symbols=symbols, more=more)
-    return parts.load(dialect, coverage=coverage, litter=litter, iec_check=iec_check)
+    return parts.load(dialect, coverage=coverage, iec_check=iec_check)
 
 
 def read_parts(

@@ -15,6 +15,8 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaWarningKind
 
 from plcgen.input.variables import WHOLE
 
+VERSION = 1
+"""Of files without a version of their own."""
 S7_NUMBER = "^((B|W|DW|L|BYTE|WORD|DWORD)#)?(16#[0-9A-Fa-f_]+|8#[0-7_]+|2#[01_]+)$"
 """Numbers in the spelling of STEP 7, see ``plcgen.input.yaml``."""
 DURATION = r"^[0-9]{1,7}\s*(ms|s|min)$"
@@ -149,13 +151,13 @@ class _Quiet(GenerateJsonSchema):
             super().emit_warning(kind, detail)
 
 
-def file_schema(kind: str, version: int, description: str, *models: type[BaseModel]) -> dict[str, Any]:
+def file_schema(kind: str, description: str, *models: type[BaseModel]) -> dict[str, Any]:
     """JSON schema (draft 2020-12) of a kind of file for editors; with two models the second one has ``stations``."""
     found = [model.model_json_schema(by_alias=True, schema_generator=_Quiet) for model in models]
     parts = {name: part for each in found for name, part in each.pop("$defs", {}).items()}
     body = found[0]
     if len(found) > 1:
         body = {"type": "object", "if": {"required": ["stations"]}, "then": found[1], "else": found[0]}
-    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": f"urn:plcgen:{kind}:{version}"}
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": f"urn:plcgen:{kind}:{VERSION}"}
     more = {"$defs": parts} if parts else {}
     return {**head, "title": f"plcgen {kind}", **in_a_file({**body, **more}), "description": description}

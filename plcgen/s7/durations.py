@@ -44,7 +44,7 @@ def parse_duration(text: str) -> int:
     return sign * total
 
 
-def format_duration(nanoseconds: int, separator: str = "_") -> str:
+def format_duration(nanoseconds: int) -> str:
     """``10s_500ms``: the units that are not zero, or ``0ms``."""
     sign, rest = ("-", -nanoseconds) if nanoseconds < 0 else ("", nanoseconds)
     parts: list[str] = []
@@ -52,7 +52,7 @@ def format_duration(nanoseconds: int, separator: str = "_") -> str:
         count, rest = divmod(rest, size)
         if count:
             parts.append(f"{count}{unit.lower()}")
-    return sign + separator.join(parts or ["0ms"])
+    return sign + "_".join(parts or ["0ms"])
 
 
 def parse_date(text: str) -> dt.date:

@@ -85,12 +85,12 @@ def layout_block(block: Block, types: Mapping[str, Block], limit: int = MAX_BYTE
     return _finish(builder, builder.block(block), block.name, limit)
 
 
-def layout_members(members: Sequence[Member], types: Mapping[str, Block], limit: int = MAX_BYTES) -> Layout:
+def layout_members(members: Sequence[Member], types: Mapping[str, Block]) -> Layout:
     """Lay bare members out from offset 0, for example the TEMP section of an FC; errors as layout_block."""
     builder = ShapeBuilder(types, Span(""))
     builder.check_names(members)
     shape = builder.struct(StructType(()), ((SectionKind.STATIC, members),))
-    return _finish(builder, shape, "the declaration", limit)
+    return _finish(builder, shape, "the declaration", MAX_BYTES)
 
 
 def _finish(builder: ShapeBuilder, shape: Shape, name: str, limit: int) -> Layout:

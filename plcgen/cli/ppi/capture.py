@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from plcgen.cli.hexbytes import HexError, HexText, parse_hex, strip_comment
+from plcgen.cli.hexbytes import HexError, HexText, hex_problem, parse_hex, strip_comment
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.protocols.ppi.wire.fdl import SD1, SD2, SD3, SD4
 from plcgen.protocols.ppi.wire.stream import split
@@ -53,9 +53,7 @@ class Capture:
         try:
             parsed = parse_hex(body)
         except HexError as problem:
-            start = problem.column + 1
-            span = Span(self.name, number, start, number, start + problem.length)
-            self.problems.append(Diagnostic("PG701", problem.reason, span, help=SPELLINGS))
+            self.problems.append(hex_problem(problem, self.name, number, SPELLINGS))
             return
         self._lines.append((len(self.data), number, parsed))
         self.data += parsed.data

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.arguments import ARGUMENTS
-from plcgen.cli.hexbytes import MAX_INPUT, read_stdin, require_size
+from plcgen.cli.hexbytes import MAX_INPUT, STDIN, read_stdin, require_size
 from plcgen.cli.options import PATH, console, format_option, verb
 from plcgen.diagnostics import Diagnostic, Severity, Span
 
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from plcgen.cli.ppi.capture import Capture
     from plcgen.output.registry import OutputFormat
     from plcgen.protocols.ppi.texts import DecodedFrame
-
-STDIN = "<stdin>"
 
 
 @verb(

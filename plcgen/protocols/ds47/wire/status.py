@@ -118,6 +118,6 @@ def explain_word(word: int, direction: Direction | None = None) -> Status:
     return explain_status(word << 8, direction)
 
 
-def explain_codes(word: int, direction: Direction | None = None) -> Status:
+def explain_codes(word: int) -> Status:
     """Explain the lower word of a STATUS, Error_Code_1 and Error_Code_2: E102h, B500h."""
-    return explain_status(0x80 << 16 | word, direction)
+    return explain_status(0x80 << 16 | word)

@@ -147,11 +147,11 @@ def _insert(spans: tuple[Span, ...], new: Span, bridge: int) -> tuple[Span, ...]
     return (*spans[:first], (start, end), *spans[last:])
 
 
-def distribute(pieces: list[MemoryPiece], rules: PackingRules, budget: int = 4000) -> list[Load]:
+def distribute(pieces: list[MemoryPiece], rules: PackingRules) -> list[Load]:
     """Distribute pieces over the fewest loads.
 
     Simple ways of filling come first. If they need more than the number of bytes demands, all distributions with one
-    load fewer are tried, up to ``budget`` steps: small sets are solved exactly. Every piece must fit a load alone.
+    load fewer are tried, up to ``_BUDGET`` steps: small sets are solved exactly. Every piece must fit a load alone.
     """
     if not pieces:
         return []
@@ -162,13 +162,14 @@ def distribute(pieces: list[MemoryPiece], rules: PackingRules, budget: int = 400
         best = min(best, _first_fit(ordered, rules), _first_fit(largest, rules), key=len)
         least = least_loads(pieces, rules)
         while len(best) > least:
-            fewer = _Search(largest, rules, len(best) - 1, budget).run()
+            fewer = _Search(largest, rules, len(best) - 1, _BUDGET).run()
             if fewer is None:
                 break
             best = fewer
     return best
 
 
+_BUDGET = 4000
 _MANY = 400
 """Pieces up to which more than one way of filling is tried."""
 

@@ -67,9 +67,9 @@ def encode_request(
     return encode_frame(VariableFrame(destination, source, function, encode_pdu(pdu, experimental=experimental)))
 
 
-def encode_reply(pdu: Reply, *, destination: int = 0, source: int = 2, function: int = DATA_FUNCTION) -> bytes:
+def encode_reply(pdu: Reply, *, destination: int = 0, source: int = 2) -> bytes:
     """Return the SD2 frame of an answer."""
-    return encode_frame(VariableFrame(destination, source, function, encode_pdu(pdu)))
+    return encode_frame(VariableFrame(destination, source, DATA_FUNCTION, encode_pdu(pdu)))
 
 
 def encode_poll(*, destination: int = 2, source: int = 0, function: int) -> bytes:
