@@ -13,7 +13,7 @@ from plcgen.s7.shapes import TypeTable
 from plcgen.scl import ast
 from plcgen.scl.parser import ParseResult, parse
 from plcgen.simaticml.reading.attributes import document_attributes
-from plcgen.simaticml.reading.source import source
+from plcgen.simaticml.reading.source import KEYWORDS, source
 from plcgen.simaticml.reading.xml import load, parse_xml
 from plcgen.sources.code import Code, document_code, statement_list_code, unit_code
 from plcgen.sources.files import XML_SUFFIXES, Files, read_files
@@ -21,10 +21,6 @@ from plcgen.sources.networks import NetworkCall, document_calls
 from plcgen.sources.text import parse_source
 
 STATEMENT_LISTS = frozenset({".awl", ".stl"})
-_KEYWORDS = {
-    BlockKind.DB: "DATA_BLOCK", BlockKind.UDT: "TYPE", BlockKind.FB: "FUNCTION_BLOCK", BlockKind.FC: "FUNCTION",
-    BlockKind.OB: "ORGANIZATION_BLOCK",
-}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +102,7 @@ def _sources(files: Files, parsed: Sequence[ParseResult]) -> Sources:
     found: list[SourceBlock] = []
     for block in files.blocks:
         file = block.span.file if block.span is not None else ""
-        known = units.get((file, _KEYWORDS[block.kind], block.name.upper()))
+        known = units.get((file, KEYWORDS[block.kind], block.name.upper()))
         if known is not None:
             found.append(_from_text(block, file, *known))
         elif Path(file).suffix.lower() in XML_SUFFIXES:

@@ -22,7 +22,7 @@ from plcgen.simaticml.reading.tables import (
     watch_table,
 )
 from plcgen.simaticml.reading.types import parse_datatype
-from plcgen.simaticml.reading.xml import child, children, load, local, parse_xml, span, text
+from plcgen.simaticml.reading.xml import child, children, load, local, multilingual, parse_xml, span, text
 from plcgen.simaticml.writing.documents import HEADER, INSTRUCTION, LIBRARY_VERSION
 
 if TYPE_CHECKING:
@@ -171,8 +171,8 @@ def _block(element: Element, reader: InterfaceReader, *, classic: bool | None) -
         number=_number(attributes.get("Number", ""), place, diagnostics),
         instance_of=attributes.get("InstanceOfName", "").strip('"') or None,
         optimized=_optimized(tag, attributes.get("MemoryLayout"), classic=classic),
-        title=_multilingual(element, "Title"),
-        comment=_multilingual(element, "Comment"),
+        title=multilingual(element, "Title"),
+        comment=multilingual(element, "Comment"),
         attributes=_header(attributes),
         assignments=tuple(reader.assignments),
         span=place,
@@ -246,14 +246,3 @@ def _optimized(tag: str, memory_layout: str | None, *, classic: bool | None) -> 
     if tag == "SW.Blocks.InstanceDB":
         return False if classic else None  # on S7-1200/1500 as its function block
     return not classic
-
-
-def _multilingual(element: Element, composition: str) -> str:
-    """First text that is not empty of the Comment or Title of an object."""
-    for group in children(child(element, "ObjectList"), "MultilingualText"):
-        if group.get("CompositionName") == composition:
-            for item in children(child(group, "ObjectList"), "MultilingualTextItem"):
-                found = text(child(child(item, "AttributeList"), "Text"))
-                if found.strip():
-                    return found
-    return ""

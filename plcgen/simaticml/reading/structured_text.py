@@ -18,6 +18,8 @@ from plcgen.simaticml.reading.xml import TAGS, local, span
 from plcgen.simaticml.writing.structured_text import is_plain
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from lxml.etree import _Element as Element
 
 MAX_REPEAT = 10_000
@@ -53,10 +55,10 @@ class CodeReader:
         if len(self.diagnostics) < MAX_REPORTED:
             self.diagnostics.append(Diagnostic("PG812", message, span(element, self.file), severity))
 
-    def elements(self, parent: Element) -> None:
-        """Write every child in order."""
+    def elements(self, children: Iterable[Element]) -> None:
+        """Write the children of an element, or some of them, in order."""
         out, tags = self.out, TAGS
-        for element in parent:
+        for element in children:
             name = tags[element.tag]
             if name == "Token":
                 out.append(_token(element.get("Text", "")))
@@ -126,17 +128,7 @@ class CodeReader:
             self.report(f"{name} is not SCL", inner)
         if len(children) == 1:
             return
-        for behind in children[children.index(inner) + 1 :]:
-            if local(behind) in {"Blank", "NewLine", "LineComment", "Comment"}:
-                self.elements_of(behind)
-
-    def elements_of(self, element: Element) -> None:
-        """Write one piece of layout behind the content of an Access."""
-        name = local(element)
-        if name in {"LineComment", "Comment"}:
-            self.out.append(_comment(name, element))
-        else:
-            self.out.append(self.repeated(" " if name == "Blank" else "\n", element.get("Num", "1"), element))
+        self.elements(behind for behind in children[children.index(inner) + 1 :] if local(behind) in _LAYOUT)
 
     def simple(self, inner: Element, scope: str) -> bool:
         """Write a variable that is one plain name, or a literal; most are."""
@@ -182,8 +174,8 @@ class CodeReader:
                 self.access(part)
             elif name == "Address":
                 self.address(part)
-            elif name in {"Blank", "NewLine", "LineComment", "Comment"}:
-                self.elements_of(part)
+            elif name in _LAYOUT:
+                self.elements((part,))
         if peripheral:
             out.append(":P")
         if first:
@@ -285,8 +277,8 @@ class CodeReader:
                 self.parameter(part)
             elif name == "NamelessParameter":
                 self.elements(part)
-            elif name in {"Blank", "NewLine", "LineComment", "Comment"}:
-                self.elements_of(part)
+            elif name in _LAYOUT:
+                self.elements((part,))
             elif name not in _IGNORED and not name.endswith("Attribute"):
                 self.report(f"{name} is unknown in a call", part)
 
@@ -298,6 +290,7 @@ class CodeReader:
         self.elements(element)
 
 
+_LAYOUT = frozenset({"Blank", "NewLine", "LineComment", "Comment"})
 _IGNORED = frozenset({"TemplateValue", "AbsoluteOffset", "Instance", "ConstantType"})
 _CALL_HEAD = frozenset({"Instance", "TemplateValue", "IntegerAttribute", "DateAttribute", "BooleanAttribute"})
 _AREAS = frozenset({"Input", "Output", "Memory", "PeripheryInput", "PeripheryOutput", "DB", "Timer", "Counter"})

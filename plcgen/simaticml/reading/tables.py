@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Span
-from plcgen.simaticml.reading.xml import child, children, local, span, text
+from plcgen.simaticml.reading.xml import child, children, local, multilingual, span, text
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -75,7 +75,15 @@ def tag_table(element: Element, file: str, diagnostics: list[Diagnostic]) -> Tag
         if local(entry) == "SW.Tags.PlcTag":
             found = _attributes(entry, ("Name", "DataTypeName", "LogicalAddress"), file, diagnostics)
             if found is not None:
-                tags.append(Tag(found["Name"], found["DataTypeName"], found["LogicalAddress"], _comment(entry), place))
+                tags.append(
+                    Tag(
+                        found["Name"],
+                        found["DataTypeName"],
+                        found["LogicalAddress"],
+                        multilingual(entry, "Comment"),
+                        place,
+                    )
+                )
         elif local(entry) == "SW.Tags.PlcUserConstant":
             found = _attributes(entry, ("Name", "DataTypeName", "Value"), file, diagnostics)
             if found is not None:
@@ -132,12 +140,3 @@ def _attributes(
         message = f"{local(element)} needs the attribute {name}"
         diagnostics.append(Diagnostic("PG812", message, span(element, file)))
     return None if missing else found
-
-
-def _comment(element: Element) -> str:
-    for group in children(child(element, "ObjectList"), "MultilingualText"):
-        for item in children(child(group, "ObjectList"), "MultilingualTextItem"):
-            found = text(child(child(item, "AttributeList"), "Text"))
-            if found.strip():
-                return found
-    return ""

@@ -137,3 +137,14 @@ def child(element: Element | None, name: str) -> Element | None:
 def text(element: Element | None) -> str:
     """Text of an element, empty if there is no such element; blanks around it are kept."""
     return "" if element is None else element.text or ""
+
+
+def multilingual(element: Element, composition: str) -> str:
+    """First text that is not empty of the Comment or Title of an object."""
+    for group in children(child(element, "ObjectList"), "MultilingualText"):
+        if group.get("CompositionName") == composition:
+            for item in children(child(group, "ObjectList"), "MultilingualTextItem"):
+                found = text(child(child(item, "AttributeList"), "Text"))
+                if found.strip():
+                    return found
+    return ""
