@@ -58,8 +58,6 @@ def diagnostics_data(kind: str, diagnostics: Sequence[Diagnostic], *, ok: bool |
 
 def verification_data(verification: Verification) -> dict[str, Any]:
     """Groups of checks, then the diagnostics that belong to no check."""
-    own = {check.diagnostic for check in verification.checks()}
-    rest = [d for d in dict.fromkeys(verification.diagnostics) if d not in own]
     groups = [
         {
             "name": group.name,
@@ -94,5 +92,5 @@ def verification_data(verification: Verification) -> dict[str, Any]:
             {"subject": one.subject, "text": one.text, "source": one.source, "grade": one.grade.value}
             for one in verification.ledger
         ],
-        "diagnostics": [diagnostic_data(d) for d in rest],
+        "diagnostics": [diagnostic_data(d) for d in verification.outside],
     }

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic
 from plcgen.display.cells import clean, pad, wrap
 from plcgen.display.cells import width as cells
 from plcgen.display.excerpts import count_text, diagnostics_text
@@ -19,12 +18,6 @@ _GAP = 2
 _INDENT = 6
 
 
-def problems(verification: Verification) -> list[Diagnostic]:
-    """Every diagnostic of a verification once, those of the checks first."""
-    found = [check.diagnostic for check in verification.checks() if check.diagnostic is not None]
-    return list(dict.fromkeys([*found, *verification.diagnostics]))
-
-
 def verification_text(verification: Verification, view: View) -> str:
     """The whole report: checks by group, what is wrong in detail, the summary."""
     what = ", ".join(clean(text) for text in (verification.project, verification.target) if text)
@@ -33,7 +26,7 @@ def verification_text(verification: Verification, view: View) -> str:
         out += ["", *_group(group, view)]
     out += _ledger(verification, view)
     text = "\n".join(out) + "\n\n"
-    found = problems(verification)
+    found = verification.problems
     if found:
         text += diagnostics_text(found, view) + "\n"
     return text + _summary(verification, view) + "\n"
@@ -119,14 +112,8 @@ def _summary(verification: Verification, view: View) -> str:
             parts.append(view.paint(f"{count} {outcome.value}{plural}", outcome.value))
     total = f"{len(checks)} check{'' if len(checks) == 1 else 's'}"
     result = f"{total}: {', '.join(parts)}" if parts else total
-    extra = _outside(verification, checks)
-    return f"{result}; {extra} outside the checks" if extra else result
-
-
-def _outside(verification: Verification, checks: Sequence[Check]) -> str:
-    own = {check.diagnostic for check in checks}
-    rest = [d for d in verification.diagnostics if d not in own and d.severity.label != "note"]
-    return count_text(rest) if rest else ""
+    extra = [diagnostic for diagnostic in verification.outside if diagnostic.severity.label != "note"]
+    return f"{result}; {count_text(extra)} outside the checks" if extra else result
 
 
 def troubles(verification: Verification) -> Verification:

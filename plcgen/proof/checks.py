@@ -77,6 +77,18 @@ class Verification:
             yield from group.checks
 
     @property
+    def problems(self) -> list[Diagnostic]:
+        """Every diagnostic once, those of the checks first."""
+        own = [check.diagnostic for check in self.checks() if check.diagnostic is not None]
+        return list(dict.fromkeys([*own, *self.diagnostics]))
+
+    @property
+    def outside(self) -> list[Diagnostic]:
+        """The diagnostics that belong to no check, each once."""
+        own = {check.diagnostic for check in self.checks()}
+        return [diagnostic for diagnostic in dict.fromkeys(self.diagnostics) if diagnostic not in own]
+
+    @property
     def ok(self) -> bool:
         """Whether no check and no diagnostic is an error."""
         return not any(c.outcome is Outcome.ERROR for c in self.checks()) and not any(

@@ -111,8 +111,7 @@ class Review:
     @property
     def problems(self) -> tuple[Diagnostic, ...]:
         """Every diagnostic once, the errors first: of the verification, the comparisons, the lock and the runs."""
-        found = [check.diagnostic for check in self.verification.checks() if check.diagnostic is not None]
-        found += self.verification.diagnostics
+        found = self.verification.problems
         for comparison in (*(comparison for _, comparison in self.changes), self.lock):
             found += comparison.diagnostics if comparison is not None else ()
         return tuple(sorted(dict.fromkeys(found), key=lambda d: -d.severity))

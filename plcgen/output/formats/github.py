@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.output.registry import OutputFormat
-from plcgen.output.verification import problems
 
 if TYPE_CHECKING:
     from plcgen.display.results import Findings
@@ -57,7 +56,7 @@ def _findings(found: Findings, _view: View) -> str:
 
 def _verification(verification: Verification, _view: View) -> str:
     """A failed check without a diagnostic is annotated at the spec."""
-    text = "".join(map(annotation, problems(verification)))
+    text = "".join(map(annotation, verification.problems))
     for check in verification.checks():
         command = check.outcome.value
         if check.diagnostic is None and command in {"error", "warning"}:

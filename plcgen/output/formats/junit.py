@@ -94,8 +94,7 @@ def _suites(verification: Verification, spec: str = "") -> list[str]:
     """``spec`` tells the checks of one spec from the same ones of another."""
     verb, before = f"{verification.verb}.{spec}" if spec else verification.verb, f"{spec}: " if spec else ""
     suites = [_group(group, verb, before) for group in verification.groups]
-    own = {check.diagnostic for check in verification.checks()}
-    rest = [d for d in _errors(verification.diagnostics) if d not in own]
+    rest = _errors(verification.outside)
     if rest:
         case = _case(f"plcgen.{verb}", "problems", _failure(rest[0].code, rest[0].message, _details(rest)))
         suites.append(_suite(f"{before}problems", [case]))

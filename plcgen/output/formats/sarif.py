@@ -10,7 +10,6 @@ from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.diagnostics.codes import code as code_info
 from plcgen.display.data import dump
 from plcgen.output.registry import OutputFormat
-from plcgen.output.verification import problems
 
 if TYPE_CHECKING:
     from plcgen.display.results import Findings
@@ -116,7 +115,7 @@ def _verification(verification: Verification, _view: View) -> str:
 
 def _verifications(found: Sequence[Verification], _view: View) -> str:
     """The diagnostics, and failed checks that have none."""
-    rules, results = _problems(list(dict.fromkeys(d for verification in found for d in problems(verification))))
+    rules, results = _problems(list(dict.fromkeys(d for verification in found for d in verification.problems)))
     bare = [
         _check(check, verification.spec)
         for verification in found
