@@ -12,8 +12,6 @@ from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.bico import read_bico
 from plcgen.sources.buffers import Slot
 
-_NAMES = {1: "Byte", 2: "Word", 4: "DWord"}
-
 
 def check_values(match: Match, pairs: Sequence[Pair]) -> None:
     """Report every field whose start value asks for something else; nothing if none is given at all.
