@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from plcgen.api.arguments import expect
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span, has_errors
 from plcgen.proof.effort import FAULTS, Faults
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class CheckResult:
     @property
     def ok(self) -> bool:
         """Whether no diagnostic is an error."""
-        return not any(d.severity.label == "error" for d in self.diagnostics)
+        return not has_errors(self.diagnostics)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class GenerateResult:
     @property
     def ok(self) -> bool:
         """Whether no diagnostic is an error."""
-        return not any(d.severity.label == "error" for d in self.diagnostics)
+        return not has_errors(self.diagnostics)
 
     def size(self) -> ProgramSize | None:
         """What the files in the folder take of the PLC; None if there are none, or more than 16 MB of sources."""

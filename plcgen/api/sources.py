@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 from plcgen.api.arguments import expect
 from plcgen.api.project import problems_of
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span, has_errors
 from plcgen.inspection.layout.tables import BlockTable, LayoutResult
 from plcgen.s7.families import FAMILIES, Family
 
@@ -33,7 +33,7 @@ class ConvertResult:
     @property
     def ok(self) -> bool:
         """Whether no diagnostic is an error."""
-        return not any(d.severity.label == "error" for d in self.diagnostics)
+        return not has_errors(self.diagnostics)
 
 
 def layout(*paths: Path | str, family: Family | None = None, block: str = "", expand: bool = False) -> LayoutResult:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from plcgen.api.arguments import expect
-from plcgen.diagnostics import ArgumentError, Diagnostic, Severity
+from plcgen.diagnostics import ArgumentError, Diagnostic, has_errors
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -39,7 +39,7 @@ class EncodeResult:
     @property
     def ok(self) -> bool:
         """Whether no diagnostic is an error."""
-        return not any(d.severity.label == "error" for d in self.diagnostics)
+        return not has_errors(self.diagnostics)
 
 
 def encode_read(addresses: Sequence[ParameterAddress], *, drive_object: int = 1, reference: int = 1) -> bytes:
@@ -96,7 +96,7 @@ def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
     from plcgen.project.opening import open_spec
 
     opened = open_spec(Path(spec))
-    if opened.project is None or any(d.severity is Severity.ERROR for d in opened.diagnostics):
+    if opened.project is None or has_errors(opened.diagnostics):
         return EncodeResult((), opened.diagnostics)
     jobs = [planned for planned in opened.project.jobs if job in {None, planned.key}]
     if not jobs:

@@ -90,7 +90,7 @@ def command(
     """
     from plcgen.cli.baseline import compare_baseline, read_baseline
     from plcgen.cli.specs import named
-    from plcgen.diagnostics import DiagnosticError
+    from plcgen.diagnostics import DiagnosticError, has_errors
     from plcgen.display.results import Findings
 
     out = console()
@@ -128,7 +128,7 @@ def command(
     if known is not None:
         gone = f"; {compared.gone} are gone: record it again" if compared.gone else ""
         out.say(f"{compared.known} known of {baseline} left out{gone}")
-    return PROBLEMS if any(d.severity.label == "error" for d in found.diagnostics) else OK
+    return PROBLEMS if has_errors(found.diagnostics) else OK
 
 
 def _meant(*, program: bool, target: str | None, of_programs: Mapping[str, tuple[object, ...]]) -> None:

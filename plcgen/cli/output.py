@@ -129,10 +129,12 @@ class Console:
         self, format_: OutputFormat, found: Answer, output: Path | None = None, known: dict[str, str] | None = None
     ) -> int:
         """Deliver an answer and return the exit code: whether an error stands in its diagnostics."""
+        from plcgen.diagnostics import has_errors
+
         self.show(format_, "answer", found, output)
         if not format_.complete:
             self.complain(found.diagnostics, known)
-        return PROBLEMS if any(d.severity.label == "error" for d in found.diagnostics) else OK
+        return PROBLEMS if has_errors(found.diagnostics) else OK
 
     def verification(self, format_: OutputFormat, result: Verification, output: Path | None = None) -> int:
         """Deliver what was verified and return the exit code; ``--quiet`` leaves the troubles of a text."""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from plcgen.cpu.program import Program, Source
 from plcgen.cpu.type_rules import IecCheck
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity
+from plcgen.diagnostics import Diagnostic, DiagnosticError, has_errors
 from plcgen.s7.blocks import BlockKind
 from plcgen.scl.dialect import Dialect
 from plcgen.simaticml.reading.documents import read_simaticml, read_tag_table
@@ -127,7 +127,7 @@ def read_tag_file(path: Path | str) -> Tags:
     if path.suffix.lower() != ".xml":
         return read_tags(path)
     tables, problems = read_tag_table(path)
-    if any(problem.severity is Severity.ERROR for problem in problems):
+    if has_errors(problems):
         raise DiagnosticError(problems)
     return {tag.name: (tag.address, tag.type) for table in tables for tag in table.tags}
 

@@ -16,7 +16,7 @@ from plcgen.cpu.surroundings import Surroundings
 from plcgen.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.cpu.type_rules import IecCheck
 from plcgen.cpu.unknown_types import add_unknown_types, without_refused
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span, has_errors
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block
@@ -57,7 +57,7 @@ class Program:
     @property
     def ok(self) -> bool:
         """Whether no diagnostic is an error."""
-        return not any(d.severity.label == "error" for d in self.diagnostics)
+        return not has_errors(self.diagnostics)
 
     @property
     def probes(self) -> list[Probe]:

@@ -11,7 +11,7 @@ from plcgen.cpu.program import Program, unfit_start_values
 from plcgen.cpu.sharing import sharing
 from plcgen.cpu.surroundings import Surroundings
 from plcgen.cpu.type_rules import IecCheck
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Severity, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Severity, Span, has_errors
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult
 from plcgen.sources.files import MAX_FILES, MAX_SEEN
@@ -37,7 +37,7 @@ class SourceCheck:
     @property
     def ok(self) -> bool:
         """Whether no diagnostic is an error."""
-        return not any(d.severity is Severity.ERROR for d in self.diagnostics)
+        return not has_errors(self.diagnostics)
 
 
 def check_source(path: Path | str, target: Dialect | None = None, *, encoding: str | None = None) -> SourceCheck:
@@ -48,7 +48,7 @@ def check_source(path: Path | str, target: Dialect | None = None, *, encoding: s
     """
     kept: list[ParseResult] = []
     found, problems = read_source(path, target, encoding=encoding, keep=kept.append)
-    if not any(problem.severity is Severity.ERROR for problem in problems):
+    if not has_errors(problems):
         problems = sorted(
             [*problems, *unfit_start_values(kept, target or Dialect.TIA_1200_1500)], key=lambda d: d.sort_key
         )

@@ -13,6 +13,7 @@ from plcgen.diagnostics.model import (
     Report,
     Severity,
     Span,
+    has_errors,
 )
 
 __all__ = [
@@ -25,4 +26,5 @@ __all__ = [
     "Report",
     "Severity",
     "Span",
+    "has_errors",
 ]

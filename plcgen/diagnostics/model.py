@@ -100,6 +100,11 @@ class DiagnosticError(PlcgenError):
         super().__init__("; ".join(f"{d.code} {d.message}" for d in self.diagnostics))
 
 
+def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:
+    """Whether one of them is an error."""
+    return any(diagnostic.severity is Severity.ERROR for diagnostic in diagnostics)
+
+
 @dataclass(slots=True)
 class Report:
     """Diagnostics in the order they were found; the only mutable value of this package."""
@@ -131,7 +136,7 @@ class Report:
     @property
     def has_errors(self) -> bool:
         """Whether at least one diagnostic is an error."""
-        return any(d.severity is Severity.ERROR for d in self.diagnostics)
+        return has_errors(self.diagnostics)
 
     def raise_on_errors(self) -> None:
         """Raise :class:`DiagnosticError` with everything found so far if an error is among it."""

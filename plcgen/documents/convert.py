@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
-from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.diagnostics import Diagnostic, Severity, Span, has_errors
 from plcgen.documents.environment import RenderedFile
 from plcgen.s7.blocks import Block, BlockKind, is_retentive
 from plcgen.scl.declarations import recursive_types, trim_code
@@ -46,7 +46,7 @@ class Converted:
     @property
     def ok(self) -> bool:
         """Whether no diagnostic is an error."""
-        return not any(d.severity is Severity.ERROR for d in self.diagnostics)
+        return not has_errors(self.diagnostics)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ import enum
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from plcgen.diagnostics import Diagnostic
+from plcgen.diagnostics import Diagnostic, has_errors
 from plcgen.proof.ledger import Assumption
 
 
@@ -91,6 +91,4 @@ class Verification:
     @property
     def ok(self) -> bool:
         """Whether no check and no diagnostic is an error."""
-        return not any(c.outcome is Outcome.ERROR for c in self.checks()) and not any(
-            d.severity.label == "error" for d in self.diagnostics
-        )
+        return not any(c.outcome is Outcome.ERROR for c in self.checks()) and not has_errors(self.diagnostics)

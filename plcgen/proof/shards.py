@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from plcgen._version import __version__
-from plcgen.diagnostics import ArgumentError, Diagnostic, DiagnosticError, Span
+from plcgen.diagnostics import ArgumentError, Diagnostic, DiagnosticError, Span, has_errors
 from plcgen.input.files import read_bounded
 from plcgen.proof.results import Result
 from plcgen.proof.sharing import Shard
@@ -62,7 +62,7 @@ class ShardResult:
     @property
     def unusable(self) -> bool:
         """Whether nothing could be run at all."""
-        return any(d.severity.label == "error" for d in self.diagnostics)
+        return has_errors(self.diagnostics)
 
     def data(self) -> dict[str, Any]:
         """For the file."""

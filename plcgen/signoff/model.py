@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.diagnostics import Diagnostic, has_errors
 from plcgen.inspection.compare.model import Comparison
 from plcgen.inspection.layout.tables import BlockTable
 from plcgen.inspection.sheet import ReviewSheet
@@ -119,7 +119,7 @@ class Review:
     @property
     def ok(self) -> bool:
         """Whether nothing is wrong: no check failed, no diagnostic is an error, the lock is as the sources are."""
-        errors = any(d.severity is Severity.ERROR for d in self.problems)
+        errors = has_errors(self.problems)
         return self.verification.ok and not errors and not (self.lock is not None and self.lock.changes)
 
     @property

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from plcgen.diagnostics import Diagnostic
+from plcgen.diagnostics import Diagnostic, has_errors
 from plcgen.protocols.decoded import DecodedTelegram
 
 Scalar: TypeAlias = bool | int | float | str
@@ -177,7 +177,7 @@ class Trace:
     @property
     def ok(self) -> bool:
         """No error among the diagnostics, no job ended in error; none still runs unless scans were limited."""
-        if any(d.severity.label == "error" for d in self.diagnostics):
+        if has_errors(self.diagnostics):
             return False
         good = {"done", "running", "not started"} if self.limited else {"done"}
         return all(job.ending in good for job in self.jobs)

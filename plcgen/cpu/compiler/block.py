@@ -25,7 +25,7 @@ from plcgen.cpu.compiler.statements import Statements
 from plcgen.cpu.compiler.values import Symbol
 from plcgen.cpu.linkage import ENO, Compiled, Linkage, ProgramBlock
 from plcgen.cpu.memory import CODECS
-from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.diagnostics import Diagnostic, Span, has_errors
 from plcgen.s7.blocks import BlockKind, SectionKind
 from plcgen.s7.types import Elementary, Member
 from plcgen.scl import ast
@@ -56,7 +56,7 @@ def compile_block(
         _frame(context, expressions, statements).compile(name)
         out.tidy()
         source = "\n".join(out.lines)
-        if all(found.severity is not Severity.ERROR for found in context.diagnostics):
+        if not has_errors(context.diagnostics):
             code = compile(source, f"<{file}>", "exec", dont_inherit=True, optimize=1)
     except (RecursionError, SyntaxError, MemoryError, OverflowError):
         source, out.map = "", []

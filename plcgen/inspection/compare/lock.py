@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span, has_errors
 from plcgen.input.hashes import same_text
 from plcgen.inspection.compare.lockfile import lock_text, reduced
 from plcgen.inspection.compare.lockread import read_lock
@@ -31,7 +31,7 @@ class LockResult:
     @property
     def ok(self) -> bool:
         """Whether no diagnostic is an error."""
-        return not any(d.severity.label == "error" for d in self.diagnostics)
+        return not has_errors(self.diagnostics)
 
 
 def write_lock(paths: Sequence[Path], path: Path, *, classic: bool = False, force: bool = False) -> LockResult:
@@ -44,7 +44,7 @@ def write_lock(paths: Sequence[Path], path: Path, *, classic: bool = False, forc
         chosen = list(paths) or _locked_sources(path)
         state = reduced(_once(snapshot(chosen, classic=classic)))
         found = tuple(dict.fromkeys(state.diagnostics))
-        if any(d.severity.label == "error" for d in found):
+        if has_errors(found):
             return LockResult(path, 0, False, found)  # noqa: FBT003 - see the field's name
         _check_target(path, force=force)
         text = lock_text(state, _names(chosen, path))

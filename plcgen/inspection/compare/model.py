@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from plcgen.diagnostics import Diagnostic, Span
+from plcgen.diagnostics import Diagnostic, Span, has_errors
 from plcgen.inspection.compare.policy import Level, fails
 from plcgen.s7.blocks import block_title
 from plcgen.sources.code import Code
@@ -197,4 +197,4 @@ class Comparison:
     @property
     def readable(self) -> bool:
         """Whether everything could be read: no diagnostic is an error."""
-        return not any(d.severity.label == "error" for d in self.diagnostics)
+        return not has_errors(self.diagnostics)

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span, has_errors
 from plcgen.inspection.compare.blocks import compare_blocks
 from plcgen.inspection.compare.jobs import compare_jobs
 from plcgen.inspection.compare.model import Comparison, Snapshot
@@ -40,7 +40,7 @@ def compare(
 def compare_snapshots(old: Snapshot, new: Snapshot, policy: Mapping[str, Level]) -> Comparison:
     """Compare two states."""
     diagnostics = tuple(dict.fromkeys([*old.diagnostics, *new.diagnostics]))
-    if any(not side.blocks and any(d.severity.label == "error" for d in side.diagnostics) for side in (old, new)):
+    if any(not side.blocks and has_errors(side.diagnostics) for side in (old, new)):
         return Comparison(old.label, new.label, (), diagnostics)
     changes = compare_jobs(old, new, policy)
     blocks = compare_blocks(old.blocks, new.blocks, policy, comments=old.complete and new.complete)

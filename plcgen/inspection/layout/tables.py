@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
-from plcgen.diagnostics import Diagnostic
+from plcgen.diagnostics import Diagnostic, has_errors
 from plcgen.display.cells import clean
 from plcgen.s7.blocks import block_title
 
@@ -129,7 +129,7 @@ class LayoutResult:
     @property
     def ok(self) -> bool:
         """Whether no diagnostic is an error."""
-        return not any(d.severity.label == "error" for d in self.diagnostics)
+        return not has_errors(self.diagnostics)
 
 
 def letter(position: int) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Literal
 
-from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.diagnostics import Diagnostic, has_errors
 from plcgen.display.cells import clean
 from plcgen.display.data import diagnostic_data, head
 from plcgen.display.results import Answer
@@ -82,7 +82,7 @@ def _field(found: ByteField, data: bytes, labels: dict[int, str]) -> TelegramFie
 
 def telegrams_answer(telegrams: Sequence[DecodedTelegram], diagnostics: Sequence[Diagnostic]) -> Answer:
     """Answer of ``decode``."""
-    ok = all(t.ok for t in telegrams) and not any(d.severity is Severity.ERROR for d in diagnostics)
+    ok = all(t.ok for t in telegrams) and not has_errors(diagnostics)
     found = {"telegrams": list(map(telegram_data, telegrams)), "diagnostics": list(map(diagnostic_data, diagnostics))}
     text = partial(_telegrams_text, telegrams)
     return Answer({**head("telegrams", ok=ok), **found}, text, diagnostics)

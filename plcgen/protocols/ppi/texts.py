@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol
 
-from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.diagnostics import Diagnostic, has_errors
 from plcgen.display.cells import cut
 from plcgen.display.data import diagnostics_data
 from plcgen.display.results import Answer
@@ -146,7 +146,7 @@ def telegrams_answer(
     telegrams: Sequence[DecodedFrame], diagnostics: Sequence[Diagnostic], *, short: bool = False
 ) -> Answer:
     """Answer of ``ppi decode``: every telegram with its fields, violations with their kinds; ``short`` for people."""
-    ok = not any(diagnostic.severity is Severity.ERROR for diagnostic in diagnostics)
+    ok = not has_errors(diagnostics)
     rows = [
         {
             **plain_data(telegram.table),

@@ -10,7 +10,7 @@ import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, has_errors
 from plcgen.oracles import profidrive
 from plcgen.oracles.documents import DocumentedDevice, device
 from plcgen.proof.checks import Check, Outcome
@@ -47,7 +47,7 @@ def fact_checks(plan: DrivePlan) -> Iterator[Check]:
         known = sum(number in said.parameters for number in uses)
         text = f"drive object, record, types of {known} of {len(uses)} parameters: {said.source}"
         if wrong:
-            outcome = Outcome.ERROR if any(one.severity is Severity.ERROR for one in wrong) else Outcome.WARNING
+            outcome = Outcome.ERROR if has_errors(wrong) else Outcome.WARNING
             worst = max(wrong, key=lambda one: one.severity is Severity.ERROR)
             yield Check(id_, subject, text, outcome, worst.message, worst)
         else:
