@@ -96,13 +96,14 @@ def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
     from plcgen.project.opening import open_spec
 
     opened = open_spec(Path(spec))
-    if opened.project is None or has_errors(opened.diagnostics):
+    project = opened.usable
+    if project is None:
         return EncodeResult((), opened.diagnostics)
-    jobs = [planned for planned in opened.project.jobs if job in {None, planned.key}]
+    jobs = [planned for planned in project.jobs if job in {None, planned.key}]
     if not jobs:
-        names = [planned.key for planned in opened.project.jobs]
+        names = [planned.key for planned in project.jobs]
         hint = f"{did_you_mean(job or '', names)} jobs of this spec: {', '.join(names)}".strip()
-        span = opened.project.loaded.key_span(("jobs",))
+        span = project.loaded.key_span(("jobs",))
         unknown = Diagnostic("PG703", f'the spec has no job "{job}"', span, help=hint)
         return EncodeResult((), (*opened.diagnostics, unknown))
     telegrams = [

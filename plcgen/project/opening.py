@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, has_errors
 from plcgen.input.allowances import Allowance, allowances, settled
 from plcgen.input.variables import with_origins
 from plcgen.project.loading import load_spec, salvage_spec
@@ -22,6 +22,11 @@ class Opened:
 
     project: Project | None
     diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def usable(self) -> Project | None:
+        """The project, if nothing that was found is an error."""
+        return None if has_errors(self.diagnostics) else self.project
 
     def sound(self) -> Project:
         """The project.

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span, has_errors
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.documents.manifest import digest
 from plcgen.input.files import read_bounded
 from plcgen.inspection.compare.lock import DEFAULT, check_lock
@@ -85,9 +85,7 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
 
 def _project(spec: Path) -> Project | None:
     """The project, if the spec can be planned; why not is in the verification."""
-    opened = open_spec(spec)
-    errors = has_errors(opened.diagnostics)
-    return None if errors else opened.project
+    return open_spec(spec).usable
 
 
 def _sheet(project: Project | None) -> ReviewSheet:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from plcgen.diagnostics import has_errors
 from plcgen.inspection.compare.model import Snapshot
 from plcgen.inspection.compare.states import snapshot_of
 from plcgen.project.nouns import Project
@@ -16,8 +15,8 @@ from plcgen.sources.generated import SOURCES
 def spec_snapshot(path: Path) -> Snapshot:
     """State of a spec; its diagnostics are in the snapshot, without blocks if it cannot be planned."""
     opened = open_spec(path)
-    project = opened.project
-    if project is None or has_errors(opened.diagnostics):
+    project = opened.usable
+    if project is None:
         return Snapshot(path.as_posix(), diagnostics=list(opened.diagnostics), jobs={})
     snapshot = _rendered(project, path.as_posix())
     snapshot.jobs = {job.key: job for plan in project.plans for job in plan.protocol.job_states(plan)}
