@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 from plcgen.api.arguments import expect
 from plcgen.api.project import problems_of
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span, has_errors
+from plcgen.input.files import YAML_SUFFIXES
 from plcgen.inspection.layout.tables import BlockTable, LayoutResult
 from plcgen.s7.families import FAMILIES, Family
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from plcgen.inspection.compare.model import Comparison
     from plcgen.proof.checks import Verification
 
-SPEC_SUFFIXES = frozenset({".yaml", ".yml"})
+SPEC_SUFFIXES = YAML_SUFFIXES
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from plcgen.api import default_folder
 from plcgen.cli.options import PATH, console, format_option, output_option, strict_option, verb
 from plcgen.cli.output import OK, PROBLEMS, USAGE, Console
 from plcgen.cli.watch import watch_option
+from plcgen.input.files import YAML_SUFFIXES
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
@@ -158,7 +159,7 @@ def _sorted(paths: tuple[Path, ...], *, program: bool) -> tuple[list[Path], list
     for path in dict.fromkeys(paths):
         folder = path.is_dir()
         suffix = path.suffix.lower()
-        if suffix in {".yaml", ".yml"} or (not folder and not suffix):
+        if suffix in YAML_SUFFIXES or (not folder and not suffix):
             specs.append(path)
             continue
         from plcgen.cli.specs import specs_below

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from plcgen.cli.output import Console
+from plcgen.input.files import YAML_SUFFIXES
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -115,7 +116,7 @@ def verb(name: str, *examples: str, help: str | None = None) -> Callable[[Callab
 
 def _is_source(target: Path) -> bool:
     """Whether a file is a spec or a PLC source, or one of those that plcgen generated into a folder."""
-    if target.suffix.lower() in _SOURCES | {".yaml", ".yml"}:
+    if target.suffix.lower() in _SOURCES | YAML_SUFFIXES:
         return True
     from plcgen.sources.generated import MANIFEST, manifest_of
 

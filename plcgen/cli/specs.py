@@ -10,7 +10,8 @@ from pathlib import Path
 
 import click
 
-SUFFIXES = frozenset({".yaml", ".yml"})
+from plcgen.input.files import YAML_SUFFIXES
+
 MAX_SEEN = 200_000
 """So many entries of a folder tree are looked at."""
 _PLC = re.compile(rb"^(?:\xef\xbb\xbf)?(?:\{[ ]*)?[\"']?plc[\"']?[ \t]*:", re.MULTILINE)
@@ -23,7 +24,7 @@ def specs_below(folder: Path) -> list[Path]:
     Hidden ones and links to folders are left out.
     """
     found = sorted(
-        path for path in islice(_files(folder), MAX_SEEN) if path.suffix.lower() in SUFFIXES and _is_spec(path)
+        path for path in islice(_files(folder), MAX_SEEN) if path.suffix.lower() in YAML_SUFFIXES and _is_spec(path)
     )
     parts = {part for path in found for part in _included(path)}
     return [path for path in found if path.resolve() not in parts] if parts else found
@@ -64,7 +65,7 @@ def find_specs(paths: Sequence[Path]) -> list[Path]:
     """
     found: list[Path] = []
     for path in named(paths):
-        below = [path] if path.suffix.lower() in SUFFIXES or not path.is_dir() else specs_below(path)
+        below = [path] if path.suffix.lower() in YAML_SUFFIXES or not path.is_dir() else specs_below(path)
         if not below:
             raise click.UsageError(f"there is no spec (a YAML file with plc:) below {path}")
         found += below

@@ -7,6 +7,8 @@ import os
 import stat
 from pathlib import Path
 
+YAML_SUFFIXES = frozenset({".yaml", ".yml"})
+
 
 def read_bounded(path: Path, limit: int) -> bytes:
     """At most ``limit`` + 1 bytes of a file; so many mean that it is larger than ``limit``, whatever its size says.

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span, has_errors
+from plcgen.input.files import YAML_SUFFIXES
 from plcgen.inspection.compare.blocks import compare_blocks
 from plcgen.inspection.compare.jobs import compare_jobs
 from plcgen.inspection.compare.model import Comparison, Snapshot
@@ -16,7 +17,6 @@ from plcgen.inspection.compare.policyfile import load_policy
 from plcgen.inspection.compare.states import snapshot_of
 from plcgen.sources.blocks import read_sources
 
-SPEC_SUFFIXES = frozenset({".yaml", ".yml"})
 _DERIVED = frozenset({"code-changed", "start-value", "block-text", "member-comment", "constant-changed"})
 """What follows from a change of the spec anyway, where both sides are specs."""
 
@@ -58,7 +58,7 @@ def _is_twin(subject: str, names: frozenset[str]) -> bool:
 
 def _both(old: Sequence[Path], new: Sequence[Path], *, classic: bool) -> tuple[Snapshot, Snapshot]:
     """Both states; a type that only one side's files declare serves the other side too."""
-    if any(path.suffix.lower() in SPEC_SUFFIXES for path in (*old, *new)):
+    if any(path.suffix.lower() in YAML_SUFFIXES for path in (*old, *new)):
         return snapshot(old, classic=classic), snapshot(new, classic=classic)
     before, after = read_sources(old, classic=classic), read_sources(new, classic=classic)
     lent = dict(before.types)
@@ -71,7 +71,7 @@ def _both(old: Sequence[Path], new: Sequence[Path], *, classic: bool) -> tuple[S
 
 def snapshot(paths: Sequence[Path], *, classic: bool = False) -> Snapshot:
     """State of a spec, or of files and folders; a spec stands alone."""
-    specs = [path for path in paths if path.suffix.lower() in SPEC_SUFFIXES]
+    specs = [path for path in paths if path.suffix.lower() in YAML_SUFFIXES]
     if not specs:
         return snapshot_of(read_sources(paths, classic=classic), _label(paths))
     if len(paths) > 1:
