@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from plcgen.diagnostics import DiagnosticError, Span
 from plcgen.s7.blocks import Block, SectionKind
 from plcgen.s7.errors import UnknownPathError
+from plcgen.s7.names import is_identifier
 from plcgen.s7.shapes import MAX_BYTES, MAX_ENTRIES, Field, Shape, ShapeBuilder
 from plcgen.s7.types import ArrayType, DataType, Member, StructType
 
@@ -218,8 +219,5 @@ def _child(child: Field, parent: Entry | None) -> Entry:
     return Entry(f"{parent.path}.{name}", offset, shape.bits, shape.type, member, depth, doubts, shape)
 
 
-_PLAIN = re.compile(r"[^\W\d]\w*")
-
-
 def _quote(name: str) -> str:
-    return name if _PLAIN.fullmatch(name) else f'"{name}"'
+    return name if is_identifier(name) else f'"{name}"'

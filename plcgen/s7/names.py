@@ -111,6 +111,9 @@ _V5_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _V5_ABSOLUTE = re.compile(r"(?:DB|DI|FB|FC|OB|SFB|SFC|SDB|UDT|VAT|[TZC])\d+", re.IGNORECASE)
 _PATH = re.compile(r'[\\/:*?"<>|]')
 
+is_identifier = re.compile(r"[^\W\d]\w*").fullmatch
+"""Whether a name stands in a source without quotes, as far as its characters say."""
+
 ROLES = frozenset({"symbol", "identifier", "file"})
 """``symbol``: a block, tag or table; ``identifier``: a declared variable; ``file``: a file name."""
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from plcgen.diagnostics import Diagnostic, Note, Severity
 from plcgen.project.rules.places import by_importance, key_or_value, name_span, node_at
 from plcgen.protocols.base import Named
-from plcgen.s7.names import ROLES, check_name
+from plcgen.s7.names import ROLES, check_name, is_identifier
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 _KEY = re.compile(r"[^\W\d_][\w-]*\Z")
 _PARAMETER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 _NUMBER = re.compile(r"[PpRr][0-9]+\Z")
-_IDENTIFIER = re.compile(r"[^\W\d]\w*\Z")
 _ADDRESS = re.compile(r"(?i)(?:P?[IQEA][BWDX]?|[ML][BWDX]?|[TCZ]|D[BI][BWDX]?|[FO][BC]|SF[BC]|UDT)[0-9]+\Z")
 _FIXED = ("plc",)
 """Where the spec speaks of what every project has."""
@@ -141,7 +140,7 @@ def _reason(named: Named, *, v5: bool) -> str | None:
         return "it looks like a parameter number" if _NUMBER.match(named.name) else None
     reason = check_name(named.name, v5, named.role)
     if reason is None and named.role == "identifier":
-        if _IDENTIFIER.match(named.name) is None:
+        if not is_identifier(named.name):
             return "a member is a letter or _, then letters, digits and _"
         if _ADDRESS.match(named.name):
             return "compilers read it as an address"

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind
 from plcgen.s7.literals import LiteralError, parse_literal
+from plcgen.s7.names import is_identifier
 from plcgen.s7.types import (
     ArrayType,
     DataType,
@@ -56,7 +57,6 @@ _INHERITED = frozenset({"Base"})
 
 _CONSTANT_HELP = "name the tag table with the constant, or the folder of the PLC"
 _SECTIONS = {kind.value: kind for kind in SectionKind} | {"None": SectionKind.STATIC}
-_PLAIN = re.compile(r"[^\W\d]\w*")
 _INDEX = re.compile(r"\s*-?[0-9]{1,10}\s*").fullmatch
 
 
@@ -437,11 +437,11 @@ def _attributes(
 @lru_cache(maxsize=4096)
 def _attribute(kind: str, name: str, value: str) -> tuple[str, str] | None:
     """An attribute as sources have it, the same pair for every member that has it; None if its name is none there."""
-    if not _PLAIN.fullmatch(name):
+    if not is_identifier(name):
         return None
     value = value.strip()
     return "S7_SetPoint" if name == "SetPoint" else name, value.capitalize() if kind == "BooleanAttribute" else value
 
 
 def _quote(name: str) -> str:
-    return name if _PLAIN.fullmatch(name) else '"' + name.replace('"', "_") + '"'
+    return name if is_identifier(name) else '"' + name.replace('"', "_") + '"'

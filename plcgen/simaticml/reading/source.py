@@ -8,6 +8,7 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind, is_retentive
+from plcgen.s7.names import is_identifier
 from plcgen.s7.types import ArrayType, Member, StructType, innermost
 from plcgen.scl import lexer
 from plcgen.simaticml.datatypes import datatype, default_literal
@@ -31,7 +32,6 @@ _SECTIONS = {
 }  # fmt: skip
 _LIBRARY = (INSTRUCTION, LIBRARY_VERSION)
 _PROPERTIES = ("AUTHOR", "FAMILY", "NAME", "VERSION")
-_PLAIN = re.compile(r"[^\W\d]\w*")
 _BREAKS = re.compile(r"[\r\n\x0b\x0c\x1c-\x1e\x85\u2028\u2029]+")
 _DEFAULT_VERSION = "0.1"
 
@@ -63,7 +63,7 @@ def quoted(name: str) -> str:
 
 def _plain(name: str) -> str:
     """The name of a member, in quotes if it needs them."""
-    return name if _PLAIN.fullmatch(name) and name.upper() not in lexer.KEYWORDS else quoted(name)
+    return name if is_identifier(name) and name.upper() not in lexer.KEYWORDS else quoted(name)
 
 
 def _value(text: str) -> str:

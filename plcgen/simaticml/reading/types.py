@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from functools import lru_cache
 
+from plcgen.s7.names import is_identifier
 from plcgen.s7.types import ArrayType, DataType, NamedType, StringType, StructType, elementary
 
 MAX_SPELLING = 1000
@@ -20,7 +21,6 @@ _BOUNDS = re.compile(r"\s*(-?\d{1,10})\s*\.\.\s*(-?\d{1,10})\s*", re.ASCII)
 _OPEN = re.compile(r"\s*\*(?:\s*,\s*\*)*\s*")
 _STRING = re.compile(r"(W?String)(?:\[\s*(\d{1,10})\s*\])?", re.IGNORECASE | re.ASCII)
 _QUOTED = re.compile(r'"[^"\r\n]+"')
-_PLAIN = re.compile(r"[^\W\d]\w*")
 _BRACKETS = re.compile(r"\[([^\]]*)\]")
 _CONSTANT = re.compile(r'"([^"\r\n]+)"|#([^\W\d]\w*)')
 
@@ -52,7 +52,7 @@ def parse_datatype(spelling: str) -> DataType | None:
         return NamedType(name[1:-1], quoted=True)
     if name.upper() == "STRUCT":
         return StructType(())
-    if not _PLAIN.fullmatch(name):
+    if not is_identifier(name):
         return None
     return elementary(name) or NamedType(name)
 

@@ -6,10 +6,10 @@ operands and calls have structure. ``UId`` is a slot until the network is comple
 
 from __future__ import annotations
 
-import re
 from bisect import bisect_left
 from typing import TYPE_CHECKING
 
+from plcgen.s7.names import is_identifier
 from plcgen.s7.types import elementary
 from plcgen.scl.cursor import unquote
 from plcgen.scl.lexer import (
@@ -54,7 +54,6 @@ _CONSTANTS = {
     "FALSE": "LiteralConstant", TYPED: "TypedConstant", POINTER: "LiteralConstant",
 }  # fmt: skip
 _PATH = frozenset({".", "[", "(", "^", ":"})
-_PLAIN = re.compile(r"[^\W\d]\w*")
 _OPERAND_ENDS = frozenset(
     {INT, REAL, STRING, TYPED, POINTER, ADDRESS, LOCAL, NAME, QUOTED, "TRUE", "FALSE", ")", "]", "^"}
 )
@@ -456,4 +455,4 @@ def _instruction(name: str) -> str:
 
 def is_plain(name: str) -> bool:
     """Whether a name needs no quotes behind # or a dot."""
-    return _PLAIN.fullmatch(name) is not None and (name.upper() not in KEYWORDS or name.upper() in _DECLARING)
+    return is_identifier(name) is not None and (name.upper() not in KEYWORDS or name.upper() in _DECLARING)
