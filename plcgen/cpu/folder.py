@@ -92,13 +92,12 @@ def read_parts(
         tags |= read_tag_file(table)
     if (folder / "tags.csv").is_file():
         tags |= read_tags(folder / "tags.csv")
-    classic = dialect.classic
     for document in generated_documents(folder):
         if not _is_code(document):
             found, _ = read_tag_table(document)
             for tag_table in found:
                 tags |= {tag.name: (tag.address, tag.type) for tag in tag_table.tags}
-            for block in () if found else read_simaticml(document, classic=classic)[0]:
+            for block in () if found else read_simaticml(document, classic=dialect.classic)[0]:
                 if block.kind is BlockKind.DB and block.number is not None:
                     numbers[block.name] = block.number
     return FolderParts((*map(_text, generated_sources(folder)), *more), tags, numbers, dict(constants or {}))

@@ -193,7 +193,7 @@ class Linkage:
 
     def optimized(self, block: ProgramBlock) -> bool:
         """Whether a block has optimised access; an instance data block has that of its FB."""
-        if self.dialect.classic:
+        if self.classic:
             return False
         of = self.blocks.get(self.instance_type(block)) if block.block.kind is BlockKind.DB else None
         return (of or block).block.optimized is not False
@@ -213,6 +213,5 @@ class Linkage:
             except AddressError:
                 wrong.append(name)
                 continue
-            width = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD"}.get(address.width_bits, "BYTE")
-            self.tags[name.upper()] = (address, type_.upper() or width)
+            self.tags[name.upper()] = (address, type_.upper() or address.type_name or "BYTE")
         return wrong

@@ -24,7 +24,7 @@ from plcgen.s7.shapes import OPEN_ARRAY, TypeTable
 from plcgen.s7.types import NamedType
 from plcgen.scl.constants import is_bits_of_real
 from plcgen.scl.declarations import blocks as declared_blocks
-from plcgen.scl.declarations import recursive_types
+from plcgen.scl.declarations import circles, recursive_types
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult, parse
 from plcgen.sources.text import has_bodies, load_text
@@ -286,26 +286,8 @@ class Program:
 
     def check_recursion(self) -> None:
         """PG826 for every block that calls itself, directly or through others."""
-        calls = {found.name.upper(): found.calls for found in self.compiled}
-        state: dict[str, int] = {}
-        for root, own in calls.items():
-            stack = [(root, iter(own.items()))] if root not in state else []
-            state.setdefault(root, 1)
-            while stack:
-                name, rest = stack[-1]
-                following = next(rest, None)
-                if following is None:
-                    state[name] = 2
-                    stack.pop()
-                    continue
-                called, span = following
-                if state.get(called) == 1:
-                    names = [entry for entry, _ in stack]
-                    circle = [*names[names.index(called) :], called]
-                    self.report("PG826", "blocks call each other in a circle: " + " -> ".join(circle), span)
-                elif called in calls and called not in state:
-                    state[called] = 1
-                    stack.append((called, iter(calls[called].items())))
+        for circle, span in circles({found.name.upper(): found.calls.items() for found in self.compiled}):
+            self.report("PG826", "blocks call each other in a circle: " + " -> ".join(circle), span)
 
     def main(self) -> ProgramBlock | None:
         """The cyclic OB: OB1 or "Main", else the only one."""

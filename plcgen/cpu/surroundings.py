@@ -40,8 +40,7 @@ class Surroundings:
         others = [path for path in documents if not found.add_table(path)]
         blocks: list[tuple[str, Block]] = []
         for path in others:
-            classic = dialect.classic
-            own, problems = read_simaticml(path, classic=classic, constants=found.numbers)
+            own, problems = read_simaticml(path, classic=dialect.classic, constants=found.numbers)
             blocks += [(str(path), block) for block in own]
             found.diagnostics += [problem for problem in problems if problem.code in _UNREADABLE]
         types = {block.name.upper(): block for _, block in reversed(blocks)}

@@ -97,8 +97,7 @@ class Symbols:
             else:
                 return memory, (layout, rest, found), 0, None
         memory, offset = self._address(compact, path)
-        width = parse_address(compact).width_bits
-        return memory, None, offset, ELEMENTARY[{1: "BOOL", 8: "BYTE", 16: "WORD"}.get(width, "DWORD")]
+        return memory, None, offset, ELEMENTARY[parse_address(compact).type_name or "DWORD"]
 
     def _address(self, text: str, path: str) -> tuple[Memory, int]:
         try:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import cache
 
 from plcgen.s7.types import ALIASES, ELEMENTARY, HARDWARE
-from plcgen.s7.values import RANGES
 from plcgen.scl.dialect import Dialect
 
 
@@ -130,7 +129,7 @@ class TypeRules:
             return cls(dialect, stated)
         if check is not IecCheck.AS_STATED:
             return cls(dialect, check is IecCheck.ON)
-        return cls(dialect, dialect is Dialect.TIA_1200_1500)
+        return cls(dialect, not dialect.classic)
 
 
 @cache
@@ -262,11 +261,6 @@ def canonical(name: str) -> str:
     """Canonical spelling of an elementary type name."""
     upper = name.upper()
     return ALIASES.get(upper, upper)
-
-
-def limits(type_: str) -> tuple[int, int] | None:
-    """Range of an integer or bit string type."""
-    return RANGES.get(type_)
 
 
 _CLASSIC_CONVERSIONS = {

@@ -37,7 +37,7 @@ class Target:
     @property
     def t15(self) -> bool:
         """Whether the CPU is an S7-1200 or S7-1500."""
-        return self.dialect is Dialect.TIA_1200_1500
+        return not self.dialect.classic
 
     @property
     def classic(self) -> bool:

@@ -13,6 +13,7 @@ AREAS = {"I": 0x81, "Q": 0x82, "M": 0x83, "DB": 0x84, "P": 0x80}
 _GERMAN = {"E": "I", "A": "Q", "PE": "PI", "PA": "PQ"}
 _WIDTHS = {"X": 1, "B": 8, "W": 16, "D": 32}
 _LETTERS = {width: letter for letter, width in _WIDTHS.items()}
+_NAMES = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD"}
 _KINDS = {"BOOL": (1, 1), "BYTE": (2, 8), "CHAR": (3, 8), "WORD": (4, 16), "INT": (5, 16), "DWORD": (6, 32)}
 _KINDS |= {"DINT": (7, 32), "REAL": (8, 32), "DATE": (9, 16), "TIME_OF_DAY": (10, 32), "TIME": (11, 32)}
 _KINDS |= {"S5TIME": (12, 16), "DATE_AND_TIME": (14, 64)}
@@ -55,6 +56,11 @@ class Address:
     def offset(self) -> int:
         """First bit, counted from the start of the area."""
         return self.byte * 8 + (self.bit or 0)
+
+    @property
+    def type_name(self) -> str:
+        """Type of what lies there by its width: ``BOOL``, ``BYTE``, ``WORD``, ``DWORD``; empty for a region."""
+        return _NAMES.get(self.width_bits, "")
 
     def overlaps(self, other: Address) -> bool:
         """Whether the two places share at least one bit; PI and I (PQ and Q) are the same addresses."""

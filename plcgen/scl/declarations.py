@@ -6,6 +6,7 @@ import re
 from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
+from typing import TypeVar
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.diagnostics.suggest import did_you_mean
@@ -32,6 +33,8 @@ from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult
 from plcgen.scl.system_types import SYSTEM_TYPES
 from plcgen.scl.unknown_names import UnknownNames, keys_of
+
+Where = TypeVar("Where")
 
 _NUMBERED = re.compile(r"(?i:(UDT|S?FB|S?FC|DB|OB)0*([0-9]{1,5}))")
 _KINDS = {
@@ -392,34 +395,40 @@ def _merged(sections: list[Section]) -> list[Section]:
 def recursive_types(found: Iterable[Block]) -> Iterator[Diagnostic]:
     """PG807 for every type that contains itself by value, at the member that closes the circle."""
     by_name = {block.name.upper(): block for block in found if block.kind in {BlockKind.UDT, BlockKind.FB}}
+    for circle, member in circles({name: _uses(block) for name, block in by_name.items()}):
+        message = "a type must not contain itself: " + " -> ".join(by_name[name].name for name in circle)
+        yield Diagnostic("PG807", message, member.span or Span(""), help="use a second type or an index")
+
+
+def circles(uses: Mapping[str, Iterable[tuple[str, Where]]]) -> Iterator[tuple[list[str], Where]]:
+    """Each circle of names that use each other, the first one again at its end, and where the use that closes it is.
+
+    ``uses`` says which others a name uses, and where; a name that it does not have uses none.
+    """
     state: dict[str, int] = {}
-    for root, block in by_name.items():
-        if root in state:
-            continue
-        state[root] = 1
-        stack = [(root, _uses(block))]
+    for root, own in uses.items():
+        stack = [(root, iter(own))] if root not in state else []
+        state.setdefault(root, 1)
         while stack:
-            name, uses = stack[-1]
-            member_type = next(uses, None)
-            if member_type is None:
+            name, rest = stack[-1]
+            following = next(rest, None)
+            if following is None:
                 state[name] = 2
                 stack.pop()
                 continue
-            member, inner = member_type
-            if state.get(inner) == 1:
-                circle = [by_name[n].name for n, _ in stack]
-                circle = [*circle[[n for n, _ in stack].index(inner) :], by_name[inner].name]
-                message = "a type must not contain itself: " + " -> ".join(circle)
-                yield Diagnostic("PG807", message, member.span or Span(""), help="use a second type or an index")
-            elif inner in by_name and inner not in state:
-                state[inner] = 1
-                stack.append((inner, _uses(by_name[inner])))
+            used, place = following
+            if state.get(used) == 1:
+                names = [name for name, _ in stack]
+                yield [*names[names.index(used) :], used], place
+            elif used in uses and used not in state:
+                state[used] = 1
+                stack.append((used, iter(uses[used])))
 
 
-def _uses(block: Block) -> Iterator[tuple[Member, str]]:
-    """Members of named types that lie inside the memory of a block, with the upper-case type name."""
+def _uses(block: Block) -> Iterator[tuple[str, Member]]:
+    """Members of named types that lie inside the memory of a block, behind the upper-case type name."""
     inside = {SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.STATIC}
     for member in nested(m for s in block.sections if s.kind in inside for m in s.members):
         inner = innermost(member.type)
         if isinstance(inner, NamedType):
-            yield member, inner.name.upper()
+            yield inner.name.upper(), member

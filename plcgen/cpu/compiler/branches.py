@@ -10,7 +10,8 @@ from plcgen.cpu.compiler.conversions import truth
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.statements import Statements
 from plcgen.cpu.compiler.values import UNKNOWN
-from plcgen.cpu.type_rules import BITS, INT_CONST, INTEGERS, limits
+from plcgen.cpu.type_rules import BITS, INT_CONST, INTEGERS
+from plcgen.s7.values import RANGES
 from plcgen.scl import ast
 
 
@@ -105,7 +106,7 @@ class Branches:
             if not isinstance(const, int):
                 self.context.error("PG821", f"the label {self.context.text(end)} is not a constant", end)
                 return "False"
-            low, high = limits(type_) or (const, const)
+            low, high = RANGES.get(type_, (const, const))
             if not low <= const <= high:
                 self.context.error("PG824", f"the label {const} is outside {type_} ({low}..{high})", end)
             ends.append(const)

@@ -17,12 +17,12 @@ from plcgen.cpu.type_rules import (
     TEXT_CONST,
     TEXTS,
     WIDTHS,
-    limits,
     remedy,
     widens,
 )
 from plcgen.diagnostics import Severity
 from plcgen.s7.types import HARDWARE
+from plcgen.s7.values import RANGES
 from plcgen.scl import ast
 
 
@@ -95,7 +95,7 @@ def integer_constant(context: Context, const: int, target: str, node: ast.Expres
         return str(const)
     if target not in INTEGERS and target not in BITS and target not in HARDWARE and target != "TIME":
         return None
-    low, high = limits(target) or (0, 0)
+    low, high = RANGES.get(target, (0, 0))
     if target in BITS:
         low = -(1 << BITS[target] - 1)
     if low == 0 and target in INTEGERS and -(high + 1) // 2 <= const < 0 and context.rules.dialect.is_tia:

@@ -283,8 +283,7 @@ class Places:
         except AddressError as problem:
             self.context.error("PG827", str(problem), node)
             return None
-        widths = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD"}
-        return self.at_address(address, widths.get(address.width_bits, "BYTE"), node)
+        return self.at_address(address, address.type_name or "BYTE", node)
 
     def tag(self, address: Address, type_: str, node: ast.Expression) -> MemoryPlace | None:
         """Place of a tag; one of a user type has the members of that."""

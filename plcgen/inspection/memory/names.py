@@ -205,8 +205,7 @@ def _address(text: str) -> CodeOperand:
         address = parse_address(text.lstrip("%"))
     except AddressError:
         return CodeOperand(OperandArea.FAR, None)
-    width = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD"}.get(address.width_bits)
-    type_ = ELEMENTARY[width] if width else None
+    type_ = ELEMENTARY.get(address.type_name)
     if address.area == "DB":
         return CodeOperand(OperandArea.DB, type_, f"DB{address.db}", address.db)
     near = address.byte < _SHORT.get(address.area, 0)
