@@ -10,7 +10,7 @@ import pytest
 from projects import FAQ, ROOT
 
 import plcgen
-from plcgen.documents.engine import render_project
+from plcgen.documents.rendering import render_project
 from plcgen.project.nouns import Plan, Project
 from plcgen.s7.blocks import Block
 from plcgen.scl import ast

@@ -194,7 +194,7 @@ def generate(
     ``check_only`` writes nothing and compares; ``force`` overwrites files that were changed by hand; ``stats`` runs an
     idle scan of the blocks and counts its statements.
     """
-    from plcgen.documents.engine import render_project
+    from plcgen.documents.rendering import render_project
     from plcgen.documents.writing import compare_folder, write_folder
 
     target = _folder(spec, folder)

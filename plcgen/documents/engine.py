@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 from plcgen.documents import control
 from plcgen.documents.document import Document
-from plcgen.documents.environment import RenderedFile, render_all
-from plcgen.documents.manifest import entry, manifest
 from plcgen.documents.nouns import Command, Contribution, DataBlock, FunctionBlock, LibraryInstance, TypeBlock
 from plcgen.documents.openness import openness_documents
 from plcgen.documents.overview import Overview
@@ -97,12 +95,3 @@ class _Emitter:
             yield watch_document(made.block.name, rows)
             if self.xml is not None:
                 yield self.xml.watch(made.block.name, rows)
-
-
-def render_project(project: Project, progress: Callable[[str, int, int], None] | None = None) -> Iterator[RenderedFile]:
-    """Every file of a project, one at a time; of those already handed out only hash and length are kept."""
-    entries = []
-    for file in render_all(emit(project), progress):
-        entries.append(entry(file))
-        yield file
-    yield manifest(project, entries)

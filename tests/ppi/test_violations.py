@@ -5,7 +5,7 @@ from ppi.vectors import FRAMES, octets
 
 from plcgen.protocols.ppi.wire.areas import Area
 from plcgen.protocols.ppi.wire.errors import Kind, PpiError
-from plcgen.protocols.ppi.wire.fdl import FrameCountCheck, checksum, encode_frame
+from plcgen.protocols.ppi.wire.fdl import checksum, encode_frame
 from plcgen.protocols.ppi.wire.model import (
     Acknowledgement,
     AckReply,
@@ -26,6 +26,7 @@ from plcgen.protocols.ppi.wire.model import (
     WriteRequest,
 )
 from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu, examine_pdu
+from plcgen.protocols.ppi.wire.sequence import FrameCountCheck
 from plcgen.protocols.ppi.wire.telegram import decode_telegram, examine
 
 READ = octets(FRAMES["t1-read-vb100"])

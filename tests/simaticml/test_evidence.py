@@ -13,7 +13,7 @@ from projects import EVERY_TYPE, ROOT, SPECS
 from evidence import simaticml
 from evidence.__main__ import main
 from evidence.signatures import Signature, data_type, literal, signatures
-from plcgen.documents.engine import render_project
+from plcgen.documents.rendering import render_project
 from plcgen.project.opening import open_spec
 from plcgen.simaticml.reading.xml import parse_xml
 from plcgen.simaticml.versions import VERSIONS

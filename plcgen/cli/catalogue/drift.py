@@ -28,7 +28,7 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
     A constant must have the same value in the drive and be within its limits, and every parameter that is read or
     written must exist. Exit code 1 if something has drifted.
     """
-    from plcgen.cli.live.places import drive_plan
+    from plcgen.cli.live.specs import drive_plan
     from plcgen.diagnostics import Diagnostic, Span
     from plcgen.display.data import diagnostics_data
     from plcgen.display.results import Answer

@@ -36,7 +36,7 @@ def command(*, spec: Path, given: tuple[str, ...], timeout: float, format_: Outp
     """
 
     def question() -> Answer:
-        from plcgen.cli.live.places import drive_plan
+        from plcgen.cli.live.specs import drive_plan
         from plcgen.protocols.ds47.live.comparison import compare_drives
         from plcgen.protocols.ds47.live.connection import S7Connection
 

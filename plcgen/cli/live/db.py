@@ -41,7 +41,7 @@ def command(
     """
 
     def question() -> Answer:
-        from plcgen.cli.live.places import drive_project
+        from plcgen.cli.live.specs import drive_project
         from plcgen.protocols.ds47.live.comparison import compare_buffers
         from plcgen.protocols.ds47.live.connection import S7Connection
         from plcgen.protocols.ds47.live.stored import compare_stored, stored

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from plcgen.diagnostics import DiagnosticError
-
 if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
     from plcgen.display.results import Answer
-    from plcgen.project.nouns import Project
     from plcgen.protocols.ds47.live.comparison import LiveRow
     from plcgen.protocols.ds47.live.connection import S7Partner
-    from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 
@@ -72,22 +67,3 @@ def comparison(kind: str, rows: Sequence[LiveRow], place_title: str, skipped: Se
     data = [{key: getattr(row, key) for key in keys} for row in rows]
     shown = {**diagnostics_data(kind, problems), "rows": data, "skipped": list(skipped)}
     return Answer(shown, lambda _view: text, problems)
-
-
-def drive_plan(spec: Path) -> DrivePlan:
-    """The plan of a spec without errors. Raises DiagnosticError with what is wrong."""
-    return drive_project(spec)[1]
-
-
-def drive_project(spec: Path) -> tuple[Project, DrivePlan]:
-    """The project of a spec, too. Raises as ``drive_plan`` does."""
-    from plcgen import api
-    from plcgen.protocols.ds47.plan.nouns import DrivePlan
-
-    checked = api.check(spec)
-    if checked.project is None or not checked.ok:
-        raise DiagnosticError(list(checked.diagnostics))
-    plan = checked.project.plan(DrivePlan)
-    if plan is None:
-        raise click.UsageError(f"{spec} has no drive jobs")
-    return checked.project, plan

@@ -28,7 +28,7 @@ def spec_snapshot(path: Path) -> Snapshot:
 
 def _rendered(project: Project, label: str) -> Snapshot:
     """Blocks of the sources that would be generated, read as if they lay on disk."""
-    from plcgen.documents.engine import render_project
+    from plcgen.documents.rendering import render_project
 
     encoding = "cp1252" if project.target.v5 else "utf-8-sig"
     texts = [

@@ -18,9 +18,9 @@ from plcgen.protocols.ppi.wire.areas import ITEM_LIMIT
 from plcgen.protocols.ppi.wire.description import frame_text
 from plcgen.protocols.ppi.wire.dissect import dissect, title
 from plcgen.protocols.ppi.wire.errors import TOLERABLE, Kind, Violation
-from plcgen.protocols.ppi.wire.fdl import FrameCountCheck
 from plcgen.protocols.ppi.wire.model import Item, Pdu, ReadReply, ReadRequest, VariableFrame, WriteReply, WriteRequest
 from plcgen.protocols.ppi.wire.pack import mismatches
+from plcgen.protocols.ppi.wire.sequence import FrameCountCheck
 from plcgen.protocols.ppi.wire.telegram import Examination, examine
 
 _REFERENCE = 11

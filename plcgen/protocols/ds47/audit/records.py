@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from plcgen.diagnostics import Note, Span
@@ -10,8 +10,7 @@ from plcgen.project.target import Target
 from plcgen.proof.audited import AuditFindings
 from plcgen.protocols.ds47.audit.model import FoundCall, Match
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.sources.blocks import Sources
-from plcgen.sources.calls import ConstantArgument, PointedArea, find_calls
+from plcgen.sources.calls import ConstantArgument, PointedArea
 
 _RECORD_LIMIT = 240
 
@@ -246,18 +245,3 @@ def _alone(audit: CallAudit, plan: DrivePlan) -> None:
         "is a variable: it is not known which job it is for" if record is None or record.local else "belongs to no job"
     )
     audit.findings.notes.append(f"RECORD {record.text if record is not None else ''} {what}")
-
-
-_RECORD_CALL = frozenset({"RECORD", "INDEX"})
-_READS = frozenset({"MLEN", "VALID"})
-
-
-def record_calls(sources: Sources) -> Iterator[FoundCall]:
-    """Every call of WRREC and RDREC in the sources, whatever the instance is called, in the order of the files.
-
-    A call is known by its parameters: RECORD and INDEX belong to no other block of the standard library; MLEN or VALID
-    make it RDREC.
-    """
-    for call in find_calls(sources, _RECORD_CALL, "RECORD"):
-        writes = not _READS & call.arguments.keys()
-        yield FoundCall(writes, call.block, call.span, call.arguments, call.area)

@@ -8,9 +8,10 @@ from plcgen.diagnostics import Diagnostic
 from plcgen.proof.audited import Audited, audited
 from plcgen.proof.checks import Check, CheckGroup, Outcome
 from plcgen.protocols.ds47.audit.buffers import expected_fields, match_buffers, stray_requests
+from plcgen.protocols.ds47.audit.calls import record_calls
 from plcgen.protocols.ds47.audit.members import check_members
 from plcgen.protocols.ds47.audit.model import Match
-from plcgen.protocols.ds47.audit.records import CallAudit, check_calls, record_calls
+from plcgen.protocols.ds47.audit.records import CallAudit, check_calls
 from plcgen.protocols.ds47.audit.values import check_values
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.sources.blocks import Sources

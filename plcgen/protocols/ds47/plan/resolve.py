@@ -15,9 +15,10 @@ from plcgen.protocols.ds47.plan.callers import Callers
 from plcgen.protocols.ds47.plan.jobs import DriveJobPlanner
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
 from plcgen.protocols.ds47.plan.recipes import Recipes
+from plcgen.protocols.ds47.plan.redefinition import merged, widened
 from plcgen.protocols.ds47.plan.room import Room
 from plcgen.protocols.ds47.plan.units import plan_engine, plan_units
-from plcgen.protocols.ds47.plan.uses import UseResolver, merged, widened
+from plcgen.protocols.ds47.plan.uses import UseResolver
 from plcgen.protocols.ds47.references import parse_reference
 from plcgen.protocols.ds47.schema import DriveSections
 

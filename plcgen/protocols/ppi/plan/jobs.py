@@ -15,13 +15,13 @@ from plcgen.protocols.ppi.plan.fields import FRAME_HEADER, request_fields, respo
 from plcgen.protocols.ppi.plan.nouns import (
     LEAD,
     Kind,
-    Placed,
     PlannedStation,
     PpiJob,
     PpiTelegram,
     PpiValue,
     WireItem,
 )
+from plcgen.protocols.ppi.plan.pack import Packed, pack
 from plcgen.protocols.ppi.plan.values import ValueResolver
 from plcgen.protocols.ppi.schema import VERBS, MasterJob, PpiBuffer, PpiMaster, PpiReadItem, PpiWriteItem
 from plcgen.protocols.ppi.symbols import SymbolTable
@@ -39,7 +39,6 @@ from plcgen.protocols.ppi.wire.model import (
     VariableFrame,
     WriteRequest,
 )
-from plcgen.protocols.ppi.wire.pack import pack_read, pack_write
 from plcgen.protocols.ppi.wire.pdu import encode_pdu
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, first_upper, pascal_case, shorten
 
@@ -235,44 +234,3 @@ def _frame(kind: Kind, station: int, own: int, items: tuple[WireItem, ...]) -> b
         pdu = ReadRequest(0, tuple(wire.item for wire in items))
     source = own if own != station else (own + 1) % 127  # the same address twice is a finding of the rules
     return encode_frame(VariableFrame(station, source, FIRST, encode_pdu(pdu)))
-
-
-@dataclass(frozen=True, slots=True)
-class Packed:
-    """One item of a telegram with the values it carries; ``data`` is what is written."""
-
-    item: Item
-    values: tuple[Placed, ...]
-    data: bytes = b""
-
-
-def pack(values: Sequence[PpiValue], *, write: bool, merge: bool) -> list[tuple[Packed, ...]]:
-    """Telegrams of a job, in order. PpiError if values that are written overlap."""
-    if write:
-        plan = pack_write([ItemWrite(value.item, value.data) for value in values], merge=merge)
-        return [
-            tuple(_written(values, entry, numbers) for entry, numbers in zip(telegram, served, strict=True))
-            for telegram, served in zip(plan.telegrams, plan.serves, strict=True)
-        ]
-    return [
-        tuple(
-            Packed(
-                planned.item,
-                tuple(Placed(values[p.asked], p.at, p.start, p.length, p.bit) for p in planned.parts),
-            )
-            for planned in telegram
-        )
-        for telegram in pack_read([value.item for value in values], merge=merge).telegrams
-    ]
-
-
-def _written(values: Sequence[PpiValue], entry: ItemWrite, numbers: Sequence[int]) -> Packed:
-    """An item that is written: which bytes of which values it carries."""
-    placed = []
-    for number in numbers:
-        value = values[number]
-        offset = entry.item.byte - value.item.byte
-        start, at = max(0, offset), max(0, -offset)
-        length = min(value.item.octets - start, entry.item.octets - at)
-        placed.append(Placed(value, at, start, length))
-    return Packed(entry.item, tuple(placed), entry.data)

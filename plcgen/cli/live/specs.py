@@ -1,0 +1,33 @@
+"""The drives of a spec, for the verbs that compare."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from plcgen.diagnostics import DiagnosticError
+
+if TYPE_CHECKING:
+    from plcgen.project.nouns import Project
+    from plcgen.protocols.ds47.plan.nouns import DrivePlan
+
+
+def drive_plan(spec: Path) -> DrivePlan:
+    """The plan of a spec without errors. Raises DiagnosticError with what is wrong."""
+    return drive_project(spec)[1]
+
+
+def drive_project(spec: Path) -> tuple[Project, DrivePlan]:
+    """The project of a spec, too. Raises as ``drive_plan`` does."""
+    from plcgen import api
+    from plcgen.protocols.ds47.plan.nouns import DrivePlan
+
+    checked = api.check(spec)
+    if checked.project is None or not checked.ok:
+        raise DiagnosticError(list(checked.diagnostics))
+    plan = checked.project.plan(DrivePlan)
+    if plan is None:
+        raise click.UsageError(f"{spec} has no drive jobs")
+    return checked.project, plan
