@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterator, Sequence
-from itertools import islice
 from pathlib import Path
 
 import click
@@ -14,18 +12,22 @@ from plcgen.input.files import YAML_SUFFIXES
 
 MAX_SEEN = 200_000
 """So many entries of a folder tree are looked at."""
-_PLC = re.compile(rb"^(?:\xef\xbb\xbf)?(?:\{[ ]*)?[\"']?plc[\"']?[ \t]*:", re.MULTILINE)
+_PLC = r"[\"']?plc[\"']?[ \t]*:"
 """What a spec has, and no drive file, device profile, lock or workflow."""
+_FIRST = re.compile(r"^([ ]*)(?!---|[ #%\r])(\S)", re.MULTILINE)
+"""Where the keys of a document begin."""
 
 
 def specs_below(folder: Path) -> list[Path]:
     """Specs in a folder and below: YAML files with a section ``plc`` that no other of them includes.
 
-    Hidden ones and links to folders are left out.
+    Hidden ones and links to folders are left out. One that cannot be read counts: reading it says why.
+
+    Raises:
+        OSError: if a folder cannot be read.
+        DiagnosticError: PG802 if there are too many files to look at.
     """
-    found = sorted(
-        path for path in islice(_files(folder), MAX_SEEN) if path.suffix.lower() in YAML_SUFFIXES and _is_spec(path)
-    )
+    found = sorted(path for path in _files(folder) if _is_spec(path))
     parts = {part for path in found for part in _included(path)}
     return [path for path in found if path.resolve() not in parts] if parts else found
 
@@ -79,16 +81,31 @@ def one_folder(specs: Sequence[Path], folder: Path | None) -> None:
 
 
 def _files(folder: Path) -> Iterator[Path]:
-    for name, folders, files in os.walk(folder):
-        folders[:] = sorted(each for each in folders if not each.startswith("."))
-        yield from (Path(name, each) for each in sorted(files) if not each.startswith("."))
+    """The YAML files of a folder and below."""
+    from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+    from plcgen.input.files import walk
+
+    seen = 0
+    for where, folders, files in walk(folder):
+        seen += len(folders) + len(files)
+        if seen > MAX_SEEN:
+            message = f"more than {MAX_SEEN} files below this folder"
+            raise DiagnosticError([Diagnostic("PG802", message, Span(str(folder)), help="name a smaller folder")])
+        yield from (where / name for name in files if Path(name).suffix.lower() in YAML_SUFFIXES)
 
 
 def _is_spec(path: Path) -> bool:
+    """Whether a YAML file has the section, as a block or in braces as JSON has it; True if it cannot be read."""
     from plcgen.input.files import read_bounded
+    from plcgen.input.text import decoded_list
     from plcgen.input.yaml import MAX_BYTES
 
     try:
-        return _PLC.search(read_bounded(path, MAX_BYTES)) is not None
+        text = decoded_list(read_bounded(path, MAX_BYTES))
     except OSError:
+        return True
+    first = _FIRST.search(text)
+    if first is None:
         return False
+    before = r"[{,]\s*" if first[2] == "{" else f"^{first[1]}"
+    return re.search(before + _PLC, text, re.MULTILINE) is not None

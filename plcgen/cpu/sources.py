@@ -12,6 +12,7 @@ from plcgen.cpu.sharing import sharing
 from plcgen.cpu.surroundings import Surroundings
 from plcgen.cpu.type_rules import IecCheck
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Severity, Span, has_errors
+from plcgen.input.files import walk
 from plcgen.scl.dialect import Dialect
 from plcgen.scl.parser import ParseResult
 from plcgen.sources.files import MAX_FILES, MAX_SEEN
@@ -128,14 +129,16 @@ def _apart(
 def find_sources(path: Path | str) -> list[Path]:
     """Return the sources below a folder, sorted, without binary files of such names; a file is returned as it is.
 
-    Of a folder with SIMATIC SD documents only it is the first of these: what reads it says what that is.
+    Hidden ones and links to folders are left out. Of a folder with SIMATIC SD documents only it is the first of
+    these: what reads it says what that is.
 
-    Raises DiagnosticError (PG802) for a folder with more than ``MAX_FILES`` of them.
+    Raises DiagnosticError (PG802) for a folder with more than ``MAX_FILES`` of them, OSError for one that cannot be
+    read.
     """
     path = Path(path)
     if not path.is_dir():
         return [path]
-    seen = list(islice(path.rglob("*"), MAX_SEEN + 1))
+    seen = list(islice(_below(path), MAX_SEEN + 1))
     found = [entry for entry in seen if entry.suffix.lower() in SUFFIXES and entry.is_file()]
     if len(seen) > MAX_SEEN or len(found) > MAX_FILES:
         message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"
@@ -144,11 +147,17 @@ def find_sources(path: Path | str) -> list[Path]:
     return found or sorted(entry for entry in seen if entry.suffix.lower() in SD_SUFFIXES)[:1]
 
 
+def _below(folder: Path) -> Iterator[Path]:
+    """The files below a folder, as ``walk`` finds them."""
+    for where, _, names in walk(folder):
+        yield from (where / name for name in names)
+
+
 def find_left_out(path: Path) -> list[Diagnostic]:
     """A warning about the SIMATIC SD documents below a folder that has sources, too; nothing for a file."""
     if not path.is_dir():
         return []
-    seen = islice(path.rglob("*"), MAX_SEEN)
+    seen = islice(_below(path), MAX_SEEN)
     return left_out(path, (entry for entry in seen if entry.suffix.lower() in SD_SUFFIXES))
 
 
@@ -156,5 +165,5 @@ def find_documents(path: Path) -> list[Path]:
     """XML files below a folder, sorted; a file is returned as it is. Bounds as for sources."""
     if not path.is_dir():
         return [path]
-    seen = islice(path.rglob("*"), MAX_SEEN)
+    seen = islice(_below(path), MAX_SEEN)
     return sorted(islice((entry for entry in seen if entry.suffix.lower() == ".xml" and entry.is_file()), MAX_FILES))

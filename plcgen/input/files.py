@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import stat
+from collections.abc import Iterator
 from pathlib import Path
 
 YAML_SUFFIXES = frozenset({".yaml", ".yml"})
@@ -36,6 +37,22 @@ def below(folder: Path, name: str) -> Path | None:
     except (OSError, ValueError, RuntimeError):  # ValueError: a NUL in the path; RuntimeError: links in a circle
         return path  # reading it tells why
     return path if inside else None
+
+
+def walk(folder: Path) -> Iterator[tuple[Path, list[str], list[str]]]:
+    """A folder and all below it, each with its folders and files, sorted; hidden ones and links to folders left out.
+
+    Raises:
+        OSError: if one of them cannot be read: what is in it must not be passed over in silence.
+    """
+    for name, folders, files in os.walk(folder, onerror=_raise):
+        folders[:] = sorted(each for each in folders if not each.startswith("."))
+        yield Path(name), folders, sorted(each for each in files if not each.startswith("."))
+
+
+def _raise(problem: OSError) -> None:
+    if not isinstance(problem, FileNotFoundError):  # gone since it was seen
+        raise problem
 
 
 def _opened(path: str, flags: int) -> int:

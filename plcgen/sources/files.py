@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.input.files import walk
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.shapes import TypeTable
 from plcgen.s7.system import system_block
@@ -132,7 +132,12 @@ def source_files(paths: Iterable[Path], diagnostics: list[Diagnostic]) -> Iterat
     """The files that ``paths`` mean, each once; folders sorted, links to folders not followed."""
     seen: set[Path] = set()
     for path in paths:
-        inside = _walk(path, diagnostics) if path.is_dir() else [SourceFile(path)]
+        try:
+            inside = _walk(path, diagnostics) if path.is_dir() else [SourceFile(path)]
+        except OSError as problem:
+            message = f"the folder cannot be read: {problem.strerror or problem}"
+            diagnostics.append(Diagnostic("PG804", message, Span(str(problem.filename or path))))
+            continue
         for file in inside:
             if file.path not in seen:
                 seen.add(file.path)
@@ -144,11 +149,9 @@ def _walk(folder: Path, diagnostics: list[Diagnostic]) -> list[SourceFile]:
     found: list[SourceFile] = []
     other: list[SourceFile] = []
     looked_at = 0
-    for where, folders, names in os.walk(folder):
-        folders[:] = sorted(name for name in folders if not name.startswith("."))
-        shown = sorted(name for name in names if not name.startswith("."))
-        found += [SourceFile(Path(where) / name, folder) for name in shown if Path(name).suffix.lower() in wanted]
-        other += [SourceFile(Path(where) / name) for name in shown if Path(name).suffix.lower() in SD_SUFFIXES]
+    for where, folders, names in walk(folder):
+        found += [SourceFile(where / name, folder) for name in names if Path(name).suffix.lower() in wanted]
+        other += [SourceFile(where / name) for name in names if Path(name).suffix.lower() in SD_SUFFIXES]
         looked_at += len(names) + len(folders)
         if len(found) > MAX_FILES or looked_at > MAX_SEEN:
             message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"

@@ -1,6 +1,8 @@
 """Several specs and folders in one call of check, generate and verify."""
 
+import errno
 import json
+import os
 import shutil
 from xml.etree import ElementTree as ET
 
@@ -29,6 +31,67 @@ def test_specs_below(machines):
     (machines / "text.yaml").write_text("comment: |\n  plc: in a text\n", "utf-8")
     names = [path.relative_to(machines).as_posix() for path in specs_below(machines)]
     assert names == ["flow.yaml", "hall2/saw.yml", "press.yaml"]
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding"),
+    [
+        ('{\n  "plc": {"name": "A"},\n  "drives": {}\n}\n', "utf-8"),  # json.dump with indent
+        ('{"variables": {"a": 1},\n "plc": {"name": "A"}}', "utf-8"),
+        ("# made by a script\n---\n  plc: {name: A}\n  drives: {}\n", "utf-8"),
+        ("plc: {name: A}\n", "utf-16"),  # > of Windows PowerShell
+        ("# M\u00fcller\r\nplc: {name: A}\r\n", "cp1252"),
+    ],
+)
+def test_a_spec_however_it_was_written(tmp_path, text, encoding):
+    """A spec that is passed over makes a green run: keys in braces or indented, and what is not UTF-8."""
+    (tmp_path / "job.yaml").write_bytes(text.encode(encoding))
+    assert [path.name for path in specs_below(tmp_path)] == ["job.yaml"]
+
+
+@pytest.mark.parametrize("text", ["a: 1\nb:\n  plc: {}\n", "  a: 1\n  b:\n    plc: {}\n", "# plc: {}\n", ""])
+def test_no_spec(tmp_path, text):
+    """A key plc further inside is none of a spec."""
+    (tmp_path / "job.yaml").write_text(text, "utf-8")
+    assert specs_below(tmp_path) == []
+
+
+def test_a_spec_that_cannot_be_read(plcgen, machines):
+    """It is an error, not a green run over the others."""
+    (machines / "gone.yaml").symlink_to("nowhere.yaml")
+    for verb in (["check"], ["generate", "--check"], ["verify"]):
+        result = plcgen(*verb, "machines")
+        assert result.code == 1
+        assert "gone.yaml" in result.out + result.err
+
+
+@pytest.mark.parametrize(
+    "verb", [["check"], ["check", "--program", "--target", "v5"], ["generate"], ["layout"], ["lock"]]
+)
+def test_a_folder_that_cannot_be_read(plcgen, machines, monkeypatch, verb):
+    """What lies in it must not be passed over in silence."""
+    (machines / "M.db").write_text("DATA_BLOCK DB1\nSTRUCT\na : INT;\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n", "utf-8")
+    scandir = os.scandir
+
+    def refusing(path):
+        if os.fspath(path).endswith("hall2"):
+            raise PermissionError(errno.EACCES, "Permission denied", path)
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", refusing)
+    result = plcgen(*verb, "machines")
+    assert result.code == 1
+    assert "hall2" in result.out + result.err
+    assert "Permission denied" in result.out + result.err
+
+
+@pytest.mark.usefixtures("machines")
+def test_too_many_files_to_look_at(plcgen, monkeypatch):
+    """Specs behind the bound would be passed over."""
+    monkeypatch.setattr("plcgen.cli.specs.MAX_SEEN", 3)
+    result = plcgen("generate", "machines")
+    assert result.code == 1
+    assert "PG802" in result.err
 
 
 def test_check_takes_folders(plcgen, machines):
