@@ -25,15 +25,6 @@ def entry(file: RenderedFile) -> dict[str, Any]:
     return known | ({"experimental": file.experimental} if file.experimental else {})
 
 
-def project_of(data: bytes) -> str | None:
-    """Name of the project of a manifest; None if it says none."""
-    try:
-        found = json.loads(data).get("project")
-    except (ValueError, AttributeError, RecursionError):
-        return None
-    return found if isinstance(found, str) else None
-
-
 def manifest(project: Project, entries: Sequence[dict[str, Any]]) -> RenderedFile:
     """Manifest of rendered files: reproducible, without date, user or path of the machine."""
     content: dict[str, Any] = {

@@ -23,11 +23,11 @@ from pydantic import TypeAdapter, ValidationError
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.documents.environment import RenderedFile
 from plcgen.documents.folder_lock import exclusive
-from plcgen.documents.manifest import digest, project_of
+from plcgen.documents.manifest import digest
 from plcgen.input.files import read_bounded
 from plcgen.input.hashes import has_digest, same_text
 from plcgen.project.ownership import is_owned, owning
-from plcgen.sources.generated import ATTRIBUTES, JOURNAL, MANIFEST, known_files
+from plcgen.sources.generated import ATTRIBUTES, JOURNAL, MANIFEST, known_files, project_of
 
 STAGE = ".plcgen-stage-"
 _REMEDIES = {

@@ -30,6 +30,15 @@ def known_files(data: bytes) -> dict[str, str]:
         raise ValueError(f"not a manifest: {problem}") from problem
 
 
+def project_of(data: bytes) -> str | None:
+    """Name of the project of a manifest; None if it says none."""
+    try:
+        found = json.loads(data).get("project")
+    except (ValueError, AttributeError, RecursionError):
+        return None
+    return found if isinstance(found, str) else None
+
+
 def manifest_of(folder: Path) -> dict[str, str] | None:
     """Path -> SHA-256 of the files the manifest lists; None if there is none or it cannot be read."""
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -59,6 +60,53 @@ def test_plcs_of_the_same_name_have_more_of_their_path_as_name() -> None:
     """As much as it needs."""
     folders = [Path("a/PLC_1"), Path("b/PLC_1")]
     assert plc_names([None, *folders]) == {None: "", folders[0]: "a/PLC_1", folders[1]: "b/PLC_1"}
+
+
+def generated(folder: Path, plc: str) -> Path:
+    """A source of a folder that plcgen generated for a PLC."""
+    (folder / "db").mkdir(parents=True)
+    (folder / "manifest.json").write_text(
+        json.dumps({"project": plc, "files": [{"path": "db/Jobs.db", "sha256": ""}]}), "utf-8"
+    )
+    source = folder / "db" / "Jobs.db"
+    source.write_text(DATA.format(type="Unit").replace('"Unit"', "Int"), "utf-8-sig")
+    return source
+
+
+def test_the_folders_of_several_specs_are_plcs_of_their_own(tmp_path: Path) -> None:
+    """What lies around one of them belongs to it, and what lies beside all of them to none."""
+    press = generated(tmp_path / "press" / "job_generated", "PLC")
+    saw = generated(tmp_path / "saw" / "job_generated", "PLC")
+    own, library = tmp_path / "saw" / "src" / "Own.scl", tmp_path / "lib" / "Lib.udt"
+    assert by_plc([press, saw, own, library]) == {
+        tmp_path / "press": [press],
+        tmp_path / "saw": [saw, own],
+        None: [library],
+    }
+    beside = [generated(tmp_path / "flat" / name, name) for name in ("a_generated", "b_generated")]
+    assert list(by_plc(beside)) == [tmp_path / "flat" / "a_generated", tmp_path / "flat" / "b_generated"]
+
+
+def test_several_specs_of_one_plc(tmp_path: Path) -> None:
+    """Folders beside each other with the name of one PLC: drives in one spec, stations in the other."""
+    made = [generated(tmp_path / name, "PLC") for name in ("drives_generated", "pumps_generated")]
+    assert by_plc(made) == {None: made}
+    other = generated(tmp_path / "saw_generated", "Saw")
+    assert [len(files) for files in by_plc([*made, other]).values()] == [2, 1]
+
+
+def test_a_change_for_one_of_several_specs(tmp_path: Path) -> None:
+    """Blocks of one name in two generated folders: a change of either is a change."""
+    for state in ("old", "new"):
+        for plc in ("press", "saw"):
+            generated(tmp_path / state / f"{plc}_generated", plc)
+    assert plcgen.diff(tmp_path / "old", tmp_path / "new").changes == ()
+    changed = tmp_path / "new" / "saw_generated" / "db" / "Jobs.db"
+    changed.write_text(changed.read_text("utf-8-sig").replace("u : Int", "u : Real"), "utf-8-sig")
+    result = plcgen.diff(tmp_path / "old", tmp_path / "new")
+    assert result.diagnostics == ()
+    assert ('DB "saw_generated/Plant"', "type-changed") in [(change.subject, change.kind) for change in result.changes]
+    assert plcgen.lock(tmp_path / "new", out=tmp_path / "lock.yaml").blocks == 2
 
 
 def test_each_plc_has_its_own_types(tmp_path: Path) -> None:

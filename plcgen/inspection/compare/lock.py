@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span, has_errors
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span, has_errors
 from plcgen.input.hashes import same_text
 from plcgen.inspection.compare.lockfile import lock_text, reduced
 from plcgen.inspection.compare.lockread import read_lock
-from plcgen.inspection.compare.model import Comparison, Snapshot
+from plcgen.inspection.compare.model import Comparison
 from plcgen.inspection.compare.policyfile import load_policy
 from plcgen.inspection.compare.run import compare_snapshots, snapshot
 from plcgen.replacing import replace_file
@@ -42,7 +42,7 @@ def write_lock(paths: Sequence[Path], path: Path, *, classic: bool = False, forc
     """
     try:
         chosen = list(paths) or _locked_sources(path)
-        state = reduced(_once(snapshot(chosen, classic=classic)))
+        state = reduced(snapshot(chosen, classic=classic))
         found = tuple(dict.fromkeys(state.diagnostics))
         if has_errors(found):
             return LockResult(path, 0, False, found)  # noqa: FBT003 - see the field's name
@@ -66,19 +66,10 @@ def check_lock(paths: Sequence[Path], path: Path, policy: Sequence[str] = (), *,
         levels = load_policy(policy)
         lock = read_lock(path)
         chosen = list(paths) or _inside(lock.sources, path)
-        state = reduced(_once(snapshot(chosen, classic=classic)))
+        state = reduced(snapshot(chosen, classic=classic))
     except DiagnosticError as problem:
         return Comparison(path.as_posix(), "", (), problem.diagnostics)
     return compare_snapshots(lock.snapshot, state, levels)
-
-
-def _once(found: Snapshot) -> Snapshot:
-    """Make it an error that a block is declared a second time: a change of that version would never be seen."""
-    found.diagnostics[:] = [
-        replace(d, severity=Severity.ERROR) if d.code == "PG805" and d.severity is Severity.WARNING else d
-        for d in found.diagnostics
-    ]
-    return found
 
 
 def _locked_sources(path: Path) -> list[Path]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span, has_errors
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span, has_errors
 from plcgen.input.files import YAML_SUFFIXES
 from plcgen.inspection.compare.blocks import compare_blocks
 from plcgen.inspection.compare.jobs import compare_jobs
@@ -15,7 +16,7 @@ from plcgen.inspection.compare.planned import spec_snapshot
 from plcgen.inspection.compare.policy import Level
 from plcgen.inspection.compare.policyfile import load_policy
 from plcgen.inspection.compare.states import snapshot_of
-from plcgen.sources.blocks import read_sources
+from plcgen.sources.blocks import Sources, read_sources
 
 _DERIVED = frozenset({"code-changed", "start-value", "block-text", "member-comment", "constant-changed"})
 """What follows from a change of the spec anyway, where both sides are specs."""
@@ -60,7 +61,7 @@ def _both(old: Sequence[Path], new: Sequence[Path], *, classic: bool) -> tuple[S
     """Both states; a type that only one side's files declare serves the other side too."""
     if any(path.suffix.lower() in YAML_SUFFIXES for path in (*old, *new)):
         return snapshot(old, classic=classic), snapshot(new, classic=classic)
-    before, after = read_sources(old, classic=classic), read_sources(new, classic=classic)
+    before, after = _read(old, classic=classic), _read(new, classic=classic)
     lent = dict(before.types)
     for side, other in ((before, after.types), (after, lent)):
         for part in (side, *side.parts.values()):
@@ -73,11 +74,30 @@ def snapshot(paths: Sequence[Path], *, classic: bool = False) -> Snapshot:
     """State of a spec, or of files and folders; a spec stands alone."""
     specs = [path for path in paths if path.suffix.lower() in YAML_SUFFIXES]
     if not specs:
-        return snapshot_of(read_sources(paths, classic=classic), _label(paths))
+        return snapshot_of(_read(paths, classic=classic), _label(paths))
     if len(paths) > 1:
         message = "a spec is compared on its own: name it without other files"
         return Snapshot(_label(paths), diagnostics=[Diagnostic("PG632", message, Span(str(specs[0])))])
     return spec_snapshot(specs[0])
+
+
+def _read(paths: Sequence[Path], *, classic: bool) -> Sources:
+    """Read the sources of one side; what would never be compared is an error.
+
+    That is a second declaration of a block, and files in which there is no block at all, tag tables for example.
+    """
+    found = read_sources(paths, classic=classic)
+    found.diagnostics[:] = [
+        dataclasses.replace(d, severity=Severity.ERROR) if d.code == "PG805" else d for d in found.diagnostics
+    ]
+    if not found.blocks and not has_errors(found.diagnostics) and not _is_void(paths):
+        found.diagnostics.append(Diagnostic("PG804", "there is no block in these files", Span(str(paths[0]))))
+    return found
+
+
+def _is_void(paths: Sequence[Path]) -> bool:
+    """Whether there is nothing to read on purpose: git names the null device for a file that one side lacks."""
+    return all(path == Path(os.devnull) for path in paths)
 
 
 def _label(paths: Sequence[Path]) -> str:

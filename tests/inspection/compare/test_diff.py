@@ -557,3 +557,21 @@ def test_order_in_an_optimized_db_is_a_change(members: str, kinds: list[str], tm
     assert [change.kind for change in result.changes if change.kind.startswith("member")] == kinds
     as_opc = plcgen.diff(*paths, policy=["member-spelling=breaking"])
     assert bool(as_opc.failing("breaking")) is (kinds[0] in {"member-spelling", "member-removed"})
+
+
+def test_a_block_declared_twice(tmp_path):
+    """The second declaration is never compared: an error, whatever changed in the first."""
+    block = 'DATA_BLOCK "Buffer" STRUCT a : {}; END_STRUCT BEGIN END_DATA_BLOCK\n'
+    twice = block.format("INT") + block.format("{}")
+    result = diff(tmp_path, twice.format("INT"), twice.format("REAL"))
+    assert {(d.code, d.severity.label) for d in result.diagnostics} == {("PG805", "error")}
+    assert not result.readable
+
+
+@pytest.mark.parametrize("text", ["// nothing left\n", ""])
+def test_files_without_a_block(tmp_path, text):
+    """Nothing was compared: no differences would be a lie. Tag tables are no blocks either."""
+    result = diff(tmp_path, text, text, "scl")
+    assert {(d.code, d.severity.label) for d in result.diagnostics} == {("PG804", "error")}
+    assert not result.readable
+    assert not plcgen.lock(tmp_path / "old", out=tmp_path / "x.lock.yaml").ok
