@@ -213,7 +213,10 @@ def _joined(results: Sequence[Result]) -> Result:
 
 def attempt(procedure: Procedure) -> tuple[Failure | None, list[int]]:
     """Run a procedure on a CPU of its own; what failed, and the counters of coverage."""
-    bed = procedure.bed()
+    try:
+        bed = procedure.bed()
+    except (ScenarioError, KeyError) as problem:
+        return Failure(procedure.name, 0, f"the blocks cannot be called: {problem}", "", 0), []
     try:
         procedure.run(bed)
     except ScenarioError as problem:

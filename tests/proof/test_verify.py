@@ -331,3 +331,22 @@ def test_a_value_may_be_called_as_a_member_of_the_diagnostics_is(tmp_path: Path)
     result = api.verify(spec, faults="none")
     assert codes(result) == set()
     assert result.ok
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("read: [P50303]", "read: [P50305]"),
+        ("read: [P50303]", "read: [P50303, P50304]"),
+        ("P50304: 100.0", "P50304: null"),
+    ],
+)
+def test_the_folder_of_another_state_of_the_spec(tmp_path: Path, old: str, new: str) -> None:
+    """Whoever forgets generate gets failed checks, also of what all jobs do together, and no internal error."""
+    text = FAQ.read_text("utf-8")
+    assert old in text
+    (tmp_path / "job.yaml").write_text(text.replace(old, new), "utf-8")
+    result = api.verify(tmp_path / "job.yaml", GOLDEN)
+    assert not result.ok
+    failed = {check.id for check in result.checks() if check.outcome is Outcome.ERROR}
+    assert "together" in failed
