@@ -236,7 +236,7 @@ def test_decode_a_capture(plcgen, tmp_path):
     assert "capture.txt:5:1" in result.err
     tolerant = plcgen("ppi", "decode", "--file", "capture.txt", "--short", "--tolerant")
     assert "      33 ~ acknowledgement" in tolerant.out
-    assert "warning[PG710]: tolerated: byte 0: F9h is an acknowledgement" in tolerant.err
+    assert "warning[PG710]: tolerated: byte 0 of the frame at byte 33: F9h is an acknowledgement" in tolerant.err
 
 
 def test_decode_lines_that_are_wrong_each(plcgen):
@@ -250,6 +250,15 @@ def test_decode_raw_bytes(plcgen, tmp_path):
     (tmp_path / "line.bin").write_bytes(bytes.fromhex(VB100) + b"\xe5" + bytes.fromhex(POLL))
     result = plcgen("ppi", "decode", "--file", "line.bin", "-s")
     assert (result.code, len(result.out.splitlines())) == (0, 3)
+
+
+def test_decode_names_places_in_the_capture(plcgen, tmp_path):
+    """Where a file has no lines, the offset is all there is; in a frame the place in the frame stays."""
+    bad = ANSWER.replace(" ", "")[:-4] + "0016"  # another FCS
+    (tmp_path / "line.bin").write_bytes(bytes.fromhex(f"{VB100}00FF{POLL}{bad}"))  # 33, 2, 6, 28 bytes
+    result = plcgen("ppi", "decode", "--file", "line.bin", "-s")
+    assert "PG710]: byte 33: 2 bytes skipped" in result.err
+    assert "PG710]: byte 26 of the frame at byte 41: " in result.err
 
 
 def test_decode_json(plcgen):

@@ -35,6 +35,14 @@ def test_a_scheme_that_does_not_exist(name: str, help_: str) -> None:
     assert help_ in found.help
 
 
+def test_a_serial_server_without_its_scheme() -> None:
+    """A host and a number are no port of this machine."""
+    pytest.importorskip("serial")
+    with pytest.raises(LineError) as caught:
+        open_line("127.0.0.1:10222")
+    assert caught.value.diagnostics[0].help == 'did you mean "socket://127.0.0.1:10222"?'
+
+
 def test_a_serial_server_that_is_not_there() -> None:
     """An RFC 2217 server that refuses the connection is a line that cannot be opened."""
     pytest.importorskip("serial")

@@ -76,10 +76,22 @@ def _capture(hex_: Sequence[str], file: Path | None) -> tuple[Capture, dict[str,
 
 def _diagnostics(telegram: DecodedFrame, capture: Capture) -> list[Diagnostic]:
     return [
-        Diagnostic("PG710", f"{mark}byte {p.offset}: {p.message}", capture.span(telegram.offset + p.offset), severity)
+        Diagnostic(
+            "PG710",
+            f"{mark}{_place(telegram, p.offset)}: {p.message}",
+            capture.span(telegram.offset + p.offset),
+            severity,
+        )
         for mark, severity, problems in (
             ("", Severity.ERROR, telegram.problems),
             ("tolerated: ", Severity.WARNING, telegram.tolerated),
         )
         for p in problems
     ]
+
+
+def _place(telegram: DecodedFrame, offset: int) -> str:
+    """Where a byte is: in the capture, and in its frame if that begins later."""
+    if telegram.offset and telegram.framed:
+        return f"byte {offset} of the frame at byte {telegram.offset}"
+    return f"byte {telegram.offset + offset}"

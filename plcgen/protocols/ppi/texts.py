@@ -23,6 +23,7 @@ from plcgen.protocols.ppi.wire.pack import mismatches
 from plcgen.protocols.ppi.wire.sequence import FrameCountCheck
 from plcgen.protocols.ppi.wire.telegram import Examination, examine
 
+_NO_FRAME = "no frame"
 _REFERENCE = 11
 """Offset of the reference in an SD2 frame."""
 
@@ -54,6 +55,11 @@ class DecodedFrame:
     fields: tuple[TelegramField, ...]
     problems: tuple[Violation, ...]
     tolerated: tuple[Violation, ...]
+
+    @property
+    def framed(self) -> bool:
+        """Whether the bytes are, or start like, a frame."""
+        return self.kind != _NO_FRAME
 
     @property
     def table(self) -> DecodedTelegram:
@@ -108,7 +114,7 @@ def _telegram(piece: StreamPiece, context: _Context, *, tolerant: bool) -> Decod
         text = f"{count} skipped: no frame starts here"
         shown = data[:16].hex(" ").upper() + (" ..." if len(data) > 16 else "")
         field = TelegramField(0, data, "skipped", shown, "", problem=True)
-        return DecodedFrame(piece.offset, data, "no frame", text, (field,), (Violation(Kind.START, 0, text),), ())
+        return DecodedFrame(piece.offset, data, _NO_FRAME, text, (field,), (Violation(Kind.START, 0, text),), ())
     seen = examine(data)
     more, asked = context.follow(seen)
     violations = [*seen.violations, *more]

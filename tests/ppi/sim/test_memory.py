@@ -12,6 +12,7 @@ from plcgen.protocols.ppi.sim.cpu import BY_LEVEL, Mode, Service
 from plcgen.protocols.ppi.sim.profiles import profile, profiles
 from plcgen.protocols.ppi.wire.address import PpiAddressError
 from plcgen.protocols.ppi.wire.areas import Area, ReturnCode, TransportSize
+from plcgen.protocols.ppi.wire.codes import header_error
 from plcgen.protocols.ppi.wire.model import (
     AckReply,
     ErrorReply,
@@ -306,3 +307,9 @@ def test_what_is_written_is_read(start: int, data: bytes) -> None:
     if not fits:
         assert not any(station.cpu.memory.read(Item.memory(Area.V, 8192 - 212, 212)).data)
     assert ReturnCode.OK == OK
+
+
+def test_help_about_a_password_is_something_that_can_be_done() -> None:
+    """No command takes a password."""
+    assert "lower the protection level" in header_error(0xD602).help
+    assert "give the password, or" not in header_error(0xD602).help
