@@ -8,12 +8,10 @@ from dataclasses import replace
 
 from plcgen.cpu.linkage import Linkage
 from plcgen.diagnostics import Diagnostic, Span
-from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.blocks import Block, BlockKind
-from plcgen.s7.shapes import NO_MEMORY
+from plcgen.s7.shapes import NO_MEMORY, near_type
 from plcgen.s7.system import system_block
 from plcgen.s7.types import (
-    ELEMENTARY,
     ArrayType,
     DataType,
     Elementary,
@@ -103,7 +101,7 @@ def _report(type_: NamedType, span: Span, link: Linkage, *, library: bool) -> Di
     if library or name.upper() in SYSTEM_TYPES | INSTRUCTIONS or _LIBRARY.fullmatch(name):
         return Diagnostic("PG827", f"the members of {name} are not known to plcgen", span)
     declared = [block.name for key, block in link.types.items() if key not in link.opaque]
-    near = did_you_mean(name, [*declared, *ELEMENTARY])
+    near = near_type(name, declared)
     return Diagnostic("PG806", f"unknown data type {name}", span, help=near or "also name the file that declares it")
 
 

@@ -138,6 +138,7 @@ class _Cursor:
             self.causes = NO_DOUBTS
 
 
+_NUMBERED = re.compile(r"(?:UDT|S?FB)[0-9]+", re.IGNORECASE)
 _SYSTEM = re.compile(
     r"SF[BC][0-9]{1,3}|IEC_\w+|CT(?:U|D|UD)_\w+|T(?:CON|SEND|RCV|DISCON|USEND|URCV)(?:_\w+)?|T(?:ON|OF|P|ONR)_\w+"
     r"|(?:PID|MC|TO|MB|G7)_\w+|TMAIL_C|RALRM|GET|PUT|[BU]SEND|[BU]RCV|CONT_[CS]|PULSEGEN|CTRL_\w+|PROGRAM_ALARM"
@@ -379,7 +380,7 @@ class ShapeBuilder:
             self.report("PG806", f"{name}: references exist in blocks with optimized access only", span)
         else:
             known = (other for other, block in self._types.items() if block.kind in (BlockKind.UDT, BlockKind.FB))
-            near = did_you_mean(name, [*known, *ELEMENTARY])
+            near = near_type(name, known)
             help_text = near or "also name the file that declares it; several files and folders can be given"
             self.report("PG806", f"unknown data type {name}", span, help_text)
 
@@ -399,6 +400,11 @@ def declared_twice(member: Member, first: Member, owner: Span) -> Diagnostic:
     notes = (Note("first declared here", first.span),) if first.span else ()
     text = "S7 names do not tell upper case from lower case: give one of them another name"
     return Diagnostic("PG805", f'"{member.name}" is declared twice', member.span or owner, help=text, notes=notes)
+
+
+def near_type(name: str, declared: Iterable[str]) -> str:
+    """``did you mean "x"?`` for a name that is no type, or an empty string: one number says nothing about another."""
+    return "" if _NUMBERED.fullmatch(name) else did_you_mean(name, [*declared, *ELEMENTARY])
 
 
 def union(one: frozenset[str], other: frozenset[str]) -> frozenset[str]:

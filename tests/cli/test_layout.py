@@ -16,6 +16,17 @@ def source(tmp_path):
     return "d.db"
 
 
+def test_a_missing_type_with_a_number(plcgen, tmp_path):
+    """UDT 5 is no UDINT: what helps is its source. An array without bounds has a star."""
+    (tmp_path / "a.awl").write_text("DATA_BLOCK DB 1\nSTRUCT\n t : UDT 5;\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n")
+    result = plcgen("layout", "a.awl")
+    assert "did you mean" not in result.err
+    assert "also name the file that declares it" in result.err
+    block = 'FUNCTION_BLOCK "F"\nVAR_IN_OUT\n b : Array[*] of Byte;\nEND_VAR\nBEGIN\n;\nEND_FUNCTION_BLOCK\n'
+    (tmp_path / "f.scl").write_text(block)
+    assert "POINTER to ARRAY[*] OF BYTE" in plcgen("layout", "f.scl").out
+
+
 def test_out_never_overwrites_without_force(plcgen, source, tmp_path):
     """A file that exists stays as it is, exit code 1; --force replaces it."""
     assert plcgen("layout", source, "--out", "x.txt").code == 0
