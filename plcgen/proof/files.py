@@ -13,7 +13,7 @@ from plcgen.proof.folder import Folder
 from plcgen.proof.inventory import inventory, listed_files, owned_files
 from plcgen.scl.dialect import Dialect
 from plcgen.simaticml.reading.invariants import check_invariants
-from plcgen.sources.generated import generated_documents, generated_sources
+from plcgen.sources.generated import generated_documents, generated_sources, spec_of
 
 _DIALECTS = {
     Dialect.STEP7_V5: "S7-SCL of STEP 7 V5",
@@ -26,7 +26,9 @@ def check_files(project: Project, folder: Folder) -> Iterator[Check]:
     """Checks of the group ``files``."""
     known, problems = listed_files(folder.path)
     problems += inventory(project, folder.path, known)
-    yield _check("files.manifest", "files", f"{len(known)} files", problems, "complete, unchanged, nothing else")
+    stale = spec_of(folder.path) not in {None, project.loaded.digest}
+    text = f"{len(known)} files{', made from another state of the spec: run plcgen generate' * stale}"
+    yield _check("files.manifest", "files", text, problems, "complete, unchanged, nothing else")
     owned = owned_files(project, folder.path, known)
     if owned:
         yield Check("files.owned", "yours", ", ".join(owned), Outcome.OK, "not as generated: user_owned")

@@ -32,8 +32,20 @@ def known_files(data: bytes) -> dict[str, str]:
 
 def project_of(data: bytes) -> str | None:
     """Name of the project of a manifest; None if it says none."""
+    return _stated(data, "project")
+
+
+def spec_of(folder: Path) -> str | None:
+    """Digest of the spec that the files of a folder were made from; None if its manifest does not say."""
     try:
-        found = json.loads(data).get("project")
+        return _stated(read_bounded(folder / MANIFEST, MAX_MANIFEST), "spec_sha256")
+    except OSError:
+        return None
+
+
+def _stated(data: bytes, key: str) -> str | None:
+    try:
+        found = json.loads(data).get(key)
     except (ValueError, AttributeError, RecursionError):
         return None
     return found if isinstance(found, str) else None

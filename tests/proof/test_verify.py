@@ -350,3 +350,5 @@ def test_the_folder_of_another_state_of_the_spec(tmp_path: Path, old: str, new: 
     assert not result.ok
     failed = {check.id for check in result.checks() if check.outcome is Outcome.ERROR}
     assert "together" in failed
+    text = next(check.text for check in result.checks() if check.id == "files.manifest")
+    assert "another state of the spec: run plcgen generate" in text
