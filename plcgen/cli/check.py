@@ -22,6 +22,11 @@ if TYPE_CHECKING:
 
 TARGETS = ("v5", "tia-300", "tia-1500")
 IEC_CHECKS = ("on", "off", "as-stated")
+_TABLE = "--program takes symbol tables with --tags"
+_BESIDE = {
+    ".xml": "--program reads documents beside sources, plcgen convert --to scl makes sources of them",
+    ".sdf": _TABLE, ".asc": _TABLE, ".csv": _TABLE,
+}  # fmt: skip
 MAX_READ = 16 * 1024 * 1024
 """So many bytes of a source are searched for what its comments allow."""
 Subject = tuple[str, Sequence["Diagnostic"]]
@@ -176,6 +181,8 @@ def _sorted(paths: tuple[Path, ...], *, program: bool) -> tuple[list[Path], list
             specs += inside
             made = [default_folder(spec) for spec in inside]  # what plcgen made of these is for verify
             sources += [source for source in below if not any(map(source.is_relative_to, made))]
+        elif suffix in _BESIDE:
+            raise click.UsageError(f"{path} is no spec and no PLC source (.scl .udt .db .awl): {_BESIDE[suffix]}")
         else:
             specs.append(path)
     return list(dict.fromkeys(specs)), list(dict.fromkeys(sources))

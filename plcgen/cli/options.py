@@ -33,7 +33,8 @@ class _NamedPath(click.Path):
         return super().convert(value, param, ctx)
 
 
-PATH = _NamedPath(path_type=Path)
+PATH = _NamedPath(path_type=Path, readable=False)
+"""What cannot be read is a problem of the file, not of the command line."""
 
 
 def _quiet(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
@@ -49,7 +50,9 @@ def _color(ctx: click.Context, _param: click.Parameter, value: Any) -> None:
 def common_options() -> list[click.Parameter]:
     """``--quiet`` and ``--color``, which work before and behind the verb."""
     return [
-        click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=_quiet, help="Show only problems."),
+        click.Option(
+            ["-q", "--quiet"], is_flag=True, expose_value=False, callback=_quiet, help="Show only diagnostics."
+        ),
         click.Option(
             ["--color"],
             type=click.Choice(["auto", "always", "never"]),

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from plcgen.api import default_folder
 from plcgen.input.files import YAML_SUFFIXES
 
 MAX_SEEN = 200_000
@@ -75,9 +76,16 @@ def find_specs(paths: Sequence[Path]) -> list[Path]:
 
 
 def one_folder(specs: Sequence[Path], folder: Path | None) -> None:
-    """Refuse ``--out`` for several specs: each has a folder of its own."""
+    """Refuse ``--out`` for several specs, and specs that differ in their suffix only: each has a folder of its own."""
     if folder is not None and len(specs) > 1:
         raise click.UsageError(f"--out is the folder of one spec, not of {len(specs)}: leave it out, or name one spec")
+    made: dict[Path, Path] = {}
+    for spec in specs:
+        other = made.setdefault(default_folder(spec), spec)
+        if other != spec:
+            raise click.UsageError(
+                f"{other} and {spec} have the same folder {default_folder(spec)}: rename one of them"
+            )
 
 
 def _files(folder: Path) -> Iterator[Path]:

@@ -92,6 +92,10 @@ def command(
         _one_spec(specs, "--shard" if shard is not None else "--merge")
     if shard is not None:
         _only(shard=merge or scheduler or drive or oracle)
+        if format_.name not in {"text", "json"}:
+            raise click.UsageError(
+                f"the result of a shard is JSON, not {format_.name}: --format is for the run that merges"
+            )
         return _shard(specs[0], folder, shard, faults, kept, output, engine=engine)
     shards = tuple(_shards(merge))
     found = []

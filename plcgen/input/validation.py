@@ -290,7 +290,8 @@ class _Teller:
             number = isinstance(node.value, str) and not node.plain and isinstance(resolve_plain(node.raw), int | float)
             help_ = "remove the quotes" if number else ""
             if error["type"] in {"tuple_type", "list_type"}:
-                help_ = f"write [{node.raw}]" if node.raw else "put it in [ ], or each on a line of its own: - one"
+                written = node.raw if node.plain else f'"{node.raw}"'
+                help_ = f"write [{written}]" if node.raw else "put it in [ ], or each on a line of its own: - one"
             return Diagnostic("PG106", f"expected {_EXPECTED[error['type']]}{given}", node.span, help=help_)
         if error["type"] in {"literal_error", "enum"}:
             options = [option.strip(" '") for option in error["ctx"]["expected"].replace(" or ", ",").split(",")]

@@ -565,3 +565,15 @@ def test_an_excerpt_is_in_the_encoding_of_its_file(plcgen, tmp_path, encoding):
     (tmp_path / "a.scl").write_bytes((head + GOOD.replace("#first + 1", "#first +")).encode(encoding))
     line = next(text for text in GOOD.splitlines() if "#first + 1" in text).replace("#first + 1", "#first +")
     assert line.strip() in plcgen("check", tmp_path / "a.scl").out
+
+
+@pytest.mark.parametrize(
+    ("name", "better"), [("T.xml", "plcgen convert --to scl"), ("s.sdf", "--tags"), ("s.csv", "--tags")]
+)
+def test_a_file_that_is_read_beside_sources_only(plcgen, tmp_path, name, better):
+    """A document or a table was taken for a spec, and the help said how to write one."""
+    (tmp_path / name).write_text("<Document/>\n")
+    result = plcgen("check", name)
+    assert result.code == 2
+    assert "no spec and no PLC source" in result.err
+    assert better in result.err

@@ -92,6 +92,12 @@ def test_mistakes(plcgen, tmp_path, text, expected):
     for code, line, column, message in expected:
         assert f"error[{code}]: {message}\n --> plcgen.toml:{line}:{column}\n" in result.err
     assert result.err.count("error[") == len(expected)
+
+
+def test_help_in_the_language_of_the_file(plcgen, tmp_path):
+    """TOML has no words without quotes."""
+    (tmp_path / "plcgen.toml").write_text('[lock]\npolicy = "p.yaml"\n', "utf-8")
+    assert 'help: write ["p.yaml"]' in plcgen("lock", "--check").err
     assert plcgen("check", "-h").code == 0
     assert plcgen("explain", "PG101").code == 0
 

@@ -15,6 +15,12 @@ from plcgen.cli import main, output
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 
 
+def test_a_file_without_rights_is_a_problem_of_the_file(plcgen, good, monkeypatch):
+    """Not wrong usage: what reads it says what is wrong."""
+    monkeypatch.setattr("os.access", lambda *_, **__: False)
+    assert plcgen("check", good).code == 0
+
+
 def test_version(plcgen):
     """Name and version on stdout, exit code 0."""
     for option in ("--version", "-V"):

@@ -157,6 +157,15 @@ def test_verify_several_for_machines(plcgen, machines):
     assert found["github"].startswith("::")
 
 
+def test_specs_of_one_output_folder(plcgen, machines):
+    """The second would replace the files of the first."""
+    shutil.copy(machines / "press.yaml", machines / "press.yml")
+    for verb in ("generate", "verify"):
+        result = plcgen(verb, "machines")
+        assert result.code == 2
+        assert "press.yaml and machines/press.yml have the same folder" in result.err
+
+
 def test_one_folder_for_one_spec(plcgen, machines):
     """--out names the folder of one spec."""
     for verb in ("generate", "verify"):

@@ -139,6 +139,14 @@ def test_a_shard_that_cannot_be_is_wrong_use(text: str, tmp_path: Path) -> None:
     assert "shard" in done.errors
 
 
+def test_the_format_of_a_shard_is_json(tmp_path: Path) -> None:
+    """A pipeline that asks for JUnit must not get JSON with that name."""
+    (tmp_path / "a.yaml").write_text(SPEC)
+    done = run("verify", tmp_path / "a.yaml", "--shard", "1/2", "--format", "junit", "--output", tmp_path / "a.xml")
+    assert (done.exit_code, (tmp_path / "a.xml").exists()) == (2, False)
+    assert "not junit" in done.errors
+
+
 def test_an_executor_of_the_caller(plant: tuple[Path, Verification]) -> None:
     """Processes of Python's own pool, which know nothing of the project, give the same report."""
     import multiprocessing
