@@ -111,3 +111,19 @@ def test_docker() -> None:
     }
     assert copied == needed | {"pyproject.toml"}
     assert all((ROOT / name).exists() for name in copied)
+
+
+def test_git_diff_goes_on_after_a_version_that_cannot_be_read(repository: Path) -> None:
+    """The command of docs/diff.md: git ends at the first file whose command does not end with 0."""
+    (command,) = (
+        line[2:] for line in (ROOT / "docs/diff.md").read_text("utf-8").splitlines() if "$ git config" in line
+    )
+    (repository / ".gitattributes").write_text("*.db diff=plcgen\n")
+    db = 'DATA_BLOCK "{}" STRUCT a : {}; END_STRUCT BEGIN END_DATA_BLOCK\n'
+    for name in "AB":
+        (repository / f"{name}.db").write_text(db.format(name, "INT"))
+    assert run(f"git init --quiet . && git add . && {command}", repository).returncode == 0
+    (repository / "A.db").write_text(db.format("A", "???"))
+    (repository / "B.db").write_text(db.format("B", "REAL"))
+    done = run("git diff", repository)
+    assert (done.returncode, "a: INT -> REAL" in done.stdout) == (0, True), done
