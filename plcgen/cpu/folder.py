@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -10,15 +11,17 @@ from pathlib import Path
 
 from plcgen.cpu.program import Program, Source
 from plcgen.cpu.type_rules import IecCheck
-from plcgen.diagnostics import Diagnostic, DiagnosticError, has_errors
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span, has_errors
+from plcgen.input.files import read_bounded
 from plcgen.s7.blocks import BlockKind
 from plcgen.scl.dialect import Dialect
 from plcgen.simaticml.reading.documents import read_simaticml, read_tag_table
 from plcgen.sources.generated import generated_documents, generated_sources
-from plcgen.sources.symbols import SUFFIXES, read_rows
-from plcgen.sources.text import load_text
+from plcgen.sources.symbols import MAX_BYTES, SUFFIXES, read_rows
+from plcgen.sources.text import decode_source, load_text
 
 Tags = dict[str, str | tuple[str, str]]
+_COLUMNS = ("name", "data type", "logical address")
 _HEAD = 1000
 _CODE, _DATA = re.compile(rb"<SW\.Blocks\.(FB|FC|OB) "), re.compile(rb"<SW\.(Tags|Blocks\.(GlobalDB|InstanceDB))")
 
@@ -124,7 +127,11 @@ def read_tag_file(path: Path | str) -> Tags:
             raise DiagnosticError(found)
         return {symbol: (address, type_) for symbol, address, type_ in rows if type_}
     if path.suffix.lower() != ".xml":
-        return read_tags(path)
+        tags = read_tags(path)
+        if not tags:
+            message = "there is no tag in this file: expected name, data type, logical address"
+            raise DiagnosticError([Diagnostic("PG804", message, Span(str(path)))])
+        return tags
     tables, problems = read_tag_table(path)
     if has_errors(problems):
         raise DiagnosticError(problems)
@@ -132,10 +139,28 @@ def read_tag_file(path: Path | str) -> Tags:
 
 
 def read_tags(path: Path | str) -> Tags:
-    """Tag table as CSV: name, data type, logical address, comment; what separates them is told by the header line."""
-    with Path(path).open(encoding="utf-8-sig", newline="") as file:
-        header = file.readline()
-        file.seek(0)
-        separator = ";" if header.count(";") > header.count(",") else ","
-        rows = [row for row in csv.reader(file, delimiter=separator) if len(row) >= 3]
-    return {row[0].strip(): (row[2].strip().removeprefix("%"), row[1].strip()) for row in rows[1:]}
+    """Tag table as CSV: name, data type, logical address, in this order or as the titles of the first line say.
+
+    What separates the columns is told by the first line. Raises DiagnosticError (PG802, PG804) for what is no text.
+    """
+    path = Path(path)
+    data = read_bounded(path, MAX_BYTES)
+    if data.startswith(b"PK\x03\x04"):
+        text: str | Diagnostic = Diagnostic("PG804", "a workbook, not text", Span(str(path)), help="save it as CSV")
+    elif len(data) > MAX_BYTES:
+        text = Diagnostic("PG802", f"the tag table has more than {MAX_BYTES} bytes", Span(str(path)))
+    else:
+        text = decode_source(data, str(path))
+    if isinstance(text, Diagnostic):
+        raise DiagnosticError([text])
+    header = text.partition("\n")[0]
+    separator = ";" if header.count(";") > header.count(",") else ","
+    rows = [row for row in csv.reader(io.StringIO(text, newline=""), delimiter=separator) if len(row) >= len(_COLUMNS)]
+    titles = [cell.strip().lower() for cell in rows[0]] if rows else []
+    name, type_, address = (titles.index(title) if title in titles else n for n, title in enumerate(_COLUMNS))
+    titled = bool(rows) and not any(map(str.isdigit, rows[0][address]))
+    return {
+        row[name].strip(): (row[address].strip().removeprefix("%"), row[type_].strip())
+        for row in rows[titled:]
+        if len(row) > max(name, type_, address)
+    }

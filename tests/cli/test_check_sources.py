@@ -577,3 +577,42 @@ def test_a_file_that_is_read_beside_sources_only(plcgen, tmp_path, name, better)
     assert result.code == 2
     assert "no spec and no PLC source" in result.err
     assert better in result.err
+
+
+TAGGED = 'FUNCTION_BLOCK "P"\nBEGIN\n  "Gr\u00f6\u00dfe" := "Taste";\nEND_FUNCTION_BLOCK\n'
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "Name;Data Type;Logical Address;Comment\nGr\u00f6\u00dfe;Bool;%Q0.0;\nTaste;Bool;%I0.0;\n",
+        "Name,Path,Data Type,Logical Address\nGr\u00f6\u00dfe,T,Bool,%Q0.0\nTaste,T,Bool,%I0.0\n",  # of TIA's workbook
+        "Symbol;Type;Address\nGr\u00f6\u00dfe;Bool;Q0.0\nTaste;Bool;I0.0\n",
+        "Gr\u00f6\u00dfe,Bool,%Q0.0\nTaste,Bool,%I0.0\n",  # no titles: the first line counts
+    ],
+)
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "cp1252", "utf-16"])
+def test_tags_as_csv(plcgen, tmp_path, table, encoding):
+    """As Excel and the TIA Portal write them: titles in any order or none, in the encodings of Windows."""
+    (tmp_path / "p.scl").write_text(TAGGED, "utf-8-sig")
+    (tmp_path / "t.csv").write_bytes(table.encode(encoding))
+    result = plcgen("check", "p.scl", "--program", "--target", "tia-1500", "--tags", "t.csv")
+    assert (result.code, result.out) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "words"),
+    [
+        ("t.xlsx", b"PK\x03\x04\xb0\xfc", "a workbook, not text"),
+        ("t.csv", b"", "there is no tag in this file"),
+        ("t.csv", b"\xff\x00\x01,\x81\n", "PG804"),
+    ],
+)
+def test_tags_of_which_none_can_be_read(plcgen, tmp_path, name, data, words):
+    """An error of the table, not of every name in the program, and no bug in plcgen."""
+    (tmp_path / "p.scl").write_text(TAGGED, "utf-8-sig")
+    (tmp_path / name).write_bytes(data)
+    result = plcgen("check", "p.scl", "--program", "--target", "tia-1500", "--tags", name)
+    assert result.code == 1
+    assert words in result.err + result.out
+    assert "PG820" not in result.err + result.out
