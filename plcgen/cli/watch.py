@@ -41,7 +41,8 @@ def watch_option(*, generated: bool) -> Callable[[Callback], Callback]:
                 code: int = verb(**given)
                 return code
             if given["format_"].name != "text" and given.get("output") is None:
-                raise click.UsageError("--watch shows text; a result in another format needs a file: --output FILE")
+                file = "; a result in another format needs a file: --output FILE" if "output" in given else " only"
+                raise click.UsageError(f"--watch shows text{file}")
             return again(console(), lambda: verb(**given), lambda: state(_files(given, generated=generated)))
 
         return click.option("--watch", is_flag=True, help="Run again when a file changes, until Ctrl-C.")(watching)  # type: ignore[return-value]

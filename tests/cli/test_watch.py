@@ -112,6 +112,8 @@ def test_a_stream_of_results_is_refused(folder: Path, monkeypatch: pytest.Monkey
     """JSON needs a file, which is written again by each run and is no change itself."""
     code, _, err = watched(monkeypatch, ["check", "job.yaml", "--json"])
     assert (code, "needs a file: --output FILE" in err) == (2, True)
+    code, _, err = watched(monkeypatch, ["generate", "job.yaml", "--watch", "--json"])
+    assert (code, "--watch shows text only" in err) == (2, True)  # generate has no --output
     code, out, _ = watched(monkeypatch, ["check", "job.yaml", "--json", "-o", "found.json"], nothing, nothing)
     assert (code, out) == (0, "")
     assert (folder / "found.json").stat().st_size > 0
