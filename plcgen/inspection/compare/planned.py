@@ -21,8 +21,9 @@ def spec_snapshot(path: Path) -> Snapshot:
     snapshot = _rendered(project, path.as_posix())
     snapshot.jobs = {job.key: job for plan in project.plans for job in plan.protocol.job_states(plan)}
     snapshot.drives = {link.key: link for plan in project.plans for link in plan.protocol.link_states(plan)}
-    types = (buffer.type for plan in project.plans for buffer, _ in plan.protocol.buffers(plan))
-    snapshot.mirrored = frozenset(type_.name.upper() for type_ in types)
+    buffers = (buffer for plan in project.plans for buffer, _ in plan.protocol.buffers(plan))
+    mirrored = (block for buffer in buffers for block in (buffer.type, buffer.db) if block is not None)
+    snapshot.mirrored = frozenset(block.name.upper() for block in mirrored)
     return snapshot
 
 

@@ -11,15 +11,16 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span, has_
 from plcgen.input.files import YAML_SUFFIXES
 from plcgen.inspection.compare.blocks import compare_blocks
 from plcgen.inspection.compare.jobs import compare_jobs
-from plcgen.inspection.compare.model import Comparison, Snapshot
+from plcgen.inspection.compare.model import Change, Comparison, Snapshot
 from plcgen.inspection.compare.planned import spec_snapshot
 from plcgen.inspection.compare.policy import Level
 from plcgen.inspection.compare.policyfile import load_policy
 from plcgen.inspection.compare.states import snapshot_of
 from plcgen.sources.blocks import Sources, read_sources
 
-_DERIVED = frozenset({"code-changed", "start-value", "block-text", "member-comment", "constant-changed"})
-"""What follows from a change of the spec anyway, where both sides are specs."""
+_DERIVED = frozenset({"block-text", "member-comment"})
+"""What follows from a change of the spec anyway, where both sides are specs. Code and start values do not: which bit an
+input writes, what a sequence waits for and the records of a recipe are in no telegram."""
 
 
 def compare(
@@ -47,14 +48,15 @@ def compare_snapshots(old: Snapshot, new: Snapshot, policy: Mapping[str, Level])
     blocks = compare_blocks(old.blocks, new.blocks, policy, comments=old.complete and new.complete)
     if old.jobs is not None and new.jobs is not None:
         twins = old.mirrored & new.mirrored
-        blocks = [c for c in blocks if c.kind not in _DERIVED and not _is_twin(c.subject, twins)]
+        blocks = [c for c in blocks if c.kind not in _DERIVED and not _is_twin(c, twins)]
         blocks = [dataclasses.replace(change, old_span=None, new_span=None) for change in blocks]
     return Comparison(old.label, new.label, (*changes, *blocks), diagnostics, len(new.blocks))
 
 
-def _is_twin(subject: str, names: frozenset[str]) -> bool:
-    kind, _, name = subject.partition(" ")
-    return kind.startswith("UDT") and name.strip('"').upper() in names
+def _is_twin(change: Change, names: frozenset[str]) -> bool:
+    """Whether the comparison of the telegrams says the same."""
+    kind, _, name = change.subject.partition(" ")
+    return name.strip('"').upper() in names and (kind.startswith("UDT") or change.kind == "start-value")
 
 
 def _both(old: Sequence[Path], new: Sequence[Path], *, classic: bool) -> tuple[Snapshot, Snapshot]:

@@ -371,13 +371,48 @@ def test_one_token_in_a_long_body(tmp_path):
 
 
 def test_what_follows_from_a_spec_is_not_repeated(tmp_path):
-    """Code and comments of generated blocks say nothing that the jobs do not say."""
+    """Comments, titles and the start values of request DBs say nothing that the jobs do not say."""
     path = tmp_path / "job.yaml"
+    path.write_text(SPEC.replace("P50304: 100.0", "P50304: 50.0"), encoding="utf-8")
+    assert {(c.kind, c.subject) for c in plcgen.diff(FAQ, path).changes} == {("telegram-value", "job write_ramp_down")}
     path.write_text(SPEC.replace("read: [P50303]", "read: [P50304]"), encoding="utf-8")
     kinds = {c.kind for c in plcgen.diff(FAQ, path).changes}
     assert "telegram-field" in kinds
-    assert not kinds & {"code-changed", "start-value", "member-comment", "block-text", "constant-changed"}
+    assert not kinds & {"start-value", "member-comment", "block-text"}
     assert not any(c.subject.startswith("UDT") for c in plcgen.diff(FAQ, path).changes)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("s7-1500_s120_bico", "P1030.2: {", "P1030.3: {"),
+        ("s7-1500_s210_sequence", "r722.0: 1, r722.1: 0", "r722.0: 0, r722.1: 0"),
+        ("s7-1500_s210_sequence", "P10: 1, timeout", "P10: 2, timeout"),
+        ("s7-1500_s120_save", "distance: 60min", "distance: 50min"),
+        ("s7-1200_s120_recipe", "currentLimit: 18.0", "currentLimit: 28.0"),
+        ("s7-1500_g120_compare", "P1082: 1500.0", "P1082: 1600.0"),
+    ],
+)
+def test_what_no_telegram_says(tmp_path, name, old, new):
+    """Which bit an input writes, what a sequence waits for, records and limits are in code and data only."""
+    spec, path = ROOT / "specs" / f"{name}.yaml", tmp_path / f"{name}.yaml"
+    text = spec.read_text("utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), "utf-8")
+    assert plcgen.diff(spec, path).changes
+    plcgen.lock(spec, out=tmp_path / "x.lock.yaml")
+    assert plcgen.check_lock(path, lock=tmp_path / "x.lock.yaml").changes
+
+
+def test_symbols_of_a_station_that_change_places(tmp_path):
+    """One item holds both values: its telegram stays, but level and pressure are exchanged."""
+    head = "plc: {name: a, family: s7-1200, toolchain: tia-v19}\nppi: {m: {module: cm1241, port: 270, stations: "
+    jobs = "}}, jobs: {j: {station: p, read: [level, pressure]}}}}\n"
+    for side, symbols in (("old", "level: VW10, pressure: VW12"), ("new", "level: VW12, pressure: VW10")):
+        (tmp_path / f"{side}.yaml").write_text(f'{head}{{p: {{address: 2, cpu: "224", symbols: {{{symbols}}}{jobs}')
+    result = plcgen.diff(tmp_path / "old.yaml", tmp_path / "new.yaml")
+    assert result.diagnostics == ()
+    assert [(c.kind, c.subject) for c in result.changes] == [("code-changed", 'FB "MPpiMaster"')]
 
 
 def test_code_in_simaticml_is_the_scl_it_says(tmp_path):
