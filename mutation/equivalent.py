@@ -68,7 +68,9 @@ EQUIVALENT = {
     r"^DriveChannel: 0 -> 1: FOR tempByte := 0 TO LIMIT\(.*\(2\)$": (
         "an answer without a byte does not occur; of one, BLKMOV on S7-300/400 moves a byte into the data block as well"
     ),
-    r"^\w+: 3 -> 4: tempSize := 3;": "a value of three bytes and its pad are four, and it is not the last one",
+    r"^\w+: (3 -> 4: tempSize := 3;|1 -> 2: tempSize := 1; \(3\)$)": (
+        "a value of one or three bytes has a pad behind it: it is not the last one"
+    ),
     r"^DriveChannel: dropped: statAsk := statAsk MOD 30000 \+ 1 \(2\)$": (
         "a pause gives the place back; until the gate has taken it, it is this channel's under the old number, too"
     ),
@@ -120,12 +122,28 @@ EQUIVALENT = {
     r"^CheckRecipe: exchanged: FOR tempIndex := 300": "two pieces of one input, whichever is copied first",
     r"^CheckDrive: \d+ -> \d+: FOR tempPart := 0 TO": "behind the wanted answer are zeros: no value",
     r"^CheckDrive: DW#16#0000FFFF -> \S+: .*\.wanted :=": "a source has more digits than a REAL: the last bit is lost",
+    r"^ppi_cp341: (< -> <=|0 -> 1): IF tempElapsed < 0 THEN": (
+        "0 and 2147483648 are -2147483648 in a DINT, which is before the end of every time, as 0 is"
+    ),
+    r"^\w+: 1 -> 2: statReference := 1;": "any reference will do that is neither 0 nor the one before",
+    r"^\w+: \+ -> -: (statSend\[4\]|\"MPpi_Buffer\"\.send\[5\]) := WORD_TO_BYTE\(.* \(1\)$": (
+        "the own address is 0 here, and so is what is added; with another one the poll is damaged"
+    ),
+    r"^ppi_(cm1241(?!.*\(2)|cp341(?!.*\(1)): \S+ -> \S+: FOR tempIndex := 0 TO tempLength - 1 DO": (
+        "no sum that is used begins with the first byte, or ends with the last two; behind a message is room for more"
+    ),
+    r"^\w+: 1 -> 2: tempCount := WORD_TO_INT\(BYTE_TO_WORD\(statReceive\[tempPosition \+ 1": (
+        "both lengths of a head are the same, or it is none"
+    ),
+    r'^\w+: 8 -> 9: "M(All|Long2)_Response"\.valueLength\d? := SHL': (
+        "the length was compared before, and is less than 256: its first byte is 0"
+    ),
     r"^\w+: 0 -> 1: tempCount := 0;": "fewer than three bytes are no frame of PPI, whether none or one",
 }
-"""Reasons by block, description of a mutant without the # of the TIA Portal, and its turn among those alike."""
+"""Reasons by block or spec, description of a mutant without the # of the TIA Portal, and its turn among those alike."""
 
 
 def reason(case: Case) -> str:
     """Why a mutant behaves like the original; empty if it should be noticed."""
-    text = f"{PurePath(case.file).stem}: {classic(case.mutant.what)} ({case.turn})"
-    return next((why for pattern, why in EQUIVALENT.items() if re.search(pattern, text)), "")
+    texts = [f"{name}: {classic(case.mutant.what)} ({case.turn})" for name in (PurePath(case.file).stem, case.spec)]
+    return next((why for pattern, why in EQUIVALENT.items() if any(re.search(pattern, text) for text in texts)), "")

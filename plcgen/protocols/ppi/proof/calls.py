@@ -30,10 +30,11 @@ def cpu_scenarios(scans: int, clock_end: int, ob1: int, *, retentive: bool, ever
         yield PpiScenario(
             name=f"warm restart in scan {scan}", happens={scan: "warm"}, retries=None, polls=None, status=status
         )
-    yield PpiScenario(
-        name="a scan as long as the timeout", happens={scans // 4: "jump"}, status=(WORDS["TIMEOUT"],),
-        retries=None, polls=None,
-    )  # fmt: skip
+    for scan in spread(scans // 4, scans * 3 // 4, scans if every else MOMENTS):
+        ends = (WORDS["TIMEOUT"],) if scan <= scans // 3 else (WORDS["TIMEOUT"], DONE)  # the job may be over before
+        yield PpiScenario(
+            name=f"scan {scan} is as long as the timeout", happens={scan: "jump"}, status=ends, retries=None, polls=None
+        )
     for scan in spread(2, scans // 3, scans // 6):
         yield PpiScenario(
             name=f"scans {scan} and {scan + 1} are as long as the timeout", happens={scan: "jump", scan + 1: "jump"},
@@ -44,6 +45,7 @@ def cpu_scenarios(scans: int, clock_end: int, ob1: int, *, retentive: bool, ever
     )
     for length in sorted({1, min(3, ob1), min(20, ob1), ob1}):
         yield PpiScenario(name=f"scans of {length} ms", scan=length, retries=None, polls=None)
+    yield PpiScenario(name="two calls in every millisecond", scan=1, twice=True, retries=None, polls=None)
     for number in range(5):
         yield PpiScenario(name=f"scans of random length {number}", wild=True, retries=None, polls=None)
     for before in (5, 60, 150):

@@ -11,7 +11,7 @@ from plcgen.protocols.ppi.proof.limits import StateLimits
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import PpiScenario
 from plcgen.protocols.ppi.proof.tables import litter
-from plcgen.protocols.ppi.proof.words import CLOCK_END, DONE, DRAIN_MS, WORDS
+from plcgen.protocols.ppi.proof.words import CLOCK_END, DONE, DRAIN_MS, GAP_BITS, LONGEST, WORDS
 
 LATE_CALLS, LATE_MS = 15, 100
 SILENT_CALLS = 4
@@ -105,6 +105,8 @@ class MasterConduct:
         """Inputs count in the call that starts the job; later they are something else."""
         self.rig.put_inputs(wrong=not run.fresh)
         longest = self.rig.master.ob1_cycle
+        if run.scenario.twice and run.scans % 2 == 0:
+            return 0
         return run.random.randint(0, longest) if run.scenario.wild else min(run.scenario.scan, longest)
 
     def start(self, run: Run[PpiScenario]) -> None:
@@ -129,7 +131,7 @@ class MasterConduct:
             and not run.scenario.gone
             and not run.scenario.refusals
         ):
-            self.check_settings()
+            self.check_settings(done=status == DONE)
         self.configured = status in {DONE, WORDS["ITEM_ERROR"], WORDS["REFUSED"]}
         End(self.rig, run.scenario, self.codes).check(status)
         if run.scenario.clock is not None and not self.rig.plan.target.classic and self.rig.clock() >= CLOCK_END:
@@ -144,12 +146,17 @@ class MasterConduct:
             if more is not None and now - before != more:
                 raise ScenarioError(f"diagnostics.{name}Frames counts {now - before} frames instead of {more}")
 
-    def check_settings(self) -> None:
-        """Port_Config and Receive_Config run after power-up and after a failure, once, and not again."""
+    def check_settings(self, *, done: bool) -> None:
+        """Port_Config and Receive_Config run after power-up and after a failure, once, and not again; ``done``: the
+        module has what they set.
+        """
         wanted, port = int(not self.configured), self.rig.port
         if port.configured != wanted or port.conditioned != wanted:
             found = f"Port_Config set the port {port.configured} times, Receive_Config {port.conditioned} times"
             raise ScenarioError(f"{found}, not {wanted}")
+        gap, most = port.settings.gap_bits, port.settings.max_length
+        if done and (gap, most) != (GAP_BITS, LONGEST):
+            raise ScenarioError(f"a message ends after a gap of {gap} bit times or {most} bytes")
 
     def behind(self, run: Run[PpiScenario]) -> None:
         """The line and the module are well again."""

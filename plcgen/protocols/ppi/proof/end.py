@@ -95,10 +95,13 @@ class End:
                 raise ScenarioError(f"diagnostics.{name} is {rig.db.get(name)} instead of {value} (16#{status:04X})")
 
     def check_frames(self, status: int) -> None:
-        """Every request is a planned telegram, FCB alternates, a repetition is the same, nothing runs twice."""
+        """Requests are the planned telegrams in turn, FCB alternates, a repetition is the same, nothing runs twice."""
         rig, job = self.rig, self.job
+        syncs = [sync.request.data for sync in rig.master.syncs if sync.station is job.station]
         planned = [rig.planned(job, telegram) for telegram in job.telegrams]
-        planned += [sync.request.data for sync in rig.master.syncs if sync.station is job.station]
+        if job.kind != "read" and job.station.address not in self.codes:
+            planned = [*syncs, *planned]
+        requests: list[bytes] = []
         last: bytes | None = None
         repeated = asked = 0
         for data in (data for _, data in rig.port.sent):
@@ -116,10 +119,14 @@ class End:
             last = data
             if asked > rig.master.polls:
                 raise ScenarioError(f"{asked} polls of one request")
-            if isinstance(frame, VariableFrame) and _neutral(data) not in {_neutral(request) for request in planned}:
-                raise ScenarioError(f"sent {data.hex(' ').upper()}, which is not one of the planned telegrams")
+            if isinstance(frame, VariableFrame) and not repeated:
+                requests.append(data)
             if repeated and self.scenario.measured:
                 raise ScenarioError(f"{data.hex(' ')} was repeated although nothing was lost")
+        if self.scenario.restarts:
+            _planned(requests, [*syncs, *planned])
+        else:
+            _in_turn(requests, planned, whole=status == DONE)
         self.check_sync()
         if status not in {DONE, WORDS["ITEM_ERROR"], WORDS["REFUSED"]}:
             self.codes.pop(job.station.address, None)
@@ -155,6 +162,23 @@ class End:
         runs = sum(happening != "drop" for happening in self.scenario.happens.values()) + 1
         if status == DONE and not len(job.telegrams) <= len(own) <= runs * (len(job.telegrams) + 1):
             raise ScenarioError(f"{len(own)} requests were executed for {len(job.telegrams)} telegrams")
+
+
+def _in_turn(requests: list[bytes], planned: list[bytes], *, whole: bool) -> None:
+    """Every request is the planned telegram whose turn it is; ``whole``: all of them were sent."""
+    for sent, wanted in zip(requests, planned, strict=False):
+        _planned([sent], [wanted])
+    _planned(requests[len(planned) :], [])
+    if whole and len(requests) < len(planned):
+        raise ScenarioError(f"sent were {len(requests)} requests of {len(planned)}")
+
+
+def _planned(requests: list[bytes], planned: list[bytes]) -> None:
+    """Every request is one of these telegrams."""
+    known = {_neutral(request) for request in planned}
+    for sent in requests:
+        if _neutral(sent) not in known:
+            raise ScenarioError(f"sent {sent.hex(' ').upper()}, which is not the planned telegram")
 
 
 def _neutral(frame: bytes) -> bytes:

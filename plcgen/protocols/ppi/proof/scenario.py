@@ -49,8 +49,8 @@ class PpiScenario(Scenario):
     transmissions busy, ``stuck`` a RESET, too; ``refusals`` are what its other blocks fail with, ``gone`` takes it
     away, ``forgets``: it has been without power, but not the CPU.
 
-    The CPU: ``fresh`` restarts it first, ``wild`` scans take anything up to the longest cycle of OB1, ``measured`` runs
-    tell their longest scan.
+    The CPU: ``fresh`` restarts it first, ``wild`` scans take anything up to the longest cycle of OB1, ``twice``: every
+    second one takes 0 ms, ``measured`` runs tell their longest scan.
 
     Expected: ``polls`` is what the diagnostics must say (None: not checked), ``errors`` those of the addresses by
     position, ``header`` and ``module`` the error words, ``pace`` the ms behind the first frame, behind every other one
@@ -77,6 +77,7 @@ class PpiScenario(Scenario):
     module: int = 0
     pace: tuple[int, int, int] | None = None
     wild: bool = False
+    twice: bool = False
     measured: bool = False
     ignored: int | None = None
     damaged: int | None = None
@@ -187,6 +188,10 @@ def _in_front(most: int, polls: int) -> Iterator[PpiScenario]:
     in_front: tuple[tuple[str, At], ...] = (("token", "any"), ("foreign", "any"), ("noise", "poll"))
     for kind, at in in_front:
         yield PpiScenario(name=f"{kind} before every answer", faults=(fault(kind, at, None),))
+    yield PpiScenario(
+        name="a frame of others right behind E5",
+        faults=(replace(fault("garbage", "request"), data=b"\xe5" + OTHERS),), ignored=1, damaged=0,
+    )  # fmt: skip
     yield PpiScenario(name="noise before E5", faults=(fault("noise", "request"),), retries=min(1, most))
     yield PpiScenario(
         name="a frame of others and noise before the reply",
@@ -245,14 +250,18 @@ def pace_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     ack, reply, pause, most = master.ack_timeout, master.reply_timeout, master.retry_pause, master.retries
     waits = (("request", ack, (ack + pause,) * 2), ("poll", reply, (0, reply + pause)))
     none = WORDS["NO_ANSWER"]
+    # a clock that is 1 ms wrong behind its end shows if there is a call 1 ms before a wait is over
+    step = next((n for n in range(min(SCAN_MS, master.ob1_cycle), 2, -1) if (ack - 1) % n == 0), 1)
+    calls = (("", None, 2), (", the clock starts again", CLOCK_END - 100, 2))
+    uneven = (f", the clock starts again, scans of {step} ms", CLOCK_END - 20 * step - FRAME_MS // 4, step)
     for at, end, (first, later) in waits:
         if (most + 1) * (end + pause) + ack < job.timeout:
-            for clock in (None, CLOCK_END - 100):
+            for name, clock, scan in (*calls, uneven) if at == "request" else calls:
                 yield PpiScenario(
-                    name=f"pace of repetitions of the {at}{', the clock starts again' if clock else ''}",
+                    name=f"pace of repetitions of the {at}{name}",
                     faults=(fault("silence" if at == "poll" else "deaf", "poll" if at == "poll" else "request", None),),
                     status=(none,), retries=most, polls=None if at == "poll" else 0,
-                    pace=(first, later, end), scan=2, clock=clock,
+                    pace=(first, later, end), scan=scan, clock=clock,
                 )  # fmt: skip
     if (most + 1) * (pause + POLL_MS) < job.timeout:
         refused = (fault("nack", "request", None, value=2),)
@@ -515,6 +524,18 @@ def module_scenarios(master: PlannedMaster, job: PpiJob, *, classic: bool) -> It
             polls=0,
             took=(job.timeout + DRAIN_MS, job.timeout + DRAIN_MS + 50),
         )
+        yield _failed(most)
+        yield PpiScenario(
+            name="a timeout before the first frame", happens={2: "jump"}, status=(WORDS["TIMEOUT"],), polls=0
+        )
+
+
+def _failed(most: int) -> PpiScenario:
+    """A failure whose repetitions the next job must not show."""
+    return PpiScenario(
+        name="sending fails forever, and another job after it", port={0: 0x80D1}, status=(WORDS["SEND_ERROR"],),
+        retries=most, polls=0, module=0x80D1, follow=False,
+    )  # fmt: skip
 
 
 def _settings(most: int) -> Iterator[PpiScenario]:
@@ -528,10 +549,7 @@ def _settings(most: int) -> Iterator[PpiScenario]:
             name=f"{block} fails", refusals={block.upper(): refused}, fresh=fresh,
             status=(WORDS["CONFIG_ERROR"],), polls=0, retries=None, module=refused,
         )  # fmt: skip
-    yield PpiScenario(
-        name="sending fails forever, and another job after it", port={0: 0x80D1}, status=(WORDS["SEND_ERROR"],),
-        retries=most, polls=0, module=0x80D1, follow=False,
-    )  # fmt: skip
+    yield _failed(most)
     yield PpiScenario(
         name="Port_Config fails after a failure", refusals={"PORT_CONFIG": 0x81A1},
         status=(WORDS["CONFIG_ERROR"],), polls=0, module=0x81A1,

@@ -72,15 +72,15 @@ def _compare(rig: MasterRig, telegram: PpiTelegram, pdu: bytes, *, refused: bool
     else:
         raise ScenarioError(f'"{telegram.response.home.name}": the reply has no items')
     for field in telegram.response.fields:
-        size = telegram.items[field.item - 1].item.octets if field.role == "value" else field.size  # without pad
-        littered = bytes((LITTER,)) * size
+        kept = telegram.items[field.item - 1].item.octets if field.role == "value" else field.size  # without pad
         if field.role == "return_code":
             wanted = bytes((codes[field.item - 1],))
         elif field.role == "pad" or refused:
-            wanted = littered
+            wanted = b""
         else:
-            wanted = pdu[DATA + field.offset : DATA + field.offset + size]
-        octets = bytes(found[field.offset : field.offset + size])
+            wanted = pdu[DATA + field.offset : DATA + field.offset + kept]
+        wanted += bytes((LITTER,)) * (field.size - len(wanted))
+        octets = bytes(found[field.offset : field.offset + field.size])
         if octets != wanted:
             shown = f"{octets.hex(' ').upper()} instead of {wanted.hex(' ').upper()}"
             raise ScenarioError(f'"{telegram.response.home.name}".{field.name} is {shown}')

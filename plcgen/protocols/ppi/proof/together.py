@@ -13,7 +13,7 @@ from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.protocols.ppi.proof.conduct import MasterConduct
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import PpiScenario
-from plcgen.protocols.ppi.proof.words import DONE, WORDS, State
+from plcgen.protocols.ppi.proof.words import DONE, LONGEST, WORDS, State
 from plcgen.protocols.ppi.sim import Fault, FaultKind
 from plcgen.protocols.ppi.wire.fdl import examine_frame
 from plcgen.protocols.ppi.wire.model import VariableFrame
@@ -23,8 +23,6 @@ ROUNDS = 4
 FULL = 32_767
 """Highest value of an INT."""
 UNUSED_NUMBER = 59_998
-LONGEST = 512
-"""Bytes of the longest message."""
 NOISE = (LONGEST // 4, LONGEST // 2, LONGEST)
 START = 0x68
 SLACK = 1.2

@@ -41,6 +41,8 @@ LEAD = 1
 DONE = WORDS["DONE"]
 DRAIN_MS = 5000
 """DRAIN_LIMIT: that long a job may last beyond its timeout if the module hangs."""
+GAP_BITS, LONGEST = 35, 512
+"""A gap of so many bit times ends a message of a CM, or so many bytes."""
 CLOCK_END = 864_000_000
 """Time in ms after which the clock of a master on S7-1200/1500 starts again: ten days."""
 CP_RESET_CALLS = 4
