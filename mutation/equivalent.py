@@ -132,7 +132,7 @@ EQUIVALENT = {
     r"^ppi_(cm1241(?!.*\(2)|cp341(?!.*\(1)): \S+ -> \S+: FOR tempIndex := 0 TO tempLength - 1 DO": (
         "no sum that is used begins with the first byte, or ends with the last two; behind a message is room for more"
     ),
-    r"^\w+: 1 -> 2: tempCount := WORD_TO_INT\(BYTE_TO_WORD\(statReceive\[tempPosition \+ 1": (
+    r"^\w+: 1 -> 2: tempCount := WORD_TO_INT\(BYTE_TO_WORD\(statReceive\[tempPos": (
         "both lengths of a head are the same, or it is none"
     ),
     r'^\w+: 8 -> 9: "M(All|Long2)_Response"\.valueLength\d? := SHL': (

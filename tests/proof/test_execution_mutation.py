@@ -67,9 +67,9 @@ def test_a_block_without_a_statement_is_noticed() -> None:
     ]
 
 
-def argued(block: str, what: str, turn: int = 1) -> bool:
+def argued(block: str, what: str, turn: int = 1, spec: str = MM4) -> bool:
     """Whether a mutant of a block has a reason."""
-    return bool(reason(Case(MM4, f"scl/{block}.scl", ENGINE, Mutant(what, 1, ""), turn)))
+    return bool(reason(Case(spec, f"scl/{block}.scl", ENGINE, Mutant(what, 1, ""), turn)))
 
 
 def test_an_equivalent_mutant_has_a_reason() -> None:
@@ -85,6 +85,9 @@ def test_an_equivalent_mutant_has_a_reason() -> None:
     assert argued("DriveChannel", "W#16#8105 -> W#16#8104: STATUS_LOST : Word := W#16#8105;")
     assert argued("DriveChannel", "W#16#FFFF -> W#16#FFFE: #tempWord := W#16#FFFF;")
     assert not argued("PpiMaster", "3 -> 4: #tempCount := 3;")
+    sums = "0 -> 1: FOR #tempIndex := 0 TO #tempLength - 1 DO"  # with a CP 341 a loop that copies is in front of it
+    assert [argued("MPpiMaster", sums, turn, "ppi_cp341") for turn in (1, 2)] == [False, True]
+    assert [argued("MPpiMaster", sums, turn, "ppi_cm1241") for turn in (1, 2)] == [True, False]
 
 
 def test_what_targets_share_is_damaged_in_one_of_them() -> None:
