@@ -33,6 +33,10 @@ DAMAGE = {
     (MESSAGES, "ClearFaults", "10 -> 11: FOR #tempIndex", 1): "one fault remains, which is octet 0 of all of them",
     # the second word of an error of the run before
     (RECIPE, "StoreWinding", "dropped: #errorInfos[#tempIndex] := W#16#0000", 1): "errorInfos[5] are 16#FFFF, 261",
+    # a record counts in the start only, and a zero is compared behind a number that is none
+    (RECIPE, "StoreWinding", "dropped: #statExecuteOld := #execute", 1): "does not stay while execute is TRUE",
+    (RECIPE, "CheckWinding", "dropped: #statExecuteOld := #execute", 1): "does not stay while execute is TRUE",
+    (RECIPE, "LoadWinding", "dropped: #tempBits := (#tempSent OR #tempCame)", 3): "rounds by -1 unit in the last place",
     # the times of a step that waits
     (SAVE, "TakeOut", ">= -> >: #tempExecute", 1): "the unit is not asked for 1000 ms after the last question",
     (SAVE, "TakeOut", "- -> +: IF #statWaited", 1): "given up after a question 59999 ms after the first",

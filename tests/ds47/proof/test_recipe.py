@@ -243,3 +243,17 @@ def test_own_drive_and_simulate(tmp_path: Path) -> None:
     assert [value.value for value in alone.values] == [9.0]
     assert "record of RecipeR" in (tmp_path / "out" / "IMPORT.md").read_text("utf-8")
     assert api.check(path).project.plan(DrivePlan).recipes[0].count == 2
+
+
+@pytest.mark.parametrize(
+    ("parameters", "zeros"), [('["P2900[2..3]", P2905]', 1), ('[P2905, "P2900[2..3]"]', 2), ("[P2905, P2902]", 1)]
+)
+def test_an_index_is_taken_back_where_one_may_stand(parameters: str, zeros: int, tmp_path: Path) -> None:
+    """Values are looked at from the last to the first: only an array that is behind in the record leaves an index."""
+    head = SPEC.partition("recipes:\n")[0].replace("ID:", "hardware_id:")
+    spec = tmp_path / "spec.yaml"
+    plc = "plc: {name: t, family: s7-1500, toolchain: tia-v19}\n"
+    recipe = f"recipes:\n  r: {{parameters: {parameters}, records: 2}}\n"
+    spec.write_text(f"{plc}{head}{recipe}jobs:\n  load: {{drive: fan, write_recipe: r}}\n", encoding="utf-8")
+    assert api.generate(spec, tmp_path / "out").ok
+    assert (tmp_path / "out/scl/Load.scl").read_text("utf-8-sig").count("#failedIndex := L#0;") == zeros

@@ -270,6 +270,8 @@ class JobConduct:
         if self.asking is not None:
             self.asking.end(status)
         self.before = self.rig.delivered()
+        if self.rig.records is not None and not run.scenario.at_once:  # it counts in the start only
+            self.rig.damage(0, {})
 
     def behind(self, run: Run[DriveScenario]) -> None:
         """Execute comes again in the call after the end: the job is done once more."""

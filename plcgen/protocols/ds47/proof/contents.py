@@ -253,7 +253,9 @@ def _elements(use: Use) -> int:
 
 
 def odd(use: Use, count: int, turn: int, *, given: bool = False) -> list[Value]:
-    """Values that a detour over arithmetic or another type loses. What is given must lie within the limits."""
+    """Values that a detour over arithmetic or another type loses. What is given must lie within the limits: where they
+    leave one only, the highest value is the other, so that a zero is behind a number that is none.
+    """
     fmt = use.format
     range_ = integer_range(fmt)
     if fmt.kind is FormatKind.FLOAT:
@@ -264,7 +266,8 @@ def odd(use: Use, count: int, turn: int, *, given: bool = False) -> list[Value]:
         low, high = _limits(use, *range_) if given else range_
     else:
         return _ends(use, count, high=True)
-    fit = [value for value in tried if low <= value <= high]
+    fit: list[Value] = [value for value in tried if low <= value <= high]
+    fit += _ends(use, 1, high=True) if len(fit) == 1 else []
     first = use.position + turn
     return [fit[(first + index) % len(fit)] for index in range(count)] if fit else _ends(use, count, high=True)
 

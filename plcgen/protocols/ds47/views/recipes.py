@@ -97,7 +97,10 @@ def _elements(type_: DataType, data: bytes, usual: bytes) -> Iterator[tuple[int 
 
 
 def recipe_view(plan: DrivePlan, job: DriveJob, recipe: PlannedRecipe) -> dict[str, Any]:
-    """What a block needs that takes a record over or gives it back; ``checks`` from the last value to the first."""
+    """What a block needs that takes a record over or gives it back; ``checks`` from the last value to the first.
+
+    Until one of them has an index, the index is 0 as it stands.
+    """
     checks = [
         check
         for telegram in job.telegrams
@@ -109,7 +112,10 @@ def recipe_view(plan: DrivePlan, job: DriveJob, recipe: PlannedRecipe) -> dict[s
         "type": recipe.type.name,
         "db": recipe.db.name,
         "count": recipe.count,
-        "checks": checks[::-1],
+        "checks": [
+            {**check, "tells_index": any(each["loop"] or each["index"] for each in checks[-number:])}
+            for number, check in enumerate(reversed(checks), 1)
+        ],
         "stores": job.stores,
         "writes": job.writes,
     }
