@@ -74,9 +74,12 @@ def test_the_same_job_generates_for_every_toolchain(spec: Path, target: str, tmp
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("target", TARGETS)
-def test_every_data_type_verifies_on_every_target(target: str, tmp_path: Path) -> None:
-    """Every DS47 type as single value and array, constant and input, in split and unsplit jobs."""
+@pytest.mark.parametrize("target", [target for target in TARGETS if target not in {"v5", "t3", "t15"}])
+def test_every_data_type_verifies_on_other_targets(target: str, tmp_path: Path) -> None:
+    """Every DS47 type as single value and array, constant and input, in split and unsplit jobs.
+
+    Those three run with faults, too: tests/proof/test_execution.py.
+    """
     out = generated(every_type(target), tmp_path)
     result = api.verify(tmp_path / "job.yaml", out, faults="none")
     assert [f"{c.subject}: {c.verdict}" for c in result.checks() if c.outcome.value in {"error", "warning"}] == []
