@@ -202,13 +202,17 @@ def test_a_result_that_cannot_be_delivered_is_an_error(redirect, reason):
     assert (done.returncode, done.stderr) == (1, f"error: cannot write the result: {reason}\n")
 
 
+UNMEASURED = {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_")}
+"""Where files are limited, no data of coverage can be written either."""
+
+
 @pytest.mark.skipif(os.name != "posix", reason="needs a shell that limits the size of files")
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_a_result_that_is_cut_off_is_an_error(tmp_path, unbuffered):
     """Half a result is never a success, also where PYTHONUNBUFFERED is set, as in most containers."""
     done = subprocess.run(
         ["sh", "-c", f"ulimit -f 64; exec {sys.executable} -m plcgen schema > {tmp_path}/schema.json"],
-        env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
+        env=UNMEASURED | {"PYTHONUNBUFFERED": unbuffered},
         capture_output=True,
         text=True,
         check=False,
@@ -224,7 +228,7 @@ def test_a_file_that_cannot_be_written_stays_as_it_was(tmp_path, command):
     done = subprocess.run(
         ["sh", "-c", f"ulimit -f 0; exec {sys.executable} -m plcgen {command} kept"],
         cwd=tmp_path,
-        env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"},
+        env=UNMEASURED | {"PYTHONDONTWRITEBYTECODE": "1"},
         capture_output=True,
         text=True,
         check=False,
