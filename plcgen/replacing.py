@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import secrets
 import stat
 from pathlib import Path
@@ -10,7 +12,8 @@ from pathlib import Path
 def replace_file(path: Path, data: bytes) -> None:
     """Write beside the file and rename: whatever goes wrong on the way, the old file is still there.
 
-    A link stays, its target is replaced. A device, FIFO or socket is written to. An old file keeps its mode.
+    A link stays, its target is replaced. A device, FIFO or socket is written to. An old file keeps its mode,
+    and one that may not be written is not replaced either.
 
     Raises:
         OSError: if that is not possible; nothing has changed then.
@@ -20,6 +23,8 @@ def replace_file(path: Path, data: bytes) -> None:
     if mode is not None and not stat.S_ISREG(mode):
         target.write_bytes(data)
         return
+    if mode is not None and not os.access(target, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(target))
     draft = target.with_name(f".plcgen-draft-{secrets.token_hex(8)}")
     try:
         with draft.open("xb") as out:

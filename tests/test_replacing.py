@@ -29,6 +29,16 @@ def test_the_old_file_is_there_until_the_new_one_is(tmp_path: Path, monkeypatch:
     assert {each.name: each.read_bytes() for each in tmp_path.iterdir()} == {"report.json": b"new"}
 
 
+def test_a_file_that_may_not_be_written_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever protects a file keeps it, although renaming would only need the rights of the folder."""
+    path = tmp_path / "report.json"
+    path.write_bytes(b"mine")
+    monkeypatch.setattr(os, "access", lambda place, mode: (place, mode) != (path.resolve(), os.W_OK))
+    with pytest.raises(PermissionError):
+        replace_file(path, b"new")
+    assert {each.name: each.read_bytes() for each in tmp_path.iterdir()} == {"report.json": b"mine"}
+
+
 @pytest.mark.skipif(os.name != "posix", reason="modes, links and FIFOs as POSIX has them")
 def test_modes_links_and_fifos_stay(tmp_path: Path) -> None:
     """A script stays executable, a link a link, and a FIFO is read by whoever waits for it."""
