@@ -357,13 +357,12 @@ def simulate(
     ``drives`` ``FILE`` or ``DRIVE=FILE``; ``own`` are SCL files of the user, ``scan_time`` is in ms or a text
     like ``10ms``.
     """
-    from plcgen.trace.run import RunSettings
-    from plcgen.trace.run import simulate as run
+    from plcgen.trace.run import RunSettings, Simulation
 
     chosen = Path(fault_file) if fault_file is not None else None
     sources = tuple(Path(path) for path in own)
-    settings = RunSettings(jobs, scans, scan_time, sets, watches, faults, chosen, drives, sources)
-    return run(Path(spec), _folder(spec, folder), settings, progress)
+    settings = RunSettings(jobs, scans, scan_time, sets, watches, faults, chosen, drives)
+    return Simulation(Path(spec), _folder(spec, folder), sources).run(settings, progress)
 
 
 def review(

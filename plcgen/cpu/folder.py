@@ -23,6 +23,8 @@ from plcgen.sources.text import decode_source, load_text
 Tags = dict[str, str | tuple[str, str]]
 _COLUMNS = ("name", "data type", "logical address")
 _HEAD = 1000
+_LARGE = 1024 * 1024
+"""Characters of sources beyond which their trees are not kept: they take more than ten times as much memory."""
 _CODE, _DATA = re.compile(rb"<SW\.Blocks\.(FB|FC|OB) "), re.compile(rb"<SW\.(Tags|Blocks\.(GlobalDB|InstanceDB))")
 
 
@@ -37,6 +39,11 @@ class FolderParts:
     tags: Tags
     numbers: dict[str, int]
     constants: dict[str, int]
+
+    @property
+    def large(self) -> bool:
+        """Whether memory counts for more than the time to parse every block twice."""
+        return sum(len(source[1]) for source in self.sources if isinstance(source, tuple)) > _LARGE
 
     def load(
         self,

@@ -48,7 +48,8 @@ class ProgramBench:
     @cached_property
     def program(self) -> Program:
         """The compiled sources, with coverage; local data holds garbage, as in a CPU. Raises DiagnosticError."""
-        program = self.parts.load(self.project.target.dialect, coverage=True, litter=True, lean=True)
+        dialect, lean = self.project.target.dialect, self.parts.large
+        program = self.parts.load(dialect, coverage=True, litter=True, lean=lean)
         if not program.ok:
             raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
         return program

@@ -27,7 +27,7 @@ from plcgen.signoff.excerpts import excerpts
 from plcgen.signoff.model import LayoutPair, RecordedRun, Review, ReviewedFile, ReviewRequest
 from plcgen.signoff.revision import BaseFiles, base_files
 from plcgen.sources.generated import MANIFEST, MAX_MANIFEST
-from plcgen.trace.run import RunSettings, simulate
+from plcgen.trace.run import RunSettings, Simulation
 
 Progress = Callable[[str, int, int], None]
 
@@ -194,17 +194,18 @@ def _runs(
     runs: list[RecordedRun] = []
     chosen = list(first.items())[:MAX_RUNS]
     faults = _faults(request, project)
+    simulation = Simulation(request.spec, request.folder)
     for number, (job, key) in enumerate(chosen):
         if progress is not None:
             progress(f"record {job}", number, len(chosen))
-        plain = simulate(request.spec, request.folder, RunSettings(jobs=(key,)))
+        plain = simulation.run(RunSettings(jobs=(key,)))
         if not plain.scans:
             missing.append(f"a recorded run of {job}: {'; '.join(d.message for d in plain.diagnostics[:1])}")
             continue
         runs.append(RecordedRun(job, "", plain))
         fault = faults.get(key, request.fault)
         if fault:
-            faulty = simulate(request.spec, request.folder, RunSettings(jobs=(key,), faults=(fault,)))
+            faulty = simulation.run(RunSettings(jobs=(key,), faults=(fault,)))
             usage = [d for d in faulty.diagnostics if d.code == "PG901"]
             if usage:
                 raise DiagnosticError(usage)

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Literal, cast
 
 from plcgen.cpu.cpu import Misuse
+from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import usage
+from plcgen.project.nouns import Project
+from plcgen.project.opening import Opened, open_spec
 from plcgen.proof.standins import stand_ins
 from plcgen.s7.families import Family
 from plcgen.trace.face import PartnerOptions, Recorded, Recording
@@ -37,63 +41,79 @@ class RunSettings:
     faults: Sequence[str] = ()
     fault_file: Path | None = None
     drives: Sequence[str] = ()
-    own: Sequence[Path] = ()
 
 
-def simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progress | None = None) -> Trace:
-    """Run the generated files in a folder against simulated partners and record it; problems are diagnostics."""
-    report = Report()
-    try:
-        return _simulate(spec, folder, settings, progress, report)
-    except DiagnosticError as problem:
-        report.extend(problem.diagnostics)
-    return Trace(str(spec), str(folder), diagnostics=tuple(report))
+class Simulation:
+    """The generated files of a spec with the user's ``own`` sources, read and compiled once for any number of runs."""
+
+    def __init__(self, spec: Path, folder: Path, own: Sequence[Path] = ()) -> None:
+        self.spec, self.folder, self.own = spec, folder, own
+
+    @cached_property
+    def _opened(self) -> Opened:
+        return open_spec(self.spec)
+
+    @cached_property
+    def _program(self) -> Program:
+        """The program. Raises DiagnosticError."""
+        if not self.folder.is_dir():
+            place, text = Span(str(self.folder)), "run plcgen generate first"
+            raise DiagnosticError([Diagnostic("PG507", "there is no such folder", place, help=text)])
+        project = self._opened.sound()
+        constants = {name: value for recording in _recordings(project) for name, value in recording.constants.items()}
+        return load_program(self.folder, project.target.dialect, self.own, constants, stand_ins(project))
+
+    def run(self, settings: RunSettings, progress: Progress | None = None) -> Trace:
+        """Run against simulated partners and record it; problems are diagnostics."""
+        report = Report()
+        try:
+            return self._run(settings, progress, report)
+        except DiagnosticError as problem:
+            report.extend(problem.diagnostics)
+        return Trace(str(self.spec), str(self.folder), diagnostics=tuple(report))
+
+    def _run(self, settings: RunSettings, progress: Progress | None, report: Report) -> Trace:
+        project = self._opened.sound()
+        report.extend(self._opened.diagnostics)
+        recordings = _recordings(project)
+        chosen = _chosen(recordings, settings.jobs, self.spec)
+        scan_time = parse_time(str(settings.scan_time))
+        assignments = sorted(map(parse_timed_value, settings.sets), key=lambda item: item.scan)
+        target = project.target
+        bus = Periphery()
+        _connect(recordings, chosen, settings, bus)
+        program = self._program
+        report.extend(program.diagnostics)
+        cpu = RecordingCpu(program, bus, cast("Family", target.family))
+        run = _Run(cpu, recordings, chosen, settings, scan_time, assignments)
+        run.go(self.folder, progress)
+        report.extend(map(_diagnostic, dict.fromkeys(cpu.misuses)))
+        main = program.main()
+        words = {recording.words for recording in recordings}
+        return Trace(
+            str(self.spec),
+            str(self.folder),
+            project.name,
+            f"{target.family} / {target.toolchain}",
+            main.name if main else "",
+            words.pop() if len(words) == 1 else ("call", "partner"),
+            scan_time,
+            cpu.scans,
+            cpu.clock,
+            run.ended,
+            settings.scans is not None,
+            tuple(run.signals),
+            tuple(run.start),
+            tuple(run.steps),
+            tuple(watch.result() for watch in run.jobs),
+            tuple(report),
+        )
 
 
-def _simulate(spec: Path, folder: Path, settings: RunSettings, progress: Progress | None, report: Report) -> Trace:
-    from plcgen.project.opening import open_spec
-
-    opened = open_spec(spec)
-    project = opened.sound()
-    report.extend(opened.diagnostics)
+def _recordings(project: Project) -> list[Recording]:
+    """New ones, with partners in their first state, of every protocol that records."""
     found = (plan.protocol.recording(plan) for plan in project.plans)
-    recordings = [recording for recording in found if recording is not None]
-    chosen = _chosen(recordings, settings.jobs, spec)
-    scan_time = parse_time(str(settings.scan_time))
-    assignments = sorted(map(parse_timed_value, settings.sets), key=lambda item: item.scan)
-    target = project.target
-    bus = Periphery()
-    _connect(recordings, chosen, settings, bus)
-    if not folder.is_dir():
-        missing = Diagnostic("PG507", "there is no such folder", Span(str(folder)), help="run plcgen generate first")
-        raise DiagnosticError([missing])
-    constants = {name: value for recording in recordings for name, value in recording.constants.items()}
-    program = load_program(folder, target.dialect, settings.own, constants, stand_ins(project))
-    report.extend(program.diagnostics)
-    cpu = RecordingCpu(program, bus, cast("Family", target.family))
-    run = _Run(cpu, recordings, chosen, settings, scan_time, assignments)
-    run.go(folder, progress)
-    report.extend(map(_diagnostic, dict.fromkeys(cpu.misuses)))
-    main = program.main()
-    words = {recording.words for recording in recordings}
-    return Trace(
-        str(spec),
-        str(folder),
-        project.name,
-        f"{target.family} / {target.toolchain}",
-        main.name if main else "",
-        words.pop() if len(words) == 1 else ("call", "partner"),
-        scan_time,
-        cpu.scans,
-        cpu.clock,
-        run.ended,
-        settings.scans is not None,
-        tuple(run.signals),
-        tuple(run.start),
-        tuple(run.steps),
-        tuple(watch.result() for watch in run.jobs),
-        tuple(report),
-    )
+    return [recording for recording in found if recording is not None]
 
 
 def _chosen(recordings: Sequence[Recording], names: Sequence[str], spec: Path) -> list[tuple[int, str]]:

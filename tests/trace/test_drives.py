@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
+from plcgen.cpu.program import Program
 from plcgen.trace.model import Trace
+from plcgen.trace.run import RunSettings, Simulation
 
 SPEC = """plc: {name: Axes, family: s7-1500, toolchain: tia-v19}
 drives:
@@ -103,3 +105,17 @@ def test_a_hardware_identifier_by_name(tmp_path: Path) -> None:
     )
     assert api.generate(spec, tmp_path / "out").ok
     assert ends(api.simulate(spec, tmp_path / "out")) == {"read_speed": ("done", 13, 0)}
+
+
+def test_runs_of_one_simulation_know_nothing_of_each_other(
+    project: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What one run does to drives and data blocks is gone in the next; the program is compiled once."""
+    loads = []
+    real = Program.load
+    monkeypatch.setattr(Program, "load", lambda *sources, **more: loads.append(1) or real(*sources, **more))
+    several = Simulation(*project)
+    settings = [RunSettings(jobs=("set_z",)), RunSettings(jobs=("set_z",), faults=("error:number=2",)), RunSettings()]
+    runs = [several.run(each) for each in (*settings, *settings)]
+    assert len(loads) == 1
+    assert runs == [Simulation(*project).run(each) for each in settings] * 2
