@@ -9,6 +9,7 @@ import shutil
 import signal
 import sys
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,8 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from plcgen.__main__ import collect_rarely
+from plcgen.cpu import program
+from plcgen.cpu.compiler import block
 
 settings.register_profile("plcgen", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("plcgen")
@@ -59,6 +62,17 @@ def _nothing_is_kept() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PLCGEN_CACHE", "off")
         yield
+
+
+_parse, _compile = lru_cache(100)(program.parse), lru_cache(500)(compile)
+
+
+@pytest.fixture(autouse=True)
+def _proofs_parse_nothing_again(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where folders are proven that differ in one file, a source that was parsed and compiled is known."""
+    if "proof" in request.path.parts:
+        monkeypatch.setattr(program, "parse", _parse)
+        monkeypatch.setattr(block, "compile", _compile, raising=False)
 
 
 LARGEST = 200_000

@@ -2,7 +2,7 @@
 
 A call is a process of its own with the arguments, folder, environment and streams of its caller and with an exit code
 of its own; all it does not do is import. How plcgen starts is for tests that start Python: ``tests/cli/test_main.py``
-and the commands of README.md.
+and the commands of docs/tutorial.md.
 """
 
 from __future__ import annotations
@@ -67,6 +67,7 @@ def serve() -> None:
             importlib.import_module(module.name)
     importlib.import_module("lxml.etree")
     importlib.import_module("yaml")
+    os.cpu_count = lambda: 1  # the tests share out the cores among themselves
     with socket.socket(socket.AF_UNIX) as calls:
         calls.bind("calls")
         calls.listen()

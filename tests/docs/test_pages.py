@@ -30,7 +30,7 @@ def session(
 ) -> Iterator[Session]:
     """The folder of one page; all pages of a run, in whatever process, share their verdicts.
 
-    Every command of README.md starts Python, as a reader does.
+    Every command of the tutorial starts Python, as a reader does.
     """
     base = tmp_path_factory.getbasetemp()
     verdicts = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "verdicts"
@@ -38,7 +38,7 @@ def session(
     folder.mkdir()
     monkeypatch.chdir(folder)
     monkeypatch.delenv("NO_COLOR", raising=False)
-    opened = Session(folder, verdicts, None if page.name == "README.md" else forks)
+    opened = Session(folder, verdicts, None if page.name == "tutorial.md" else forks)
     yield opened
     opened.close()
 

@@ -50,6 +50,11 @@ FAULTS = {
     "a read is 02h, a change 01h": [(MODEL, READ, CHANGE)],
 }
 """By name: file, what stands there (every time), what stands there instead."""
+BOTH = """
+from plcgen.cli.main import run
+run(["generate", "job.yaml", "--quiet"]) and exit(9)
+exit(run(["verify", "job.yaml", "--faults", "none", "--json"]))
+"""
 
 
 @pytest.fixture(scope="module")
@@ -67,13 +72,10 @@ def verified(root: Path, tmp_path: Path) -> dict:
     (tmp_path / "job.yaml").write_text(SPEC)
     environment = {**os.environ, "PYTHONPATH": str(root), "PYTHONDONTWRITEBYTECODE": "1"}
 
-    def run(*args: str) -> subprocess.CompletedProcess[bytes]:
-        command = [sys.executable, "-m", "plcgen", *args]
-        return subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, check=False)
-
-    made = run("generate", "job.yaml")
-    assert made.returncode == 0, made.stderr.decode()
-    return json.loads(run("verify", "job.yaml", "--faults", "none", "--json").stdout)
+    command = [sys.executable, "-c", BOTH]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, check=False)
+    assert done.returncode in {0, 1}, done.stderr.decode()
+    return json.loads(done.stdout)
 
 
 def test_the_copy_is_good(good: Path, tmp_path: Path) -> None:
