@@ -21,17 +21,13 @@ from plcgen.proof.suite import CodeBlock, LaidOut, Procedure, Progress, Reads
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.protocols.ppi.proof.calls import cpu_scenarios
 from plcgen.protocols.ppi.proof.conduct import MasterConduct
+from plcgen.protocols.ppi.proof.core_scenarios import core_scenarios
 from plcgen.protocols.ppi.proof.ledger import ledger
+from plcgen.protocols.ppi.proof.line_scenarios import line_scenarios
+from plcgen.protocols.ppi.proof.module_scenarios import module_scenarios
+from plcgen.protocols.ppi.proof.pace_scenarios import pace_scenarios
 from plcgen.protocols.ppi.proof.rig import MasterRig
-from plcgen.protocols.ppi.proof.scenario import (
-    POLL_MS,
-    PpiScenario,
-    core_scenarios,
-    in_time,
-    line_scenarios,
-    module_scenarios,
-    pace_scenarios,
-)
+from plcgen.protocols.ppi.proof.scenario import POLL_MS, PpiScenario, in_time
 from plcgen.protocols.ppi.proof.telegrams import check_telegrams
 from plcgen.protocols.ppi.proof.together import ROW, procedures
 from plcgen.protocols.ppi.proof.words import CLOCK_END, State
