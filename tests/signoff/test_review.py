@@ -44,6 +44,17 @@ def test_values_that_come_from_a_record_or_a_clock_are_no_inputs():
         assert {(entry.value, entry.input) for entry in entries} == {(said, False)}
 
 
+def test_what_starts_something_is_not_said_to_be_lost():
+    """p3981 acknowledges and p0977 saves; the fixed value p2900 is a setting in RAM."""
+    said = {}
+    for name in ("s7-1500_s120_messages", "s7-1500_s120_save"):
+        (plan,) = api.check(ROOT / "specs" / f"{name}.yaml").project.plans
+        said |= {entry.parameter: entry.memory for entry in review_sheet(plan).writes}
+    assert said["P3981"] == "starts something, keeps no value"
+    assert said["P977"] == "copies RAM to non-volatile memory"
+    assert said["P2900"] == "RAM, lost at power-off"
+
+
 def test_a_request_is_the_telegram_of_the_faq_byte_by_byte():
     """FAQ 109750712 figure 5-1: 03 01 02 01 10 01 C4 7F 00 00; the worst answer is 4 + 6 * 1 bytes."""
     exchange = faq_review().sheet.exchanges[0]

@@ -85,7 +85,11 @@ def _source(shape: DriveJob, use: Use) -> str:
 
 def _memory(shape: DriveJob, use: Use) -> str:
     """Where a value is written, and whether it stays there if the job fails."""
-    stored = "copies RAM to non-volatile memory" if use.parameter.pnu in _STORES else "RAM, lost at power-off"
+    stored = "RAM, lost at power-off"
+    if use.parameter.pnu in _STORES:
+        stored = "copies RAM to non-volatile memory"
+    elif use.parameter.pnu in guards.TRIGGERS:
+        stored = "starts something, keeps no value"
     state = "while the drive does not run" if any(use.state for use in shape.uses) else "while it runs, too"
     return (
         f"{stored}; the old value comes back if the job fails, {state}"
