@@ -100,8 +100,8 @@ def check_execution(
     found = iter(one.results("execution", work, len(work.parts), part_keys(work)))
     for number, suite in enumerate(work.suites):
         results = {job.key: next(found) for job in suite.jobs}
-        for key, result in results.items():
-            yield from job_checks(suite, key, result, level)
+        for job in suite.jobs:
+            yield from job_checks(suite, job, results[job.key], level)
         if partner is not None:
             yield from suite.own(program, partner)
         if level == "none":
@@ -254,20 +254,21 @@ def failed(name: str, subject: str, text: str, found: Diagnostic, verdict: str =
     return Check(name, subject, text, Outcome.ERROR, verdict or found.message, found)
 
 
-def job_checks(suite: Suite[Any], key: str, result: Result, level: Faults) -> Iterator[Check]:
+def job_checks(suite: Suite[Any], job: PlannedJob, result: Result, level: Faults) -> Iterator[Check]:
     """The checks of one job: nominal run and matrix."""
-    name, subject = f"run.{suite.prefix}{key}", f"run {key}"
+    shown = suite.shown_name(job)
+    name, subject = f"run.{suite.prefix}{job.key}", f"run {shown}"
     if result.broken:
-        found = diagnostic("PG620", key, result.failures, suite.page)
+        found = diagnostic("PG620", shown, result.failures, suite.page)
         yield failed(name, subject, "", found, str(result.failures[0]))
         return
     cached = f"; from the cache, made {result.made}" if result.made else ""
     yield Check(name, subject, f"{result.run}{cached}", Outcome.OK, f"-> {result.values}")
-    name, subject = f"faults.{suite.prefix}{key}", f"faults {key}"
+    name, subject = f"faults.{suite.prefix}{job.key}", f"faults {shown}"
     if level == "none":
         yield Check(name, subject, "", Outcome.NOT_RUN, "not asked for")
     elif result.failures:
-        found = diagnostic("PG621", key, result.failures, suite.page)
+        found = diagnostic("PG621", shown, result.failures, suite.page)
         yield replace(failed(name, subject, result.matrix, found, str(result.failures[0])), trials=tuple(result.trials))
     else:
         yield Check(name, subject, f"{result.matrix}{cached}", Outcome.OK, "ok", trials=tuple(result.trials))

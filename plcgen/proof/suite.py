@@ -119,6 +119,9 @@ class Suite(Protocol[S]):
     def jobs(self) -> Sequence[PlannedJob]:
         """The jobs, in the order of the report."""
 
+    def shown_name(self, job: Any) -> str:
+        """What a report calls a job: no two jobs of the project alike."""
+
     def blocks(self) -> Sequence[CodeBlock]:
         """The blocks whose coverage counts."""
 

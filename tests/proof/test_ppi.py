@@ -18,7 +18,9 @@ from plcgen.project.resolve import resolve
 from plcgen.proof.checks import Verification
 from plcgen.proof.execution import Work, attempt
 from plcgen.proof.rig import ProgramBench
+from plcgen.protocols.ppi.plan.nouns import PpiPlan
 from plcgen.protocols.ppi.proof.calls import spread
+from plcgen.protocols.ppi.review import buffers
 
 HEADS = {
     "t12": ("s7-1200", "tia-v19", "cm1241", "port: 270"),
@@ -325,3 +327,19 @@ def test_a_line_of_the_report(tmp_path: Path) -> None:
     assert check.subject == "go"
     assert check.text.startswith("68 21 21 68 03 00 6C 32 01 00 00 00 00 00 14 00 00 28")
     assert check.text.endswith("(39 bytes)")
+
+
+def test_no_two_lines_of_a_report_are_alike(tmp_path: Path) -> None:
+    """Two masters whose station and job have one name: the report and the purposes of the tables tell them apart."""
+    line = "{module: cm1241, port: %d, stations: {p: {address: 2}}, jobs: {level: {station: p, write: {VB100: null}}}}"
+    spec = tmp_path / "spec.yaml"
+    head = "plc: {name: t, family: s7-1200, toolchain: tia-v19}\nppi:\n"
+    spec.write_text(f"{head}  north: {line % 270}\n  south: {line % 271}\n", "utf-8")
+    assert api.generate(spec, tmp_path / "out").ok
+    result = api.verify(spec, tmp_path / "out", faults="none")
+    for group in result.groups:
+        named = [check.subject for check in group.checks if check.subject != "sources"]
+        assert len(named) == len(set(named)), named
+    assert {"run north.level", "run south.level"} <= {check.subject for check in result.checks()}
+    purposes = [text for _, text in buffers(project_of(spec).plan(PpiPlan))]
+    assert len(purposes) == len(set(purposes)), purposes

@@ -19,7 +19,9 @@ def buffers(plan: PpiPlan) -> Iterator[tuple[Buffer[BufferField], str]]:
         for telegram in master.telegrams:
             job = next((job for job in master.jobs if telegram in job.telegrams), None)
             which = f" telegram {job.telegrams.index(telegram) + 1}" if job and len(job.telegrams) > 1 else ""
-            whose = f"{job.key}{which}" if job else f"the first frame to {telegram.station.key}"
+            whose = f"the first frame to {plan.station_key(master, telegram.station)}"
+            if job is not None:
+                whose = f"{plan.key(master, job)}{which}"
             size = len(telegram.request.data)
             yield telegram.request, f"telegram table of {whose}: its length, then {size} bytes"
             if telegram.response is not None:

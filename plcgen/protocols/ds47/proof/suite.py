@@ -141,6 +141,10 @@ class DriveSuite:
         self.numbers = {job.shape: number for number, job in enumerate(plan.shapes, 1)}
         self._cpu: Cpu | None = None
 
+    def shown_name(self, job: DriveJob) -> str:
+        """Its key."""
+        return job.key
+
     def blocks(self) -> list[CodeBlock]:
         """One block per kind of job, and the callers."""
         callers = [caller.block.name for caller in self.plan.callers]

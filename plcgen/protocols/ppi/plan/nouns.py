@@ -233,3 +233,7 @@ class PpiPlan(Plan):
     def key(self, master: PlannedMaster, job: PpiJob) -> str:
         """Name of a job in the whole spec; with several masters it begins with the master."""
         return f"{master.key}.{job.key}" if len(self.masters) > 1 else job.key
+
+    def station_key(self, master: PlannedMaster, station: PlannedStation) -> str:
+        """Name of a station in the whole spec; with several masters it begins with the master."""
+        return f"{master.key}.{station.key}" if len(self.masters) > 1 else station.key

@@ -101,6 +101,10 @@ class PpiSuite:
         self.plan, self.master, self.jobs = plan, master, master.jobs
         self.prefix = f"{master.key}."
 
+    def shown_name(self, job: PpiJob) -> str:
+        """Its key, with several masters that of the master in front."""
+        return self.plan.key(self.master, job)
+
     def blocks(self) -> list[CodeBlock]:
         """The block of the master."""
         name, span = self.master.block.name, self.plan.loaded.key_span(self.master.path)

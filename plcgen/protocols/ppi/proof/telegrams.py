@@ -30,7 +30,9 @@ def check_telegrams(plan: PpiPlan, folder: Folder) -> Iterator[Check]:
     for master in plan.masters:
         for telegram in master.telegrams:
             job = next((job for job in master.jobs if telegram in job.telegrams), None)
-            key = f"{job.key}{_part(job.telegrams, telegram)}" if job else f"first frame to {telegram.station.key}"
+            key = f"first frame to {plan.station_key(master, telegram.station)}"
+            if job is not None:
+                key = f"{plan.key(master, job)}{_part(job.telegrams, telegram)}"
             yield _telegram(plan, folder, master, telegram, key)
 
 
