@@ -110,10 +110,12 @@ class _State:
         return tuple((spelt.get(name, name), value) for name, value in sorted(own.items()))
 
     def assignments(self, *, foreign: bool) -> tuple[tuple[str, str], ...]:
-        """BEGIN lines for what is declared elsewhere; those of the block's own members are start values."""
+        """BEGIN lines for what is declared elsewhere; those of own members are start values, if there is an image."""
         if foreign:
             return instance_starts(self.source, self.owner)
-        pairs = [(_path(a.path), normalized(a.literal)) for a in self.source.assignments]
+        pairs = tuple((_path(a.path), normalized(a.literal)) for a in self.source.assignments)
+        if self.memory is None:
+            return pairs
         inside = tuple(f"{path}." for path in self.named)
         return tuple(pair for pair in pairs if re.sub(r"\[[^\]]*\]", "", pair[0]).startswith(inside))
 

@@ -51,10 +51,10 @@ def _own(member: Element) -> dict[str, str]:
     remanence = member.get("Remanence")
     if remanence:
         own["RETAIN"] = remanence.upper()
-    for attribute in children(child(member, "AttributeList"), "BooleanAttribute"):
+    for attribute in children(child(member, "AttributeList")):
         name, value = attribute.get("Name", ""), text(attribute).strip()
         if attribute.get("Informative") == "true":  # exported on request, ignored when read: that of the type
             continue
-        if name.startswith("External") or name == "SetPoint":
+        if name.startswith(("External", "S7_")) or name == "SetPoint":
             own[name.upper() if name != "SetPoint" else "S7_SETPOINT"] = value.upper()
     return own
