@@ -20,7 +20,8 @@ def restart_block(memory: bytearray, image: bytes, entry: ProgramBlock, link: Li
     lost = {
         id(member)
         for section in declared.sections
-        if section.retain == "NON_RETAIN" or (not section.retain and ("RETAIN" in said or entry.block.non_retain))
+        if section.retain == "NON_RETAIN"
+        or (section.retain != "RETAIN" and ("RETAIN" in said or entry.block.non_retain))
         for member in section.members
     }
     for field in entry.shape.fields:

@@ -35,7 +35,10 @@ class SectionKind(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """The members of one declaration section, in source order; ``retain`` is RETAIN, NON_RETAIN or empty."""
+    """The members of one declaration section, in source order.
+
+    ``retain`` is RETAIN, NON_RETAIN, DB_SPECIFIC (each instance of the function block says it) or empty.
+    """
 
     kind: SectionKind
     members: tuple[Member, ...]

@@ -22,6 +22,8 @@ _BASED = re.compile(r"(2|8|16)#([0-9A-Fa-f_]+)")
 _DECIMAL = re.compile(r"[+-]?\d[\d_]*", re.ASCII)
 _REAL = re.compile(r"[+-]?\d[\d_]*(?:\.\d[\d_]*)?(?:[eE][+-]?\d+)?", re.ASCII)
 _BYTES = re.compile(r"\(\s*(\d+(?:\s*,\s*\d+)*)\s*\)", re.ASCII)
+_WITHIN = re.compile(r"P#\s*(\d{1,5})\.([0-7])", re.IGNORECASE | re.ASCII)
+"""A pointer inside an area: bits 3..18 are the byte, 0..2 the bit."""
 _PLACE = {
     "TIMER": re.compile(r"T\s*(\d{1,5})", re.IGNORECASE | re.ASCII),
     "COUNTER": re.compile(r"[CZ]\s*(\d{1,5})", re.IGNORECASE | re.ASCII),
@@ -141,6 +143,9 @@ def _whole(prefix: str, body: str, name: str) -> int:
         return int(place[1])
     if prefix == "C" and name == "WORD":
         return _counter(body)
+    within = _WITHIN.fullmatch(f"P#{body}") if prefix == "P" and name == "DWORD" else None
+    if within is not None and int(within[1]) < 1 << 16:
+        return int(within[1]) << 3 | int(within[2])
     if prefix in _TEXT and name in BIT_STRINGS:
         return ord(_unquote(body, wide=False))
     if prefix:

@@ -142,6 +142,7 @@ _NUMBERED = re.compile(r"(?:UDT|S?FB)[0-9]+", re.IGNORECASE)
 _SYSTEM = re.compile(
     r"SF[BC][0-9]{1,3}|IEC_\w+|CT(?:U|D|UD)_\w+|T(?:CON|SEND|RCV|DISCON|USEND|URCV)(?:_\w+)?|T(?:ON|OF|P|ONR)_\w+"
     r"|(?:PID|MC|TO|MB|G7)_\w+|TMAIL_C|RALRM|GET|PUT|[BU]SEND|[BU]RCV|CONT_[CS]|PULSEGEN|CTRL_\w+|PROGRAM_ALARM"
+    r"|REMOTE|T_(?:DIAG|RESET)|TDIAG_STATUS"
     r"|(?:SEND|RECEIVE)_(?:P2P|RESET|CONFIG)|PORT_CONFIG|P_(?:SND|RCV)_RK|SEND_PTP|RCV_PTP", re.IGNORECASE
 )  # fmt: skip
 """Names of the system libraries, beyond those whose members ``system`` has."""

@@ -96,8 +96,7 @@ def _character(char: str, *, wide: bool) -> str:
 def type_text(type_: DataType) -> str:
     """Type in the spelling of STEP 7 V5, which every S7 engineer reads: ``ARRAY[0..3] OF BYTE``."""
     if isinstance(type_, ArrayType):
-        bounds = ", ".join(f"{low}..{high}" for low, high in type_.bounds) or "*"
-        return f"ARRAY[{bounds}] OF {type_text(type_.element)}"
+        return f"ARRAY[{type_.bounds_text}] OF {type_text(type_.element)}"
     if isinstance(type_, StringType):
         return f"{type_.name}[{type_.length}]"
     if isinstance(type_, NamedType):

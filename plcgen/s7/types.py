@@ -31,10 +31,19 @@ class StringType:
 
 @dataclass(frozen=True, slots=True)
 class ArrayType:
-    """``ARRAY[low..high, ...] OF element``; ``bounds`` has one (low, high) pair per dimension."""
+    """``ARRAY[low..high, ...] OF element``; ``bounds`` has one (low, high) pair per dimension.
+
+    ``ARRAY[*, *]`` has no bounds, but ``open_dimensions``.
+    """
 
     bounds: tuple[tuple[int, int], ...]
     element: DataType
+    open_dimensions: int = 1
+
+    @property
+    def bounds_text(self) -> str:
+        """What stands in brackets: ``0..3, 1..2`` or ``*``."""
+        return ", ".join(f"{low}..{high}" for low, high in self.bounds) or ", ".join("*" * self.open_dimensions)
 
 
 @dataclass(frozen=True, slots=True)

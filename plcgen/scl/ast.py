@@ -300,10 +300,11 @@ class StringSpec(Node):
 
 @_node
 class ArraySpec(Node):
-    """``ARRAY[low..high, ...] OF element``; no bounds at all means ``ARRAY[*]``."""
+    """``ARRAY[low..high, ...] OF element``; no bounds at all means ``ARRAY[*]`` with so many ``open_dimensions``."""
 
     bounds: tuple[tuple[Expression, Expression], ...]
     element: TypeSpec
+    open_dimensions: int = 1
 
 
 @_node

@@ -46,7 +46,7 @@ _SECTIONS = {
     "VAR": SectionKind.STATIC, "VAR_TEMP": SectionKind.TEMP, "CONST": SectionKind.CONSTANT,
 }  # fmt: skip
 _CODE_BLOCKS = frozenset({"FUNCTION_BLOCK", "FUNCTION", "ORGANIZATION_BLOCK"})
-_RETAIN = frozenset({"RETAIN", "NON_RETAIN"})
+_RETAIN = frozenset({"RETAIN", "NON_RETAIN", "DB_SPECIFIC"})
 _DEFAULT_STRING = 254
 _INDEX = (-32768, 32767)
 """Bounds of an array with standard access (help of the TIA Portal, "ARRAY")."""
@@ -257,7 +257,7 @@ class _Builder:
             return self.named(spec)
         if isinstance(spec, ast.ArraySpec):
             bounds = tuple(self.bound(spec, low, high) for low, high in spec.bounds)
-            return ArrayType(bounds, self.data_type(spec.element))
+            return ArrayType(bounds, self.data_type(spec.element), spec.open_dimensions)
         if isinstance(spec, ast.StructSpec):
             return StructType(self.members(spec.members))
         if isinstance(spec, ast.StringSpec):

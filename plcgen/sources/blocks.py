@@ -12,6 +12,7 @@ from plcgen.s7.blocks import Block, BlockKind, block_title
 from plcgen.s7.shapes import TypeTable
 from plcgen.scl import ast
 from plcgen.scl.parser import ParseResult, parse
+from plcgen.simaticml.datatypes import REMANENCE
 from plcgen.simaticml.reading.attributes import document_attributes
 from plcgen.simaticml.reading.source import KEYWORDS, source
 from plcgen.simaticml.reading.xml import load, parse_xml
@@ -146,7 +147,8 @@ def _attributes(unit: ast.Unit) -> dict[str, dict[str, str]]:
     found: dict[str, dict[str, str]] = {}
     pending: list[tuple[str, Sequence[ast.Declaration], dict[str, str]]] = []
     for section in unit.sections:
-        retain = {"RETAIN": "RETAIN"} if "RETAIN" in section.modifiers else {}
+        remanence = next((REMANENCE[m].upper() for m in section.modifiers if m in REMANENCE), "")
+        retain = {"RETAIN": remanence} if remanence else {}
         pending.append(("", section.declarations, retain))
     if isinstance(unit.body_type, ast.StructSpec):
         pending.append(("", unit.body_type.members, {}))

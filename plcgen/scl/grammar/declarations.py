@@ -244,9 +244,11 @@ class Declarations:
         cursor.pos += 1
         cursor.expect("[")
         bounds: list[tuple[ast.Expression, ast.Expression]] = []
+        stars = 1
         if cursor.accept("*"):
             while cursor.accept(","):
                 cursor.expect("*")
+                stars += 1
         else:
             bounds.append(self.bound())
             while cursor.accept(","):
@@ -255,7 +257,7 @@ class Declarations:
         cursor.expect("OF")
         element = self.type_spec()
         cursor.depth -= 1
-        return ast.ArraySpec(start, element.end, tuple(bounds), element)
+        return ast.ArraySpec(start, element.end, tuple(bounds), element, stars)
 
     def named_values(self, base: ast.TypeSpec) -> ast.Section:
         """``(STOP := 0, RUN := 1)`` behind the type that a named value type is made from."""

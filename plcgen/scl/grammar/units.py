@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field, replace
+from textwrap import dedent
 
 from plcgen.scl import ast
 from plcgen.scl.cursor import Abort, Cursor, SyntaxFault, unquote
@@ -119,7 +120,7 @@ class Units:
         if keyword == "FUNCTION" and return_type is None and cursor.accept(":"):
             return_type = self.declarations.type_spec()
         self.collect_comment()
-        comment = "\n".join(self.comment_lines)
+        comment = dedent("\n".join(self.comment_lines))
         sections, body_type = self.declaration_part(keyword)
         if isinstance(body_type, ast.TypeName):
             more = self.header()
@@ -192,12 +193,15 @@ class Units:
         return text if key == "TITLE" else text.split("//")[0].rstrip("; \t")
 
     def collect_comment(self) -> None:
-        """Keep the ``//`` lines before the current token: between header lines they describe the block."""
+        """Keep the ``//`` lines before the current token: between header lines they describe the block.
+
+        What all of them are indented by is the style of whoever wrote them, the rest is part of the text.
+        """
         cursor = self.cursor
         free_end = cursor.free_text[-1][1] if cursor.free_text else 0
         for comment in cursor.tokens.trivia_before(cursor.pos):
             if comment.text.startswith("//") and comment.start >= free_end:
-                self.comment_lines.append(comment.text[2:].strip())
+                self.comment_lines.append(comment.text[2:].rstrip())
 
     def declaration_part(self, keyword: str) -> tuple[tuple[ast.Section, ...], ast.TypeSpec | None]:
         """Sections; for a DB or TYPE also its structure or the type it is made from."""

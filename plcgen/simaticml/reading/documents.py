@@ -22,7 +22,17 @@ from plcgen.simaticml.reading.tables import (
     watch_table,
 )
 from plcgen.simaticml.reading.types import parse_datatype
-from plcgen.simaticml.reading.xml import child, children, load, local, multilingual, parse_xml, span, text
+from plcgen.simaticml.reading.xml import (
+    child,
+    children,
+    first_culture,
+    load,
+    local,
+    multilingual,
+    parse_xml,
+    span,
+    text,
+)
 from plcgen.simaticml.writing.documents import HEADER, INSTRUCTION, LIBRARY_VERSION
 
 if TYPE_CHECKING:
@@ -74,10 +84,12 @@ def read_simaticml(
     *,
     classic: bool | None = False,
     constants: Mapping[str, int | None] | None = None,
+    inline: bool = True,
 ) -> tuple[list[Block], list[Diagnostic]]:
     """Blocks and types of one document and everything wrong with it; ``file`` is the name for messages.
 
-    ``constants`` are those of the project by upper-case name, for bounds and lengths.
+    ``constants`` are those of the project by upper-case name, for bounds and lengths. ``inline``: types that the
+    document writes out are wanted, too.
 
     A missing MemoryLayout means optimized access, as on S7-1200/1500; ``classic`` says the document is for
     S7-300/400, where it means standard access, None that nobody knows: then it stays unsaid. Types and instance DBs
@@ -88,7 +100,7 @@ def read_simaticml(
     root, name, diagnostics = _open(source, file)
     if root is None:
         return [], diagnostics
-    return _blocks(root, name, diagnostics, constants or {}, classic=classic), diagnostics
+    return _blocks(root, name, diagnostics, constants or {}, classic=classic, inline=inline), diagnostics
 
 
 def _blocks(
@@ -98,13 +110,15 @@ def _blocks(
     constants: Mapping[str, int | None],
     *,
     classic: bool | None,
+    inline: bool,
 ) -> list[Block]:
     blocks = []
-    whole = text(child(child(root, "DocumentInfo"), "ExportSetting")).strip() == _WHOLE
+    whole = inline and text(child(child(root, "DocumentInfo"), "ExportSetting")).strip() == _WHOLE
     for element in children(root):
         tag = local(element)
         if tag in KINDS:
-            reader = InterfaceReader(name, diagnostics, constants=constants, whole=whole)
+            culture = first_culture(element)
+            reader = InterfaceReader(name, diagnostics, constants=constants, whole=whole, culture=culture)
             block = _block(element, reader, classic=classic)
             if block is not None:
                 blocks.append(block)
@@ -169,7 +183,7 @@ def _block(element: Element, reader: InterfaceReader, *, classic: bool | None) -
         attributes["Name"],
         sections,
         number=_number(attributes.get("Number", ""), place, diagnostics),
-        instance_of=attributes.get("InstanceOfName", "").strip('"') or None,
+        instance_of=_made_from(attributes) or None,
         optimized=_optimized(tag, attributes.get("MemoryLayout"), classic=classic),
         title=multilingual(element, "Title"),
         comment=multilingual(element, "Comment"),
@@ -181,6 +195,12 @@ def _block(element: Element, reader: InterfaceReader, *, classic: bool | None) -
         inline=tuple(reader.inline.values()),
         safety=attributes.get("ProgrammingLanguage", "").startswith("F_"),
     )
+
+
+def _made_from(attributes: Mapping[str, str]) -> str:
+    """What an instance DB is made from; a software unit puts its namespace before the names of its own blocks."""
+    name, own = attributes.get("InstanceOfName", "").strip('"'), f"{attributes.get('Namespace', '')}."
+    return name[len(own) :] if name.upper().startswith(own.upper()) else name
 
 
 def _header(attributes: dict[str, str]) -> dict[str, str]:

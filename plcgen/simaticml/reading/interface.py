@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -23,7 +23,7 @@ from plcgen.s7.types import (
     StructType,
     innermost,
 )
-from plcgen.simaticml.datatypes import datatype, default_literal
+from plcgen.simaticml.datatypes import REMANENCE, datatype, declared_name, default_literal
 from plcgen.simaticml.reading.types import checked_datatype, has_constants, parse_datatype, with_values
 from plcgen.simaticml.reading.values import SINGLE, is_start_value, unfit
 from plcgen.simaticml.reading.xml import TAGS, child, children, namespace, parts, span, text
@@ -57,6 +57,7 @@ _INHERITED = frozenset({"Base"})
 
 _CONSTANT_HELP = "name the tag table with the constant, or the folder of the PLC"
 _SECTIONS = {kind.value: kind for kind in SectionKind} | {"None": SectionKind.STATIC}
+_RETAIN = {remanence: word for word, remanence in REMANENCE.items()}
 _INDEX = re.compile(r"\s*-?[0-9]{1,10}\s*").fullmatch
 
 
@@ -70,7 +71,7 @@ class _Single(NamedTuple):
 
 @dataclass(slots=True)
 class InterfaceReader:
-    """Reads the sections of one block; start values inside arrays and user types become assignments.
+    """Reads the sections of one block; start values inside arrays and other types become assignments.
 
     ``constants`` are the known ones by upper-case name, for bounds and lengths. ``whole`` says that the document writes
     used types out with all their members: then ``inline`` has them.
@@ -82,6 +83,8 @@ class InterfaceReader:
     constants: Mapping[str, int | None] = field(default_factory=dict)
     whole: bool = False
     inline: dict[str, Block] = field(default_factory=dict)
+    culture: str = ""
+    """The language in which comments are wanted."""
     types: dict[str, DataType] = field(default_factory=dict)
     """Types by their spelling in this block."""
 
@@ -129,7 +132,7 @@ class InterfaceReader:
             member = self.member(element, above)
             if member is None:
                 continue
-            retain = "RETAIN" if element.get("Remanence") == "Retain" else ""
+            retain = _RETAIN.get(element.get("Remanence", ""), "")
             if not groups or (groups[-1][0] != retain and member.at is None):
                 groups.append((retain, []))
             last = groups[-1][1]
@@ -165,7 +168,7 @@ class InterfaceReader:
         for sub in element:
             tag = tags[sub.tag]
             if tag == "Comment":
-                comment = comment or _first_text(sub)
+                comment = comment or _one_text(sub, self.culture)
             elif tag == "StartValue":
                 plain = sub.text  # nearly every value is one word; a look at it is cheaper than a call
                 literal = literal or (plain if plain and SINGLE(plain) else self.value(sub))
@@ -211,8 +214,7 @@ class InterfaceReader:
         if "Sections" in rest:
             if self.whole:
                 self._written_out(innermost(type_), rest["Sections"], len(path))
-            if _is_user_type(type_):
-                self._expanded(rest["Sections"], path)
+            self._expanded(rest["Sections"], path)
         if "Subelement" in rest:
             single = list(self._singles(rest["Subelement"], type_, path))
             own = _bounds(type_)
@@ -230,9 +232,13 @@ class InterfaceReader:
         if not any(len(part) for part in sections):
             return
         self.inline[type_.name.upper()] = Block(BlockKind.UDT, type_.name, ())  # it may be inside itself
-        reader = InterfaceReader(self.file, [], constants=self.constants, whole=True, inline=self.inline)
+        problems: list[Diagnostic] = []
+        reader = InterfaceReader(
+            self.file, problems, constants=self.constants, whole=True, inline=self.inline, culture=self.culture
+        )
         named = [(part.get("Name", ""), part) for part in sections if part.get("Name") not in _INHERITED]
         found = [s for name, part in named if name in _SECTIONS for s in reader.groups(part, _SECTIONS[name], depth)]
+        self.diagnostics += [p for p in problems if p.code == "PG806"]  # the rest is said at the type's own document
         kind = BlockKind.UDT if all(name == "None" for name, _ in named) else BlockKind.FB
         place = span(groups[0], self.file)
         self.inline[type_.name.upper()] = Block(kind, type_.name, tuple(found), span=place)
@@ -251,7 +257,7 @@ class InterfaceReader:
         self.report(f"{literal[:40]} is no start value of {datatype(type_)}: {reason}", element)
 
     def _expanded(self, groups: Sequence[Element], path: Steps) -> None:
-        """Start values of a user type's members, written out below Sections."""
+        """Start values of the members of a type, the user's or the system's, written out below Sections."""
         if len(path) >= MAX_DEPTH:
             self.report("nested too deeply", groups[0])
             return
@@ -276,7 +282,7 @@ class InterfaceReader:
         self._assigned(self._singles(inside.get("Subelement", ()), type_, path), path)
         for inner in inside.get("Member", ()):
             self._expanded_member(inner, path)
-        if "Sections" in inside and _is_user_type(type_):
+        if "Sections" in inside:
             self._expanded(inside["Sections"], path)
 
     def _singles(self, found: Sequence[Element], type_: DataType, path: Steps) -> Iterator[_Single]:
@@ -305,7 +311,7 @@ class InterfaceReader:
     def _assign(self, path: Steps, indices: Sequence[str], literal: str, at: Element) -> None:
         left = iter(indices)
         places = (f"[{','.join(islice(left, len(bounds)))}]" if bounds else "" for _, bounds in path)
-        steps = (_quote(name) + place for (name, _), place in zip(path, places, strict=True))
+        steps = (declared_name(name) + place for (name, _), place in zip(path, places, strict=True))
         self.assignments.append(Assignment(".".join(steps), literal, span(at, self.file)))
 
     def _listed(self, found: Sequence[_Single], type_: ArrayType, path: Steps) -> str | None:
@@ -350,12 +356,12 @@ class InterfaceReader:
         self.diagnostics.append(Diagnostic("PG812", message, span(element, self.file)))
 
 
-def _first_text(comment: Element) -> str:
-    """The first text of a comment that is not empty; most have one, and a look is cheaper than a loop."""
-    found = (comment[0].text or "").strip() if len(comment) else ""
-    if found or len(comment) < 2:
-        return found
-    return next((text for item in comment if (text := (item.text or "").strip())), "")
+def _one_text(comment: Element, culture: str) -> str:
+    """The text of a comment in a language, otherwise the first; most have one, and a look is cheaper than a loop."""
+    if len(comment) < 2:
+        return (comment[0].text or "").strip() if len(comment) else ""
+    found = [(item.get("Lang"), text) for item in comment if (text := (item.text or "").strip())]
+    return next((text for language, text in found if language == culture), found[0][1] if found else "")
 
 
 def _own_constants(root: Element) -> dict[str, int]:
@@ -406,14 +412,8 @@ def _with_members(type_: DataType, members: tuple[Member, ...]) -> DataType:
     if isinstance(type_, StructType):
         return StructType(members)
     if isinstance(type_, ArrayType):
-        return ArrayType(type_.bounds, _with_members(type_.element, members))
+        return replace(type_, element=_with_members(type_.element, members))
     return type_
-
-
-def _is_user_type(type_: DataType) -> bool:
-    if isinstance(type_, ArrayType):
-        return _is_user_type(type_.element)
-    return isinstance(type_, NamedType) and type_.quoted
 
 
 def _attributes(
@@ -441,7 +441,3 @@ def _attribute(kind: str, name: str, value: str) -> tuple[str, str] | None:
         return None
     value = value.strip()
     return "S7_SetPoint" if name == "SetPoint" else name, value.capitalize() if kind == "BooleanAttribute" else value
-
-
-def _quote(name: str) -> str:
-    return name if is_identifier(name) else '"' + name.replace('"', "_") + '"'

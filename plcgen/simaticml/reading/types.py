@@ -39,7 +39,7 @@ def parse_datatype(spelling: str) -> DataType | None:
     if array:
         element = parse_datatype(array["element"])
         if _OPEN.fullmatch(array["bounds"]):
-            return None if element is None else ArrayType((), element)
+            return None if element is None else ArrayType((), element, array["bounds"].count("*"))
         bounds = [_BOUNDS.fullmatch(part) for part in array["bounds"].split(",")]
         if element is None or not all(bounds):
             return None

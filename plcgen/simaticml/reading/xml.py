@@ -141,10 +141,17 @@ def text(element: Element | None) -> str:
 
 def multilingual(element: Element, composition: str) -> str:
     """First text that is not empty of the Comment or Title of an object."""
+    return next((found for _, found in _texts(element, composition) if found.strip()), "")
+
+
+def first_culture(element: Element) -> str:
+    """The language that the texts of an object begin with: the same in every document of a project."""
+    return next((culture for culture, _ in _texts(element, "Comment")), "")
+
+
+def _texts(element: Element, composition: str) -> Iterator[tuple[str, str]]:
     for group in children(child(element, "ObjectList"), "MultilingualText"):
         if group.get("CompositionName") == composition:
             for item in children(child(group, "ObjectList"), "MultilingualTextItem"):
-                found = text(child(child(item, "AttributeList"), "Text"))
-                if found.strip():
-                    return found
-    return ""
+                listed = child(item, "AttributeList")
+                yield text(child(listed, "Culture")), text(child(listed, "Text"))
